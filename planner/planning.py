@@ -5,7 +5,6 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache
-from itertools import islice
 from pathlib import Path
 from time import perf_counter
 
@@ -41,6 +40,7 @@ from planner.search.solving import Start, Step, Task
 from planner.vibration import LIMITED_JERK, both_laws, vibration
 
 SHIPPED = Path(__file__).with_name("families") / "shipped.json"
+KEPT = 3  # number of the best orders and periods that get more starts
 FEWEST, MOST = 2, 8  # starts in a round
 
 
@@ -90,7 +90,7 @@ def _rival(request: Request, case: Case) -> list[Task]:
         require_plannable(replace(request, family=rival, targets=()), case)
     except HexciteError:  # too short for it, or too fast for the filter
         return []
-    family = rival.searched(case, request.duration)
+    (family,) = rival.families(case, request.duration)
     begin = shipped_start(family, case)
     return [Task(case, request.model, family, Criterion.D, request.seed, request.payload, Step.GLANCE, begin)]
 
@@ -177,20 +177,22 @@ def _explored(
 ) -> Outcome:
     """Results of all starts and of tasks `beside` them, and whether Ctrl-C ended them.
 
+    Each of several orders and periods has one start first; the starts that follow go to the best of them.
+
     Args:
         case: case with the limits that its controller enforces.
         until: when to stop, on the monotonic clock [s].
     """
-    family, idle = request.family.searched(case, request.duration), request.family.idle(request.criterion)
+    families, idle = request.family.families(case, request.duration), request.family.idle(request.criterion)
     parameters, most = len(identification_model(case, request.model).names), most_starts(request)
-    seeds = iter(seeds_of(request.seed, most))
+    seeds, settings = iter(seeds_of(request.seed, most + len(families))), [family.settings for family in families]
 
-    def fresh(count: int) -> list[Task]:
-        own = islice(seeds, count)
-        return [Task(case, request.model, family, request.criterion, seed, request.payload) for seed in own]
+    def fresh(family: Family) -> Task:
+        return Task(case, request.model, family, request.criterion, next(seeds), request.payload)
 
-    tasks = fresh(min(1 + idle, most))
-    tasks[0] = replace(tasks[0], begin=shipped_start(family, case))
+    first = max(len(families), min(1 + idle, most))
+    tasks = [fresh(families[k % len(families)]) for k in range(first)]
+    tasks[0] = replace(tasks[0], begin=shipped_start(tasks[0].family, case))
     everything: list[Start | Failed] = []
     tasks += beside
     a_round = max(FEWEST, min(MOST, request.workers or cores()))
@@ -200,7 +202,10 @@ def _explored(
         results = [r for r in everything if isinstance(r, Failed) or r.family.name == request.family.name]
         if interrupted or time.monotonic() >= until or enough(results, request, parameters):
             return everything, interrupted
-        tasks = fresh(min(a_round, most - len(results)))
+        starts = sorted(_starts(results), key=lambda s: -s.promise)
+        ranked = dict.fromkeys(settings.index(s.family.settings) for s in starts)
+        best = [families[k] for k in ranked] or families
+        tasks = [fresh(best[k % min(KEPT, len(best))]) for k in range(min(a_round, most - len(results)))]
 
 
 def seeds_of(seed: int, starts: int) -> list[int]:

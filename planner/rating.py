@@ -179,6 +179,10 @@ def notes(planned: PlannedMotion, request: Request, case: Case, worst: dict[str,
             f"made for {settings.get('made_for')}, which does not limit jerk: accelerations step, and the limits of "
             f"jerk of the case ({limits}) do not count"
         )
+    tried = {(s["order"], s["period_s"]) for s in (start.family.settings for start in planned.starts) if "order" in s}
+    if len(tried) > 1:
+        chosen = f"order {settings['order']} with period {settings['period_s']:g} s"
+        words.append(f"{chosen} is the best of {len(tried)} choices of order and period")
     if request.targets:
         predicted = {name: std for name, (std, _) in worst.items()}
         reached = (

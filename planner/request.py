@@ -108,9 +108,8 @@ class Request:
         family_settings = {name: settings[key] for key, name in names.items() if key in settings}
         # earlier versions wrote what the family's settings became, not what was asked for
         entries = data["asked"] if "asked" in data else {"duration_s": data["duration_s"], "family": family_settings}
-        free = "free_order", "free_period"  # of version 0.2.0
         return cls(
-            kind(**{name: value for name, value in entries["family"].items() if name not in free}),
+            kind(**entries["family"]),
             float(entries["duration_s"]),
             Criterion(data["criterion"]),
             int(data["model"]),

@@ -33,6 +33,10 @@ def plan(
     duration: Annotated[float, option("Whole duration in s; a multiple of --period where that is given.")] = 12.0,
     order: Annotated[int, option("fourier: harmonics, 1 to 7; 1 is led in and out of.")] = 5,
     period: Annotated[float | None, option("fourier: period in s; by default about 2, to fit --duration.")] = None,
+    free_order: Annotated[bool, option("fourier: search the best order, 2 to 7.", "--free-order")] = False,
+    free_period: Annotated[
+        bool, option("fourier: search the best period of which --duration is a multiple.", "--free-period")
+    ] = False,
     centred: Annotated[bool, option("fourier: keep x0 in the middle of the box.")] = False,
     moves: Annotated[
         int | None,
@@ -127,7 +131,7 @@ def read_payloads(text: str) -> tuple[int, int | None]:
 
 
 def refuse_foreign(given: Sequence[str], family: str) -> None:
-    """Refuses options of another family."""
+    """Refuses options of another family, and those that fix a setting which another option leaves free."""
     from planner.families.settings import FAMILIES
     from planner.request import OWNERS
 
@@ -139,6 +143,8 @@ def refuse_foreign(given: Sequence[str], family: str) -> None:
             raise hx.HexciteError(
                 f"--{name} does nothing with --family {family}; leave it out, or choose --family {', '.join(owners)}"
             )
+        if given_option.startswith("free_") and (fixed := given_option.removeprefix("free_")) in given:
+            raise hx.HexciteError(f"--{fixed} does nothing with --free-{fixed}; leave out one of them")
 
 
 def answer_of_plan(plan: "hx.Plan", folder: Path) -> dict[str, Any]:

@@ -21,6 +21,8 @@ MOST_PERIODS = 1e6
 USUAL_PERIOD = 2.0  # [s]; of order 5 as informative as 2.4 s, more than 3 s, and of all the best conditioned
 KNOTS_A_SECOND = 10.0
 SHORTEST = spline.FEWEST / KNOTS_A_SECOND  # [s] of a spline, and of any motion whose duration is searched
+ORDERS = range(2, 8)  # where the order is free
+LOWEST, HIGHEST = 1 / 3, 2.0  # of the highest harmonic, in units of the frequency at which both limits meet
 HALF = 0.5  # of the limit of acceleration
 ROUNDING = 1e-9  # of a duration
 TIMED = "point-to-point moves in whole controller cycles"  # splines begin from such moves too
@@ -55,9 +57,9 @@ class FamilySettings:
         """The controller whose time law the motion is planned with; None where all limits of the case count."""
         return None
 
-    def searched(self, case: Case, duration: float) -> Family:
-        """The set of motions to search."""
-        raise NotImplementedError(f"a {self.name} motion is not searched for")
+    def families(self, case: Case, duration: float) -> tuple[Family, ...]:
+        """The sets of motions to search: several where a setting is free, none where nothing is optimised."""
+        return ()
 
     def motion(self, case: Case) -> tuple[Trajectory, Path] | None:
         """The motion and the file that it is from, where nothing is optimised."""
@@ -93,11 +95,15 @@ class Fourier(FamilySettings):
         order: N of (34), 1 to 7.
         period: [s]; the duration is a whole number of periods. None for the one nearest to 2 s.
         centred: whether x0 is the middle of the motion box.
+        free_order: whether the best order from 2 to 7 is searched instead.
+        free_period: whether the best period is searched instead.
     """
 
     order: int = 5
     period: float | None = None
     centred: bool = False
+    free_order: bool = False
+    free_period: bool = False
 
     name: ClassVar[str] = "fourier"
 
@@ -126,7 +132,7 @@ class Fourier(FamilySettings):
 
     def check(self, duration: float) -> None:
         """Raises HexciteError unless the duration is positive, and a whole number of a stated period."""
-        if self.period is None:
+        if self.free_period or self.period is None:
             super(Fourier, self).check(duration)  # of a dataclass with slots
             return
         repeats = duration / self.period
@@ -147,37 +153,73 @@ class Fourier(FamilySettings):
 
     def require_plannable(self, case: Case, duration: float) -> None:
         """Raises HexciteError unless the filter of the evaluation passes the highest harmonic."""
-        cutoff, period = case.recording.filter_cutoff_Hz, self.base_period(duration)
-        highest = self.order / period
-        if cutoff is None or highest <= cutoff / 2:
-            return
-        shortest = self.order / (cutoff / 2)
-        most = int(duration / shortest * (1.0 + ROUNDING))  # periods
-        remedy = f"--period {duration / most if most else shortest:g}"
-        if self.period is None and not most:
-            remedy = f"--duration {shortest:g}"
-        raise HexciteError(
-            f"period {period:g} s is too short: order {self.order} reaches {highest:g} Hz, the evaluation passes "
-            f"up to {cutoff / 2:g} Hz (half of recording.filter_cutoff_Hz); choose {remedy} or more"
+        cutoff = case.recording.filter_cutoff_Hz
+        for choice in self._choices(case, duration):
+            period = choice.base_period(duration)
+            highest = choice.order / period
+            if cutoff is None or highest <= cutoff / 2:
+                continue
+            shortest = choice.order / (cutoff / 2)
+            most = int(duration / shortest * (1.0 + ROUNDING))  # periods
+            remedy = f"--period {duration / most if most else shortest:g}"
+            if choice.period is None and not most:
+                remedy = f"--duration {shortest:g}"
+            raise HexciteError(
+                f"period {period:g} s is too short: order {choice.order} reaches {highest:g} Hz, the evaluation passes "
+                f"up to {cutoff / 2:g} Hz (half of recording.filter_cutoff_Hz); choose {remedy} or more"
+            )
+
+    def families(self, case: Case, duration: float) -> tuple[FourierFamily, ...]:
+        """Families of each order and period worth a look."""
+        middle, half = box_middle(case)
+        return tuple(
+            FourierFamily.lasting(c.order, c.base_period(duration), c.periods(duration), middle, half, c.centred)
+            for c in self._choices(case, duration)
         )
 
-    def searched(self, case: Case, duration: float) -> FourierFamily:
-        """The series of this order and period."""
-        ends = box_middle(case)
-        return FourierFamily.lasting(
-            self.order, self.base_period(duration), self.periods(duration), *ends, self.centred
-        )
+    def _choices(self, case: Case, duration: float) -> "tuple[Fourier, ...]":
+        """Settings with every order and period worth a look; these settings where neither is free.
+
+        A motion from rest to rest lasts a whole number of periods, so the base frequency takes discrete values: what
+        an optimiser would treat as a variable is searched through value by value. Worth a look are those whose highest
+        harmonic lies near the frequency at which a harmonic reaches its limits of velocity and of acceleration at once,
+        A / (2 pi V): far below it accelerations go to waste, far above it velocities.
+        """
+        if not (self.free_order or self.free_period):
+            return (self,)
+        box = case.need_motion("planning")[1]
+        meets = float(np.max(box.acceleration / box.rate)) / (2 * np.pi)
+        cutoff = case.recording.filter_cutoff_Hz
+        limit = np.inf if cutoff is None else cutoff / 2
+        choices = []
+        for order in ORDERS if self.free_order else (self.order,):
+            fewest = 2 if order == 1 else 1
+            most = max(fewest, int(HIGHEST * meets * duration / order))
+            for periods in range(fewest, most + 1) if self.free_period else (self.periods(duration),):
+                period = duration / periods
+                inside = LOWEST * meets <= order / period <= HIGHEST * meets or not self.free_period
+                if inside and order / period <= limit:
+                    choices.append(Fourier(order, period, self.centred))
+        if not choices:
+            shortest = min(ORDERS if self.free_order else (self.order,)) * LOWEST / meets
+            raise HexciteError(
+                f"no period fits: {duration:g} s is too short or the filter of the evaluation too low; choose "
+                f"--duration {max(2.0, np.ceil(shortest)):g} or more, or fix --period"
+            )
+        return tuple(choices)
 
     def refinements(self, criterion: Criterion) -> int:
         """One for criterion D: of nine machines, the second best was better in the end on one, by 0.5 %.
 
-        Four for the other criteria, which have more local optima.
+        Two where a setting is free, and four for the other criteria, which have more local optima.
         """
-        return 1 if criterion == Criterion.D else 4
+        if criterion != Criterion.D:
+            return 4
+        return 2 if self.free_order or self.free_period else 1
 
     def allowed_duration(self, duration: float) -> float:
         """The shortest whole number of a stated period."""
-        if self.period is None:
+        if self.free_period or self.period is None:
             return max(duration, SHORTEST)
         return max(self._fewest, int(np.ceil(duration / self.period - 1e-9))) * self.period
 
@@ -248,9 +290,9 @@ class PointToPoint(FamilySettings):
             f"{count * least:g} s{remedy}"
         )
 
-    def searched(self, case: Case, duration: float) -> ptp.PointToPointFamily:
-        """All sequences of this number of moves."""
-        return ptp.PointToPointFamily.of(case, self.count(case, duration), duration)
+    def families(self, case: Case, duration: float) -> tuple[Family, ...]:
+        """One."""
+        return (ptp.PointToPointFamily.of(case, self.count(case, duration), duration),)
 
     def refinements(self, criterion: Criterion) -> int:
         """0: annealed walks are refined at once."""
@@ -299,9 +341,9 @@ class Spline(FamilySettings):
         """Raises CaseError where the case states no controller cycle: controllers time splines in whole cycles."""
         case.need_controller(TIMED)
 
-    def searched(self, case: Case, duration: float) -> spline.SplineFamily:
-        """All splines over this number of intervals."""
-        return spline.SplineFamily.of(case, self.intervals(duration), duration)
+    def families(self, case: Case, duration: float) -> tuple[Family, ...]:
+        """One."""
+        return (spline.SplineFamily.of(case, self.intervals(duration), duration),)
 
     def idle(self, criterion: Criterion) -> int:
         """Number of starts without a gain: starts of splines differ more than those of other families."""

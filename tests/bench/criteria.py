@@ -1,6 +1,7 @@
 """What each criterion gains over the D-optimal motion of its family, in reference scaling."""
 
 from threading import Event
+from typing import Any
 
 from cases.schema import Case, load_case
 from identification.criteria import CRITERIA, reference_scaling, singular_values
@@ -15,7 +16,13 @@ from planner.request import Request
 from planner.search.parallel import silent, workers
 
 MODEL = 9
-LOOKED_AT = "fourier", "ptp", "spline"
+FREE: dict[str, Any] = {"free_order": True, "free_period": True}
+LOOKED_AT: tuple[tuple[str, dict[str, Any]], ...] = (  # family, its settings
+    ("fourier", {}),
+    ("fourier", FREE),
+    ("ptp", {}),
+    ("spline", {}),
+)
 WANTED = {"A": "trace 5 % lower", "D": "", "K": "1.50 times smaller", "N": "1.30 times larger"}
 
 
@@ -23,22 +30,24 @@ def criteria_table() -> None:
     """Prints all criteria of the motions that are optimal by each of them, and the gains that are wanted.
 
     Both motions of a gain are what `hexcite plan` finds with the same settings.
+    Where order and period are free too, the D-optimal series is conditioned so well that 1.5 times less cannot be
+    expected.
     """
     case = load_case("hexapod")
     model = identification_model(case, MODEL)
     bound = information_limit(case, model)
     rows = []
-    for family in LOOKED_AT:
+    for family, settings in LOOKED_AT:
         values = {}
         for letter in sorted(CRITERIA, key=lambda letter: letter != "D"):
-            request = Request(family_class(family)(), criterion=letter, model=MODEL)
+            request = Request(family_class(family)(**settings), criterion=letter, model=MODEL)
             with workers(Event()) as run:
                 found = search(request, case, silent, run)
             values[letter] = criteria_of(case, found.motion)
             seconds = [start.record.seconds for start in found.starts]
             rows.append(
                 [
-                    f"{family}, {letter}-optimal",
+                    f"{family}{', best order, period' if settings else ''}, {letter}-optimal",
                     f"{-values[letter]['A']:.4g}",
                     f"{bound.efficiency(values[letter]['D']):.3f}",
                     f"{-values[letter]['K']:.4g}",

@@ -20,6 +20,11 @@ FAMILIES: dict[str, tuple[tuple[str, ...], str, str]] = {  # arguments, wanted d
     "manual": (("--family", "manual"), "about 0.10", "-"),
     "fourier, order 5, period 2 s": (("--family", "fourier"), "0.20 / 0.23", "5 s"),
     "fourier, order 7, period 3 s": (("--family", "fourier", "--order", "7", "--period", "3"), "0.20 / 0.23", "5 s"),
+    "fourier, best order and period": (
+        ("--family", "fourier", "--free-order", "--free-period"),
+        "0.20 / 0.23",
+        "5 s",
+    ),
     "ptp, 32 moves": (("--family", "ptp", "--moves", "32"), "0.52 / 0.58", "60 s"),
     "ptp, 40 moves": (("--family", "ptp", "--moves", "40"), "0.52 / 0.58", "60 s"),
     "spline, 90 knots": (("--family", "spline", "--knots", "90"), "0.56 / 0.62", "60 s"),

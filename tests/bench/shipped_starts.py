@@ -54,7 +54,7 @@ def search(name: str, seconds: float) -> None:
     case = case.without_jerk() if name.endswith("steps") else case
     model = identification_model(case, 9)
     bound = information_limit(case, model)
-    family = family_class(name.partition(",")[0])().searched(case, 12.0)
+    (family,) = family_class(name.partition(",")[0])().families(case, 12.0)
     draw, until, k = np.random.default_rng(), time.monotonic() + seconds, 0
     while time.monotonic() < until:
         tables = json.loads(SHIPPED.read_text(encoding="utf-8"))

@@ -44,7 +44,7 @@ pytestmark = pytest.mark.usefixtures("cache")
 
 def planned(family: FamilySettings, request: Request, share: float, seed: int, search: Any) -> Plan:
     """The plan of some motion of a family, of which a search is made up."""
-    sets = family.searched(CASE, DURATION)
+    (sets,) = family.families(CASE, DURATION)
     begin = shipped_start(sets, CASE)
     assert begin is not None
     change = 1.0 + 0.02 * np.random.default_rng(seed).normal(size=begin.shape)

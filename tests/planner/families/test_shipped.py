@@ -26,7 +26,8 @@ CASE = load_case("hexapod")
 
 
 def family_of(name: str, duration: float = 12.0, **settings: Any) -> Family:
-    return family_class(name.partition(",")[0])(**settings).searched(case_of(name), duration)
+    (family,) = family_class(name.partition(",")[0])(**settings).families(case_of(name), duration)
+    return family
 
 
 def case_of(name: str) -> Case:

@@ -1,7 +1,7 @@
 """Free order and period: whole numbers of periods near the frequency at which velocity and acceleration both bind."""
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from inspect import signature
 from typing import get_type_hints
 
@@ -14,8 +14,8 @@ from planner.cli.compare import validate
 from planner.cli.plan import OPTIONS, SEARCHED, plan, refuse_foreign
 from planner.comparison.methods import ValidationSettings
 from planner.families import ptp, spline
-from planner.families.settings import FAMILIES, Fourier
-from planner.planning import search
+from planner.families.settings import FAMILIES, Fourier, PointToPoint, Spline
+from planner.planning import KEPT, search
 from planner.precision import SolverStatus
 from planner.request import OWNERS, Request
 from planner.search import StartRecord
@@ -23,10 +23,68 @@ from planner.search.parallel import Listener, Outcome, silent
 from planner.search.solving import Start, Step, Task
 from tests.helpers import one_line
 
+
+def test_what_is_fixed_is_the_only_choice(hexapod_case: Case):
+    for family in (Fourier(), PointToPoint(), Spline()):
+        assert len(family.families(hexapod_case, 12.0)) == 1
+
+
+@pytest.mark.parametrize("order", [1, 2, 5, 7])
+def test_a_free_period_is_the_duration_over_a_whole_number(order: int, hexapod_case: Case):
+    found = Fourier(order, free_period=True).families(hexapod_case, 12.0)
+    periods = [12.0 / family.period for family in found]
+    assert periods == pytest.approx(np.round(periods))
+    assert len(set(periods)) == len(found) > 2
+    assert {family.order for family in found} == {order}
+
+
+def test_the_best_known_periods_are_among_the_choices(hexapod_case: Case):
+    families = Fourier(free_order=True, free_period=True).families(hexapod_case, 12.0)
+    found = {(family.order, family.period) for family in families}
+    assert {(5, 3.0), (7, 4.0), (3, 2.0)} <= found
+    assert {order for order, _ in found} == set(range(2, 8))
+
+
+def test_velocity_alone_binds_far_below_and_acceleration_far_above_the_choices(hexapod_case: Case):
+    """One harmonic of amplitude V / w has an acceleration of V w: the limit A is reached at w = A / V."""
+    box = hexapod_case.limits.motion
+    highest = [f.order / f.period for f in Fourier(5, free_period=True).families(hexapod_case, 12.0)]
+    meets = (box.acceleration / box.rate).max() / (2 * np.pi)
+    assert meets / 3 <= min(highest) < meets < max(highest) <= 2 * meets
+
+
+def test_a_free_order_keeps_the_period_that_is_fixed(hexapod_case: Case):
+    found = Fourier(period=4.0, free_order=True).families(hexapod_case, 12.0)
+    assert [family.order for family in found] == [2, 3, 4, 5, 6, 7]
+    assert {family.period for family in found} == {4.0}
+
+
+def test_a_duration_need_not_fit_a_period_that_is_free(hexapod_case: Case):
+    family = Fourier(free_period=True)
+    assert family.families(hexapod_case, 10.3)
+    with pytest.raises(HexciteError, match="not positive"):
+        Request(family, duration=-1.0)
+
+
+def test_too_short_a_duration_is_refused_in_one_line(hexapod_case: Case):
+    with pytest.raises(HexciteError, match="no period fits") as caught:
+        Fourier(free_period=True).families(hexapod_case, 0.3)
+    one_line(caught.value)
+
+
+@pytest.mark.parametrize("what", ["order", "period"])
+def test_fixed_and_free_at_once_is_a_misunderstanding(what: str):
+    with pytest.raises(HexciteError, match=f"{what} does nothing with free_{what}"):
+        refuse_foreign([f"free_{what}", what], "fourier")
+    with pytest.raises(HexciteError, match=f"free_{what} .*family ptp"):
+        refuse_foreign([f"free_{what}"], "ptp")
+
+
 MOVING = ("fourier", "ptp", "spline")
 BELONGS = dict.fromkeys(SEARCHED, MOVING) | {
-    "order": ("fourier",), "period": ("fourier",), "centred": ("fourier",), "moves": ("ptp",),
-    "controller": ("ptp",), "knots": ("spline",), "sequence": ("manual",),
+    "order": ("fourier",), "period": ("fourier",), "centred": ("fourier",), "free_order": ("fourier",),
+    "free_period": ("fourier",), "moves": ("ptp",), "controller": ("ptp",), "knots": ("spline",),
+    "sequence": ("manual",),
 }  # fmt: skip
 
 
@@ -60,8 +118,8 @@ def test_options_of_another_family_are_refused_and_its_own_are_taken(option: str
 
 
 def _made_up(task: Task) -> Start:
-    """What a start would find: the larger its seed, the better; refinements are better still."""
-    promise = float(task.seed)
+    """What a start would find: the shorter the period, the better."""
+    promise = -float(task.family.settings.get("period_s", 100.0))
     refined = task.step is Step.REFINE
     score = promise if refined else -100.0  # drawn back, a motion is worth as little as any
     unknowns = np.full(18, 0.01)
@@ -69,9 +127,14 @@ def _made_up(task: Task) -> Start:
     return Start(tried, unknowns, task.family, 1.0, unknowns, promise)
 
 
-@pytest.mark.parametrize(("criterion", "refinements"), [("D", 1), ("K", 4)])
-def test_the_best_starts_are_refined(criterion: str, refinements: int, hexapod_case: Case):
-    request = Request(Fourier(order=2), criterion=criterion, duration=3.0, starts=6)
+@pytest.mark.parametrize(("criterion", "refinements"), [("D", 2), ("K", 4)])
+def test_each_choice_is_looked_at_and_the_best_get_all_other_starts(
+    criterion: str, refinements: int, hexapod_case: Case
+):
+    """With results made up: the shorter the period the better, and refinements better still."""
+    request = Request(Fourier(order=2, free_period=True), criterion=criterion, duration=3.0)
+    periods = sorted(family.period for family in request.family.families(hexapod_case, 3.0))
+    request = replace(request, starts=len(periods) + 2 * KEPT)
     tried: list[Task] = []
 
     def run(tasks: Sequence[Task], listener: Listener, until: float) -> Outcome:
@@ -79,15 +142,18 @@ def test_the_best_starts_are_refined(criterion: str, refinements: int, hexapod_c
         return [_made_up(task) for task in tasks], False
 
     found = search(request, hexapod_case, silent, run)
-    seeds = [task.seed for task in tried if task.step is Step.EXPLORE]
-    assert len(set(seeds)) == len(seeds) == request.starts
-    best = sorted(seeds, reverse=True)[:refinements]
-    assert [task.seed for task in tried if task.step is Step.REFINE] == best
+    assert len(periods) > KEPT
+    explored = [task for task in tried if task.step is Step.EXPLORE]
+    assert len({task.seed for task in explored}) == len(explored) == request.starts
+    seen = [task.family.settings["period_s"] for task in explored]
+    assert sorted(seen[: len(periods)]) == periods
+    assert set(seen[len(periods) :]) <= set(periods[:KEPT])
+    assert len([task for task in tried if task.step is Step.REFINE]) == refinements
     glances = [task.family.name for task in tried if task.step is Step.GLANCE]
     assert glances == (["ptp"] if criterion == "D" else [])
     assert (found.rival is None) == (criterion != "D")
     assert all(start.family.name == "fourier" for start in found.starts)
-    assert found.starts[0].record.seed == best[0]
+    assert found.settings["period_s"] == periods[0]
 
 
 def test_the_best_of_two_series_is_refined_and_another_family_looked_at_beside_it(hexapod_case: Case):
