@@ -24,7 +24,6 @@ from identification.finding import Kind, changed_cases, warning
 from identification.findings.contact import contact_sentences, free_of_contact, touched
 from identification.findings.fit_checks import fit_findings, leaves_much
 from identification.findings.wiring import fitting_case, other_wiring
-from identification.fitting import GAUSS_MARKOV, SANDWICHED, fit_samples
 from identification.formats.reading import files_of
 from identification.hexapod import StrutsDoNotClose
 from identification.model import Model, full_model, identification_model
@@ -38,7 +37,7 @@ from identification.runs.preparation import delimited, moving_run, on_one_clock,
 from identification.runs.sample_checks import scan
 from identification.runs.standstills import average, find_standstills, match, standstills
 from identification.runs.wrist import widest_band, wrist_run
-from identification.samples import USUAL, Conditioning, Samples
+from identification.samples import GAUSS_MARKOV, SANDWICHED, USUAL, Conditioning, Samples, fit_samples
 
 RESTLESS = 3.0  # times the usual scatter of an averaged force
 NOT_COMPARED = "the noise that the case states is compared with s0 for gauss-markov and consistent without priors only"

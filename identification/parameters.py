@@ -325,3 +325,12 @@ def _known_centre(axis: int, constants: Mapping[str, float]) -> float | None:
     if constants.get(moment) == 0.0:
         return 0.0
     return constants[moment] / constants["m"] if moment in constants and "m" in constants else None
+
+
+def pseudo_inertia(body: Array) -> Array:
+    """J of the ten parameters m, m xC, I11 I12 I13 I22 I23 I33 about the origin of {P}, shape (4, 4)."""
+    inertia = np.zeros((3, 3))
+    for (i, j), moment in zip(INERTIA_INDEX, body[4:], strict=True):
+        inertia[i, j] = inertia[j, i] = moment
+    second = 0.5 * np.trace(inertia) * np.eye(3) - inertia
+    return np.block([[second, body[1:4, None]], [body[None, 1:4], body[None, :1]]])

@@ -16,11 +16,10 @@ from identification.estimation.biases import AccelerometerBias
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, Value
 from identification.finding import AS_OBJECT, FROZEN, SEVERITIES, Entries, Finding, sentences
-from identification.fitting import Fitted
 from identification.model import Model, identification_model
 from identification.parameters import ERROR_TERMS, physical_form
 from identification.runs.noise_sources import NoiseSources, attenuation_of
-from identification.samples import Samples
+from identification.samples import Fitted, Samples
 
 
 @dataclass(frozen=True, slots=True)

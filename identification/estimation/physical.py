@@ -17,7 +17,7 @@ from cases.errors import IdentificationError
 from cases.units import Array
 from identification.estimation.fit import Fit, Regression
 from identification.finding import Kind, note, warning
-from identification.parameters import FIRST_MOMENT, INERTIA, INERTIA_INDEX, MASS
+from identification.parameters import FIRST_MOMENT, INERTIA, MASS, pseudo_inertia
 
 # [m] rms distance of a body's mass from any plane through its centre of gravity, at least: of a sheet of thickness d
 # d / sqrt(12), thinner than any tool or workpiece; above 0, since a body on the bound has no volume otherwise
@@ -26,15 +26,6 @@ UNLIKELY = 1e-3  # chance of so inconsistent an estimate below which it is repor
 BODY = tuple(p.name for block in (MASS, FIRST_MOMENT, INERTIA) for p in block.parameters)
 _NONE = "no consistent body was found"
 ACCURACIES = (1e-9, 1e-7)  # of the solver: 1e-9 gives 1e-6 standard deviations, but is not always within its reach
-
-
-def pseudo_inertia(body: Array) -> Array:
-    """J of the ten parameters m, m xC, I11 I12 I13 I22 I23 I33 about the origin of {P}, shape (4, 4)."""
-    inertia = np.zeros((3, 3))
-    for (i, j), moment in zip(INERTIA_INDEX, body[4:], strict=True):
-        inertia[i, j] = inertia[j, i] = moment
-    second = 0.5 * np.trace(inertia) * np.eye(3) - inertia
-    return np.block([[second, body[1:4, None]], [body[None, 1:4], body[None, :1]]])
 
 
 def consistent(regression: Regression, free: Fit) -> tuple[Fit, float, float]:

@@ -20,11 +20,10 @@ from identification.estimation.channel_weights import EACH, least_trimmed_square
 from identification.estimation.estimators import robust_of
 from identification.estimation.fit import Regression
 from identification.findings.fit_checks import following
-from identification.fitting import Fitted
 from identification.model import Model
 from identification.recording import Recording
 from identification.runs.sample_checks import MOST_NAMED, places
-from identification.samples import Samples
+from identification.samples import Fitted, Samples
 from identification.signals import FAIR_PART, fair_part, stretches
 
 CHANCE = 1e-7  # for a sample by noise alone; two neighbours are needed, so that a run of an hour has no false contact

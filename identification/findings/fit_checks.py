@@ -17,13 +17,12 @@ from cases.units import Array, Indices
 from identification.estimation.biases import WARM_UP, channel_words
 from identification.estimation.fit import Fit, Regression, inverse_root, joint_triangle
 from identification.estimation.force_noise import noise_components
-from identification.estimation.physical import pseudo_inertia
 from identification.finding import Finding, Kind, note, warning
-from identification.fitting import SANDWICHED, Fitted
 from identification.model import Model
-from identification.parameters import INERTIA, INERTIA_INDEX, MASS, physical_form
+from identification.parameters import INERTIA, INERTIA_INDEX, MASS, physical_form, pseudo_inertia
 from identification.recording import Recording
 from identification.runs.sample_checks import cut_off, shorter_than_planned
+from identification.samples import SANDWICHED, Fitted
 from identification.signals import fair_part
 
 NOISIER = 3.0  # times the stated noise of a force sensor, from which residuals say more than noise

@@ -34,11 +34,10 @@ from identification.hexapod import Hexapod, StrutsDoNotClose
 from identification.model import expected_forces, regressors
 from identification.recording import Recording
 from identification.runs.noise_sources import regressor_squares
-from identification.samples import Moving
+from identification.samples import MOST_DELAY, Moving
 from identification.signals import MOST_SAMPLES, Filter, Residuals, decimated, fair_part
 from identification.symbolic import Kinematics, Machine, over_samples
 
-MOST_DELAY = 0.04  # [s] between forces and motion that is looked for, either way
 SMOOTHING_STEP = 1e-3  # [s] for the second derivative: far below the periods that pass
 PIECE = 6_000  # samples that go from struts to regressors together: what lies between stays in the cache
 FORGOTTEN = 100  # samples after which noise counts as independent

@@ -13,9 +13,10 @@ from identification.formats.table import Stream
 from identification.hexapod import Hexapod
 from identification.model import Model, machine_of
 from identification.recording import Recording
-from identification.runs.evaluation import MOST_DELAY, Run, signals_at
+from identification.runs.evaluation import Run, signals_at
 from identification.runs.rates import at_the_forces, at_the_motion
 from identification.runs.sample_checks import bridged
+from identification.samples import MOST_DELAY
 from identification.signals import Filter, stretches
 
 OVERSAMPLED = 1.5  # samples of the forces in a motion's interval, from which they are averaged

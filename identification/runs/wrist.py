@@ -22,10 +22,10 @@ from identification.formats.table import HOST_GAP, Stream, equal_steps, lost_sam
 from identification.model import Model
 from identification.parameters import MASS
 from identification.recording import Recording
-from identification.runs.evaluation import DELAY_STEP, MOST_DELAY
+from identification.runs.evaluation import DELAY_STEP
 from identification.runs.preparation import about_left_out, spoilt_by
 from identification.runs.sample_checks import bridged
-from identification.samples import Moving
+from identification.samples import MOST_DELAY, Moving
 from identification.signals import Filter, Residuals
 
 TURNING = 0.02  # [rad/s] from which the sensor counts as moving

@@ -13,8 +13,8 @@ from identification.estimation import physical as module
 from identification.estimation.channel_weights import per_channel
 from identification.estimation.estimators import estimate_selected
 from identification.estimation.fit import Filtered, Fit, Regression, gauss_markov
-from identification.estimation.physical import THINNEST, consistent, pseudo_inertia
-from identification.parameters import select
+from identification.estimation.physical import THINNEST, consistent
+from identification.parameters import pseudo_inertia, select
 from tests.helpers import one_line
 from tests.identification.moving_run import MODEL, NAMES, ONES, A, U, forces, truth_with
 from tests.identification.point_masses import PointMasses
