@@ -218,10 +218,11 @@ def _words(model: type[BaseModel], problem: ErrorDetails) -> str:
     if kind == "value_error":
         return str(problem["ctx"]["error"]) if "ctx" in problem else problem["msg"]
     if kind == "too_short" or kind == "too_long":
-        expected = problem.get("ctx", {}).get("actual_length", "?")
+        fewer, about = kind == "too_short", problem["ctx"]
+        compared = f"fewer than {about['min_length']}" if fewer else f"more than {about['max_length']}"
         whole = isinstance(value, list) and len(value) > 1 and any(isinstance(v, int) for v in value)
         hint = "; a decimal comma counts as two entries, write a point" if whole else ""
-        return f"has {expected} entries; {problem['msg'].lower()}{hint}"
+        return f"has {about['actual_length']} entries, {compared}; {'add some' if fewer else 'leave some out'}{hint}"
     if isinstance(value, str) and re.fullmatch(_COMMA, value.strip()):
         return f"{value!r}: is text with a decimal comma; write {value.strip().replace(',', '.')}, without quotes"
     if kind in _TYPES:

@@ -80,5 +80,5 @@ def test_five_base_joints_are_one_too_few(hexapod_file: Path):
     lines = [f"base = {{ points_mm = [{points}] }}" if line.startswith("base = ") else line for line in lines]
     hexapod_file.write_text("\n".join(lines))
     line = refused("case", "check", hexapod_file)
-    for word in (str(hexapod_file), "machine.base.points_mm", "5 points", "6"):
+    for word in (str(hexapod_file), "machine.base.points_mm", "5 entries", "6"):
         assert word in line

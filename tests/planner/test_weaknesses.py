@@ -11,6 +11,7 @@ from identification.criteria import box_middle
 from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, Status
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
+from planner.precision import SolverStatus
 from planner.rating import FULL, RIVALS, PlannedMotion, weaknesses
 from planner.search import StartRecord
 from planner.search.solving import DRAWN_BACK, Start
@@ -68,7 +69,7 @@ def test_another_family_that_carries_more(
 
 @pytest.mark.parametrize("interrupted", [False, True])
 def test_a_search_that_had_not_converged(interrupted: bool, found: PlannedMotion, start: Start, said: Said):
-    tried = replace(start.record, converged=False, solver="maximum iterations exceeded")
+    tried = replace(start.record, converged=False, solver=SolverStatus.ITERATION_LIMIT)
     unfinished = replace(start, record=tried)
     weak = said(found._replace(starts=(unfinished,), interrupted=interrupted))
     if interrupted:  # it says so itself
