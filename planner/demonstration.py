@@ -29,7 +29,7 @@ class Demo:
     """Results of the steps."""
 
     plan: Plan
-    program: Program  # program for LinuxCNC, or as a table of set points, proven
+    program: Program  # in the machine's usual dialect, proven
     run: ExecutedRun
     recording: Recording
     result: Result

@@ -54,7 +54,7 @@ def write(
         speed: share of the planned speed; 0.1 for a first try.
         accept: limits that the controller does not enforce and that the caller answers for, such as
             `("jerk", "sensor force")`, or one.
-        file: name of the program, for messages; its suffix says how a table of set points is written.
+        file: name of the program, for messages.
 
     Raises:
         ProgramError: the text, as read back, is not the planned motion, exceeds a limit, or relies on one that nobody

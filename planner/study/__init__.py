@@ -40,7 +40,7 @@ OPTIONS = {"duration_s": "duration", "period_s": "period"}  # of settings whose 
 
 
 class Grid(Part):
-    """Values of each setting of `hexcite plan`; every combination is a cell. One value may stand without brackets.
+    """Values of most settings of `hexcite plan`; every combination is a cell. One value may stand without brackets.
 
     A model that is not stated is the machine's largest; period, moves and knots fit the duration, as they do there.
     """
