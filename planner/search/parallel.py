@@ -1,8 +1,8 @@
 """Starts in parallel processes: how they are getting on, stopped on Ctrl-C without losing them, until they are enough.
 
 A search ends as soon as the last starts, as many as the family waits for (`idle`), did not raise the best by
-`WORTHWHILE`, the first `FAILURES` all failed, or there were `MOST`. They are counted in an order that does not depend on which of them was
-done first. `--starts N` asks for N of them instead, `--seconds S` for as many as that time allows.
+`WORTHWHILE`, the first `FAILURES` all failed, or there were `MOST`. They are counted in an order that does not depend
+on which of them was done first. `--starts N` asks for N of them instead, `--seconds S` for as many as time allows.
 """
 
 import math
