@@ -30,12 +30,11 @@ from cases.schema import Case
 from cases.units import Array
 from identification.formats.assembly import switched
 from identification.formats.layout import look_at_text
-from identification.formats.looked import Column, Look, look_at_bag, oddities, strut_range
+from identification.formats.looked import RATES, Column, Look, look_at_bag, oddities, strut_range
 from identification.formats.naming import matched, may_be_force, sixes, wrenches
 from identification.formats.reading import bag_of, is_bag, is_parquet, read_run, read_tables
 
 CUTOFF_HZ = 40.0  # of a proposal where the case states none
-_RATES = (20.0, 50_000.0)  # rows per second that recorders have
 _USUAL_RATE = 1000.0
 _FORCES_OVER_WEIGHT = (0.02, 50.0)  # how much forces change in a motion, over the weight that is moved
 _MOST_RADIANS = 6.5  # of joints; in degrees one of them is beyond that in any motion
@@ -192,7 +191,7 @@ def _units(
         step = float(np.median(np.diff(clock))) if len(clock) > 1 else 0.0
         names = ("filetime",) if step > 0.0 and 1e17 < clock[0] < 1e18 else ("s", "ms", "us", "ns")
         rates = {u: 1.0 / (step * TICKS[u]) for u in names if step > 0.0}
-        possible = [u for u, rate in rates.items() if _RATES[0] <= rate <= _RATES[1]]
+        possible = [u for u, rate in rates.items() if RATES[0] <= rate <= RATES[1]]
         take((CLOCK,), min(possible, key=lambda u: abs(np.log(rates[u] / _USUAL_RATE)), default=None))
     if struts := unstated(STRUTS):
         take(STRUTS, _strut_unit(struts, case))

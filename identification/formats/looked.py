@@ -26,6 +26,7 @@ from identification.formats.binary import (
 from identification.formats.naming import matched
 from identification.formats.table import Stamps, listed, lost_samples, shown, usual_step
 
+RATES = (20.0, 50_000.0)  # rows per second that recorders have
 AROUND_HOME = 2.5  # times the length at home that a strut may have where the case states no workspace
 _MOST_BLANK = 1e-3  # share of a column, from which on its empty fields are reported
 
@@ -101,9 +102,11 @@ def oddities(look: Look, case: Case | None) -> Iterator[str]:
         yield f"no clock: {period:g} ms between rows is a guess; state the recorder's period in clock.period_ms"
     elif clock is None:
         yield "no clock: each row is taken for an averaged standstill; of a motion state clock.period_ms"
-    elif (gaps := lost_samples(clock.values)).any():
+    elif np.all(np.diff(clock.values) > 0.0) and (gaps := lost_samples(clock.values)).any():
         count, places, first = int(gaps.sum()), int(np.count_nonzero(gaps)), int(np.argmax(gaps > 0)) + 1
         yield f"{shown(clock.name)}: {count} samples are missing at {places} places, first after row {first}"
+    if clock is not None and look.rate is not None and not RATES[0] <= look.rate <= RATES[1]:
+        yield f"{look.rate:.3g} rows per second, by this clock: is its unit right?"
     if clock is not None and clock.guessed:
         yield (
             f"{shown(clock.name)}: its unit {clock.unit} is a guess from its steps; if it counts samples, leave it out "

@@ -46,13 +46,15 @@ def scope_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     wanted = sorted(set(clock_of.values()))
     block = section_of(file, header_rows, form.trailing_rows, len(positions) + len(wanted)).text()
     filled = _filled(block, len(names), form.separator)
-    if not filled[1].strip():
+    columns = parse(file, filled, form, labels, positions.values(), wanted) if filled[1].strip() else {}
+    stamps = {k: _present(file, filled, column) for k, column in columns.items() if k in wanted}
+    if not any(map(len, stamps.values())):
         raise RecordingError(file, "has a header but no rows", "export the recording again")
-    columns = parse(file, filled, form, labels, positions.values(), wanted)
-    stamps = {k: _present(file, filled, columns[k]) for k in wanted}
     places = lines_of(filled, len(columns[wanted[0]]))
     for group in _groups({ours: stamps[k] for ours, k in clock_of.items()}):
         clock = min((stamps[clock_of[ours]] for ours in group), key=len)
+        if not len(clock):  # a channel that was not recorded
+            continue
         _require_unit(file, clock, form)
         values = {ours: columns[positions[ours]].to_numpy()[: len(clock)] for ours in group}
         yield ColumnTable(str(file), form, channels, values, clock, form.tick, places)
@@ -136,8 +138,6 @@ def _alike(one: Stamps, other: Stamps) -> bool:
 
 
 def _require_unit(file: Path, stamps: Stamps, form: RecordingFormat) -> None:
-    if not len(stamps):
-        raise RecordingError(file, "a clock has no stamps", "export the recording again")
     counts_ticks = float(stamps[0]) >= _LEAST_FILETIME
     if counts_ticks != (form.clock_unit == "filetime"):
         right = "filetime" if counts_ticks else "ms"

@@ -222,8 +222,8 @@ class Grouping:
         """The reading of the whole program, with its number of blocks."""
         self._finish_path()
         if self.waiting is not None:
-            problem = "the trigger waits for a next motion that never comes; switch it at once (M64, M65), or move"
-            raise self.error(self.waiting[0], problem)
+            problem = "the trigger waits for a next motion that never comes; "
+            raise self.error(self.waiting[0], f"{problem}write M64 or M65 (LinuxCNC), or a dwell after it (SINUMERIK)")
         left_on = self.switched if self.trigger else 0
         return Reading(self.file, tuple(self.stretches), blocks, self.start, left_on)
 

@@ -17,6 +17,7 @@ from postprocessors.reading import FLOAT, Grouping, Reading, TimedBlock, program
 
 LARGEST = 1e6  # rad, m and their derivatives: no machine has such numbers
 LONGEST_LINE = 4096
+SHOWN = 120  # characters of a line that an error repeats: names of seven joints
 _TIME = re.compile(r"  time_from_start: \{\s*sec:\s*(\d{1,9})\s*,\s*nanosec:\s*(\d{1,9})\s*\}")
 
 _Point = tuple[int, Array, float]  # line, position with rate and acceleration, shape (3, joints), and time [s]
@@ -43,7 +44,7 @@ def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
     found: list[tuple[int, tuple[str, ...]]] = []
     for (line, code), (form, pattern) in zip(lines, itertools.chain(forms, itertools.cycle(of_a_point)), strict=False):
         if (match := pattern.fullmatch(code)) is None:
-            raise ProgramError(file, line, 0, f"{code.strip()[:24]!r} where `{form}` is expected; write it so")
+            raise ProgramError(file, line, 0, f"{code.strip()[:SHOWN]!r} where `{form}` is expected; write it so")
         found.append((line, match.groups()))
     rows = found[len(forms) :]
     if not rows or len(rows) % len(of_a_point):

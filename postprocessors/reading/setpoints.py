@@ -35,16 +35,19 @@ def read_table(content: bytes, file: str, most: int, columns: tuple[str, ...]) -
     if not re.fullmatch(rf"#\s*format: {FORMAT}\s*", lines[0]):
         raise ProgramError(file, 1, 0, f"does not begin with '# format: {FORMAT}'; is this a table of setpoints?")
     first, rows = number + 2, lines[number + 1 :]
-    if rows.pop() != "" or len(rows) < 2:
+    if rows[-1:] != [""] or len(rows) < 3:  # its two first ones and the end of the last
         raise ProgramError(file, len(lines), 0, "the last line has no end, or is the only one; the file is truncated")
+    rows.pop()
     if len(rows) > most:
         problem = f"{len(rows)} rows, the controller's memory holds {most} (most_rows); plan a shorter motion"
         raise ProgramError(file, 0, 0, problem)
     plain = re.compile(",".join([f"(?>{NUMBER})"] * len(columns)))  # (?>..) tries no second way: there are too many
-    for line, text in enumerate(rows, first):
+    values = np.empty((len(rows), len(columns)))
+    for row, text in enumerate(rows):
+        cells = text.split(",")
         if not plain.fullmatch(text):
-            raise _not_plain(text.split(","), file, line, columns)
-    values = np.array([text.split(",") for text in rows], dtype=float)
+            raise _not_plain(cells, file, first + row, columns)
+        values[row] = cells  # row by row: the words of all take seven times the memory of the file
     for row, column in np.argwhere(np.abs(values) > LARGEST)[:1].tolist():
         problem = f"{columns[column]} = {values[row, column]:g} is not a machine's number"
         raise ProgramError(file, first + row, 0, problem)

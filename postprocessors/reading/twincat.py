@@ -15,6 +15,7 @@ from postprocessors.reading.modal import ModalState, Word
 from postprocessors.reading.twincat_words import (
     GROUPS,
     LONGEST_LINE,
+    MOST_MESSAGES,
     OTHERS,
     twincat_words,
 )
@@ -50,6 +51,7 @@ class _TwinCatInterpreter(ModalState):
         self.akima = self.contour = False  # whether the settings that SPLINE and CONTOUR need are active
         self.points = 0  # of the path, its start included
         self.stopped = False  # whether an exact stop has ended the points
+        self.messages = 0
 
     def read(self, words: list[Word]) -> None:
         block = self.once_each(words)
@@ -118,7 +120,9 @@ class _TwinCatInterpreter(ModalState):
             case "#FGROUP":
                 self.feed_axes = word.arguments or ()
             case "#MSG" | "#MSG SYN":
-                pass
+                self.messages += 1
+                if self.messages > MOST_MESSAGES:
+                    self.fail(word, f"the controller stops at {MOST_MESSAGES} messages that nobody reads; remove some")
             case "#TIME":
                 self._pause(word, word.value)
             case "#SPLINE TYPE AKIMA" if s is not None:

@@ -7,6 +7,7 @@ from postprocessors.reading import NUMBER, each_word
 from postprocessors.reading.modal import Word
 
 LONGEST_LINE = 4096  # beyond it: error 20301
+MOST_MESSAGES = 10  # unread ones stop the controller
 
 # Modal words, of which two of a group in a block are an error to the controller.
 GROUPS: tuple[tuple[str, ...], ...] = (

@@ -2,7 +2,7 @@
 
 import tomllib
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -147,6 +147,16 @@ def test_what_is_odd_is_named(hexapod_case: Case, tmp_path: Path) -> None:
     odd = "\n".join(look(RECORDERS[0].write(table, tmp_path), hexapod_case).odd)
     assert "40 samples are missing" in odd
     assert "f3_N: never changes (17)" in odd
+
+
+def test_a_clock_in_another_unit_or_backwards_is_noticed(hexapod_case: Case, tmp_path: Path) -> None:
+    table = run(hexapod_case)
+    recorder = Written("units.csv", [_named("t_s", "l#_mm", "f#_N", "trigger")], time=1e-3)
+    assert "1e+06 rows per second, by this clock: is its unit right?" in look(recorder.write(table, tmp_path)).odd
+    table[600, 0] = table[598, 0]
+    odd = look(replace(recorder, time=1.0).write(table, tmp_path), hexapod_case).odd
+    assert any("time must increase" in sentence for sentence in odd)
+    assert not any("samples are missing" in sentence for sentence in odd)
 
 
 def test_another_machine_is_noticed(hexapod_case: Case, tmp_path: Path) -> None:

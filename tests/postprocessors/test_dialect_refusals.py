@@ -44,7 +44,7 @@ SINUMERIK_WRONG: dict[str, tuple[int, str]] = {
     "DO $R1=$AC_TIME\nG1 X1 F10": (4, "not the trigger's"),
     "WHEN $A_IN[1]==1 DO $A_OUT[1]=1\nG1 X1 F10": (6, "cannot read"),
     "DO $A_OUT[1]": (4, "not the trigger's"),
-    "DO $A_OUT[1]=1": (0, "waits for a next motion that never comes"),
+    "DO $A_OUT[1]=1": (0, r"waits for a next motion that never comes; .*a dwell after it \(SINUMERIK\)"),
     "G4 F-1": (1, "G4 needs a duration"),
     "G4 F2000000": (1, "a duration of 0 to 1e"),
     "G4 F1 X1": (7, "block of its own"),
@@ -116,6 +116,7 @@ TWINCAT_WRONG: dict[str, tuple[int, str]] = {
     "G01 X1.2.3 G60 F1": (9, "a number without a letter|cannot read"),
     "#TRAFO OFF\nM30\nG01 X1": (1, "after the end of the program"),
     "M30": (1, "the transformation is still on; write #TRAFO OFF"),
+    "\n".join('#MSG ["A"]' for _ in range(11)): (1, "stops at 10 messages"),
 }
 TABLE = [(SINUMERIK, line, *found) for line, found in SINUMERIK_WRONG.items()]
 TABLE += [(TWINCAT, line, *found) for line, found in TWINCAT_WRONG.items()]

@@ -136,6 +136,7 @@ def row() -> str:
 
 REFUSED = {
     "another joint": (lambda: ("[base,", "[foot,"), "'joint_names: .foot.* where `joint_names: .base, .*` is expected"),
+    "another last joint": (lambda: ("wrist_3]", "flange]"), "'joint_names: .*, flange.' where `joint_names: .base, "),
     "joints in another order": (
         lambda: ("base, shoulder", "shoulder, base"),
         "where `joint_names: .base, shoulder, .*` is expected",

@@ -196,6 +196,13 @@ def test_a_damaged_table_ends_in_a_proof_or_in_one_line(position: float, byte: i
         assert one_line(error).startswith("t")
 
 
+def test_a_table_that_breaks_off_behind_its_last_name_is_refused_in_one_line():
+    content = write_setpoints(moves(), CASE)
+    names = next(line for line in content.split(b"\n") if not line.startswith(b"#"))
+    with pytest.raises(ProgramError, match="the file is truncated"):
+        proof(content[: content.index(names) + len(names)])
+
+
 @settings(max_examples=10)
 @given(position=st.floats(0.0, 0.999))
 def test_a_table_that_breaks_off_is_refused(position: float):
