@@ -62,7 +62,7 @@ _BLOCK_NUMBER = re.compile(r"\s*N(?P<number>\d+)", re.IGNORECASE)
 _ACTION = re.compile(r"\s*DO\s+(?P<action>\S.*?)\s*$", re.IGNORECASE)
 _WORD = re.compile(
     rf"""\s*(?:
-      (?P<list>[A-Z]+\d*)\[\s*(?P<index>[A-Z0-9_]+)\s*\]\s*=\s*(?:\((?P<items>[^()]*)\)|(?P<item>{NUMBER}))
+      (?P<list>PO|FGREF)\[\s*(?P<index>[A-Z0-9_]+)\s*\]\s*=\s*(?:\((?P<items>[^()]*)\)|(?P<item>{NUMBER}))
     | (?P<assigned>[A-Z]+\d*)\s*=\s*(?P<value>{NUMBER})
     | (?P<text>MSG)\s*\((?:"[^"]*")?\)
     | (?P<keyword>[A-Z_]{{2,}}[A-Z0-9_]*)(?:\((?P<arguments>[A-Z0-9_,.\s]*)\))?

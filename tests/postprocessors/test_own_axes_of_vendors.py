@@ -95,6 +95,7 @@ REFUSED = {
     "sinumerik": {
         "a transformation": ("TRAFOOF", "TRAORI", "TRAORI"),
         "another measure of a degree": ("FGREF[A]=57.29578", "FGREF[A]=100", "1 mm a degree"),
+        "an index where none is": ("G60", "G60[X]=(1)", "[X]=(1)"),
         "a measure that is no number": ("FGREF[A]=57.29578", "FGREF[A]=(R)", "1 mm a degree"),
         "no measure": ("FGREF[C]=57.29578\n", "", "FGREF"),
         "a group that is not that of the move": ("FGROUP(X,Y,Z)", "FGROUP(A,C)", "FGROUP"),
