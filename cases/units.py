@@ -22,5 +22,5 @@ MINUTE = 60.0  # [s]
 
 
 def as_html(value: object) -> str:
-    """The `_repr_html_` of values: their `repr` as it stands."""
-    return f"<pre>{escape(repr(value))}</pre>"
+    """The `_repr_html_` of values: their text as it is printed."""
+    return f"<pre>{escape(str(value))}</pre>"

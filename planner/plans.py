@@ -1,6 +1,6 @@
 """A plan: the chosen motion or set of poses, its predicted figures, and the proof of its limits."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,16 +12,25 @@ from cases.errors import HexciteError
 from cases.files import PLAN, atomic_folder, check_folder, json_text
 from cases.schema import Case
 from cases.units import DEG, MM, as_html
-from identification.limit import LimitReport
+from identification.limit import LimitReport, Status
 from identification.model import identification_model
 from identification.motion import Array, Joined, Motion, Standstill, Trajectory, sample
 from identification.parameters import physical_form
+from identification.precision import (
+    aligned,
+    carries_rods,
+    legible,
+    limit_lines,
+    parameter_words,
+    share_text,
+    std_text,
+)
 from planner.plan_figures import PoseWorth, Worth, bound_by
 from planner.plan_folder import SCHEMA_VERSION, fingerprint_of, load_plan, motion_entries
-from planner.precision import carries_rods, legible, parameter_words, share_text, std_text
 from planner.request import PoseRequest, Request
 
 SAMPLE_RATE = 1000.0  # [1/s] of motion.csv
+MOST_USED = 0.9  # share of a limit from which it is shown
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -175,41 +184,62 @@ class Plan:
             **motion_entries(self.motion),
         }
 
-    def __str__(self) -> str:
-        """Summary in ten lines: the excitation, its figures, its predicted standard deviations, and its limits."""
-        worth = self.worth
-        subject = f"{len(self.poses)} poses" if isinstance(worth, PoseWorth) else f"{self.family} motion"
-        lines = [
-            f"Plan for {self.case.name}: {subject}, {self.duration:.2f} s, criterion {self.request.criterion}, model "
-            f"{self.model}"
-        ]
-        if isinstance(worth, PoseWorth):
-            lines.append(f"D-efficiency {worth.efficiency:.3f} of the best design over {worth.candidates} candidates")
-        else:
-            lines.append(f"D-efficiency {worth.d_efficiency:.3f} against the box bound ({worth.bound.label})")
-            lines += [f"weak: {weakness}" for weakness in worth.weaknesses]
-        by_unit: dict[str, list[str]] = {}
-        for name, std, unit in self._deviations():
-            by_unit.setdefault(unit, []).append(f"{name} {std}")
-        width = max(map(len, by_unit))
-        lines += [f"predicted standard deviations, {u:{width}}  {', '.join(texts)}" for u, texts in by_unit.items()]
-        checks = sorted(self.limits.checks, key=lambda c: -c.ratio)[:3]
-        lines.append(f"limits most used: {', '.join(f'{c.name} {share_text(c.ratio)}' for c in checks)}")
-        return "\n".join(lines)
+    @property
+    def rating(self) -> tuple[float, str]:
+        """Its D-efficiency, and against what."""
+        if isinstance(self.worth, PoseWorth):
+            return self.worth.efficiency, f"of the best design over {self.worth.candidates} candidates (lower bound)"
+        return self.worth.d_efficiency, f"against the box bound ({self.worth.bound.label})"
 
-    __repr__ = __str__
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Why another plan would carry more information."""
+        stopped = ("stopped by Ctrl-C: this is the best of what was found until then",) if self.interrupted else ()
+        return stopped if isinstance(self.worth, PoseWorth) else (*stopped, *self.worth.weaknesses)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What predicted standard deviations assume, and notes for the user before running it."""
+        assumed = f"predicted for {self.assumed_noise:.3g} N white noise of "
+        if isinstance(self.worth, PoseWorth):
+            return f"{assumed}an averaged force", self.worth.remark
+        assumed += f"a force, {self.assumed_rate:g} Hz, {self.of_motion[0].mounted}, weights {self.worth.weights}"
+        return assumed, *self.worth.notes
+
+    @property
+    def headline(self) -> str:
+        """What it is, in a line."""
+        subject = f"{len(self.poses)} poses" if isinstance(self.worth, PoseWorth) else f"{self.family} motion"
+        criterion = f"criterion {self.request.criterion}, model {self.model}"
+        return f"Plan for {self.case.name}: {subject}, {self.duration:.2f} s, {criterion}"
+
+    def _verdict(self) -> list[str]:
+        efficiency, measure = self.rating
+        return [*(f"weak: {doubt}" for doubt in self.doubts), f"D-efficiency {efficiency:.3f} {measure}"]
+
+    def __repr__(self) -> str:
+        """A few lines: the excitation, the limits that it uses most, and its rating."""
+        most = sorted(self.limits.checks, key=lambda c: -c.ratio)[:3]
+        used = ", ".join(f"{c.name} {share_text(c.ratio)}" for c in most)
+        return "\n".join([self.headline, f"limits most used: {used}", *self._verdict()])
+
+    def __str__(self) -> str:
+        """The same with predicted standard deviations, and a table of the limits that matter."""
+        checks = [c for c in self.limits.checks if c.ratio >= MOST_USED or c.status is not Status.PROVEN]
+        limits = [*limit_lines(checks), f"{len(self.limits.checks) - len(checks)} other limits are proven too"]
+        deviations = aligned(("parameter", "predicted std", "unit"), *self.deviation_rows())
+        remarks = (f"note: {remark}" for remark in self.remarks)
+        return "\n".join([self.headline, "", *limits, "", *deviations, "", *remarks, *self._verdict()])
 
     _repr_html_ = as_html
 
     def deviation_rows(self) -> tuple[tuple[str, str, str], ...]:
         """Predicted standard deviations for people: each parameter in words, its deviation, and the unit of that."""
-        rods = carries_rods(self.predicted_std)
-        return tuple((parameter_words(name, rods), std, unit) for name, std, unit in self._deviations())
-
-    def _deviations(self) -> Iterator[tuple[str, str, str]]:
+        rods, rows = carries_rods(self.predicted_std), []
         for p in physical_form(identification_model(self.case, self.model)).parameters:
             scale, unit = legible(p.unit)
-            yield p.name, std_text(self.predicted_std[p.name] * scale), unit
+            rows.append((parameter_words(p.name, rods), std_text(self.predicted_std[p.name] * scale), unit))
+        return tuple(rows)
 
 
 def poses_in_units(poses: Array, case: Case) -> Array:

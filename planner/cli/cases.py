@@ -95,7 +95,7 @@ def check(
 
 def _print_proposal(box: "MotionBox") -> None:
     """Prints the box as lines of a case file, with its figures."""
-    from planner.precision import share_text
+    from identification.precision import share_text
     from planner.reports.case_figures import percent
 
     if box.share == 1.0:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cases.files import FolderKind, atomic_folder
-from planner.precision import bounds_text, share_text
+from identification.precision import bounds_text, share_text
 
 if TYPE_CHECKING:
     from identification.limit import LimitCheck

@@ -12,8 +12,8 @@ from identification.estimation.priors import Prior
 from identification.model import Model
 from identification.outcome import Result, biases_of
 from identification.parameters import physical_form, symmetric_platform
+from identification.precision import carries_rods, legible, value_cells
 from planner.cli.console import print_table
-from planner.precision import carries_rods, legible, value_cells
 from planner.request import read_value
 
 

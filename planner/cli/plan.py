@@ -12,9 +12,6 @@ from cases.files import PLAN, check_folder, output_place
 from planner.cli import console
 from planner.cli.console import argument, option, out
 
-MOST_USED = 0.9  # share of a limit from which it is shown
-
-
 SEARCHED = ("duration", "starts", "seconds", "seed", "workers", "target")  # options of families that are optimised
 OPTIONS = {"controller": "for"}  # options whose names differ from those of their parameters
 
@@ -119,7 +116,8 @@ def plan(
         console.save_with_page(result, PLAN, folder, overwrite)
     answer = answer_of_plan(result, folder)
     if not console.answered(answer, json):
-        show_plan(answer, result)
+        print(f"plan written: {folder}, with its report {folder}/report.html")
+        print(result)
 
 
 def read_payloads(text: str) -> tuple[int, int | None]:
@@ -150,39 +148,3 @@ def refuse_foreign(given: Sequence[str], family: str) -> None:
 def answer_of_plan(plan: "hx.Plan", folder: Path) -> dict[str, Any]:
     """The JSON answer of a plan that was written."""
     return {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()
-
-
-def show_plan(answer: dict[str, Any], plan: "hx.Plan") -> None:
-    """Prints a plan for people."""
-    from identification.limit import Status
-    from planner.reports.plan import assumed_words
-
-    worth = plan.of_motion[1]
-    for weakness in answer["weaknesses"]:
-        print(f"WEAK: {weakness}")
-    for failed in answer["failed_starts"]:
-        print(f"start {failed['seed']} led nowhere: {failed['reason']}")
-    if answer["interrupted"]:
-        print("stopped by Ctrl-C: this is the best of what was found until then")
-    checks = plan.limits.checks
-    limits = [c for c in checks if c.ratio >= MOST_USED or c.status is not Status.PROVEN]
-    fewer = len(checks) - len(limits)
-    if limits:
-        title = f"Limits used to {100 * MOST_USED:g} % or more; {fewer} others are proven too and stand in the report"
-        console.print_table(title, console.LIMIT_COLUMNS, console.limit_rows(limits))
-    else:
-        print(f"no limit is used to {100 * MOST_USED:g} %; all {fewer} are proven and stand in the report")
-    for note in answer["notes"]:
-        print(f"note: {note}")
-    title = f"Predicted standard deviations ({assumed_words(plan)})"
-    console.print_table(title, ("parameter", "+-", "unit"), plan.deviation_rows())
-    begin, end = (plan.case.words(answer[f"{end}_pose_m_rad"]) for end in ("first", "last"))
-    print(f"from rest at {begin} to rest " + ("there" if begin == end else f"at {end}"))
-    count = len({start["seed"] for start in answer["starts"]})  # of one that was explored and refined, once
-    starts = f"; {count} start{'s' * (count > 1)}" if count else ""
-    print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s{starts}")
-    print(
-        f"plan written: {answer['plan']} ({answer['family']}, {answer['duration_s']:g} s), with its report "
-        f"{answer['report']}"
-    )
-    print(f"D-efficiency {answer['d_efficiency']:.3f} against the box bound ({worth.bound.label})")

@@ -1,7 +1,7 @@
 """`hexcite poses`: chooses poses for quasi-static identification and writes a plan folder."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import hexcite as hx
 from cases.files import PLAN, check_folder, output_place
@@ -55,25 +55,5 @@ def poses(
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()
     answer.pop("moves")
     if not console.answered(answer, json):
-        _show(answer, plan)
-
-
-def _show(answer: dict[str, Any], plan: "hx.Plan") -> None:
-    from planner.request import METHODS
-
-    print(f"{METHODS[answer['method']]}, criterion {answer['criterion']}, model {answer['model']}")
-    title = f"Predicted standard deviations (averaged forces that scatter by {answer['assumed_noise_N']:.3g} N)"
-    console.print_table(title, ("parameter", "+-", "unit"), plan.deviation_rows())
-    print(f"{answer['count']} poses of {answer['candidates']} candidates ({answer['remark']})")
-    print(
-        f"condition {answer['condition']:.3g} in reference scaling; {answer['fewest_poses']} of these poses keep rank"
-    )
-    print(
-        f"measured in {answer['duration_s']:.1f} s: travel {answer['travel_s']:.1f} s "
-        f"({answer['travel_in_order_of_choice_s']:.1f} s in the order of choice), settling and averaging the rest"
-    )
-    print(f"plan written: {answer['plan']} (chosen in {answer['select_s']:.1f} s), with its report {answer['report']}")
-    print(
-        f"D-efficiency {answer['efficiency']:.3f} of the best design over the candidates (lower bound), "
-        f"{answer['efficiency_space']:.3f} over the whole pose space (estimate)"
-    )
+        print(f"plan written: {folder}, with its report {folder}/report.html")
+        print(plan)

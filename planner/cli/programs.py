@@ -6,9 +6,9 @@ from typing import Annotated, Any
 
 import hexcite as hx
 from cases.files import RUN, check_file, check_folder, output_place
+from identification.precision import share_text
 from planner.cli import console
 from planner.cli.console import argument, option, out
-from planner.precision import share_text
 
 Accept = Annotated[
     list[str] | None,

@@ -19,7 +19,7 @@ from identification.model import Model
 from identification.motion import Array
 from planner.pose_criteria import Index, PoseCriterion, Screen, pose_regressors, total_information
 from planner.poses.space import Space, space_of, valid_poses
-from planner.precision import SolverStatus
+from planner.search import SolverStatus
 from planner.search.ipopt import NumpyFunction
 from planner.search.objective import Local, criterion_at
 

@@ -26,9 +26,9 @@ def page_of(value: Any) -> str:
     """The page of a value as HTML."""
     match type(value).__name__:  # to import the types of all takes a second
         case "Plan":
-            from planner.reports.plan import plan_page, poses_page
+            from planner.reports.plan import plan_page
 
-            return poses_page(value) if len(value.poses) else plan_page(value)
+            return plan_page(value)
         case "Result":
             from planner.reports.identify import identify_page
 

@@ -18,7 +18,7 @@ from identification.limit import LimitKind
 from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import StandingPoses
-from planner.precision import share_text
+from identification.precision import share_text
 from planner.reach import Reach, corners_and_middles
 from planner.search.feasibility import remedy
 

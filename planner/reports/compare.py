@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from cases.files import provenance
+from identification.precision import legible, parameter_words, std_text, value_text
 from planner.comparison.comparison import Comparison
 from planner.comparison.entries import Entry
-from planner.precision import legible, parameter_words, std_text, value_text
 from planner.reports.page import Chart, colour, note, page, section, table
 
 CLOSE, FAR = [1, 1.1, 1.2, 1.5, 2, 3, 4], [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]  # labels, for the largest ratio

@@ -9,14 +9,13 @@ from markupsafe import Markup
 from cases.schema import Case
 from identification.limit import Status
 from identification.motion import Trajectory, sample
+from identification.precision import legible, parameter_words, std_text, value_text
 from identification.trajectories.executed import instants
 from planner.demonstration import Demo
-from planner.precision import legible, parameter_words, std_text, value_text
 from planner.reports.figures import identifiability_blocks, limits_chart, motion_blocks
 from planner.reports.identify import delay_words, noise_tile, residual_blocks, run_inputs
 from planner.reports.machine import pictured
 from planner.reports.page import COLOURS, Block, Chart, note, page, section, table, tiles
-from planner.reports.plan import starts_blocks
 from postprocessors.dialects import Program
 from postprocessors.proving.homing import planned_excitation
 
@@ -51,7 +50,6 @@ def demo_page(chain: Demo) -> str:
         section("What the controller made of it", _executed(case, chain, planned)),
         section("Forces and residuals", *residual_blocks(case, result.residuals)),
         section("What the run determines", *identifiability_blocks(result.identifiability)),
-        section("How the plan was found", *starts_blocks(plan)),
     )
 
 

@@ -8,13 +8,12 @@ from markupsafe import Markup
 
 from cases.schema import Case
 from identification.outcome import RUN_ENTRIES, Result
+from identification.precision import carries_rods, legible, value_cells, value_text, with_deviation
 from identification.signals import Residuals
-from planner.precision import carries_rods, legible, value_cells, value_text, with_deviation
 from planner.reports.figures import identifiability_blocks, unit_of
-from planner.reports.page import COLOURS, GREY, Block, Chart, answers, note, page, section, table, tiles
+from planner.reports.page import COLOURS, GREY, Block, Chart, note, page, section, table, tiles
 
 PARAMETER_COLUMNS = ("parameter", "value", "±", "unit", "95 % from", "to", "std (28)", "std robust")
-ALIKE = 1.3  # largest ratio of robust deviations to those by (28) where noise is white
 
 
 def identify_page(result: Result) -> str:
@@ -26,9 +25,7 @@ def identify_page(result: Result) -> str:
     origin = run_inputs(run) if run else (("origin", "recorded on a machine: nothing says that it was simulated"),)
     origin += tuple((i["file"], f"SHA-256 {i['sha256']}") for i in record.inputs)
     origin += tuple(record.versions.items())
-    sections = [
-        section("Parameters with standard deviations", _headline(result), _verdicts(result), *parameter_blocks(result))
-    ]
+    sections = [section("Parameters with standard deviations", _headline(result), *parameter_blocks(result))]
     if result.identifiability is not None:
         sections.append(section("What the run determines", *identifiability_blocks(result.identifiability)))
     if residuals is not None:
@@ -53,27 +50,6 @@ def _headline(result: Result) -> Markup:
     condition, rank = result.record.condition, result.record.rank
     figures += [noise_tile(result), (f"{condition:.3g}", f"condition of the scaled regressor, rank {rank}")]
     return tiles(*figures)
-
-
-def _verdicts(result: Result) -> Markup:
-    """Answers whether the parameters are determined, and which deviation counts."""
-    record, parameters = result.record, [p for p in result.parameters.values() if p.std > 0.0]
-    ratio = max((p.std_robust / p.std for p in parameters), default=1.0)
-    rank, count = record.rank, len(record.parameters)
-    warnings = len(result.warnings)
-    return answers(
-        (rank >= count, "Every parameter is determined.", f"rank {rank}, condition {record.condition:.3g}"),
-        (
-            ratio <= ALIKE,
-            "The residuals look like white noise.",
-            f"std robust is at most {ratio:.2f} times std (28); the larger of them is reported",
-        ),
-        (
-            not warnings,
-            "Nothing odd was found in the recording and in the fit.",
-            "no warnings" if not warnings else f"warnings: {warnings}, at the top of this page",
-        ),
-    )
 
 
 def noise_tile(result: Result) -> tuple[str, str]:

@@ -174,16 +174,6 @@ def note(text: str) -> Markup:
     return Markup('<p class="note">{}</p>').format(explained(text))
 
 
-def answers(*claims: tuple[bool, str, str]) -> Markup:
-    """Claims that figures bear out or not, one below the other: whether each holds, the claim and the figures."""
-    line = Markup('<li class="{}"><b>{}</b>\n<div>{}<span>{}</span></div></li>')
-    each = (
-        line.format("holds" if holds else "fails", "Yes" if holds else "No", explained(claim), explained(figures))
-        for holds, claim, figures in claims
-    )
-    return Markup('<ul class="answers">\n{}\n</ul>').format(_joined(each))
-
-
 def table(columns: Sequence[str], rows: Iterable[Sequence[str]], left: int = 1) -> Markup:
     """A table; the first `left` columns hold words, the others numbers."""
 
@@ -202,7 +192,7 @@ def _scrolling(tag: str, words: str, rows: Markup) -> Markup:
     return Markup(text).format(words, Markup(tag), rows)
 
 
-def player(scene: dict[str, Any], caption: str = "") -> Markup:
+def player(scene: dict[str, Any]) -> Markup:
     """The hexapod moving in 3-D, with buttons to play and a slider to scrub; a scene of `planner.reports.machine`."""
     text = """<figure>
 {}
@@ -212,11 +202,9 @@ def player(scene: dict[str, Any], caption: str = "") -> Markup:
 <output id="instant"></output>
 </div>
 <script type="application/json" id="scene">{}</script>
-{}
+<figcaption>Drag to turn, wheel to zoom.</figcaption>
 </figure>"""
-    plot = _plot("machine", "the machine in 3-D along its path", 560)
-    words = Markup("<figcaption>{}</figcaption>").format(explained(caption)) if caption else ""
-    return Markup(text).format(plot, script_json(scene), words)
+    return Markup(text).format(_plot("machine", "the machine in 3-D along its path", 560), script_json(scene))
 
 
 def section(title: str, *blocks: Block) -> Markup:

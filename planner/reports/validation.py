@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from markupsafe import Markup
 
 from cases.files import provenance
+from identification.precision import legible, parameter_words
 from planner.comparison.claims import OFF_COLUMNS, off_rows
 from planner.comparison.error_budget import SUSPICIOUS
 from planner.comparison.methods import METHODS
 from planner.comparison.trials import COMPARED, SHOWN, Trial
 from planner.comparison.validation import Validation
-from planner.precision import legible, parameter_words
 from planner.reports.compare import ratio_chart
-from planner.reports.page import COLOURS, Block, Chart, answers, colour, note, page, section, table
+from planner.reports.page import COLOURS, Block, Chart, colour, note, page, section, table
 
 TABLE_7 = ("load", "s0", *(label for n in SHOWN for label in ((n,) if n[0] == "k" else (n, "dev."))))
 LEAST_DEVIATION = 1e-12  # the first trial is its own theory
@@ -53,7 +53,7 @@ def validation_page(validation: Validation) -> str:
         text += "" if own[0].duration is None else f", {own[0].duration:.1f} s"
         tables += [note(f"{method}{text}, model {own[0].estimate.model.number}"), table(TABLE_7, table_7(own))]
     sections = [
-        section("What it comes to", answers(*((f.holds, f.claim, f.figures) for f in validation.claims))),
+        section("What it comes to", *(note(claim.sentence()) for claim in validation.claims)),
         section("Which method gives the smallest standard deviations", *_std_charts(trials), _std_table(trials)),
         section("Values and deviations from theory (Table 7)", note(THEORY), *tables, *_error_blocks(trials)),
         section("Residuals grow with the load", _s0_chart(trials)),

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from cases.schema import Case
 from identification.model import machine_of
 from identification.motion import Array, Motion, Trajectory
-from planner.precision import SolverStatus
+from planner.search import SolverStatus
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline

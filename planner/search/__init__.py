@@ -1,8 +1,58 @@
 """The search for a motion: the non-linear program, its solvers, and starts in parallel; the record of it in a plan."""
 
 from dataclasses import dataclass
+from enum import StrEnum
 
-from planner.precision import SolverStatus
+
+class SolverStatus(StrEnum):
+    """How a run of IPOPT ended: its own return statuses as CasADi names them, in small letters, and ours."""
+
+    CONVERGED = "solve succeeded"
+    ACCEPTABLE = "solved to acceptable level"
+    INFEASIBLE = "infeasible problem detected"
+    TINY_STEPS = "search direction becomes too small"
+    DIVERGING = "diverging iterates"
+    STOPPED = "user requested stop"
+    FEASIBLE = "feasible point found"
+    ITERATION_LIMIT = "maximum iterations exceeded"
+    RESTORATION_FAILED = "restoration failed"
+    STEP_FAILED = "error in step computation"
+    CPU_LIMIT = "maximum cputime exceeded"
+    TIME_LIMIT = "maximum walltime exceeded"
+    TOO_FEW_FREEDOMS = "not enough degrees of freedom"
+    INVALID_PROBLEM = "invalid problem definition"
+    INVALID_OPTION = "invalid option"
+    INVALID_NUMBER = "invalid number detected"
+    EXCEPTION = "unrecoverable exception"
+    FOREIGN_EXCEPTION = "nonipopt exception thrown"
+    NO_MEMORY = "insufficient memory"
+    INTERNAL_ERROR = "internal error"
+    SETTLED = "no more gained"
+    NOT_RUN = ""
+    UNKNOWN = "unknown"
+
+    @classmethod
+    def _missing_(cls, value: object) -> "SolverStatus":
+        """The member of a status as IPOPT writes it, such as `Solve_Succeeded`."""
+        plain = str(value).replace("_", " ").lower()
+        return next((status for status in cls if status.value == plain), cls.UNKNOWN)
+
+    @property
+    def converged(self) -> bool:
+        """Whether the solver converged, or gained so little that it was stopped."""
+        return self in (SolverStatus.CONVERGED, SolverStatus.ACCEPTABLE, SolverStatus.FEASIBLE, SolverStatus.SETTLED)
+
+    @property
+    def words(self) -> str:
+        """What people are shown: to stop at the iterations that a stage has is not a failure."""
+        return _SHOWN.get(self, str(self))
+
+
+_SHOWN = {
+    SolverStatus.ITERATION_LIMIT: "at its iteration limit",
+    SolverStatus.STOPPED: "stopped by the time limit or by Ctrl-C",
+    SolverStatus.CONVERGED: "converged",
+}
 
 
 @dataclass(frozen=True, slots=True)

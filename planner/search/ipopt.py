@@ -16,7 +16,7 @@ import numpy as np
 from cases.units import Array, Indices
 from planner.families.rows import LinearRows, Rows, StateRows
 from planner.families.states import LinearStates
-from planner.precision import SolverStatus
+from planner.search import SolverStatus
 from planner.search.program import NonlinearProgram
 
 Watch = Callable[[float], bool]

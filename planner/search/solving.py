@@ -18,8 +18,7 @@ from identification.criteria import CRITERIA, Criterion, reference_scaling, sing
 from identification.model import identification_model
 from planner.families import Family
 from planner.noise import PoseErrors, expected_noise, information_of, seen_through
-from planner.precision import SolverStatus
-from planner.search import Failed, StartRecord
+from planner.search import Failed, SolverStatus, StartRecord
 from planner.search.annealing import annealed_start
 from planner.search.feasibility import MARGIN, keep_limits, require_rest
 from planner.search.ipopt import Barrier, Watch, solve

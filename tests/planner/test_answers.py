@@ -6,8 +6,6 @@ from typing import Any
 
 import pytest
 
-from planner.cli.plan import answer_of_plan, show_plan
-from planner.plans import Plan
 from tests.planner.command_line import ACCEPT, call
 from tests.planner.json_answer import one_json_object
 
@@ -114,10 +112,3 @@ def test_without_json_a_command_tells_people_what_it_did(command: str, chain: Ch
         "identify": "result written",
     }
     assert said[command] in answer.out
-
-
-def test_a_start_that_was_explored_and_refined_is_one(saved_plan: Plan, capsys: pytest.CaptureFixture[str]):
-    answer = answer_of_plan(saved_plan, Path("plan"))
-    answer["starts"] = [answer["starts"][0] | {"refined": refined} for refined in (False, True)]
-    show_plan(answer, saved_plan)
-    assert re.search(r"; 1 start$", capsys.readouterr().out, re.MULTILINE)

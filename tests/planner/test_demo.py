@@ -9,21 +9,21 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser
 
-from planner.precision import value_text
+from identification.precision import value_text
 from tests.helpers import tells
 from tests.planner.browser import opened
 from tests.planner.command_line import call
 
 PLOTS = (
     "position-translation",
-    "jerk-rotation",
+    "acceleration-rotation",
     "limits",
     "executed",
     "forces",
     "residuals",
     "spectrum",
     "errors",
-    "qr",
+    "correlation",
 )
 FETCHED = {"src", "href", "srcset", "data", "poster", "action", "background"}
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.precision import carries_rods, parameter_words, std_text, value_text, with_deviation
+from identification.precision import carries_rods, parameter_words, std_text, value_text, with_deviation
 
 
 @pytest.mark.parametrize(

@@ -52,6 +52,7 @@ def motion() -> Harmonic:
 def page_file(hexapod_case: Case, motion: Harmonic, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A page with everything that outsiders can name named in HTML."""
     plots = motion_blocks(hexapod_case, sample(motion, 200.0))
+    plots[0].caption = HOSTILE
     for trace in plots[0].data:
         trace["name"] = HOSTILE
     wide = tuple(f"a wide column {k}" for k in range(30))
@@ -61,7 +62,7 @@ def page_file(hexapod_case: Case, motion: Harmonic, tmp_path_factory: pytest.Tem
         ((HOSTILE, HOSTILE),),
         (HOSTILE,),
         section(HOSTILE, note(HOSTILE), table(wide, ((HOSTILE, *wide[1:]),)), *plots),
-        section("machine", moving_machine(hexapod_case, motion, HOSTILE)),
+        section("machine", moving_machine(hexapod_case, motion)),
     )
     file = tmp_path_factory.mktemp("page") / "report.html"
     file.write_text(text, encoding="utf-8")
@@ -184,7 +185,7 @@ def test_a_narrow_page_by_night_fits_and_is_readable(browser: Browser, page_file
 
 def test_an_identification_has_its_page(result_tab: Opened):
     page, errors, requests = result_tab
-    names = {"correlation", "qr", "forces", "residuals", "distribution", "spectrum"}
+    names = {"correlation", "forces", "residuals", "distribution", "spectrum"}
     assert {f"plot-{n}" for n in names} <= set(page.evaluate("[...document.querySelectorAll('.plot')].map(e=>e.id)"))
     assert "onerror" in page.locator(".lead").inner_text()
     assert page.locator("img").count() == 0
@@ -196,7 +197,7 @@ def test_plotly_accepts_every_attribute_of_a_chart(page_file: Path, result_page:
     from plotly.graph_objects import Figure
 
     charts = [c for file in (page_file, result_page) for c in CHART.findall(file.read_text(encoding="utf-8"))]
-    assert len(charts) == 8 + 6
+    assert len(charts) == 6 + 5
     for chart in charts:
         Figure(json.loads(chart))
 
@@ -223,7 +224,7 @@ def test_a_pose_set_is_stepped_through(browser: Browser, hexapod_case: Case, mot
     case = changed(hexapod_case, workspace__keep_out=[box], workspace__tool=[tool])
     poses = motion.at(np.linspace(0.0, 4.0, 7)).pose
     file = tmp_path / "report.html"
-    text = page("poses", "", (), (), section("machine", posing_machine(case, poses, "")))
+    text = page("poses", "", (), (), section("machine", posing_machine(case, poses)))
     file.write_text(text, encoding="utf-8")
     with opened(browser, file) as tab:
         scrub(tab.page, 4)
@@ -237,7 +238,7 @@ def test_twenty_seconds_are_at_most_three_megabytes_beside_plotly(hexapod_case: 
     from plotly.offline import get_plotlyjs
 
     motion = Harmonic(seed=0, duration=20.0)
-    drawn = *motion_blocks(hexapod_case, sample(motion, 1000.0)), moving_machine(hexapod_case, motion, "")
+    drawn = *motion_blocks(hexapod_case, sample(motion, 1000.0)), moving_machine(hexapod_case, motion)
     assert len(page("long", "", (), (), section("motion", *drawn))) - len(get_plotlyjs()) < 3e6
 
 

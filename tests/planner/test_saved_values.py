@@ -19,10 +19,9 @@ from planner.plan_folder import motion_entries
 from planner.planning import shipped_start
 from planner.plans import Plan
 from planner.poses.planned_poses import poses_planned
-from planner.precision import SolverStatus
 from planner.rating import PlannedMotion, rated_plan
 from planner.request import PoseRequest, Request
-from planner.search import Failed, StartRecord
+from planner.search import Failed, SolverStatus, StartRecord
 from planner.search.feasibility import keep_limits
 from planner.search.solving import Start
 

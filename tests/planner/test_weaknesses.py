@@ -11,9 +11,8 @@ from identification.criteria import box_middle
 from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, Status
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
-from planner.precision import SolverStatus
 from planner.rating import FULL, RIVALS, PlannedMotion, weaknesses
-from planner.search import StartRecord
+from planner.search import SolverStatus, StartRecord
 from planner.search.solving import DRAWN_BACK, Start
 from tests.helpers import tells
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser
 
-from planner.precision import std_text
+from identification.precision import std_text
 from tests.planner.browser import opened
 from tests.planner.command_line import call
 

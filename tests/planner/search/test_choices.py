@@ -16,9 +16,8 @@ from planner.comparison.methods import ValidationSettings
 from planner.families import ptp, spline
 from planner.families.settings import FAMILIES, Fourier, PointToPoint, Spline
 from planner.planning import KEPT, search
-from planner.precision import SolverStatus
 from planner.request import OWNERS, Request
-from planner.search import StartRecord
+from planner.search import SolverStatus, StartRecord
 from planner.search.parallel import Listener, Outcome, silent
 from planner.search.solving import Start, Step, Task
 from tests.helpers import one_line

@@ -8,7 +8,7 @@ import pytest
 from scipy.sparse import csr_array
 
 from planner.families.rows import LinearRows
-from planner.precision import SolverStatus
+from planner.search import SolverStatus
 from planner.search.ipopt import INSIDE, solve
 from planner.search.program import NonlinearProgram
 from tests.helpers import few

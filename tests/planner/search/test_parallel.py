@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 
 from planner.families.fourier import FourierFamily
 from planner.families.settings import Fourier, PointToPoint, Spline
-from planner.precision import SolverStatus
 from planner.request import Request
-from planner.search import Failed, StartRecord
+from planner.search import Failed, SolverStatus, StartRecord
 from planner.search.parallel import (
     ENDLESS,
     EXPLORING,

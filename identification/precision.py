@@ -1,8 +1,7 @@
-"""Numbers as people read them, to the second digit of their standard deviation; parameters and solvers in words."""
+"""Texts for people: numbers to the second digit of their standard deviation, parameters in words, tables, limits."""
 
 import re
-from collections.abc import Iterable
-from enum import StrEnum
+from collections.abc import Iterable, Mapping, Sequence
 from math import floor, isfinite, log10
 from typing import TYPE_CHECKING
 
@@ -110,52 +109,32 @@ def value_cells(name: str, value: "Value", rods: bool = False) -> tuple[str, ...
     return parameter_words(name, rods), value_text(value.value * scale, value.reported * scale), *deviations, unit
 
 
-class SolverStatus(StrEnum):
-    """How a run of IPOPT ended: its own return statuses as CasADi names them, in small letters, and ours."""
-
-    CONVERGED = "solve succeeded"
-    ACCEPTABLE = "solved to acceptable level"
-    INFEASIBLE = "infeasible problem detected"
-    TINY_STEPS = "search direction becomes too small"
-    DIVERGING = "diverging iterates"
-    STOPPED = "user requested stop"
-    FEASIBLE = "feasible point found"
-    ITERATION_LIMIT = "maximum iterations exceeded"
-    RESTORATION_FAILED = "restoration failed"
-    STEP_FAILED = "error in step computation"
-    CPU_LIMIT = "maximum cputime exceeded"
-    TIME_LIMIT = "maximum walltime exceeded"
-    TOO_FEW_FREEDOMS = "not enough degrees of freedom"
-    INVALID_PROBLEM = "invalid problem definition"
-    INVALID_OPTION = "invalid option"
-    INVALID_NUMBER = "invalid number detected"
-    EXCEPTION = "unrecoverable exception"
-    FOREIGN_EXCEPTION = "nonipopt exception thrown"
-    NO_MEMORY = "insufficient memory"
-    INTERNAL_ERROR = "internal error"
-    SETTLED = "no more gained"
-    NOT_RUN = ""
-    UNKNOWN = "unknown"
-
-    @classmethod
-    def _missing_(cls, value: object) -> "SolverStatus":
-        """The member of a status as IPOPT writes it, such as `Solve_Succeeded`."""
-        plain = str(value).replace("_", " ").lower()
-        return next((status for status in cls if status.value == plain), cls.UNKNOWN)
-
-    @property
-    def converged(self) -> bool:
-        """Whether the solver converged, or gained so little that it was stopped."""
-        return self in (SolverStatus.CONVERGED, SolverStatus.ACCEPTABLE, SolverStatus.FEASIBLE, SolverStatus.SETTLED)
-
-    @property
-    def words(self) -> str:
-        """What people are shown: to stop at the iterations that a stage has is not a failure."""
-        return _SHOWN.get(self, str(self))
+PARAMETER_COLUMNS = ("parameter", "value", "+-", "std (28)", "std robust", "unit")  # of `value_cells`
 
 
-_SHOWN = {
-    SolverStatus.ITERATION_LIMIT: "at its iteration limit",
-    SolverStatus.STOPPED: "stopped by the time limit or by Ctrl-C",
-    SolverStatus.CONVERGED: "converged",
-}
+def aligned(*rows: Sequence[str]) -> list[str]:
+    """Lines of a table, its head first: numbers stand at the right of their columns, words at the left."""
+    lines = [""] * len(rows)
+    for k, column in enumerate(zip(*rows, strict=True)):
+        width = max(map(len, column))
+        numbers = k > 0 and any(cell.lstrip("~±+-")[:1].isdigit() for cell in column[1:])
+        cells = (cell.rjust(width) if numbers else cell.ljust(width) for cell in column)
+        lines = [f"{line}  {cell}" for line, cell in zip(lines, cells, strict=True)]
+    return [line.rstrip() for line in lines]
+
+
+def parameter_lines(parameters: "Mapping[str, Value]") -> list[str]:
+    """The table of identified parameters."""
+    rods = carries_rods(parameters)
+    return aligned(PARAMETER_COLUMNS, *(value_cells(name, value, rods) for name, value in parameters.items()))
+
+
+def limit_lines(checks: "Iterable[LimitCheck]") -> list[str]:
+    """The table of limits; values that follow from a controller's own time law are predictions, marked with ~."""
+    rows = [("limit", "worst", "allowed", "unit", "used", "status")]
+    for check in checks:
+        proven = check.status == "proven"
+        about, words = "" if proven else "~", "EXCEEDED" if proven and not check.kept else str(check.status)
+        share = f"{about}{share_text(check.ratio)}"
+        rows.append((check.name, f"{about}{check.worst:.4g}", bounds_text(check), check.unit, share, words))
+    return aligned(*rows)
