@@ -23,6 +23,7 @@ from cases.schema import Case
 from cases.tables import own_units
 from cases.units import Array, Indices, as_html
 from identification.formats.table import Channel, Stream, lost_samples, unreadable
+from identification.precision import share_text
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -91,9 +92,7 @@ class Recording(Stream):
             size += f" in {float(self.t[-1] - self.t[0]):.2f} s"
         lines = [f"Recording {self.source}: {size}", f"channels: {', '.join(self.channels)}"]
         lines += [f"with another clock: {', '.join(s.channels)} ({s.source})" for s in self.others]
-        if "controller" in self.record:
-            lines.append(f"executed on {self.record['controller']}; sensors and encoders are simulated")
-        return "\n".join(lines)
+        return "\n".join(lines + (_of_run(self.record) if "executed_s" in self.record else []))
 
     _repr_html_ = as_html
 
@@ -105,6 +104,22 @@ class Recording(Stream):
     def stream_with(self, channel: Channel) -> Stream | None:
         """The stream that has a channel; None where the run has no such channel."""
         return next((s for s in (self, *self.others) if channel in s.channels), None)
+
+
+def _of_run(record: Mapping[str, Any]) -> list[str]:
+    """What a controller made of a program, from `recording.json`."""
+    peaks = ", ".join(f"{name} {share_text(share, 0)}" for name, share in record["peaks_of_limit"].items())
+    excitation = f"excitation took {record['executed_s']:.3f} s of {record['planned_s']:.3f} s planned, strayed "
+    excitation += f"{record['path_error_mm']:.3f} mm from the path"
+    if record["d_efficiency"] is not None:
+        excitation += f", D-efficiency {record['d_efficiency']:.3f} as executed"
+    return [
+        f"executed on {record['controller']}; sensors and encoders are simulated",
+        f"reached of the limits: {peaks}",
+        *record["exceeded"],
+        *([record["remark"]] if record["remark"] else []),
+        excitation,
+    ]
 
 
 SCHEMA_VERSION = 1

@@ -1,5 +1,6 @@
 """Programs and the languages of controllers: functions that write and read them, and the controllers' guarantees."""
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,6 +11,7 @@ from cases.errors import HexciteError, ProgramError
 from cases.files import another_kind, atomic_file, check_file
 from cases.schema import Case
 from cases.units import as_html
+from identification.precision import limit_lines
 from postprocessors.blocks import Blocks
 from postprocessors.execute.linuxcnc.stretching import linuxcnc_forecast, linuxcnc_guarantees
 from postprocessors.joint_trajectory import require_same_trajectory, write_joint_trajectory
@@ -201,11 +203,21 @@ class Program:
         return read_program(file, case)
 
     def __repr__(self) -> str:
-        """A few lines: dialect, duration and proof."""
+        """A few lines: dialect, duration and verdict."""
         unit = "rows" if self.dialect.name == ControllerName.SETPOINTS else "blocks"
         size = f"{self.reading.blocks} {unit}, {self.proof.duration:.2f} s"
         name = f"Program {self.path.name} for {self.case.name}"
         return f"{name}: {self.dialect.name}, {size}\nlimits: {self.proof.verdict}"
+
+    def __str__(self) -> str:
+        """Its limits as read back, the worst line that exceeds each, and the verdict."""
+        violations = self.proof.violations
+        worst = {v.kind.family: v for v in reversed(violations)}  # of each limit the worst stands first
+        lines = limit_lines(self.proof.limits.checks)
+        for limit, count in Counter(v.kind.family for v in violations).items():
+            others = f" ({count - 1} more lines exceed it; --json lists them)" if count > 1 else ""
+            lines.append(f"line {worst[limit].line}: {worst[limit].sentence()}{others}")
+        return "\n".join([*lines, repr(self)])
 
     _repr_html_ = as_html
 

@@ -1,12 +1,11 @@
 """`hexcite post`, `hexcite check` and `hexcite run`: programs are written, read back and executed."""
 
-from collections import Counter
 from pathlib import Path
 from typing import Annotated, Any
 
 import hexcite as hx
 from cases.files import RUN, check_file, check_folder, output_place
-from identification.precision import share_text
+from identification.precision import aligned
 from planner.cli import console
 from planner.cli.console import argument, option, out
 
@@ -37,14 +36,13 @@ def post(
 
     It is read back and proven before it is written.
     """
-    from cases.controller import ControllerName
     from planner.plan_program import language_of
     from postprocessors.dialects import DIALECTS
 
     if plan is None:
         rows = [[d.name, " ".join(d.suffixes), d.description] for d in DIALECTS.values()]
         if not console.answered({"dialects": [d.name for d in DIALECTS.values()]}, json):
-            console.print_table("Dialects", ("name", "files", "controller"), rows, right=False)
+            print("\n".join(aligned(("dialect", "files", "controller"), *rows)))
         return
     loaded = hx.Plan.load(plan, None if case is None else hx.load_case(case), stale)
     language = language_of(loaded, dialect, output)
@@ -62,11 +60,10 @@ def post(
     answer = answer_of_program(program)
     if console.answered(answer, json):
         return
-    unit = "rows" if answer["dialect"] == ControllerName.SETPOINTS else "blocks"
-    print(f"program written: {answer['program']} ({answer['blocks']} {unit}, {answer['duration_s']:.2f} s, read back)")
-    print(f"limits: {answer['verdict']}{' (accepted)' if answer['relies_on'] else ''}")
     for remark in answer["remarks"]:
-        print(remark)
+        print(f"note: {remark}")
+    print(f"program written: {program.path}, read back")
+    print(repr(program))
 
 
 def answer_of_program(program: "hx.Program") -> dict[str, Any]:
@@ -100,7 +97,7 @@ def check(
         read = hx.check(program, loaded, dialect)
         answer = answer_of_proof(read)
     if not console.answered(answer, json):
-        show_check(answer, read)
+        print("\n".join([*(f"note: {remark}" for remark in answer["remarks"]), str(read)]))
     require_proven(read, loaded)
 
 
@@ -120,21 +117,6 @@ def answer_of_proof(program: "hx.Program") -> dict[str, Any]:
         "remarks": [*proof.remarks, *([other] if other else [])],
         "limits": proof.limits.to_json(),
     }
-
-
-def show_check(answer: dict[str, Any], program: "hx.Program") -> None:
-    """Prints a proof for people."""
-    console.print_table(
-        "Limits of the program as read back", console.LIMIT_COLUMNS, console.limit_rows(program.proof.limits.checks)
-    )
-    lines = Counter(violation["limit"] for violation in answer["violations"])
-    for limit, count in lines.items():  # of each the worst stands first
-        worst = next(violation for violation in answer["violations"] if violation["limit"] == limit)
-        others = f" ({count - 1} more lines exceed it; --json lists them)" if count > 1 else ""
-        print(f"line {worst['line']}: {worst['sentence']}{others}")
-    for remark in answer["remarks"]:
-        print(f"note: {remark}")
-    print(f"{answer['verdict']} ({answer['duration_s']:.2f} s)")
 
 
 ANSWERED = (
@@ -170,7 +152,8 @@ def run(
         recording.save(folder, overwrite)
     answer = answer_of_run(recording, folder)
     if not console.answered(answer, json):
-        show_run(answer)
+        print(recording)
+        print(f"recording written: {folder}")
 
 
 def answer_of_run(recording: "hx.Recording", folder: Path) -> dict[str, Any]:
@@ -178,30 +161,3 @@ def answer_of_run(recording: "hx.Recording", folder: Path) -> dict[str, Any]:
     about = recording.record
     answer = {"recording": str(folder), "duration_s": about["executed_s"]} | {key: about[key] for key in ANSWERED}
     return answer | {"poses": len(about["poses_m_rad"]), "simulated": True}
-
-
-def show_run(answer: dict[str, Any]) -> None:
-    """Prints a run for people."""
-    payload = answer["payload"]
-    mounted = f", {payload['weights']} weights of {payload['mass_kg']:.4g} kg mounted" if payload["weights"] else ""
-    disturbances = ", with the case's disturbances" if answer["disturbances"] is not None else ""
-    print(f"executed on {answer['controller']}; sensors and encoders simulated{mounted}{disturbances}")
-    if answer["poses"]:
-        print(
-            f"{answer['poses']} poses measured in {answer['duration_s']:.2f} s ({answer['planned_s']:.2f} s "
-            f"planned), home to home; stood within {answer['path_error_mm']:.4f} mm of them"
-        )
-    else:
-        print(
-            f"excitation took {answer['duration_s']:.3f} s of {answer['planned_s']:.3f} s planned, strayed "
-            f"{answer['path_error_mm']:.3f} mm from the path, D-efficiency {answer['d_efficiency']:.3f} as executed, "
-            f"behind the evaluation's filter ({answer['d_efficiency_planned']:.3f} as programmed, by the controller's "
-            "law)"
-        )
-    peaks = ", ".join(f"{name} {share_text(share, 0)}" for name, share in answer["peaks_of_limit"].items())
-    print(f"reached of the limits in the whole run: {peaks}")
-    for sentence in answer["exceeded"]:
-        print(sentence)
-    if answer["remark"]:
-        print(answer["remark"])
-    print(f"recording written: {answer['recording']} ({answer['samples']} samples)")
