@@ -19,6 +19,7 @@ from identification.estimation.fit import Value
 from identification.finding import Finding, sentences
 from identification.model import Model, identification_model
 from identification.parameters import offset_columns
+from identification.precision import carries_rods, parameter_lines, value_cells
 from identification.result import Estimate, ResultEntries, identifiability_of
 from identification.saved_result import AGAIN, read_entries, require_agreement
 from identification.signals import Residuals
@@ -191,13 +192,28 @@ class Result:
         return replace(result, determined=determined, remarks=remarks)
 
     def __repr__(self) -> str:
-        """A few lines: model, the body, s0, and warnings."""
+        """A few lines: model, warnings, residuals, the body."""
         record, parameters = self.record, self.parameters
-        lines = [f"Result for {self.case.name}: model {record.model}, {record.samples} samples"]
-        names = [name for name in PROMINENT if name in parameters] or list(parameters)[:4]
-        lines += [f"{n} = {v.value:.6g} +- {v.reported:.2g} {v.unit}" for n in names for v in (parameters[n],)]
-        lines.append(f"{len(parameters)} parameters, s0 {record.s0:.3g}, condition {record.condition:.3g}")
-        return "\n".join([*lines, *(f"warning: {warning}" for warning in self.warnings)])
+        unit = " N" if record.weights == "equal" else ""
+        residuals = f"s0 {record.s0:.3g}{unit}, recorded forces less the model {record.s0_N:.3g} N rms"
+        samples = "averaged standstills" if record.delay_s is None else "samples"
+        lines = [f"Result for {self.case.name}: model {record.model}, {record.estimator}, {record.samples} {samples}"]
+        lines += [f"warning: {warning}" for warning in self.warnings]
+        lines.append(f"weights {record.weights}, {residuals}")
+        lines.append(f"{len(parameters)} parameters, rank {record.rank}, condition {record.condition:.3g}")
+        for name in [name for name in PROMINENT if name in parameters] or list(parameters)[:4]:
+            words, value, deviation, *_, unit = value_cells(name, parameters[name], carries_rods(parameters))
+            lines.append(f"{words} = {value} +- {deviation} {unit}")
+        return "\n".join(lines)
+
+    def __str__(self) -> str:
+        """The same below a table of all parameters and the notes."""
+        which = (
+            "+- is the larger of std (28), right for white noise, and of std robust, which allows for noise that is not"
+        )
+        lag = self.record.delay_s
+        lines = [] if lag is None else [f"forces lag the motion by {lag.value * 1e3:.3f} +- {lag.std * 1e3:.3f} ms"]
+        return "\n".join([*parameter_lines(self.parameters), which, *lines, *self.notes, repr(self)])
 
     _repr_html_ = as_html
 

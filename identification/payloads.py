@@ -13,6 +13,7 @@ from identification.finding import Finding, Kind, changed_cases, sentences, warn
 from identification.model import Model
 from identification.outcome import Result
 from identification.parameters import FIRST_MOMENT, INERTIA, MASS, Block
+from identification.precision import parameter_lines
 from identification.result import physical_values
 
 LEVEL = 1e-3  # share of gravity along an axis from which on the payload's place along it is uncertain
@@ -32,8 +33,8 @@ class Payload(NamedTuple):
 
     def __repr__(self) -> str:
         """A line for each parameter, and warnings."""
-        lines = [f"{name} = {p.value:.6g} +- {p.reported:.2g} {p.unit}" for name, p in self.parameters.items()]
-        return "\n".join(["Payload", *lines, *(f"warning: {warning}" for warning in self.warnings)])
+        warnings = (f"warning: {warning}" for warning in self.warnings)
+        return "\n".join(["Payload", *parameter_lines(self.parameters), *warnings])
 
     def _repr_html_(self) -> str:
         return as_html(self)

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import hexcite as hx
 from cases.files import RESULT, check_file, check_folder, output_place
-from planner.cli.console import Json, Overwrite, OwnCase, Stale, answered, argument, option, out, print_table
+from planner.cli.console import Json, Overwrite, OwnCase, Stale, answered, argument, option, out
 
 
 def export(
@@ -34,9 +34,6 @@ def export(
     print(f"model {model} of case {case_name} written: {', '.join(names)}")
 
 
-AXES = ("fx", "fy", "fz", "mx", "my", "mz")
-UNITS = ("N", "N", "N", "N m", "N m", "N m")
-
 Parameters = Annotated[Path, option("Result folder of hexcite identify.", "--parameters")]
 
 
@@ -64,15 +61,9 @@ def force(
         "peak": {name: float(v) for name, v in zip(WRENCH, result.peak, strict=True)},
         "warnings": list(result.warnings),
     }
-    if answered(answer, json):
-        return
-    rows = [
-        [a, f"{r:.4g}", f"{p:.4g}", u] for a, u, r, p in zip(AXES, UNITS, result.rms, result.peak, strict=True)
-    ]  # fmt: skip
-    print_table("External force and moment in {P}", ("component", "rms", "peak", "unit"), rows)
-    for warning in answer["warnings"]:
-        print(f"warning: {warning}")
-    print(f"written: {file} ({len(result.t)} samples, behind the filter of the case)")
+    if not answered(answer, json):
+        print(f"written: {file}, behind the filter of the case")
+        print(result)
 
 
 def _read(recording: Path, parameters: Path, case: str | None, stale: bool) -> "tuple[hx.Recording, hx.Result]":
@@ -101,27 +92,14 @@ def tare(
 
     All other parameters stay as they are.
     """
-    from identification.parameters import offset_columns
-
     folder = output_place(output, Path(f"{parameters.resolve().stem}-tared"), overwrite)
     check_folder(folder, RESULT, [recording, parameters], overwrite)
     run, saved = _read(recording, parameters, case, stale)
     tared = hx.tare(run, saved)
     tared.save(folder, overwrite)
-    if answered({"result": str(folder), **tared.record.to_json()}, json):
-        return
-    rows = [
-        [
-            f"f_q0_{k}",
-            f"{tared.values[place] - saved.values[place]:+.4g}",
-            f"{tared.covariance[place, place] ** 0.5:.2g}",
-        ]
-        for k, place in enumerate(offset_columns(saved.model), 1)
-    ]
-    for remark in (*run.remarks, *saved.remarks, *tared.notes[len(saved.notes) :]):
-        print(f"warning: {remark}")
-    print_table("Offsets", ("offset", "change", "std"), rows)
-    print(f"result written: {folder}")
+    if not answered({"result": str(folder), **tared.record.to_json()}, json):
+        print(f"result written: {folder}")
+        print(tared)
 
 
 def payload(
@@ -135,16 +113,11 @@ def payload(
 
     Mass, centre of gravity and inertia, as far as both results determine them.
     """
-    from planner.cli.identification import PARAMETER_COLUMNS, parameter_rows
-
     old = hx.Result.load(before, None if case is None else hx.load_case(case), stale)
     found = hx.payload(old, hx.Result.load(after, old.case, stale))
     answer: dict[str, Any] = {
         "parameters": {name: value._asdict() for name, value in found.parameters.items()},
         "warnings": list(found.warnings),
     }
-    if answered(answer, json):
-        return
-    print_table("Payload", PARAMETER_COLUMNS, parameter_rows(found.parameters))
-    for warning in answer["warnings"]:
-        print(f"warning: {warning}")
+    if not answered(answer, json):
+        print(found)

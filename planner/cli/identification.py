@@ -1,19 +1,16 @@
-"""Options of identify, and a result as text for people and as JSON."""
+"""Options of identify, and a result as JSON."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from cases.errors import HexciteError
 from cases.schema import Case
 from identification.estimation.estimators import Method, method
-from identification.estimation.fit import Value
 from identification.estimation.priors import Prior
 from identification.model import Model
 from identification.outcome import Result, biases_of
 from identification.parameters import physical_form, symmetric_platform
-from identification.precision import carries_rods, legible, value_cells
-from planner.cli.console import print_table
 from planner.request import read_value
 
 
@@ -51,92 +48,8 @@ def method_of(
     return method(estimator, constants, tuple(drop or ()), priors, weights, offsets)
 
 
-PARAMETER_COLUMNS = ("parameter", "value", "+-", "std (28)", "std robust", "unit")
-
-
 def answer_of_result(result: Result, folder: Path) -> dict[str, Any]:
     """The JSON answer of a result that was written."""
     answer = {"result": str(folder), "report": str(folder / "report.html"), **result.record.to_json()}
     strongest = () if result.identifiability is None else result.identifiability.strongest()
     return answer | {"strongest_correlations": [{"pair": [a, b], "value": v} for a, b, v in strongest]}
-
-
-def parameter_rows(parameters: Mapping[str, Value]) -> list[tuple[str, ...]]:
-    """Rows of `PARAMETER_COLUMNS`."""
-    return [value_cells(name, value, carries_rods(parameters)) for name, value in parameters.items()]
-
-
-def show_residuals(answer: dict[str, Any]) -> None:
-    """Prints s0 and the residuals of the recorded forces; behind a filter s0 contains the smaller part only."""
-    equal = answer["weights"] == "equal"
-    sentence = f"recorded forces less the model: {answer['s0_N']:.3g} N rms"
-    if equal and answer["delay_s"] is not None and answer["s0_N"] > 2.0 * answer["s0"]:
-        sentence += ", most of it above the evaluation's filter, where the estimate does not look"
-    print(f"s0 = {answer['s0']:.3g}{' N' if equal else ''}, weights {answer['weights']}; {sentence}")
-
-
-def show_noise(answer: dict[str, Any]) -> None:
-    """Prints the parts of s0 and the bias of the parameters by noise, where the case states noise."""
-    sources = answer["noise_sources"]
-    if sources is None:
-        return
-    shares = {"force sensors": sources["force_sensors"], "accelerations": sources["accelerations"]}
-    parts = [f"{name} {100 * share:.3g} %" for name, share in shares.items() if share is not None]
-    rest = "unexplained" if len(parts) == 2 else "anything else"
-    print(f"s0^2 consists of: noise of {', of '.join(parts)}, {rest} {100 * sources['unexplained']:.3g} %")
-    attenuations = {n: a for n, a in (answer["attenuation"] or {}).items() if a["of_std"] is not None}
-    if attenuations:
-        worst = max(attenuations, key=lambda name: abs(attenuations[name]["of_std"]))
-        bias, unit = attenuations[worst], answer["parameters"][worst]["unit"]
-        scale, unit = legible(unit)
-        print(
-            f"noise of the accelerations biases parameters by at most {abs(bias['of_std']):.2g} of their +- "
-            f"(attenuation, not taken out; vibration biases none): {worst} by {bias['bias'] * scale:+.2g} {unit}"
-        )
-
-
-def show_result(answer: dict[str, Any]) -> None:
-    """Prints a result for people."""
-    rows = parameter_rows({name: Value(**p) for name, p in answer["parameters"].items()})
-    terms = f" with {', '.join(answer['error_terms'])}" if answer["error_terms"] else ""
-    title = f"Model {answer['model']}{terms}, {answer['estimator']}: {answer['samples']} samples"
-    print_table(title, PARAMETER_COLUMNS, rows)
-    print(
-        "+- is the larger of std by (28), right for white noise, and of std robust, which allows for noise that is not"
-    )
-    print(f"rank {answer['rank']}, condition {answer['condition']:.3g}")
-    show_residuals(answer)
-    strongest = ", ".join(
-        f"{a}~{b} {v:+.2f}" for (a, b), v in ((c["pair"], c["value"]) for c in answer["strongest_correlations"][:3])
-    )
-    print(f"strongest correlations of columns: {strongest}")
-    if answer["delay_s"] is not None:
-        delay = answer["delay_s"]
-        print(
-            f"forces lag the motion by {delay['value'] * 1e3:.3f} +- {delay['std'] * 1e3:.3f} ms "
-            "(estimated and compensated)"
-        )
-    show_noise(answer)
-    for note in answer["notes"]:
-        print(note)
-    sensor = answer["accelerometer"]
-    if sensor is not None:
-        values = ", ".join(f"{b:.4f} +- {s:.4f}" for b, s in zip(sensor["bias_m_s2"], sensor["std_m_s2"], strict=True))
-        turn = ", ".join(f"{1e3 * t:.1f}" for t in sensor["turn_rad"])
-        print(
-            f"accelerometer: biases {values} m/s^2, turned by {turn} mrad; residual {sensor['rms_m_s2']:.2g} m/s^2 rms"
-        )
-    if answer["biases"] is not None:
-        also = " and of the accelerometer" if answer["biases"]["accelerometer"] is not None else ""
-        print(f"offsets of the forces{also} are those of {answer['biases']['result']}, with their uncertainty")
-    if "standstills" in answer:
-        stops = answer["standstills"]
-        source = "the poses of the program" if stops["matched_to_poses"] else "found where the machine stands"
-        print(f"{stops['count']} averaged standstills, {source}, by the {stops['found_by']}; weighted by their scatter")
-        if stops["restless"]:
-            print(f"restless, and weighted less: {', '.join(map(str, stops['restless']))}")
-    for warning in answer["warnings"]:
-        print(f"warning: {warning}")
-    print(f"result written: {answer['result']}, with its report {answer['report']}")
-    name, value, deviation, *_, unit = rows[0]
-    print(f"{name}: {value} +- {deviation} {unit}")

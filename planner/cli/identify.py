@@ -67,7 +67,7 @@ def identify(
     """
     from identification.formats.reading import files_of
     from identification.formats.table import require_file
-    from planner.cli.identification import answer_of_result, method_of, show_result
+    from planner.cli.identification import answer_of_result, method_of
 
     if verify is not None:
         require_file(files_of([verify])[0])  # before a result is written
@@ -95,7 +95,8 @@ def identify(
         console.save_with_page(result, RESULT, folder, overwrite)
     answer = answer_of_result(result, folder)
     if not json:
-        show_result(answer)
+        print(f"result written: {folder}, with its report {folder}/report.html")
+        print(result)
     if verify is not None:
         prediction = hx.verify(hx.read(verify, result.case), result)
         answer["verify"] = prediction.to_json()
@@ -143,9 +144,7 @@ def look(
 
 def _show(report: "hx.Look", file: Path) -> None:
     head = ("column", "meaning", "unit", "smallest", "largest", "taken from")
-    console.print_table(
-        f"{report.file.name}: {report.rows} rows", head, [_row(column) for column in report.columns], False
-    )
+    console.print_table(f"{report.file.name}: {report.rows} rows", head, [_row(column) for column in report.columns])
     print(f"rows per second: {'not known' if report.rate is None else f'{report.rate:.5g}'}")
     for odd in report.odd:
         print(f"look at: {odd}")

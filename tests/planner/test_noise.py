@@ -124,7 +124,7 @@ def test_a_plan_tells_what_the_payload_does_to_the_noise(weights: str, tmp_path:
         )
     (bare, _), (loaded, printed), (plain, untold) = plans
     assert tells(printed, "N rms", "2 payloads")
-    assert f"weights {weights})" in printed
+    assert f"weights {weights} " in printed
     assert ("identify --weights stated" in printed) == (weights == "equal")
     assert "noise of the accelerations" not in untold
     assert loaded["predicted_std"]["m"] > bare["predicted_std"]["m"] > plain["predicted_std"]["m"]

@@ -188,7 +188,7 @@ def test_standstills_are_averaged_wherever_they_are_if_asked_for(folder: Path, r
     answer = call(*words, "--json").json()
     assert answer["standstills"]["count"] in (8, 9, 10)
     assert not answer["standstills"]["matched_to_poses"]
-    assert tells(call(*words).out, "averaged standstills", "by the motion")
+    assert tells(call(*words).out, "averaged standstills")
 
 
 def test_averaged_rows_are_not_averaged_again(folder: Path, quick: Path) -> None:
