@@ -53,10 +53,12 @@ class Bound:
         return float(np.exp((logdet - self.logdet) / self.parameters))
 
     def __repr__(self) -> str:
-        """Two lines: the bound, and how it was found."""
-        design = f"the best design that was found has {self.design_logdet:.4f}"
+        """A few lines: how it was found, the best design, and the bound."""
+        late = "; a longer time limit closes the gap" if self.proven_logdet is not None and not self.certified else ""
         return (
-            f"Bound of log det, {self.label}: {self.logdet:.4f}, {self.parameters} parameters; {design}\n{self.method}"
+            f"{self.method}{late}\nlog det of the mean information of {self.parameters} parameters, reference scaling, "
+            f"W = 1:\nthe best design that was found has {self.design_logdet:.4f}"
+            f"\nno motion exceeds {self.logdet:.4f} ({self.label})"
         )
 
     _repr_html_ = as_html

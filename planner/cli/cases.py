@@ -27,15 +27,9 @@ def list_cases(json: console.Json = False) -> None:
         for c in [hx.load_case(name)]
     ]
     if not console.answered({"cases": rows}, json):
-        console.print_table(
-            "Built-in cases",
-            ("case", "setup", "what it is"),
-            [[r["name"], r["setup"], r["title"]] for r in rows],
-            False,
-        )
-        print(
-            "setup, where sensors sit: 1a in a frame that stands, 1b in one that moves, 2x in the struts, R at a flange"
-        )
+        columns = ("case", "setup", "what it is")
+        console.print_table("Built-in cases", columns, [[r["name"], r["setup"], r["title"]] for r in rows])
+        print("setup: the sensors' frame stands (1a), moves (1b), sensors in the struts (2x), a sensor at a flange (R)")
         print("hexcite case new NAME --like CASE begins one of your own; hexcite case show CASE draws it")
 
 
@@ -46,8 +40,6 @@ def check(
     json: console.Json = False,
 ) -> None:
     """Validate a case and say how much of its motion box is reachable."""
-    from identification.limit import LimitReport
-
     try:
         with console.status("searching the largest reachable box", json or not propose):
             checked = hx.check_case(case, propose)
@@ -59,38 +51,9 @@ def check(
         raise
     if console.answered({"ok": True, **checked.to_json()}, json):
         return
-    figures, requirements, reach, proposal = checked.figures, checked.missing, checked.reach, checked.proposal
-    print(f"{figures['name']} is valid: {figures['title']} (setup {figures['setup']}, hash {figures['hash']})")
-    print(f"sensor frame: condition {figures['frame_condition']:.3g} (moments in units of the frame's size)")
-    if "limits_in_box" in figures:
-        if "home_struts_mm" in figures:
-            print(f"struts at home: {', '.join(f'{v:.1f}' for v in figures['home_struts_mm'])} mm")
-        # what plans avoid by themselves: nothing is wrong with a case whose corners are out of reach
-        worst = LimitReport.of_json(figures["limits_in_box"]).checks
-        words = {"EXCEEDED": "not everywhere"}
-        rows = [[*row[:-1], words.get(row[-1], "everywhere")] for row in console.limit_rows(worst)]
-        console.print_table(
-            f"Worst of {figures['poses']} poses: home, and corners and middles of the motion box",
-            (*console.LIMIT_COLUMNS[:-1], "satisfied"),
-            rows,
-        )
-    print(f"ready for: {'; '.join(c for c, missing in requirements.items() if not missing) or 'no command'}")
-    for missing in dict.fromkeys(filter(None, requirements.values())):
-        commands = [command for command, lacks in requirements.items() if lacks == missing]
-        print(f"not ready for: {'; '.join(commands)}; the case misses {', '.join(missing)}")
-    for remark in checked.remarks:
-        print(f"look at {remark}")
-    if reach is not None:
-        from planner.reports.case_figures import COLUMNS, coordinate_rows, share_sentences
-
-        if reach.share < 1.0:
-            console.print_table("Reach of each coordinate, the others at home", COLUMNS, coordinate_rows(reach), False)
-        print(share_sentences(reach))
-        if proposal is None and not reach.whole:
-            command = f"hexcite case check {case} --propose"
-            print(f"Plans satisfy these limits too. `{command}` finds the largest reachable box.")
-    if proposal is not None:
-        _print_proposal(proposal)
+    print(checked)
+    if checked.proposal is not None:
+        _print_proposal(checked.proposal)
 
 
 def _print_proposal(box: "MotionBox") -> None:

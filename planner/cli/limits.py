@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import hexcite as hx
 from cases.files import PLAN, check_file, check_folder, json_text, write_text
+from identification.precision import limit_lines
 from planner.cli import console
 from planner.cli.console import argument, option, out
 
 if TYPE_CHECKING:
-    from identification.limit import LimitReport
     from planner.retiming.retimed import PaceRating
 
 
@@ -55,30 +55,7 @@ def bound(
     if output is not None:
         write_text(output, json_text(answer))
     if not console.answered(answer, json):
-        _show_bound(answer)
-
-
-def _show_bound(answer: dict[str, Any]) -> None:
-    parameters, method = answer["certificate"]["p"], answer["certificate"]["method"]
-    limit, design, proven = answer["logdet_bound"], answer["logdet_design"], answer["logdet_proven"]
-    print(
-        f"{answer['case']}, model {answer['model']}, {parameters} parameters. A motion is worth log det of its mean "
-        "information matrix (reference scaling, W = 1)."
-    )
-    print(f"best distribution found over the {answer['over']}: {design:.4f}")
-    if proven is None:
-        print(f"of such a machine no limit is proven, the largest derivative is searched for: {method}")
-    else:
-        late = "" if answer["certified"] else "; time ran out, a longer --time-limit closes the gap"
-        print(f"proven limit for all of them: {proven:.4f}, by: {method}{late}")
-    if answer["pose_errors"] is not None:
-        print("white noise alone counts here: errors that depend on the pose, which [sensors] states, leave less")
-    print(f"`hexcite plan` rates motions against it: D-efficiency = exp((log det - {limit:.4f}) / {parameters})")
-    kind = "proven" if answer["certified"] else "an ESTIMATE"
-    print(
-        f"no motion exceeds log det {limit:.4f} ({kind}, {100 * (limit - design) / parameters:.2g} % of an efficiency "
-        f"above the best that was found; {answer['solve_s']:.1f} s)"
-    )
+        print(limit)
 
 
 def retime(
@@ -130,8 +107,15 @@ def retime(
         "solve_s": result.seconds,
         "plan": str(output) if output is not None else None,
     }
-    if not console.answered(answer, json):
-        _show_paces(answer, result.after.limits)
+    if console.answered(answer, json):
+        return
+    before, after = result.before, result.after
+    for line in (*limit_lines(after.limits.checks), *(f"note: {remark}" for remark in (*result.remarks, *plan.stale))):
+        print(line)
+    print(f"before: {before.duration:.4f} s, D-efficiency {before.d_efficiency:.4f}")
+    print(f"after: {after.duration:.4f} s, D-efficiency {after.d_efficiency:.4f}")
+    if output is not None:
+        print(f"plan written: {output}")
 
 
 def _rating(rating: "PaceRating") -> dict[str, Any]:
@@ -142,22 +126,3 @@ def _rating(rating: "PaceRating") -> dict[str, Any]:
         "violations": [check.sentence() for check in rating.limits.violations],
         "limits": rating.limits.to_json(),
     }
-
-
-def _show_paces(answer: dict[str, Any], limits: "LimitReport") -> None:
-    before, after = answer["before"], answer["after"]
-    rows = [["duration", f"{before['duration_s']:.4f} s", f"{after['duration_s']:.4f} s"]]
-    rows += [[f"criterion {k}", f"{before['criteria'][k]:.5g}", f"{after['criteria'][k]:.5g}"] for k in "ADKN"]
-    rows.append(["D-efficiency against the box", f"{before['d_efficiency']:.4f}", f"{after['d_efficiency']:.4f}"])
-    rows.append(["limits exceeded", str(len(before["violations"])), str(len(after["violations"]))])
-    console.print_table(f"Re-timed with {answer['method']}, model {answer['model']}", ("", "before", "after"), rows)
-    for label, rating in (("before", before), ("after", after)):
-        for sentence in rating["violations"]:
-            print(f"{label}: {sentence}")
-    console.print_table("Limits after re-timing", console.LIMIT_COLUMNS, console.limit_rows(limits.checks))
-    for remark in answer["remarks"]:
-        print(f"note: {remark}")
-    if answer["off_path_mm"] or answer["off_path_deg"]:
-        print(f"up to {answer['off_path_mm']:.2g} mm and {answer['off_path_deg']:.2g} deg from the planned path")
-    if answer["plan"] is not None:
-        print(f"plan written: {answer['plan']}")

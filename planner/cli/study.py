@@ -38,9 +38,7 @@ def _show(answer: dict[str, Any], best: dict[str, Any], case: str) -> None:
         [letter, command_of(group.settings, case), f"{group.best:.4g}", f"{group.median:.4g}", f"{group.done}"]
         for letter, group in sorted(best.items())
     ]
-    print_table(
-        "Best settings of each criterion", ("criterion", "command", "best", "median", "plans"), rows, right=False
-    )
+    print_table("Best settings of each criterion", ("criterion", "command", "best", "median", "plans"), rows)
     print(f"{answer['done']} cells done, {answer['failed']} failed, {answer['computed']} of them now")
     if answer["overhead"] is not None:
         print(f"study time x cores / time in cells: {answer['overhead']:.2f}")

@@ -119,9 +119,10 @@ class Comparison:
             self.write(part)
 
     def __repr__(self) -> str:
-        """The entries and the recommendation, as text."""
-        names = ", ".join(entry.name for entry in self.entries)
-        return "\n".join([f"Comparison of {names}", *self.sentences])
+        """The entries, warnings and the recommendation."""
+        lines = [f"Comparison of {', '.join(entry.name for entry in self.entries)}"]
+        lines += [f"warning: {warning}" for warning in self.warnings]
+        return "\n".join([*lines, *(f"recommendation: {sentence}" for sentence in self.sentences)])
 
     _repr_html_ = as_html
 

@@ -76,9 +76,6 @@ def has_motion_box(case: Case) -> bool:
     return case.chain is not None or (case.hexapod is not None and case.workspace is not None)
 
 
-COLUMNS = ("coordinate", "stated range", "reachable range", "limited by")
-
-
 def percent(share: float) -> str:
     """A share in %, with three digits, and never 100 % where something is missing."""
     text = f"{100 * share:.3g}"
@@ -106,17 +103,6 @@ def share_sentences(reach: Reach) -> str:
     exceeded = sorted(reach.exceeded.items(), key=lambda item: -item[1])
     kinds = ", ".join(f"{kind} in {percent(share)}" for kind, share in exceeded)
     return f"{start} (standard error {100 * reach.share_std:.2g} %, {poses}). Exceeded limits: {kinds} of the poses."
-
-
-def coordinate_rows(reach: Reach) -> list[list[str]]:
-    """Rows of `COLUMNS`: key of the case file, both ranges in its unit, what limits the lower and the upper end."""
-    case_ranges, reachable = ((box / reach.units).T for box in (reach.stated, reach.reachable))
-    rows = []
-    for key, outer, inner, names in zip(reach.keys, case_ranges, reachable, reach.limited_by, strict=True):
-        sides = [f"{side}: {name}" for side, name in zip(("below", "above"), names, strict=True) if name is not None]
-        ranges = [f"[{low:.4g}, {high:.4g}]" for low, high in (outer, inner)]
-        rows.append([key, *ranges, "; ".join(sides) or "the stated range"])
-    return rows
 
 
 _OTHER_BODY = 2.0  # ratio of simulated and nominal mass from which they are two bodies

@@ -39,8 +39,9 @@ def motion_blocks(case: Case, motion: Motion) -> tuple[Chart, ...]:
                 f"{name[0].upper()}{name[1:]} of each {kind} over time; dashed: the limits of the axis in its colour."
             )
             key = f"{name.split()[0]}-{kind}"
+            labels = [label for label, its in zip(box.labels, own, strict=True) if its]
             figure = Chart(key, caption, "time [s]", f"{name} [{unit}]", half=not own.all(), height=280)
-            figure.add_lines(motion.t, values[:, own] * factor, np.array(box.labels)[own], 1.6)
+            figure.add_lines(motion.t, values[:, own] * factor, labels, 1.6)
             for row in limit[:, own] * factor:
                 for k, value in enumerate(row):
                     figure.add_line({"y": float(value)}, colour(k))

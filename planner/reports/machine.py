@@ -14,21 +14,17 @@ from planner.reports.page import player, section
 
 BESIDE = 0.25  # share of the machine's size: boxes are shown up to this distance
 _BOTTOM = ((0, 0), (1, 0), (1, 1), (0, 1), (0, 0))
+NO_POSES: Array = np.zeros((0, 6))
 FRAMES_A_SECOND = 50.0
 MOST_FRAMES = 3000
 SECONDS_A_POSE = 0.5  # time of each pose when a pose set is played
 
 
-def pictured(case: Case, motion: Trajectory, poses: Array | None = None) -> tuple[Markup, ...]:
-    """Picture of the machine along a motion, or in the poses of a set; empty for a chain.
-
-    Args:
-        poses: shape (n, 6) [m, rad]; none or no rows for a motion.
-    """
+def pictured(case: Case, motion: Trajectory, poses: Array = NO_POSES) -> tuple[Markup, ...]:
+    """Picture of the machine along a motion, or in the poses of a set, shape (n, 6) [m, rad]; empty for a chain."""
     if case.hexapod is None:
         return ()
-    moving = poses is None or not len(poses)
-    picture = moving_machine(case, motion) if moving else posing_machine(case, poses)
+    picture = posing_machine(case, poses) if len(poses) else moving_machine(case, motion)
     return (section("The machine along the plan", picture),)
 
 

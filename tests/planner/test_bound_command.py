@@ -32,8 +32,8 @@ def test_people_read_that_it_is_not(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))  # nobody has proven it there
     told = call("bound", "hexapod", "--model", 2, "--time-limit", 1e-6)
     assert told.code == 0
-    assert "ESTIMATE" in told.out
-    assert "--time-limit" in told.out
+    assert "an estimate" in told.out
+    assert "time limit" in told.out
 
 
 @pytest.mark.parametrize(

@@ -220,7 +220,6 @@ def test_the_printed_lines_make_a_case_whose_box_is_reachable(tmp_path: Path) ->
     assert load_case(str(file)).limits.motion.z_mm == tuple(before["proposal"]["limits_motion"]["z_mm"])
     whole = call("case", "check", file).out
     assert "whole motion box" in whole
-    assert "the others at home" not in whole
 
 
 def test_the_command_prints_and_draws_the_reach(small: Case, tmp_path: Path) -> None:
@@ -234,9 +233,6 @@ def test_the_command_prints_and_draws_the_reach(small: Case, tmp_path: Path) -> 
     assert found["exceeded"]["strut length"] == pytest.approx(1.0 - found["share"], abs=0.02)
     text = call("case", "check", file).out
     assert tells(text, f"{100 * found['share']:.3g} %", "reachable")
-    (row,) = (line for line in text.splitlines() if "z_mm" in line)
-    assert "below: strut length" in row
-    assert "above: strut length" in row
     drawn = call("case", "show", file, "-o", tmp_path / "machine.svg").out
     assert "is reachable" in drawn
 

@@ -150,7 +150,8 @@ def test_the_command_prints_before_and_after(by_hand: Path):
     assert answer["after"]["duration_s"] >= answer["before"]["duration_s"] - 1e-3
     said = call("retime", by_hand)
     assert said.code == 0
-    assert "before" in said.out
+    assert "before: " in said.out
+    assert "after: " in said.out
 
 
 @pytest.mark.parametrize("method", few("ruckig", "ipopt"))
@@ -167,7 +168,7 @@ def test_a_retimed_motion_is_a_plan_that_can_be_posted(method: str, request: pyt
     assert saved.motion.duration == pytest.approx(answer["after"]["duration_s"], abs=1e-6)
     assert saved.worth.d_efficiency == pytest.approx(answer["after"]["d_efficiency"], rel=1e-3)
     assert any(note.startswith(f"re-timed with {method}") for note in saved.worth.notes)
-    assert "re-timed with" in (out / "report.html").read_text(encoding="utf-8")
+    assert "Re-timed with" in (out / "report.html").read_text(encoding="utf-8")
     accept = ("--accept", "acceleration,jerk,strut-acceleration,sensor-force,strut-velocity,velocity")
     program = call("post", out, *accept, "-o", tmp_path / "run.ngc", "--json").json()
     assert program["excitation_s"] == pytest.approx(saved.motion.duration, rel=1e-2)
