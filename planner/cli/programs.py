@@ -152,8 +152,8 @@ def run(
         recording.save(folder, overwrite)
     answer = answer_of_run(recording, folder)
     if not console.answered(answer, json):
-        print(recording)
         print(f"recording written: {folder}")
+        print(recording)
 
 
 def answer_of_run(recording: "hx.Recording", folder: Path) -> dict[str, Any]:
