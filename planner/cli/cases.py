@@ -114,7 +114,7 @@ def show(
     overwrite: console.Overwrite = False,
     json: console.Json = False,
 ) -> None:
-    """Draw the machine at home, with the reach of its coordinates."""
+    """Draw the machine at home."""
     from cases.tables import find_case
 
     loaded = hx.load_case(case)
@@ -122,16 +122,11 @@ def show(
     file = output_place(output, Path(f"{loaded.name}-machine.svg"), overwrite)
     check_file(file, (".svg", ".png", ".pdf"), [find_case(case)], overwrite)
     with console.status("drawing", json):
-        from planner.reach import reach as reach_of
-        from planner.reports.case_figures import share_sentences
         from planner.reports.plots import case_figure
 
-        reach = reach_of(loaded)
-        figure = case_figure(loaded, reach)
         with atomic_file(file) as part:
-            figure.savefig(part, format=file.suffix[1:].lower())
+            case_figure(loaded).savefig(part, format=file.suffix[1:].lower())
     if not console.answered({"ok": True, "figure": str(file)}, json):
-        print(share_sentences(reach))
         print(f"picture written: {file}")
 
 
