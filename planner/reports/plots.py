@@ -10,7 +10,7 @@ from cases.machine import KeepOut, turned
 from cases.recording_format import CLOCK
 from cases.schema import Case
 from cases.units import MM
-from identification.formats.looked import Column, Look
+from identification.formats.look import Column, Look
 from identification.limited_chain import chain_frames
 from identification.motion import Array, StandingPoses
 from planner.reports.machine import box_outlines, room, tool_outlines
