@@ -147,8 +147,7 @@ class Drives(Part):
         """Column of the drive that moves each strut, counted from 0."""
         return [k - 1 for k in self.order]
 
-    offset: ClassVar = si("offset_mm")
-    """Strut lengths at drive position 0, shape (6,) [m]."""
+    offset: ClassVar = si("offset_mm")  # strut lengths at drive position 0, shape (6,) [m]
 
 
 class Accelerometer(Part):

@@ -170,15 +170,16 @@ def _place(name: str, folder: Path | str | None) -> Path:
 
 
 def explanations(part: type[Part]) -> Mapping[str, str]:
-    """What each key of a table means: the string that stands below its field in the class."""
-    bodies = (ast.parse(inspect.getsource(base)).body[0] for base in reversed(part.__mro__) if issubclass(base, Part))
-    return {
-        field.target.id: " ".join(str(text.value.value).split())
-        for body in bodies
-        for field, text in pairwise(ast.iter_child_nodes(body))
-        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name)
-        if isinstance(text, ast.Expr) and isinstance(text.value, ast.Constant)
-    }
+    """What each key of a table means: the string that stands below its field in the class, or below one before it."""
+    words: dict[str, str] = {}
+    for base in (base for base in reversed(part.__mro__) if issubclass(base, Part)):
+        meaning = ""
+        for field, text in pairwise([*ast.iter_child_nodes(ast.parse(inspect.getsource(base)).body[0]), ast.Pass()]):
+            if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name):
+                if isinstance(text, ast.Expr) and isinstance(text.value, ast.Constant):
+                    meaning = " ".join(str(text.value.value).split())
+                words[field.target.id] = meaning
+    return words
 
 
 _MACHINE = ("machine", "workspace", "limits.motion")
