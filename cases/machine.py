@@ -187,9 +187,8 @@ class Workspace(StrutLengths):
     """What the machine can reach: the paper's is_valid."""
 
     x_mm: Range
-    """Relative to home, like `y_mm`."""
-    y_mm: Range
     """Lower and upper limit relative to home."""
+    y_mm: Range
     base_joint_angle_deg: Positive
     """Largest angle between a strut and the normal of its base joint."""
     platform_joint_angle_deg: Positive
@@ -219,7 +218,7 @@ class MotionLimits(StrutLengths):
     y_mm: Range
     z_mm: Range
     a_deg: Range
-    """Lower and upper limit of roll relative to home."""
+    """Lower and upper limit of roll (a), pitch (b) and yaw (c) relative to home."""
     b_deg: Range
     c_deg: Range
     velocity_mm_s: PositiveVector
