@@ -13,7 +13,7 @@ import pyarrow as pa
 import pyarrow.csv as pacsv
 
 from cases.errors import RecordingError
-from cases.recording_format import CLOCK, COLUMNS, VELOCITIES, RecordingFormat
+from cases.recording_format import CLOCK, COLUMNS, RecordingFormat
 from identification.formats.table import (
     Block,
     ColumnTable,
@@ -200,8 +200,6 @@ def select(file: Path, names: Sequence[str], form: RecordingFormat) -> dict[str,
     """Our columns among those of a file, each with its position; raises RecordingError where one is there twice."""
     positions = {}
     for ours in COLUMNS:
-        if ours in VELOCITIES:
-            continue
         theirs = form.file_name(ours)
         if names.count(theirs) > 1:
             raise RecordingError(file, f"column {shown(theirs)} is there twice", "rename or remove one")

@@ -28,7 +28,7 @@ def test_a_new_case_is_its_template_under_another_name(like: str, tmp_path: Path
     lines = text.splitlines()
     advised = [lines[k - 1] for k, line in enumerate(lines) if line in ("[sensors]", "[recording]")]
     assert "force_noise_N" in advised[0]
-    assert "columns" in advised[1]
+    assert "units" in advised[1]
 
 
 def test_each_key_of_a_controller_is_explained_above_it(tmp_path: Path) -> None:

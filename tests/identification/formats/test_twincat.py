@@ -76,9 +76,9 @@ def test_an_export_is_read_whatever_its_settings(
 
 
 def test_a_channel_that_was_not_recorded_hides_none_of_the_others(tmp_path: Path) -> None:
-    empty: Group = (["temperature"], np.zeros(0), np.zeros((0, 1)))
+    empty: Group = (["override"], np.zeros(0), np.zeros((0, 1)))
     file = written(tmp_path, exported([*both(), empty]))
-    require_the_run(read(file, case(columns={**COLUMNS, "temperature_degC": "temperature"})))
+    require_the_run(read(file, case(columns={**COLUMNS, "override_percent": "override"})))
 
 
 def test_separated_by_commas_it_has_points(tmp_path: Path) -> None:
