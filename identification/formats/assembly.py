@@ -37,7 +37,7 @@ from identification.formats.table import (
     lost_samples,
     shown,
 )
-from identification.formats.text_errors import without
+from identification.formats.text import without
 
 
 def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:

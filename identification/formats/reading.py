@@ -19,7 +19,7 @@ from cases.schema import Case
 from identification.formats import binary, text, traces
 from identification.formats.assembly import require_clock, start_of, stream_of
 from identification.formats.table import ColumnTable, Stream, require_file, require_room, unreadable
-from identification.formats.text_errors import without
+from identification.formats.text import without
 
 _PARQUET = b"PAR1"
 

@@ -18,8 +18,7 @@ import pyarrow as pa
 from cases.errors import RecordingError
 from cases.recording_format import CLOCK, RecordingFormat
 from identification.formats.table import Block, ColumnTable, Stamps, is_number, lines_of, split
-from identification.formats.text import cells, decoded, parse, read_head, section_of, select, table_of
-from identification.formats.text_errors import without
+from identification.formats.text import cells, decoded, parse, read_head, section_of, select, table_of, without
 
 _NAME, _END = "Name", "EOF"
 _LATE = 2  # samples by which the last of channels with one clock may differ

@@ -50,7 +50,7 @@ DAMAGES: dict[str, tuple[bytes, str]] = {
     "missing force": (renamed("f3_N", "f3"), r"column f3_N is missing"),
     "no struts": (without(*NAMES[1:7]), r"no pose: none of the columns l1_mm, .*; it has t_s, f1_N"),
     "no forces": (without(*NAMES[7:13]), r"no forces: none of the columns f1_N"),
-    "text in a number": (cell(4, "l2_mm", "9x0"), r", line 5, l2_mm: '9x0' is not a number; correct or remove"),
+    "text in a number": (cell(4, "l2_mm", "9x0"), r", line 5, l2_mm: '9x0' is not a number .*; correct or remove"),
     "nothing in a column": (column("f1_N", ""), r", line 2, f1_N: nan is not a measured value, nor are 100 % of"),
     "nothing in most rows": (
         csv([*table()[:4], *[[*row[:3], "", *row[4:]] for row in table()[4:]]]),
@@ -69,7 +69,7 @@ DAMAGES: dict[str, tuple[bytes, str]] = {
     "time backwards": (cell(6, "t_s", "0.0001"), r"line 7, t_s: 0.000100 s comes after 0.004000 s; .*sort the rows"),
     "time repeated": (cell(6, "t_s", "0.004"), r"line 7, t_s: 0.004000 s comes after 0.004000 s"),
     "empty": (b"", r": is empty; record again"),
-    "header only": (csv([NAMES]), r": has a header but no rows; record again"),
+    "header only": (csv([NAMES]), r": has a header but no rows; record or export"),
     "header without newline": (csv([NAMES])[:-1], r"no rows|not a CSV table"),
     "blank lines only": (b"\n\n\n", r"not a CSV table|is empty|none of the columns"),
     "semicolons": (csv(table(), ";"), r"separat"),
