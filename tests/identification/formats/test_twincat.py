@@ -144,7 +144,7 @@ DAMAGES = {
     "no header of channels": ("\n".join([*LINES[:4], "", *LINES[13:]]), {}, r"no two lines that start with Name"),
     "no rows": ("\n".join(LINES[:HEADER]), {}, r"rows of numbers below"),
     "no rows but EOF": ("\n".join([*LINES[:HEADER], "EOF"]), {}, r"rows of numbers below"),
-    "points for commas": (GOOD, {"decimal": "."}, r"line 14, .*: '-?\d+,\d+' is not .* decimal '.'; .*recording.decimal"),
+    "points for commas": (GOOD, {"decimal": "."}, r"line 14, .*: '-?\d+,\d+' is not .*recording.decimal"),
     "commas for points": (exported(both(), decimal="."), {}, r"decimal ','; .*recording.decimal"),
     "unknown channels": (GOOD, {"columns": {"l1_mm": "MAIN.x"}}, r"none of .*MAIN.x.*; it has MAIN.strut\[1\], "),
     "one channel missing": (GOOD.replace("force 3", "fors 3", 1), {}, r"column force 3 is missing; it has .*fors 3"),
