@@ -81,10 +81,8 @@ def check(
     for remark in checked.remarks:
         print(f"look at {remark}")
     if reach is not None:
-        from planner.reports.case_figures import COLUMNS, coordinate_rows, share_sentences
+        from planner.reports.case_figures import share_sentences
 
-        if reach.share < 1.0:
-            console.print_table("Reach of each coordinate, the others at home", COLUMNS, coordinate_rows(reach), False)
         print(share_sentences(reach))
         if proposal is None and not reach.whole:
             command = f"hexcite case check {case} --propose"
@@ -96,12 +94,11 @@ def check(
 def _print_proposal(box: "MotionBox") -> None:
     """Prints the box as lines of a case file, with its figures."""
     from planner.precision import share_text
-    from planner.reports.case_figures import percent
 
     if box.share == 1.0:
         print("Proposal: none is needed, the stated box is reachable.")
         return
-    print(f"\nProposal: the largest reachable box found, {percent(box.share)} of the stated box's volume.")
+    print(f"\nProposal: the largest reachable box found, {100 * box.share:.3g} % of the stated box's volume.")
     print(f"Verified at {box.poses} poses: the worst uses {share_text(box.worst)} of the limit {box.worst_limit}.")
     print("Replace these lines of [limits.motion] (relative to home; home may lie near a side):\n")
     print(box.toml())
