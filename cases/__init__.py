@@ -6,6 +6,7 @@ arguments of a wrong type by name, before any work.
 
 import ast
 import inspect
+import re
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from functools import wraps
@@ -13,7 +14,7 @@ from importlib import import_module
 from numbers import Integral, Real
 from os import PathLike
 from pathlib import Path
-from types import FunctionType, NoneType, UnionType
+from types import FunctionType, UnionType
 from typing import TYPE_CHECKING, Any, TypeVar, get_args, get_origin, get_type_hints
 
 if TYPE_CHECKING:
@@ -47,12 +48,10 @@ def door(package: str, checked: bool = False) -> tuple[Callable[[str], object], 
     return get, lambda: list(module_of)
 
 
-LISTS = (Sequence, Collection, tuple)
 WIDER: dict[type, tuple[type, ...]] = {
     int: (Integral,), float: (Real,), str: (str, PathLike), Path: (str, PathLike), bool: (object,),
 }  # fmt: skip
 """What does as well as a type: numbers of NumPy, paths as texts."""
-WORDS = {int: "a whole number", float: "a number", str: "a text", Path: "a path", NoneType: "None"}
 SOURCES = {
     "Case": "hx.load_case loads one",
     "Plan": "hx.plan makes one, hx.Plan.load reads one",
@@ -79,19 +78,16 @@ def _checked(function: FunctionType, package: str) -> Callable[..., Any]:
     def call(*args: Any, **kwargs: Any) -> Any:
         from cases.errors import HexciteError
 
-        said = function.__qualname__.removesuffix(".__init__")
+        place = function.__qualname__.removesuffix(".__init__")
         for name in kwargs:
             if name not in annotations:
-                raise HexciteError(f"{said}: {name}", "is not an argument", f"choose from {', '.join(annotations)}")
+                raise HexciteError(f"{place}: {name}", "is not an argument", f"choose from {', '.join(annotations)}")
         for name, value in {**signature.bind(*args, **kwargs).arguments, **kwargs}.items():
-            if _fits(value, wanted := annotations.get(name, object)):
-                continue
-            text = repr(value) if len(repr(value)) < 60 else f"a {type(value).__name__}"
-            if isinstance(value, list | tuple) and text.startswith("a "):
-                text += f" of {', '.join(dict.fromkeys(type(entry).__name__ for entry in value))}"
-            words = _words(wanted)
-            sources = "; ".join(source for kind, source in SOURCES.items() if f"a {kind}" in words)
-            raise HexciteError(f"{said}: {name} = {text}", f"is not {words}", sources or "give such a value")
+            if not _fits(value, wanted := annotations.get(name, object)):
+                text = repr(value) if len(repr(value)) < 60 else f"a {type(value).__name__}"
+                kinds = re.sub(r"\b\w+\.", "", inspect.formatannotation(wanted)).replace("'", "")
+                sources = "; ".join(source for kind, source in SOURCES.items() if re.search(rf"\b{kind}\b", kinds))
+                raise HexciteError(f"{place}: {name} = {text}", f"is not {kinds}", sources or "give such a value")
         return function(*args, **kwargs)
 
     call.__module__ = package  # where it is found again by other processes
@@ -119,7 +115,7 @@ def _fits(value: object, annotation: Any) -> bool:
         return any(_fits(value, part) for part in get_args(annotation))
     if isinstance(annotation, str):
         return any(kind.__name__ in annotation.split(" | ") for kind in type(value).__mro__)
-    if get_origin(annotation) in LISTS:
+    if get_origin(annotation) in (Sequence, Collection, tuple):
         entries = value if isinstance(value, list | tuple) else ()
         listed = isinstance(value, Iterable) and not isinstance(value, str)
         return listed and all(_fits(entry, get_args(annotation)[0]) for entry in entries)
@@ -128,16 +124,6 @@ def _fits(value: object, annotation: Any) -> bool:
     if not isinstance(annotation, type) or get_origin(annotation) is not None:
         return True
     return isinstance(value, WIDER.get(annotation, (annotation,)))
-
-
-def _words(annotation: Any) -> str:
-    """A type in words."""
-    if isinstance(annotation, str | UnionType):
-        parts = annotation.split(" | ") if isinstance(annotation, str) else get_args(annotation)
-        return " or ".join(f"a {part}" if isinstance(part, str) else _words(part) for part in parts)
-    if get_origin(annotation) in LISTS:
-        return f"a list, each entry {_words(get_args(annotation)[0])}"
-    return WORDS.get(annotation) or f"a {annotation.__name__}"
 
 
 __getattr__, __dir__ = door(__name__)

@@ -32,10 +32,8 @@ class ChainFrame(Part):
     rpy_deg: Vector = (0.0, 0.0, 0.0)
     """Roll, pitch and yaw of its axes, about fixed axes, in this order."""
 
-    origin: ClassVar = si("origin_mm")
-    """Its origin in the frame before it, shape (3,) [m]."""
-    rpy: ClassVar = si("rpy_deg")
-    """Roll, pitch, yaw, shape (3,) [rad]."""
+    origin: ClassVar = si("origin_mm")  # its origin in the frame before it, shape (3,) [m]
+    rpy: ClassVar = si("rpy_deg")  # Roll, pitch, yaw, shape (3,) [rad]
 
 
 class Joint(ChainFrame):
@@ -54,11 +52,9 @@ class Joint(ChainFrame):
     position_deg: Range | None = None
     """Lower and upper end of the joint."""
     position_mm: Range | None = None
-    """The same of a joint that slides."""
     home_deg: Number | None = None
     """Where programs begin and end; limits of motion are relative to it."""
     home_mm: Number | None = None
-    """The same of a joint that slides."""
     torque_Nm: Positive | None = None
     """Largest torque of the joint's drive; plans use 80 % of it at most, where every joint states its link."""
     force_N: Positive | None = None
@@ -210,19 +206,15 @@ class JointLimit(Part):
     position_deg: Range | None = None
     """Relative to home."""
     position_mm: Range | None = None
-    """The same of a joint that slides."""
     velocity_deg_s: Positive | None = None
     """Largest velocity."""
     velocity_mm_s: Positive | None = None
-    """The same of a joint that slides."""
     acceleration_rad_s2: Positive | None = None
     """Largest acceleration."""
     acceleration_m_s2: Positive | None = None
-    """The same of a joint that slides."""
     jerk_rad_s3: Positive | None = None
     """Largest jerk."""
     jerk_m_s3: Positive | None = None
-    """The same of a joint that slides."""
 
     @model_validator(mode="after")
     def _complete(self) -> "JointLimit":
@@ -290,14 +282,11 @@ class JointMotionLimits(Part):
         """Which coordinates are angles, shape (n,)."""
         return np.array([joint.turns for joint in self.joints])
 
-    pose: ClassVar = _of_joints(0)
-    """Lower and upper limit relative to home, shape (2, n) [rad or m]."""
-    rate: ClassVar = _of_joints(1)
-    """Largest rate of each coordinate, shape (n,) [rad/s or m/s]."""
+    pose: ClassVar = _of_joints(0)  # lower and upper limit relative to home, shape (2, n) [rad or m]
+    rate: ClassVar = _of_joints(1)  # largest rate of each coordinate, shape (n,) [rad/s or m/s]
     acceleration: ClassVar = _of_joints(2)
     """Largest second derivative of each coordinate, shape (n,) [rad/s^2 or m/s^2]."""
-    jerk: ClassVar = _of_joints(3)
-    """Largest third derivative of each coordinate, shape (n,) [rad/s^3 or m/s^3]."""
+    jerk: ClassVar = _of_joints(3)  # largest third derivative of each coordinate, shape (n,) [rad/s^3 or m/s^3]
 
     @property
     def limits_jerk(self) -> bool:

@@ -1,6 +1,5 @@
 """Settings of the case's controllers; anything uncertain is a required setting, never a guess."""
 
-import re
 from enum import StrEnum
 from typing import Annotated, ClassVar, Literal, TypeVar
 
@@ -25,14 +24,7 @@ class ControllerName(StrEnum):
 Kept = Literal["velocity", "acceleration", "jerk", "strut velocity", "strut acceleration"]
 
 
-def _once(names: tuple[Kept, ...]) -> tuple[Kept, ...]:
-    twice = [name for k, name in enumerate(names) if name in names[:k]]
-    if twice:
-        raise ValueError(f"names {twice[0]!r} twice; name each limit once")
-    return names
-
-
-Promises = Annotated[tuple[Kept, ...], AfterValidator(_once)]
+Promises = tuple[Kept, ...]
 """Families of limits; each covers translations and rotations. An empty list promises nothing."""
 
 
@@ -59,56 +51,23 @@ class Setpoints(Part):
     controller_keeps: Promises
     """Limits that it enforces; a generator that copies setpoints to the drives usually enforces none: `[]`."""
 
-    cycle: ClassVar = si_value("cycle_ms")
-    """Control cycle [s]."""
-
-
-def _spelled(pattern: str, problem: str) -> AfterValidator:
-    """Refuses what is not spelled as a pattern says, with its problem and remedy."""
-
-    def check(word: str) -> str:
-        if re.fullmatch(pattern, word) is None:
-            raise ValueError(f"{word!r} {problem}")
-        return word
-
-    return AfterValidator(check)
+    cycle: ClassVar = si_value("cycle_ms")  # control cycle [s]
 
 
 SINUMERIK_NAME = r"^(?:[A-Z]{2}|_[A-Z])[A-Z0-9_]{0,22}$"
 _KEYWORDS = ("LEAD", "TILT", "THETA", "PHI", "PSI", "AR", "CR", "PL", "PO", "PW", "SD", "ACC", "OVR")
-_NOT_WORDS = {*"DFGHIJKLMNPRSTXYZ", *_KEYWORDS}
-_VECTORS = re.compile(r"[ABC][3-7]")
+_VECTORS = {f"{axis}{k}" for axis in "ABC" for k in range(3, 8)}  # they take components of vectors
+_NOT_ANGLES = {*"DFGHIJKLMNPRSTXYZ", *_KEYWORDS, *_VECTORS}
 
 
 def _angle_words(words: tuple[str, str, str]) -> tuple[str, str, str]:
-    vector = next((word for word in words if _VECTORS.fullmatch(word)), None)
-    if vector is not None:
-        raise ValueError(
-            f"{vector} takes a component of a vector, not an angle; write the words for roll, pitch and yaw, such as "
-            "A2, B2, C2"
-        )
-    if len(set(words)) < 3 or _NOT_WORDS & set(words):
-        raise ValueError(f"{', '.join(words)} do not name three angles; write the words for roll, pitch and yaw")
+    if len(set(words)) < 3 or _NOT_ANGLES & set(words):
+        raise ValueError(f"{', '.join(words)} do not name three angles; write those of roll, pitch, yaw: A2, B2, C2")
     return words
 
 
-Word = Annotated[
-    str, _spelled(r"[A-Z]{1,7}[0-9]?", "is not an address; write capitals and at most one digit, such as A or A2")
-]
-Call = Annotated[
-    str,
-    _spelled(
-        r"[A-Z][A-Z0-9_]*(?:\([0-9](?:,[0-9])*\))?",
-        "switches no transformation; write a name as TRAORI or a call as TRAORI(2)",
-    ),
-]
-SinumerikName = Annotated[
-    str,
-    _spelled(
-        SINUMERIK_NAME,
-        "is not a program name; write 2 to 24 of A-Z, 0-9 and _, beginning with two letters or _ and a letter",
-    ),
-]
+Word = Annotated[str, Field(pattern=r"^[A-Z]{1,7}[0-9]?$")]
+Call = Annotated[str, Field(pattern=r"^[A-Z][A-Z0-9_]*(?:\([0-9](?:,[0-9])*\))?$")]
 AngleWords = Annotated[tuple[Word, Word, Word], AfterValidator(_angle_words)]
 
 
@@ -128,7 +87,7 @@ class SinumerikAxes(BlockMemory):
 
     table: ClassVar = "sinumerik"
 
-    program_name: SinumerikName
+    program_name: Annotated[str, Field(pattern=SINUMERIK_NAME)]
     """Internal name: 2 to 24 capitals, digits and underscores that begin with two letters or `_` and a letter."""
     trigger_output: Annotated[int, Field(strict=True, ge=1, le=1024)]
     """Number of the digital output $A_OUT that a synchronised action switches."""
@@ -157,9 +116,8 @@ class Sinumerik(SinumerikAxes):
     poly_block_ms: Positive
     """Longest POLY block. Shorter blocks leave the controller less to decide, and cost it more of them a second."""
     poly_tolerance_mm: Positive
-    """Largest distance of POLY blocks from a motion that no polynomial of their degree describes: positions."""
+    """Largest distance of POLY blocks from a motion that no polynomial of their degree describes."""
     poly_tolerance_deg: Positive
-    """The same for angles."""
     contour_tolerance_mm: Positive
     """CTOL of the compressor."""
     orientation_tolerance_deg: Positive
@@ -187,13 +145,6 @@ def _free(number: int) -> int:
     return number
 
 
-TwinCatName = Annotated[
-    str,
-    _spelled(
-        TWINCAT_NAME,
-        "is not a program name; write up to 63 letters, digits, _, . and -, not . or - at the beginning",
-    ),
-]
 MFunction = Annotated[int, Field(strict=True, ge=7, le=999), AfterValidator(_free)]
 
 
@@ -202,14 +153,13 @@ class TwinCatAxes(BlockMemory):
 
     table: ClassVar = "twincat"
 
-    program_name: TwinCatName
+    program_name: Annotated[str, Field(pattern=TWINCAT_NAME)]
     """Name in the `%` line."""
     slope: Literal["STEP", "TRAPEZ"]
     """`#SLOPE TYPE`: TRAPEZ limits the jerk, STEP does not."""
     trigger_on_m: MFunction
-    """M function that the PLC makes the trigger's beginning of; it needs a synchronisation type (P-CHAN-00041)."""
+    """M functions that the PLC makes the trigger's two ends of; they need a synchronisation type (P-CHAN-00041)."""
     trigger_off_m: MFunction
-    """The same for the trigger's end."""
 
     @model_validator(mode="after")
     def _two_functions(self) -> "TwinCatAxes":
@@ -277,10 +227,8 @@ class Controller(Part):
     urscript: UrScript | None = None
     """Settings of URScript programs."""
 
-    cycle: ClassVar = si_value("cycle_ms")
-    """Interpolation cycle [s]."""
-    block: ClassVar = si_value("block_ms")
-    """Duration of a block on a timed path [s]."""
+    cycle: ClassVar = si_value("cycle_ms")  # interpolation cycle [s]
+    block: ClassVar = si_value("block_ms")  # duration of a block on a timed path [s]
 
     @property
     def safe_feed(self) -> float:

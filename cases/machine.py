@@ -90,9 +90,7 @@ class Pose(Part):
     x_mm: Number
     """Position of the origin of {P} in {B}."""
     y_mm: Number
-    """As `x_mm`."""
     z_mm: Number
-    """As `x_mm`."""
     a_deg: Number
     """Roll, about the fixed axis x; applied first."""
     b_deg: Number
@@ -100,8 +98,7 @@ class Pose(Part):
     c_deg: Number
     """Yaw, about the fixed axis z; applied last."""
 
-    vector: ClassVar = si(*POSE)
-    """(x, y, z, roll, pitch, yaw), shape (6,) [m, rad]."""
+    vector: ClassVar = si(*POSE)  # (x, y, z, roll, pitch, yaw), shape (6,) [m, rad]
 
 
 class HexapodMachine(Part):
@@ -137,9 +134,7 @@ class KeepOut(Part):
     x_mm: Range | None = None
     """Lower and upper limit in {B}; left out, it has no end."""
     y_mm: Range | None = None
-    """As `x_mm`."""
     z_mm: Range | None = None
-    """As `x_mm`."""
 
     @model_validator(mode="after")
     def _stands(self) -> "KeepOut":
@@ -169,7 +164,6 @@ class Tool(Part):
     from_mm: Vector = (0.0, 0.0, 0.0)
     """One end of its axis in {P}, like `to_mm`."""
     to_mm: Vector
-    """The other end of its axis in {P}."""
     radius_mm: NonNegative = 0.0
     """Radius about that axis."""
 
@@ -186,17 +180,15 @@ class StrutLengths(Part):
     """Shortest and longest strut, from joint centre to joint centre; in `[limits.motion]` inside that of
     `[workspace]`."""
 
-    strut_length: ClassVar = si("strut_length_mm")
-    """Shortest and longest strut, shape (2,) [m]."""
+    strut_length: ClassVar = si("strut_length_mm")  # shortest and longest strut, shape (2,) [m]
 
 
 class Workspace(StrutLengths):
     """What the machine can reach: the paper's is_valid."""
 
     x_mm: Range
-    """Relative to home, like `y_mm`."""
-    y_mm: Range
     """Lower and upper limit relative to home."""
+    y_mm: Range
     base_joint_angle_deg: Positive
     """Largest angle between a strut and the normal of its base joint."""
     platform_joint_angle_deg: Positive
@@ -217,26 +209,18 @@ class Workspace(StrutLengths):
 class MotionLimits(StrutLengths):
     """The box in which moving excitations stay: pose relative to home, and its time derivatives, each coordinate."""
 
-    of_pose: ClassVar[bool] = True
-    """Whether the coordinates are the pose of a platform, else the machine's own axes."""
-    labels: ClassVar[tuple[str, ...]] = ("x", "y", "z", "a", "b", "c")
-    """Names of the coordinates."""
-    columns: ClassVar[tuple[str, ...]] = POSE
-    """The same of columns, with their units."""
-    turns: ClassVar[Flags] = np.arange(6) >= 3
-    """Which coordinates are angles, shape (6,)."""
+    of_pose: ClassVar[bool] = True  # whether the coordinates are the pose of a platform, else the machine's own axes
+    labels: ClassVar[tuple[str, ...]] = ("x", "y", "z", "a", "b", "c")  # names of the coordinates
+    columns: ClassVar[tuple[str, ...]] = POSE  # the same of columns, with their units
+    turns: ClassVar[Flags] = np.arange(6) >= 3  # which coordinates are angles, shape (6,)
     x_mm: Range
     """Lower and upper limit relative to home."""
     y_mm: Range
-    """As `x_mm`."""
     z_mm: Range
-    """As `x_mm`."""
     a_deg: Range
-    """Lower and upper limit of roll relative to home."""
+    """Lower and upper limit of roll (a), pitch (b) and yaw (c) relative to home."""
     b_deg: Range
-    """The same of pitch."""
     c_deg: Range
-    """The same of yaw."""
     velocity_mm_s: PositiveVector
     """Largest velocity in x, y and z."""
     angular_velocity_deg_s: PositiveVector

@@ -30,9 +30,7 @@ class Poses(Part):
     x_mm: Grid | None = None
     """Grid of positions relative to home: [first, last, step]; a hexapod needs it, and all below."""
     y_mm: Grid | None = None
-    """As `x_mm`."""
     z_mm: Grid | None = None
-    """As `x_mm`."""
     radius_mm: Range | None = None
     """Distance from home in the XY plane: grid points outside are left out."""
     tilt_deg: Grid | None = None
@@ -44,8 +42,7 @@ class Poses(Part):
     singularity_distance: Annotated[float, Field(strict=True, gt=0, lt=1)] | None = None
     """Smallest determinant of the machine's inverse Jacobian, as a share of that at home."""
 
-    radius: ClassVar = si("radius_mm")
-    """Smallest and largest distance from home in the XY plane, shape (2,) [m]."""
+    radius: ClassVar = si("radius_mm")  # smallest and largest distance from home in the XY plane, shape (2,) [m]
 
     @cached_property
     def axes(self) -> tuple[Array, ...]:

@@ -10,28 +10,25 @@ from operator import attrgetter
 from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from cases.machine import POSE
 from cases.tables import Number, Part, Positive, Six, Vector, frozen, si
 from cases.units import DEG, MM, MS, UM, Array
 
-CLOCK, TRIGGER, OVERRIDE, TEMPERATURE = "t_s", "trigger", "override_percent", "temperature_degC"
+CLOCK, TRIGGER, OVERRIDE = "t_s", "trigger", "override_percent"
 STRUTS = tuple(f"l{k}_mm" for k in range(1, 7))
-STRUT_VELOCITIES = tuple(f"ld{k}_mm_s" for k in range(1, 7))
 DRIVES = tuple(f"q{k}_mm" for k in range(1, 7))
 JOINT_ANGLES = tuple(f"q{k}_deg" for k in range(1, 13))
 JOINT_WAYS = tuple(f"q{k}_mm" for k in range(7, 13))  # of a chain; those before are the names of drives too
-DRIVE_VELOCITIES = tuple(f"qd{k}_mm_s" for k in range(1, 7))
 ROTATION = tuple(f"r{i}{j}" for i in range(1, 4) for j in range(1, 4))
 ACCELEROMETER = ("ax", "ay", "az")
 BAR_FORCES = tuple(f"f{k}_N" for k in range(1, 7))
 WRENCH = ("fx_N", "fy_N", "fz_N", "mx_Nm", "my_Nm", "mz_Nm")
 COLUMNS = (
-    CLOCK, *STRUTS, *STRUT_VELOCITIES, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS, *DRIVE_VELOCITIES, *POSE, *ROTATION,
-    *ACCELEROMETER, *BAR_FORCES, *WRENCH, TRIGGER, OVERRIDE, TEMPERATURE,
+    CLOCK, *STRUTS, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS, *POSE, *ROTATION, *ACCELEROMETER, *BAR_FORCES, *WRENCH,
+    TRIGGER, OVERRIDE,
 )  # fmt: skip
-VELOCITIES = (*STRUT_VELOCITIES, *DRIVE_VELOCITIES)  # known by name, and not read: motion is that of the positions
 
 
 def motion_columns(coordinates: tuple[str, ...]) -> tuple[str, ...]:
@@ -41,12 +38,11 @@ def motion_columns(coordinates: tuple[str, ...]) -> tuple[str, ...]:
 
 def setpoint_columns(coordinates: tuple[str, ...], struts: bool) -> tuple[str, ...]:
     """Columns of a table of set points: the motion, of a pose that of the struts behind it, and the trigger."""
-    behind = (*STRUTS, *STRUT_VELOCITIES, *(f"ldd{k}_mm_s2" for k in range(1, 7))) if struts else ()
+    behind = (*STRUTS, *(f"ld{k}_mm_s" for k in range(1, 7)), *(f"ldd{k}_mm_s2" for k in range(1, 7))) if struts else ()
     return (*motion_columns(coordinates), *behind, TRIGGER)
 
 
 _LENGTH = {"mm": MM, "m": 1.0, "um": UM, "nm": 1e-9, "cm": 10.0 * MM, "in": 25.4 * MM}
-_VELOCITY = {"mm/s": MM, "m/s": 1.0, "mm/min": MM / 60.0, "m/min": 1.0 / 60.0}
 _ANGLE = {"deg": DEG, "rad": 1.0, "mrad": 1e-3}
 _FORCE, _MOMENT = {"N": 1.0, "kN": 1e3, "mN": 1e-3}, {"Nm": 1.0, "Nmm": 1e-3, "kNm": 1e3}
 
@@ -55,10 +51,8 @@ class Role(StrEnum):
     """What columns hold that have units: one entry of `units` covers all columns of a role."""
 
     STRUTS = "struts"
-    STRUT_VELOCITIES = "strut_velocities"
     DRIVES = "drives"
     JOINTS = "joints"
-    DRIVE_VELOCITIES = "drive_velocities"
     POSITIONS = "positions"
     ANGLES = "angles"
     FORCES = "forces"
@@ -69,10 +63,8 @@ class Role(StrEnum):
 # The columns of each role, and the units they may have; the first is that of our names.
 _ROLES: tuple[tuple[Role, Iterable[str], Mapping[str, float]], ...] = (
     (Role.STRUTS, STRUTS, _LENGTH),
-    (Role.STRUT_VELOCITIES, STRUT_VELOCITIES, _VELOCITY),
     (Role.DRIVES, (*DRIVES, *JOINT_WAYS), _LENGTH),
     (Role.JOINTS, JOINT_ANGLES, _ANGLE),
-    (Role.DRIVE_VELOCITIES, DRIVE_VELOCITIES, _VELOCITY),
     (Role.POSITIONS, POSE[:3], _LENGTH),
     (Role.ANGLES, POSE[3:], _ANGLE),
     (Role.FORCES, (*BAR_FORCES, *WRENCH[:3]), _FORCE),
@@ -92,13 +84,7 @@ _ORTHOGONALITY = 1e-3  # of a mounting matrix, which is typed by hand with a few
 TICKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "filetime": 1e-7}  # units of time stamps [s]
 
 
-def _separator(value: str) -> str:
-    if len(value) != 1 or value.isalnum() or value in "\"'.+-\r\n":
-        raise ValueError(f"{value!r} cannot separate numbers; give one character such as ',', ';', '\\t' or ' '")
-    return value
-
-
-Separator = Annotated[str, AfterValidator(_separator)]
+Separator = Annotated[str, Field(pattern=r"^[^\w\"'.+\-\r\n]$")]
 Count = Annotated[int, Field(strict=True, ge=0)]
 StreamName = Literal["struts", "pose", "rotation", "accelerometer", "forces"]
 SHIFTED: Mapping[StreamName, tuple[str, ...]] = {
@@ -147,8 +133,7 @@ class Drives(Part):
         """Column of the drive that moves each strut, counted from 0."""
         return [k - 1 for k in self.order]
 
-    offset: ClassVar = si("offset_mm")
-    """Strut lengths at drive position 0, shape (6,) [m]."""
+    offset: ClassVar = si("offset_mm")  # strut lengths at drive position 0, shape (6,) [m]
 
 
 class Accelerometer(Part):
@@ -244,17 +229,14 @@ class RecordingFormat(TextFile):
             raise ValueError(f"names_row = {self.names_row} is not among header_rows = {self.header_rows or 0} lines")
         if self.delimiter is not None and self.delimiter == self.decimal:
             raise ValueError(f"delimiter and decimal are both {self.decimal!r}; one of them must differ")
-        if self.format == "halsampler":
-            if self.column_names is None:
-                raise ValueError("column_names is missing; halsampler writes none, list them in the order of its pins")
-            if self.clock.period_ms is None and self.file_name("t_s") not in self.column_names:
-                raise ValueError("clock.period_ms is missing; halsampler writes no time, give the period of its thread")
-        differing = {
-            "twincat-scope": ("decimal",), "sinumerik-trace": ("delimiter", "decimal", "header_rows", "clock.unit"),
+        clock = () if self.column_names and self.file_name(CLOCK) in self.column_names else ("clock.period_ms",)
+        needed = {
+            "halsampler": ("column_names", *clock), "twincat-scope": ("decimal",),
+            "sinumerik-trace": ("delimiter", "decimal", "header_rows", "clock.unit"),
         }  # fmt: skip
-        for key in differing.get(self.format, ()):
+        for key in needed.get(self.format, ()):
             if attrgetter(key)(self) is None:
-                raise ValueError(f"{key} is missing; exports of {self.format} differ in it, look into one and state it")
+                raise ValueError(f"{key} is missing; files of {self.format} do not say it, or differ in it: state it")
         return self
 
     def file_name(self, ours: str) -> str:

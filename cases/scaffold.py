@@ -1,74 +1,22 @@
-"""The beginning of a case file for one's own machine: a built-in one with advice above each table."""
+"""The beginning of a case file for one's own machine: a built-in one whose keys are explained."""
 
 import ast
 import inspect
 import json
 import re
 import textwrap
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from itertools import pairwise
+from operator import attrgetter
 from pathlib import Path
 
-from cases.controller import Controller, Setpoints, Sinumerik, TwinCat
 from cases.errors import CaseError, FileProblem
 from cases.files import toml_value, write_text
-from cases.poses import Poses
 from cases.schema import Case, load_case
 from cases.tables import CASE_FILE, Part, built_in_cases, find_case
 from cases.urdf import read_urdf
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
-
-_ADVICE = {
-    "machine": "From the drawing: centres of the joints, base joints in {B}, platform joints in {P}, in strut order.\n"
-    "# A ring lists them pair by pair: first centre less half_angle, first centre plus half_angle, second centre\n"
-    "# less half_angle, and so on.\n"
-    "# points_mm = [[x, y, z], ...] lists them one by one. home is where programs begin and end.",
-    "workspace": "What the machine can reach at all: its manual. Joint angles count from the joints' normals.\n"
-    '# keep_out = [{ name = "table", x_mm = [a, b], y_mm = [a, b], z_mm = [a, b] }] are boxes in {B} that nothing may\n'
-    '# enter; tool = [{ name = "spindle", to_mm = [0.0, 0.0, 250.0], radius_mm = 40.0 }] is what the platform\n'
-    "# carries, from its origin or from_mm to there.",
-    "limits.motion": "What an excitation may use, each coordinate relative to home: the manual's values or less.",
-    "poses": "For measuring at standstills (hexcite poses): candidate poses in tilt-and-torsion angles.",
-    "sensor_frame.bars": "From the drawing of the frame: both ends of each bar in {P}, in the order of the channels.",
-    "sensor_frame": 'How the sensor reads: sense = "load_on_sensor" or "sensor_on_load".',
-    "sensors": "From the sensors' data sheet. Noise may be stated: force_noise_N,\n"
-    "# encoder_resolution_um, strut_noise_um, and of vibration acceleration_noise_m_s2 and\n"
-    "# angular_acceleration_noise_rad_s2: hexcite identify says what the residuals look like. So it does of errors\n"
-    "# that depend on the pose: pose_error_N and pose_error_length_mm, which plans then count on.",
-    "recording": "How recordings are written: `hexcite look RECORDING --case CASE` proposes this table. By example:\n"
-    "# delimiter = ';', decimal = ',', header_rows = 2, names_row = 1      # text that is not plain CSV\n"
-    '# clock = { unit = "ms" }            # of the stamps; { period_ms = 1.0 } where a file has none\n'
-    '# units = { struts = "m", forces = "kN" }\n'
-    "# and below all keys of this table, our name of a column = the file's:\n"
-    "# [recording.columns]\n"
-    '# t_s = "time"\n'
-    '# l1_mm = "Strut1.ActPos"\n'
-    '# f1_N = "Force1"\n'
-    '# trigger = "Trigger"',
-    "controller": "How the controller is set up. Nothing here is guessed: check each with its machine's parameters.",
-    "controller.sinumerik": "SINUMERIK programs; without one delete this table, and the next ones likewise. The\n"
-    "# transformation of a hexapod is the machine builder's: ask for these words.",
-    "controller.twincat": "TwinCAT CNC (TF5200) and ISG programs.",
-    "controller.setpoints": "Setpoints for a controller that takes positions cycle by cycle.",
-    "nominal": "A-priori values of the moving body from CAD: mass, centre of gravity in {P}, inertia about it.",
-    "simulation": "A simulated machine for rehearsals (hexcite run, demo): parameters of a first result will\n"
-    "# do. Plans and programs do without it.",
-}
-
-_OF_KEYS = {
-    "setup": "Where the sensors are: 1a in a frame at rest (clamping table), 1b in the moving end-effector, 2x in\n"
-    "# the struts, R between a robot's flange, or a machine tool's table, and its load (six-axis force/torque sensor).",
-    "gravity_m_s2": "In {B}, of your place: 9.78 at the equator to 9.83 at the poles. Masses go with its inverse.",
-}
-_EXPLAINED: Mapping[str, type[Part]] = {
-    "poses": Poses,
-    "controller": Controller,
-    "controller.sinumerik": Sinumerik,
-    "controller.twincat": TwinCat,
-    "controller.setpoints": Setpoints,
-}
-"""Tables whose keys are explained one by one, in the words of their classes."""
 
 _WIDTH = 110  # characters of a comment
 
@@ -87,36 +35,37 @@ def new_case(name: str, like: str = "hexapod", folder: Path | str | None = None)
         FileProblem: the folder holds a case, or cannot be written.
     """
     file = _place(name, folder)
-    load_case(like)
-    lines: list[str] = [
-        f"# {name}: begun from the case {like}; every number is that case's until you replace it. Keys carry units.",
-        "# {B} is the frame of the base, {P} that of the platform. `hexcite case check` says what cannot be.",
-        "",
-    ]
-    comments: Mapping[str, str] = {}
+    case = load_case(like)
+    lines = _comment(
+        f"{name}: begun from the case {like}; every number is that case's until you replace it. Keys carry units. "
+        "{B} is the frame of the base, {P} that of the platform. `hexcite case check` says what cannot be, `hexcite "
+        "look` proposes the table [recording]. Delete tables of controllers that you do not have."
+    )
+    own = {"name": name, "title": "what it is, in a line", "source": "where these values come from"}
+    comments, latest = explanations(Case), ""
     for line in find_case(like).read_text(encoding="utf-8").splitlines():
         if line.startswith("#"):
             continue  # the built-in case's own words on its sources
-        table = re.match(r"\[([a-z_.]+)\]", line)
-        if table:
-            if table[1] in _ADVICE:
-                lines.append(f"# {_ADVICE[table[1]]}")
+        if table := re.match(r"\[([a-z_.]+)\]", line):
             line = table[0]  # what follows it is about the built-in case's source
-            comments = explanations(_EXPLAINED[table[1]]) if table[1] in _EXPLAINED else {}
+            part = attrgetter(table[1])(case)
+            comments = explanations(type(part)) if isinstance(part, Part) else {}
+            if isinstance(part, Part):
+                lines += _comment(" ".join((type(part).__doc__ or "").split()))
+                if optional := sorted(type(part).model_fields.keys() - part.model_fields_set):
+                    lines += _comment(f"It may also have {', '.join(optional)}.")
         elif key := re.match(r"(\w+) = ", line):
-            lines += textwrap.wrap(comments.get(key[1], ""), _WIDTH, initial_indent="# ", subsequent_indent="# ")
-            line = re.sub(r"\] # .*", "]", line)
-        line = re.sub(r'^name = ".*"', f'name = "{name}"', line)
-        line = re.sub(r'^title = ".*"', 'title = "what it is, in a line"', line)
-        if comment := next((words for key, words in _OF_KEYS.items() if line.startswith(f"{key} = ")), None):
-            lines.append(f"# {comment}")
-        line = re.sub(r'^source = ".*"', 'source = "where these values come from"', line)
+            words = comments.get(key[1], "")
+            lines += _comment(words if words != latest else "")
+            latest = words
+            line = f'{key[1]} = "{own[key[1]]}"' if key[1] in own else re.sub(r"\] # .*", "]", line)
         lines.append(line)
-        if line == "[controller]":
-            lines += textwrap.wrap(comments["plan_for"], _WIDTH, initial_indent="# ", subsequent_indent="# ")
-            lines.append('# plan_for = "linuxcnc"')
     write_text(file, "\n".join(lines).replace("\n\n\n", "\n\n") + "\n")
     return file
+
+
+def _comment(text: str) -> list[str]:
+    return textwrap.wrap(text, _WIDTH, initial_indent="# ", subsequent_indent="# ")
 
 
 def new_arm(name: str, urdf: Path | str, flange: str | None = None, folder: Path | str | None = None) -> Path:
@@ -144,7 +93,7 @@ def new_arm(name: str, urdf: Path | str, flange: str | None = None, folder: Path
     templates.filters["keys"] = _keys
     base, joints, sensor = read_urdf(Path(urdf), flange)
     robot = {"urdf": Path(urdf).name, "base": base, "flange": flange, "joints": joints, "sensor": sensor}
-    write_text(file, templates.get_template("arm.toml.jinja").render(robot, name=name, advice=_ADVICE))
+    write_text(file, templates.get_template("arm.toml.jinja").render(robot, name=name))
     return file
 
 
@@ -170,15 +119,16 @@ def _place(name: str, folder: Path | str | None) -> Path:
 
 
 def explanations(part: type[Part]) -> Mapping[str, str]:
-    """What each key of a table means: the string that stands below its field in the class."""
-    bodies = (ast.parse(inspect.getsource(base)).body[0] for base in reversed(part.__mro__) if issubclass(base, Part))
-    return {
-        field.target.id: " ".join(str(text.value.value).split())
-        for body in bodies
-        for field, text in pairwise(ast.iter_child_nodes(body))
-        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name)
-        if isinstance(text, ast.Expr) and isinstance(text.value, ast.Constant)
-    }
+    """What each key of a table means: the string that stands below its field in the class, or below one before it."""
+    words: dict[str, str] = {}
+    for base in (base for base in reversed(part.__mro__) if issubclass(base, Part)):
+        meaning = ""
+        for field, text in pairwise([*ast.iter_child_nodes(ast.parse(inspect.getsource(base)).body[0]), ast.Pass()]):
+            if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name):
+                if isinstance(text, ast.Expr) and isinstance(text.value, ast.Constant):
+                    meaning = " ".join(str(text.value.value).split())
+                words[field.target.id] = meaning
+    return words
 
 
 _MACHINE = ("machine", "workspace", "limits.motion")
@@ -216,38 +166,28 @@ def readiness(case: Case) -> dict[str, tuple[str, ...]]:
     return {name: _lacks(case, name, keys) for name, keys in NEEDS.items()}
 
 
-_OTHER_MACHINES: tuple[tuple[tuple[str, ...], Callable[[Case], bool], str], ...] = (
-    (("validate",), lambda case: case.chain is not None, "a hexapod (the machine is a chain)"),
-    (
-        ("validate",),
-        lambda case: case.sensor_frame.struts is not None,
-        "sensors in the platform (they sit in the struts)",
-    ),
-    (
-        ("post --dialect urscript", "post --dialect ros2"),
-        lambda case: case.hexapod is not None,
-        "a chain of joints (the machine is a hexapod)",
-    ),
-    (
-        ("post --dialect linuxcnc", "post --dialect sinumerik", "post --dialect twincat"),
-        lambda case: case.chain is not None and not set(case.chain.names) <= set("XYZABC"),
-        "joints that are named as axes, X, Y, Z, A, B, C",
-    ),
-    (
-        ("post --dialect urscript",),
-        lambda case: case.chain is not None and [j.kind for j in case.chain.joints] != ["revolute"] * 6,
-        "six joints that turn between ends",
-    ),
-)
-"""Commands, the machines that they are not for, and what they are for."""
-
-
 def _lacks(case: Case, command: str, keys: tuple[str, ...]) -> tuple[str, ...]:
     """Keys that a command misses, of a table that is missing its own name only, or the machine that it is for."""
-    if wanted := [words for commands, refuses, words in _OTHER_MACHINES if command in commands and refuses(case)]:
-        return (wanted[0],)
+    if wanted := _other_machine(case, command.removeprefix("post --dialect ")):
+        return (wanted,)
     missing = [key for key in keys if not _has(case, key) and (case.chain is None or key not in _NOT_OF_A_CHAIN)]
     return tuple(key for key in missing if key.rpartition(".")[0] not in missing)
+
+
+def _other_machine(case: Case, name: str) -> str | None:
+    """The machine that a command, or a dialect, is for; None where it is for that of the case."""
+    if case.chain is None:
+        if name in ("urscript", "ros2") and case.hexapod is not None:
+            return "a chain of joints (the machine is a hexapod)"
+        struts = name == "validate" and case.sensor_frame.struts is not None
+        return "sensors in the platform (they sit in the struts)" if struts else None
+    if name == "validate":
+        return "a hexapod (the machine is a chain)"
+    if name in ("linuxcnc", "sinumerik", "twincat") and not set(case.chain.names) <= set("XYZABC"):
+        return "joints that are named as axes, X, Y, Z, A, B, C"
+    if name == "urscript" and [joint.kind for joint in case.chain.joints] != ["revolute"] * 6:
+        return "six joints that turn between ends"
+    return None
 
 
 def _has(case: Case, key: str) -> bool:

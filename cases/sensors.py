@@ -36,7 +36,6 @@ class Disturbances(Part):
     pose_error_length_mm: Positive
     """Distance over which the error changes, translations."""
     pose_error_angle_deg: Positive
-    """The same of rotations."""
     pose_error_seed: Annotated[int, Field(strict=True, ge=0)]
     """Chooses the error of this machine: it belongs to the machine, not to a run."""
 
@@ -180,7 +179,6 @@ class Sensors(Part):
     """Standard deviation of white accelerations of the origin of {P} that the recorded struts do not show, of one
     recorded sample and in each direction: vibration of the structure."""
     angular_acceleration_noise_rad_s2: Positive | None = None
-    """The same of angular accelerations."""
     pose_error_N: Positive | None = None
     """Standard deviation of force errors that depend on the pose (of encoders, joints, frame), in each sensor; given
     together with their length."""
@@ -255,8 +253,7 @@ class RigidBody(Part):
             )
         return self
 
-    centre_of_gravity: ClassVar = si("centre_of_gravity_mm")
-    """Centre of gravity in {P}, shape (3,) [m]."""
+    centre_of_gravity: ClassVar = si("centre_of_gravity_mm")  # centre of gravity in {P}, shape (3,) [m]
 
     @cached_property
     def inertia(self) -> Array:
@@ -331,14 +328,11 @@ class Simulation(Part):
     acceleration_noise_m_s2: NonNegative = 0.0
     """White accelerations of the platform beside those of the struts, as in `Sensors`."""
     angular_acceleration_noise_rad_s2: NonNegative = 0.0
-    """The same of angular accelerations."""
     disturbances: Disturbances | None = None
     """Disturbances of the structure; runs are simulated with them where that is asked for, as a validation does."""
 
-    encoder_resolution: ClassVar = si_value("encoder_resolution_um")
-    """Step of the encoders of drives that slide [m]."""
-    force_delay: ClassVar = si_value("force_delay_ms")
-    """Time by which forces are recorded later than the motion [s]."""
+    encoder_resolution: ClassVar = si_value("encoder_resolution_um")  # step of the encoders of drives that slide [m]
+    force_delay: ClassVar = si_value("force_delay_ms")  # time by which forces are recorded later than the motion [s]
 
     @property
     def turning_resolution(self) -> float:

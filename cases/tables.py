@@ -73,9 +73,7 @@ def _ordered(value: tuple[float, float]) -> tuple[float, float]:
 def _climbing(value: tuple[float, float, float]) -> tuple[float, float, float]:
     first, last, step = value
     if not (first <= last and step > 0.0):
-        raise ValueError(
-            f"[{first:g}, {last:g}, {step:g}] is not a range [first, last, step]; step up from first to last"
-        )
+        raise ValueError(f"[{first:g}, {last:g}, {step:g}] is not [first, last, step]; step up from first to last")
     return value
 
 
@@ -123,11 +121,11 @@ CASE_FILE = "case.toml"
 ALSO = "; also: "  # between problems that one rule of the case as a whole finds
 Tables = TypeVar("Tables", bound=BaseModel)
 
-# Unit suffixes of keys, ours and those that users write instead.
-_OURS = "m mm um deg kg kg_m2 s ms N Nm N_m Nm_m Hz cycles mm_min mm_s m_s m_s2 m_s3 deg_s rad_s2 rad_s3"
-_OTHERS = "cm in rad mrad g t kN min us kHz rad_s deg_s2 deg_s3 mm_s2 mm_s3"
 _COMMA = r"[+-]?\d+,\d+"
-UNITS = tuple(sorted(f"{_OURS} {_OTHERS}".split(), key=len, reverse=True))
+_UNIT = re.compile(
+    r"_(mm|cm|m|um|in|deg|rad|mrad|kg|g|t|kg_m2|s|ms|us|min|N|kN|Nm|N_m|Nm_m|Hz|kHz|cycles|mm_min|((mm|m|deg|rad)_s[23]?))$"
+)
+"""The unit at the end of a key, ours and those that users write instead."""
 
 
 def built_in_cases() -> dict[str, Path]:
@@ -164,11 +162,11 @@ def read_tables(model: type[Tables], path: Path, all_by: str = "") -> Tables:
     `all_by` is the command that lists all problems, for a file that has several.
     """
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        data = tomllib.loads(text := path.read_text(encoding="utf-8-sig"))
     except (OSError, UnicodeDecodeError) as error:
         raise CaseError(path, "", f"cannot be read ({error}); give a readable UTF-8 file") from error
     except tomllib.TOMLDecodeError as error:
-        comma = re.search(rf"^\s*\w+\s*=\s*{_COMMA}\s*(#.*)?$", path.read_text("utf-8-sig"), re.MULTILINE)
+        comma = re.search(rf"^\s*\w+\s*=\s*{_COMMA}\s*(#.*)?$", text, re.MULTILINE)
         hint = "write decimal points, not commas, and " if comma else ""
         raise CaseError(path, "", f"is not TOML: {error}; {hint}correct that line") from error
     try:
@@ -201,49 +199,35 @@ def _tag(part: int | str) -> str:
     return part[1:-1] if isinstance(part, str) and part.startswith("<") else ""
 
 
-_TYPES = {
-    "float_type": "a number; write one, without quotes",
-    "string_type": "a text; write it in quotes",
-    "tuple_type": "a list; write [value, value, ..]",
-    "model_type": "a table; write { key = value, .. }",
-}
+_SHAPES = {"float_type": "a number, without quotes", "tuple_type": "a list", "model_type": "a table, { key = value }"}
 
 
 def _words(model: type[BaseModel], problem: ErrorDetails) -> str:
+    """One problem as pydantic found it, with value and remedy."""
     kind, value = problem["type"], problem["input"]
     if kind == "extra_forbidden":
         return _unknown_key(str(problem["loc"][-1]), list(_siblings(model, problem["loc"])))
     if kind == "missing":
         return "is missing; add it"
     if kind == "value_error":
-        return str(problem["ctx"]["error"]) if "ctx" in problem else problem["msg"]
-    if kind == "too_short" or kind == "too_long":
-        fewer, about = kind == "too_short", problem["ctx"]
-        compared = f"fewer than {about['min_length']}" if fewer else f"more than {about['max_length']}"
-        whole = isinstance(value, list) and len(value) > 1 and any(isinstance(v, int) for v in value)
-        hint = "; a decimal comma counts as two entries, write a point" if whole else ""
-        return f"has {about['actual_length']} entries, {compared}; {'add some' if fewer else 'leave some out'}{hint}"
+        return str(problem["ctx"]["error"])
     if isinstance(value, str) and re.fullmatch(_COMMA, value.strip()):
         return f"{value!r}: is text with a decimal comma; write {value.strip().replace(',', '.')}, without quotes"
-    if kind in _TYPES:
-        return f"{value!r}: is not {_TYPES[kind]}"
+    if kind in _SHAPES:
+        return f"{value!r}: is not {_SHAPES[kind]}; write one"
+    if kind in ("too_short", "too_long"):
+        of = problem["ctx"]
+        wanted = f"at least {of['min_length']}" if "min_length" in of else f"at most {of['max_length']}"
+        return f"has {of['actual_length']} entries, {wanted} are wanted; correct it (a decimal comma makes two entries)"
     return f"{value!r}: {problem['msg'][0].lower()}{problem['msg'][1:]}; correct the value"
 
 
 def _unknown_key(key: str, keys: list[str]) -> str:
-    stem = _without_unit(key)
-    matches = [name for name in keys if _without_unit(name) == stem]
-    if matches and stem == key:
-        return f"has no unit; keys carry their unit, write {' or '.join(matches)}"
-    if matches:
-        return f"is not in the unit expected here; write {' or '.join(matches)}"
+    if matches := [name for name in keys if _UNIT.sub("", name) == _UNIT.sub("", key)]:
+        return f"has no unit, or another one than is expected here; write {' or '.join(matches)}"
     close = difflib.get_close_matches(key, keys, n=1)
     hint = f"did you mean {close[0]}? " if close else ""
     return f"is an unknown key; {hint}known keys here are {', '.join(sorted(keys))}"
-
-
-def _without_unit(key: str) -> str:
-    return next((key[: -len(unit) - 1] for unit in UNITS if key.endswith(f"_{unit}")), key)
 
 
 def _siblings(model: type[BaseModel], location: tuple[int | str, ...]) -> Iterable[str]:

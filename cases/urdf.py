@@ -1,8 +1,7 @@
 """The chain of joints from the root of a URDF file to its flange, read strictly.
 
-A URDF states geometry, ends, speeds and efforts of joints, and inertias of links; it states no accelerations, jerks or
-sensors. Everything on the way to the flange must be sound, and the file as a whole must be a tree; meshes, colours and
-transmissions are not read.
+A URDF states geometry, ends, speeds and efforts of joints, and inertias of links. Everything on the way to the flange
+must be sound, and the file as a whole must be a tree.
 """
 
 import math
@@ -25,7 +24,9 @@ from cases.units import DEG, MM, Array
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 _MOST = 1e6  # of any number, in units of SI: beyond any machine
-_COORDINATES = {"revolute": 1, "continuous": 1, "prismatic": 1, "fixed": 0, "planar": 2, "floating": 6}
+_MOVING = ("revolute", "continuous", "prismatic")
+_FILE, _LINE, _PARENT, _CHILD = "#file", "#line", "#parent", "#child"
+"""Keys of an element's place and of a joint's links, which no attribute can have."""
 
 
 def read_urdf(file: Path, flange: str | None) -> tuple[str, list[tuple[Joint, JointLimit]], ChainFrame]:
@@ -37,11 +38,9 @@ def read_urdf(file: Path, flange: str | None) -> tuple[str, list[tuple[Joint, Jo
     root = _parsed(file)
     links = _named(root, "link")
     carriers = _carriers(root, links)
-    names = ", ".join(links)
-    if flange is None:
-        raise CaseError(file, "", f"which link carries the sensor is not said; name it with --flange: {names}")
     if flange not in links:
-        raise CaseError(file, "", f"has no link {flange}; name one of {names} with --flange")
+        problem = f"has no link {flange}" if flange else "does not say which link carries the sensor"
+        raise CaseError(file, "", f"{problem}; name one of {', '.join(links)} with --flange")
     way, base = list[Element](), flange
     while base in carriers:
         way.insert(0, carriers[base])
@@ -54,12 +53,8 @@ def read_urdf(file: Path, flange: str | None) -> tuple[str, list[tuple[Joint, Jo
             joints.append(_joint(element, place, reduce(together, bodies) if bodies else None))
             place = np.eye(4)
     if not joints:
-        raise CaseError(file, "", f"no joint moves link {flange}; name another one of {names} with --flange")
+        raise CaseError(file, "", f"no joint moves link {flange}; name another one of {', '.join(links)} with --flange")
     return base, joints, _frame(place)
-
-
-_FILE, _LINE, _PARENT, _CHILD = "#file", "#line", "#parent", "#child"
-"""Keys of an element's place and of a joint's links, which no attribute can have."""
 
 
 def _parsed(file: Path) -> Element:
@@ -89,10 +84,7 @@ def _parsed(file: Path) -> Element:
         raise CaseError(file, "", f"cannot be read ({error.strerror}); name a readable URDF file") from error
     except (expat.ExpatError, ValueError, LookupError) as error:
         refuse(f"is not XML: {error}; correct that line")
-    (root,) = document
-    if root.tag != "robot":
-        _refuse(root, f"holds <{root.tag}>, not <robot>; name a URDF file")
-    return root
+    return document[0]
 
 
 def _refuse(element: Element, problem: str) -> NoReturn:
@@ -104,15 +96,12 @@ def _named(root: Element, tag: str) -> dict[str, Element]:
     elements: dict[str, Element] = {}
     for element in root.findall(tag):
         name = element.get("name", "").strip()
-        if not name:
-            _refuse(element, f"a {tag} has no name; give it one")
-        if name in elements:
-            first = elements[name].attrib[_LINE]
-            _refuse(element, f"{tag} {name} is there twice, first in line {first}; rename one")
+        if not name or name in elements:
+            _refuse(element, f"a {tag} has the name {name!r}; give each {tag} a name of its own")
         element.set("name", name)
         elements[name] = element
     if not elements:
-        _refuse(root, f"the robot has no {tag}; name the complete URDF file")
+        _refuse(root, f"<{root.tag}> holds no {tag}; name a complete URDF file")
     return elements
 
 
@@ -121,37 +110,27 @@ def _carriers(root: Element, links: Mapping[str, Element]) -> dict[str, Element]
     carriers: dict[str, Element] = {}
     for name, joint in _named(root, "joint").items():
         for side, key in (("parent", _PARENT), ("child", _CHILD)):
-            ends = joint.findall(side)
-            link = ends[0].get("link", "") if len(ends) == 1 else ""
-            if not link:
-                _refuse(joint, f"joint {name} has no {side}, or more than one; give it one <{side} link=.. />")
+            link = next((end.get("link", "") for end in joint.findall(side)), "")
             if link not in links:
-                _refuse(ends[0], f"joint {name} has the {side} {link}, but there is no such link; correct the name")
+                _refuse(joint, f"joint {name} has the {side} {link!r}, but there is no such link; correct the name")
             joint.set(key, link)
         if (other := carriers.setdefault(link, joint)) is not joint:
             both = f"joints {other.attrib['name']} and {name}"
             _refuse(joint, f"link {link} has two parents, {both}; remove one of them")
-    roots = [link for link in links if link not in carriers]
-    if len(roots) > 1:
-        _refuse(links[roots[1]], f"links {', '.join(roots)} have no parent, only the root may; join them to it")
-    reachable = set(roots)
+    reachable = {next((link for link in links if link not in carriers), "")}
     while more := {link for link, joint in carriers.items() if joint.attrib[_PARENT] in reachable} - reachable:
         reachable |= more
-    loop = [link for link in links if link not in reachable]
-    if loop:
-        _refuse(links[loop[0]], f"links {', '.join(loop)} form a loop; a URDF is a tree, open the loop")
+    if apart := [link for link in links if link not in reachable]:
+        _refuse(links[apart[0]], f"links {', '.join(apart)} are not joined to one root; a URDF is a tree, join them")
     return carriers
 
 
 def _moves(joint: Element) -> bool:
-    name, kind = joint.attrib["name"], joint.get("type", "")
-    if kind not in _COORDINATES:
-        _refuse(joint, f"joint {name} has the type {kind!r}; URDF knows {', '.join(_COORDINATES)}")
-    if _COORDINATES[kind] > 1:
-        _refuse(joint, f"joint {name} is {kind}, which no program moves; choose a --flange before it")
-    if (mimic := joint.find("mimic")) is not None:
-        _refuse(mimic, f"joint {name} mimics another one; choose a --flange before it")
-    return bool(_COORDINATES[kind])
+    kind = "mimic" if joint.find("mimic") is not None else joint.get("type", "")
+    if kind not in (*_MOVING, "fixed"):
+        problem = f"joint {joint.attrib['name']} is {kind}, which no program moves"
+        _refuse(joint, f"{problem}; choose a --flange before it, or {', '.join(_MOVING)} or fixed")
+    return kind != "fixed"
 
 
 def _joint(joint: Element, place: Array, link: RigidBody | None) -> tuple[Joint, JointLimit]:
@@ -159,26 +138,25 @@ def _joint(joint: Element, place: Array, link: RigidBody | None) -> tuple[Joint,
     name, kind = joint.attrib["name"], joint.attrib["type"]
     axis = np.array([1.0, 0.0, 0.0])  # URDF's default
     for element in joint.findall("axis"):
-        axis = _vector(element, "xyz", f"axis of joint {name}")
+        axis = _numbers(element, "xyz", f"axis of joint {name}")
         if np.linalg.norm(axis) < LEAST_AXIS:
             _refuse(element, f"the axis of joint {name} has no direction; give one, such as 0 0 1")
     unit, si, effort_key = ("mm", MM, "force_N") if kind == "prismatic" else ("deg", DEG, "torque_Nm")
     stated = _frame(place).model_dump() | {"name": name, "kind": kind, "axis": tuple(axis / np.linalg.norm(axis))}
     limits = JointLimit.model_construct(name=name)
     if (limit := joint.find("limit")) is not None:
-        of = f"limit of joint {name}"
-        velocity, effort = _number(limit, "velocity", of), _number(limit, "effort", of)
-        if velocity <= 0.0:
-            _refuse(limit, f"joint {name} has the velocity {velocity:g}; give its largest speed, more than 0")
-        if effort < 0.0:
-            _refuse(limit, f"joint {name} has the effort {effort:g}; give its largest torque or force")
+        ends = ("0", "1") if kind == "continuous" else (None, None)
+        velocity, effort, lower, upper = (
+            float(_numbers(limit, key, f"limit of joint {name}", default)[0])
+            for key, default in (("velocity", None), ("effort", None), ("lower", ends[0]), ("upper", ends[1]))
+        )
+        if velocity <= 0.0 or effort < 0.0 or lower >= upper:
+            values = f"velocity {velocity:g}, effort {effort:g}, lower {lower:g}, upper {upper:g}"
+            _refuse(limit, f"joint {name} has {values}; give a speed, an effort from 0 on, and lower below upper")
         limits = limits.model_copy(update={f"velocity_{unit}_s": velocity / si})
         if effort > 0.0:
             stated[effort_key] = effort
         if kind != "continuous":
-            lower, upper = _number(limit, "lower", of), _number(limit, "upper", of)
-            if lower >= upper:
-                _refuse(limit, f"joint {name} has lower = {lower:g}, not below upper = {upper:g}; swap or correct them")
             stated[f"position_{unit}"] = lower / si, upper / si
     elif kind != "continuous":
         _refuse(joint, f"joint {name} has no limit; add <limit lower=.. upper=.. velocity=.. effort=.. />")
@@ -201,12 +179,12 @@ def _bodies(
 
 
 def _body(link: str, inertial: Element, at: Array) -> RigidBody | None:
-    masses, tensors = inertial.findall("mass"), inertial.findall("inertia")
-    if len(masses) != 1 or len(tensors) != 1:
-        _refuse(inertial, f"link {link} has an inertial without one mass and one inertia; add them or remove it")
-    mass = _number(masses[0], "value", f"mass of link {link}")
+    mass_element, tensor = inertial.find("mass"), inertial.find("inertia")
+    if mass_element is None or tensor is None:
+        _refuse(inertial, f"link {link} has an inertial without mass or inertia; add them or remove it")
+    mass = float(_numbers(mass_element, "value", f"mass of link {link}")[0])
     ixx, ixy, ixz, iyy, iyz, izz = entries = [
-        _number(tensors[0], key, f"inertia of link {link}") for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+        float(_numbers(tensor, key, f"inertia of link {link}")[0]) for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
     ]
     if mass == 0.0 and not any(entries):
         return None
@@ -236,26 +214,15 @@ def _frame(place: Array) -> ChainFrame:
 def _origin(element: Element, of: str) -> Array:
     frame = np.eye(4)
     if (origin := element.find("origin")) is not None:
-        frame[:3, 3] = _vector(origin, "xyz", f"origin of {of}", "0 0 0")
-        frame[:3, :3] = turned(_vector(origin, "rpy", f"origin of {of}", "0 0 0"))
+        frame[:3, 3] = _numbers(origin, "xyz", f"origin of {of}", "0 0 0")
+        frame[:3, :3] = turned(_numbers(origin, "rpy", f"origin of {of}", "0 0 0"))
     return frame
 
 
-def _vector(element: Element, key: str, of: str, default: str | None = None) -> Array:
-    if (text := element.get(key, default)) is None or len(text.split()) != 3:
-        _refuse(element, f"{key} of the {of} is {text!r}; give three numbers")
-    return np.array([_checked(element, word, f"{key} of the {of}") for word in text.split()])
-
-
-def _number(element: Element, key: str, of: str) -> float:
-    if (text := element.get(key)) is None:
-        _refuse(element, f"the {of} has no {key}; add it")
-    return _checked(element, text.strip(), f"{key} of the {of}")
-
-
-def _checked(element: Element, word: str, name: str) -> float:
-    if not _NUMBER.fullmatch(word):
-        _refuse(element, f"{name} is {word!r}, not a number; correct it")
-    if abs(float(word)) > _MOST:
-        _refuse(element, f"{name} is {word}, beyond any machine ({_MOST:g}); correct it")
-    return float(word)
+def _numbers(element: Element, key: str, of: str, default: str | None = None) -> Array:
+    """Numbers of an attribute, shape (3,) of points and angles, else (1,)."""
+    text, count = element.get(key, default), 3 if key in ("xyz", "rpy") else 1
+    words = "" if text is None else text.split()
+    if len(words) != count or any(not _NUMBER.fullmatch(word) or abs(float(word)) > _MOST for word in words):
+        _refuse(element, f"{key} of the {of} is {text!r}; it takes {count} of numbers up to {_MOST:g}, correct it")
+    return np.array([float(word) for word in words])

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from identification.external import tare as tare
     from identification.external import verify as verify
     from identification.finding import Finding as Finding
+    from identification.formats.look import Look as Look
     from identification.formats.look import look as look
-    from identification.formats.looked import Look as Look
     from identification.model import Model as Model
     from identification.outcome import Result as Result
     from identification.outcome import biases_of as biases_of

@@ -3,7 +3,7 @@
 Columns (CONVENTIONS): `t_s` (absent: each row is an averaged standstill), struts `l1_mm`..`l6_mm` (of a chain its
 joints `q1_deg`.. or `q1_mm`..; or drive positions `q1_mm`.., a pose `x_mm`..`c_deg`, a rotation matrix `r11`..`r33`
 sensor to world), forces `f1_N`..`f6_N` or `fx_N`..`mz_Nm`, optionally an accelerometer `ax`..`az`, `trigger` 0/1,
-`override_percent` of the feed, `temperature_degC` of the sensor. The case's `[recording]` maps file formats, other
+`override_percent` of the feed. The case's `[recording]` maps file formats, other
 names, units and clocks. A run may come as several files with their own clocks.
 """
 
@@ -18,7 +18,7 @@ import numpy as np
 from cases.basis import KEPT, case_of, recording_basis, require_unchanged
 from cases.errors import FileProblem, RecordingError
 from cases.files import RUN, another_kind, atomic_folder, check_folder, json_text, read_json
-from cases.recording_format import ACCELEROMETER, CLOCK, OVERRIDE, ROLE_OF, ROTATION, TEMPERATURE, TRIGGER, Role
+from cases.recording_format import ACCELEROMETER, CLOCK, OVERRIDE, ROLE_OF, ROTATION, TRIGGER, Role
 from cases.schema import Case
 from cases.tables import own_units
 from cases.units import Array, Indices, as_html
@@ -207,7 +207,6 @@ def write_recording(file: Path, recording: Recording, case: Case) -> None:
         (ROTATION, recording.rotations),
         (case.sensor_frame.channels, recording.forces),
         (ACCELEROMETER, recording.specific_forces),
-        ((TEMPERATURE,), recording.temperature),
         ((OVERRIDE,), None if recording.override is None else recording.override / PERCENT),
     )
     for names, values in groups:

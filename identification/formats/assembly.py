@@ -20,7 +20,6 @@ from cases.recording_format import (
     ROTATION,
     SHIFTED,
     STRUTS,
-    TEMPERATURE,
     TRIGGER,
     RecordingFormat,
     Role,
@@ -38,7 +37,7 @@ from identification.formats.table import (
     lost_samples,
     shown,
 )
-from identification.formats.text_errors import without
+from identification.formats.text import without
 
 
 def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
@@ -51,24 +50,25 @@ def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
     if table.stamps is not None:
         t = (table.stamps - table.stamps[0]) * table.tick + float(start_of(table) - origin)
     table, missing, missing_in = _marked(table)
-    rotation = _group(table, ROTATION)
-    override = _single(table, OVERRIDE)
+    rotation, trigger, override = _group(table, ROTATION), _single(table, TRIGGER), _single(table, OVERRIDE)
     if override is not None:
-        _require_override(table, override)
-    trigger = _single(table, TRIGGER)
-    accelerometer = table.form.accelerometer
-    readings = None if accelerometer is None else _group(table, ACCELEROMETER)
+        ratio = "state recording.units.override = '1' if it is a ratio"
+        _require(table, OVERRIDE, (override >= 0.0) & (override <= MOST_OVERRIDE), "is not a feed override", ratio)
+    flags = None if trigger is None else switched(trigger)
+    if trigger is not None and flags is None:
+        near = np.isin(trigger, (trigger.min(), trigger.max()))
+        _require(table, TRIGGER, near, "has more than two levels", "export the trigger as a switch, or leave it out")
+    readings = None if (mounted := table.form.accelerometer) is None else _group(table, ACCELEROMETER)
     stream = Stream(
         source=table.source,
         t=t,
         struts=_struts(table, case),
         rotations=None if rotation is None else rotation.reshape(-1, 3, 3),
         forces=_group(table, case.sensor_frame.channels),
-        trigger=None if trigger is None else _switch(table, trigger),
+        trigger=flags,
         override=override,
-        temperature=_single(table, TEMPERATURE),
         poses=_group(table, POSE),
-        specific_forces=None if readings is None or accelerometer is None else readings @ accelerometer.matrix.T,
+        specific_forces=None if readings is None or mounted is None else readings @ mounted.matrix.T,
         lines=table.lines,
         missing=missing,
         missing_in=missing_in,
@@ -79,11 +79,29 @@ def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
         raise RecordingError(
             table.source, unmounted if ACCELEROMETER[0] in table.values else without(table.names, table.form, wanted)
         )
-    _require_rotations(stream)
+    if stream.rotations is not None:
+        turns = stream.rotations
+        error = np.abs(turns @ turns.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
+        error = np.maximum(error, np.abs(np.linalg.det(turns) - 1.0))
+        order = "check order and sign of the columns r11..r33"
+        _require(table, ROTATION[0], error <= ORTHOGONALITY, "begins a matrix that is not a rotation", order)
     if STRUTS[0] in table.values:
         _require_reach(stream, case, table.form)
-    _require_gravity(stream, case)
+    if stream.specific_forces is not None:
+        read = float(np.median(np.linalg.norm(stream.specific_forces[:_FIRST], axis=1)))
+        gravity = float(np.linalg.norm(case.gravity))
+        if not 1.0 / _OTHER_UNIT <= read / gravity <= _OTHER_UNIT:
+            problem = f"the accelerometer reads {read:.3g} m/s^2 where gravity is {gravity:.3g} m/s^2"
+            raise RecordingError(table.source, problem, "correct recording.accelerometer.scale_m_s2 in the case")
     return _with_lost_rows(stream)
+
+
+def _require(table: ColumnTable, ours: str, good: Flags, problem: str, remedy: str) -> None:
+    """Raises RecordingError at the first row of a column, shape (n,), whose value is not good."""
+    if not good.all():
+        row = int(np.argmin(good))
+        value = table.values[ours][row] if ours in table.values else table.stamps[row]  # type: ignore[index]
+        raise RecordingError(table.place(row, ours), f"{value.item()} {problem}", remedy)
 
 
 def start_of(table: ColumnTable) -> Fraction:
@@ -156,7 +174,7 @@ def _struts(table: ColumnTable, case: Case) -> Array | None:
 # Rotation matrices are printed with a few digits; beyond this they are not rotations (transposed columns, wrong order).
 ORTHOGONALITY = 1e-3
 # A motion changes the usual specific force of a run by less; a wrong unit (g for m/s^2) by a factor of ten.
-_GRAVITY = 3.0
+_OTHER_UNIT = 3.0
 # Nothing that is measured is so large in any unit, not even ticks of 100 ns since 1601.
 _MOST = 1e20
 MOST_OVERRIDE = 3.0  # controls offer 120 to 200 %
@@ -165,36 +183,11 @@ _FIRST = 10_000  # rows that show a wrong unit as well as all of them
 
 def require_clock(table: ColumnTable) -> None:
     """Raises RecordingError at the first time stamp that cannot be of a clock, or not later than the one above it."""
-    stamps = table.stamps
-    if stamps is None:
-        return
-    possible = np.abs(stamps) < _MOST
-    if not possible.all():
-        row = int(np.argmin(possible))
-        raise RecordingError(table.place(row, CLOCK), f"{stamps[row]} is not a time stamp", "remove the row")
-    later = stamps[1:] > stamps[:-1]
-    if later.all():
-        return
-    row = int(np.argmin(later)) + 1
-    unit = table.form.clock_unit
-    now, then = (f"{v:.6f} s" if unit == "s" else f"{v} {unit}" for v in (stamps[row].item(), stamps[row - 1].item()))
-    raise RecordingError(
-        table.place(row, CLOCK),
-        f"{now} comes after {then}",
-        "time must increase: sort the rows or remove the repeated part",
-    )
-
-
-def _require_override(table: ColumnTable, override: Array) -> None:
-    """Raises RecordingError at the first feed override, shape (n,), that no control has."""
-    wrong = (override < 0.0) | (override > MOST_OVERRIDE)
-    if wrong.any():
-        row = int(np.argmax(wrong))
-        raise RecordingError(
-            table.place(row, OVERRIDE),
-            f"{100 * override[row]:g} % is not a feed override, they are 0 to {100 * MOST_OVERRIDE:g} %",
-            "state recording.units.override = '1' if it is a ratio",
-        )
+    if table.stamps is not None:
+        _require(table, CLOCK, np.abs(table.stamps) < _MOST, "is not a time stamp", "remove the row")
+        later = np.r_[True, table.stamps[1:] > table.stamps[:-1]]
+        problem = "is not later than the time stamp above it, but time must increase"
+        _require(table, CLOCK, later, problem, "sort the rows or remove the repeated part")
 
 
 LEVELS = 0.2  # of the way between two levels that a switch may be off either: noise of a voltage
@@ -208,36 +201,6 @@ def switched(values: Array) -> Flags | None:
         return values > 0.0
     near = np.minimum(values - low, high - values) <= LEVELS * (high - low)
     return values > (low + high) / 2 if near.all() and abs(low) <= OFF * high else None
-
-
-def _switch(table: ColumnTable, trigger: Array) -> Flags:
-    """Whether the trigger is on, shape (n,); raises RecordingError where it has more than two levels."""
-    flags = switched(trigger)
-    if flags is not None:
-        return flags
-    usual = float(np.median(trigger[trigger > 0.0])) if (trigger > 0.0).any() else 1.0
-    row = int(np.argmax((trigger != 0.0) & (trigger != usual)))
-    raise RecordingError(
-        table.place(row, TRIGGER),
-        f"{trigger[row]:g} is neither 0 nor {usual:g}, and the values have more than two levels",
-        "export the trigger as a switch, or leave the column out",
-    )
-
-
-def _require_rotations(stream: Stream) -> None:
-    """Raises RecordingError at the first matrix that is not a rotation."""
-    if stream.rotations is None:
-        return
-    rotations = stream.rotations
-    error = np.abs(rotations @ rotations.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
-    error = np.maximum(error, np.abs(np.linalg.det(rotations) - 1.0))
-    if not error.max() <= ORTHOGONALITY:
-        row = int(np.argmin(error <= ORTHOGONALITY))
-        raise RecordingError(
-            f"{stream.source}, {stream.lines.place(row)}, r11..r33",
-            f"not a rotation matrix (off by {error[row]:.3g}, at most {ORTHOGONALITY:g})",
-            "check order and sign of the columns",
-        )
 
 
 def _require_reach(stream: Stream, case: Case, form: RecordingFormat) -> None:
@@ -258,20 +221,6 @@ def _require_reach(stream: Stream, case: Case, form: RecordingFormat) -> None:
             )
 
 
-def _require_gravity(stream: Stream, case: Case) -> None:
-    """Raises RecordingError where an accelerometer does not measure gravity, as with a wrong scale."""
-    if stream.specific_forces is None:
-        return
-    magnitude = float(np.median(np.linalg.norm(stream.specific_forces[:_FIRST], axis=1)))
-    gravity = float(np.linalg.norm(case.gravity))
-    if not gravity / _GRAVITY <= magnitude <= gravity * _GRAVITY:
-        raise RecordingError(
-            f"{stream.source}, {stream.lines.place(0)}",
-            f"the accelerometer reads {magnitude:.3g} m/s^2 where gravity is {gravity:.3g} m/s^2",
-            "correct recording.accelerometer.scale_m_s2 in the case",
-        )
-
-
 MOST_MISSING = 0.3  # of a column's rows; one with more is sampled at another rate, or is broken
 _KEPT = frozenset((*ROTATION, TRIGGER, OVERRIDE))
 MOST_PUT_BACK = 3  # samples in a row
@@ -287,14 +236,10 @@ def _marked(table: ColumnTable) -> tuple[ColumnTable, Flags | None, tuple[str, .
         if column.size and column.min() > -_MOST and column.max() < _MOST:  # both are false where one is NaN
             continue
         good = np.asarray(np.abs(column) < _MOST)
-        share = 1.0 - float(good.mean())
-        if share > MOST_MISSING:
-            row = int(np.argmin(good))
-            raise RecordingError(
-                table.place(row, ours),
-                f"{column[row]} is not a measured value, nor are {100 * share:.3g} % of this column's rows, at "
-                f"most {100 * MOST_MISSING:g} % may be missing",
-                "record again, or give what is sampled less often in a file of its own",
+        if good.mean() < 1.0 - MOST_MISSING:
+            problem = f"is not a measured value, like more than {100 * MOST_MISSING:g} % of this column's rows"
+            _require(
+                table, ours, good, problem, "record again, or give a file of its own to what is sampled less often"
             )
         values[ours] = spread(column[good], np.flatnonzero(good), np.arange(len(good)), ours in _KEPT)
         missing |= ~good

@@ -32,8 +32,7 @@ from identification.formats.table import (
     shown,
     unreadable,
 )
-from identification.formats.text import select
-from identification.formats.text_errors import without
+from identification.formats.text import select, without
 
 if TYPE_CHECKING:
     import pyarrow as pa

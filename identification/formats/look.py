@@ -1,7 +1,7 @@
 """A file of unknown format: what its columns are likely to mean, and the table `[recording]` that reads it."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from cases.errors import RecordingError
-from cases.machine import POSE
+from cases.files import toml_value
 from cases.recording_format import (
     BAR_FORCES,
     CLOCK,
@@ -17,7 +17,6 @@ from cases.recording_format import (
     DRIVES,
     ROLE_OF,
     ROLE_UNITS,
-    ROTATION,
     STRUTS,
     TICKS,
     TRIGGER,
@@ -27,18 +26,67 @@ from cases.recording_format import (
     units_of,
 )
 from cases.schema import Case
-from cases.units import Array
-from identification.formats.assembly import switched
+from cases.units import Array, as_html
+from identification.formats.binary import KINDS, joint_names, opened, topic_of, topics_of
 from identification.formats.layout import look_at_text
-from identification.formats.looked import RATES, Column, Look, look_at_bag, oddities, strut_range
-from identification.formats.naming import matched, may_be_force, sixes, wrenches
+from identification.formats.naming import matched
 from identification.formats.reading import bag_of, is_bag, is_parquet, read_run, read_tables
+from identification.formats.table import listed
 
 CUTOFF_HZ = 40.0  # of a proposal where the case states none
 _USUAL_RATE = 1000.0
-_FORCES_OVER_WEIGHT = (0.02, 50.0)  # how much forces change in a motion, over the weight that is moved
+_RATES = (20.0, 50_000.0)  # rows per second that recorders have
+_AROUND_HOME = 2.5  # times the length at home that a strut may have where the case states no workspace
 _MOST_RADIANS = 6.5  # of joints; in degrees one of them is beyond that in any motion
-_STANDSTILLS = 300  # rows without a clock, from which on they are taken for a motion
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column of the file."""
+
+    name: str  # as the file has it
+    ours: str | None  # our name of it; None: hexcite does not use it, or its meaning is unknown
+    unit: str  # unit that the file is taken to use; empty where there is none
+    guessed: bool  # whether meaning or unit follow from the values alone
+    values: Array  # numbers, shape (n,); empty where the column holds text
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """What a file is likely to be."""
+
+    file: Path
+    rows: int  # number of rows of numbers; 0 of a bag, whose messages are not read
+    columns: tuple[Column, ...]  # in the order of the file; empty of a bag
+    settings: Mapping[str, Any]  # proposal for `[recording]` of the case, by key
+    odd: tuple[str, ...]  # what to look at, one sentence each
+    reads: bool  # whether the file is read with these settings
+
+    @property
+    def rate(self) -> float | None:
+        """Rows per second; None where there is no clock."""
+        clock = next((c for c in self.columns if c.ours == CLOCK), None)
+        step = 0.0 if clock is None else float(np.median(np.diff(clock.values))) * TICKS[clock.unit]
+        return 1.0 / step if step > 0.0 else None
+
+    @property
+    def toml(self) -> str:
+        """The settings as a case file has them."""
+        plain = {key: value for key, value in self.settings.items() if key != "columns"}
+        lines = ["[recording]", *(f"{key} = {toml_value(value)}" for key, value in plain.items())]
+        if "columns" in self.settings:
+            columns = self.settings["columns"].items()
+            lines += ["", "[recording.columns]", *(f"{ours} = {toml_value(theirs)}" for ours, theirs in columns)]
+        return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        """Its columns and settings, in a few lines."""
+        names = ", ".join(c.ours for c in self.columns if c.ours is not None) or "none that hexcite knows"
+        return "\n".join([f"{self.file}: {self.rows} rows; columns: {names}", *self.odd, self.toml])
+
+    __str__ = __repr__
+
+    _repr_html_ = as_html
 
 
 def look(file: Path | str, case: Case | None = None) -> Look:
@@ -53,57 +101,62 @@ def look(file: Path | str, case: Case | None = None) -> Look:
     """
     file = bag_of(Path(file))
     cutoff = (case and case.recording.filter_cutoff_Hz) or CUTOFF_HZ
-    if is_bag(file):
-        bag_columns, settings, odd = look_at_bag(file, case)
-        settings["filter_cutoff_Hz"] = cutoff
-        result = Look(file, len(bag_columns[0].values), bag_columns, settings, (), True)
-        problem = "name the robot with --case, for the order of its joints" if case is None else None
-    else:
-        result, odd = _table(file, case, cutoff)
-        problem = None
-    if (problem := problem or _problem(file, result.settings, case)) is not None:
-        odd.append(f"not read with these settings: {problem}")
-    return replace(result, odd=tuple(odd), reads=problem is None)
+    result = _bag(file, case, cutoff) if is_bag(file) else _table(file, case, cutoff)
+    problem = _problem(file, result.settings, case)
+    odd = result.odd if problem is None else (*result.odd, f"not read with these settings: {problem}")
+    return replace(result, odd=odd, reads=problem is None)
 
 
-def _table(file: Path, case: Case | None, cutoff: float) -> tuple[Look, list[str]]:
-    """The look at a text or a Parquet file, and what is odd."""
-    columns, settings, odd = _parquet(file) if is_parquet(file) else look_at_text(file)
-    names = [column.name for column in columns]
-    numbers = {k: column.values for k, column in enumerate(columns) if len(column.values)}
-    chain = None if case is None else case.chain
-    joints = None if chain is None else dict(zip((j.name for j in chain.joints), chain.columns, strict=True))
-    places, units = matched(names, [column.unit for column in columns], joints)
+def _table(file: Path, case: Case | None, cutoff: float) -> Look:
+    """The look at a text or a Parquet file."""
+    names, header_units, numbers, settings = _parquet(file) if is_parquet(file) else look_at_text(file)
+    places, units = matched(names, header_units, _joints(case))
     places = {ours: k for ours, k in places.items() if k in numbers}
     if settings.get("format") == "twincat-scope":
-        places = {CLOCK: names.index("Name")} | {ours: k for ours, k in places.items() if ours != CLOCK}
-    if case is not None and case.sensor_frame.transducer is not None:
-        places = {ours: k for ours, k in places.items() if ours not in BAR_FORCES}
-        if WRENCH[0] not in places:
-            places |= dict(zip(WRENCH, next(iter(wrenches(names, list(numbers))), ()), strict=False))
-    guessed = _by_values(names, numbers, places, case)
-    units |= _units(numbers, places, units, case, guessed)
+        places[CLOCK], units[CLOCK] = names.index("Name"), "ms"
+    if case is not None and case.sensor_frame.transducer is not None and BAR_FORCES[0] in places:
+        forces = [places.pop(ours) for ours in BAR_FORCES]
+        places = dict(zip(WRENCH, forces, strict=True)) | places
+    drives = [numbers[places[drive]] for drive in DRIVES if drive in places]
+    if STRUTS[0] not in places and len(drives) == len(DRIVES) and _strut_unit(drives, case):  # they are lengths
+        places |= {strut: places.pop(drive) for strut, drive in zip(STRUTS, DRIVES, strict=True)}
+    guessed = {
+        ours: unit
+        for ours, unit in _units_of_values({ours: numbers[k] for ours, k in places.items()}, case)
+        if ours not in units and unit != _usual_unit(ours) and names[places[ours]] != ours
+    }
+    units = {ours: units.get(ours, guessed.get(ours, _usual_unit(ours))) for ours in places}
     _add_meaning(settings, names, places, units)
     settings["filter_cutoff_Hz"] = cutoff
-    ours = {k: name for name, k in places.items()}
+    ours_of = {k: ours for ours, k in places.items()}
     columns = [
-        replace(column, ours=ours.get(k), unit=_unit(ours.get(k), units), guessed=ours.get(k) in guessed)
-        for k, column in enumerate(columns)
-        if column.name or k in numbers
+        Column(name, ours, units.get(ours or "", ""), ours in guessed, numbers.get(k, np.zeros(0)))
+        for k, name in enumerate(names)
+        for ours in [ours_of.get(k)]
+        if name
     ]
     rows = max((len(values) for values in numbers.values()), default=0)
-    result = Look(file, rows, tuple(columns), settings, (), True)
-    if result.rate is not None and result.rate < 5.0 * cutoff:
-        settings["filter_cutoff_Hz"] = float(f"{0.19 * result.rate:.2g}")  # the low-pass takes a fifth at most
-    if result.rate is not None and not 0.99 < result.rate / _USUAL_RATE < 1.01:
-        settings["rate_Hz"] = float(f"{result.rate:.4g}")
-    elif result.rate is None and rows > _STANDSTILLS:
-        settings["clock"] = {"period_ms": 1e3 / (case.recording.rate_Hz if case is not None else _USUAL_RATE)}
-    return result, [*odd, *oddities(result, case)]
+    result = Look(file, rows, tuple(columns), settings, tuple(_advice(places, guessed)), True)
+    if result.rate is not None:
+        settings["filter_cutoff_Hz"] = min(cutoff, float(f"{0.19 * result.rate:.2g}"))  # a fifth at most
+        if not 0.99 < result.rate / _USUAL_RATE < 1.01:
+            settings["rate_Hz"] = float(f"{result.rate:.4g}")
+    return result
 
 
-def _parquet(file: Path) -> tuple[list[Column], dict[str, Any], list[str]]:
-    """Columns of a Parquet file, which needs no settings, and nothing odd."""
+def _advice(places: Mapping[str, int], guessed: Mapping[str, str]) -> Iterator[str]:
+    """Sentences on what a person should check or complete."""
+    if CLOCK not in places:
+        yield "no clock: each row is taken for an averaged standstill; of a motion state clock.period_ms"
+    elif TRIGGER not in places:
+        yield "no trigger: the whole motion is evaluated, the ways from and to home too"
+    if guessed:
+        units = ", ".join(f"{ours} in {unit}" for ours, unit in guessed.items())
+        yield f"units guessed from values: {units}; compare them with the recorder's settings"
+
+
+def _parquet(file: Path) -> tuple[list[str], list[str], dict[int, Array], dict[str, Any]]:
+    """As `look_at_text`; a Parquet file needs no settings."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -111,126 +164,91 @@ def _parquet(file: Path) -> tuple[list[Column], dict[str, Any], list[str]]:
         table = pq.read_table(file)
     except (pa.ArrowException, OSError) as error:
         raise RecordingError(file, "is a damaged Parquet file", "copy or export it again") from error
-    columns = []
-    for field, column in zip(table.schema, table.columns, strict=True):
-        plain = pa.types.is_integer(field.type) or pa.types.is_floating(field.type) or pa.types.is_boolean(field.type)
-        values = np.asarray(column.cast(pa.float64(), safe=False).to_numpy()) if plain else np.zeros(0)
-        columns.append(Column(field.name, None, "", False, values))
-    return columns, {}, []
+    numbers = {
+        k: np.asarray(table.column(k).cast(pa.float64(), safe=False).to_numpy())
+        for k, kind in enumerate(table.schema.types)
+        if pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_boolean(kind)
+    }
+    return table.schema.names, [], numbers, {}
 
 
-def _by_values(
-    names: Sequence[str], columns: Mapping[int, Array], places: dict[str, int], case: Case | None
-) -> set[str]:
-    """Adds to `places` what the names do not say but the values do; our names of what was added."""
-    before = set(places)
+def _joints(case: Case | None) -> dict[str, str] | None:
+    """Names of the joints of a chain -> our columns."""
+    return None if case is None or case.chain is None else dict(zip(case.chain.names, case.chain.columns, strict=True))
 
-    def free() -> list[int]:
-        return [k for k in columns if k not in places.values() and np.ptp(columns[k][np.isfinite(columns[k])]) > 0.0]
 
-    if CLOCK not in places:
-        clock = next((k for k in free() if _is_clock(columns[k])), None)
-        places |= {} if clock is None else {CLOCK: clock}
-    if TRIGGER not in places and len(switches := [k for k in free() if _is_switch(columns[k])]) == 1:
-        places[TRIGGER] = switches[0]
-    if not {STRUTS[0], ROTATION[0], POSE[0]} & places.keys():
-        drives = tuple(places[name] for name in DRIVES if name in places)
-        if len(drives) == 6 and _strut_unit([columns[k] for k in drives], case):  # the positions are lengths
-            places |= {strut: places.pop(drive) for strut, drive in zip(STRUTS, DRIVES, strict=True)}
-        elif not drives:
-            struts = (six for six in sixes(names, free()) if _strut_unit([columns[k] for k in six], case))
-            places |= dict(zip(STRUTS, next(struts, ()), strict=False))
-    forces = WRENCH if case is not None and case.sensor_frame.transducer is not None else BAR_FORCES
-    if forces[0] not in places:
-        unsaid = [k for k in free() if may_be_force(names[k])]
-        places |= dict(zip(forces, next(sixes(names, unsaid), ()), strict=False))
-    return set(places) - before
+def _bag(bag: Path, case: Case | None, cutoff: float) -> Look:
+    """The topics of a ROS 2 bag; without a case the order of the joints is unknown."""
+    settings: dict[str, Any] = {"filter_cutoff_Hz": cutoff}
+    joints = _joints(case)
+    with opened(bag) as reader:
+        topics = {what: topics_of(reader, what) for what in KINDS}
+        chosen = {what: topic_of(bag, reader, what, next(iter(topics[what]), None)) for what in KINDS}
+        names = joint_names(reader, chosen["joints"])
+    if several := {str(what): topic for what, topic in chosen.items() if len(topics[what]) > 1}:
+        settings["ros"] = several
+    places = {} if joints is None else matched(names, (), joints)[0]
+    renamed = {ours: names[places[ours]] for joint, ours in (joints or {}).items() if ours in places}
+    if renamed != {ours: joint for joint, ours in (joints or {}).items()}:
+        settings["columns"] = renamed
+    odd = [f"{kind.rpartition('/')[2]}: {listed(topics[what])}" for what, kind in KINDS.items()]
+    if joints is None:
+        odd.append("name the robot with --case, for the order of its joints")
+    return Look(bag, 0, (), settings, tuple(odd), True)
 
 
 def _strut_unit(columns: Sequence[Array], case: Case | None) -> str | None:
     """The unit in which six columns are strut lengths that the machine has; None: there is none."""
-    if (possible := strut_range(case)) is None:
+    if case is None or case.hexapod is None:
         return None
-    low, high = possible
+    if case.workspace is not None:
+        low, high = case.workspace.strut_length
+    else:
+        from identification.hexapod import Hexapod
+
+        usual = float(Hexapod.of(case).strut_lengths(case.hexapod.home.vector[None]).mean())
+        low, high = usual / _AROUND_HOME, usual * _AROUND_HOME
     least, most = min(map(np.nanmin, columns)), max(map(np.nanmax, columns))
     inside = (u for u, factor in ROLE_UNITS[Role.STRUTS].items() if low <= least * factor and most * factor <= high)
     return next(inside, None)
 
 
-def _is_clock(values: Array) -> bool:
-    steps = np.diff(values)
-    return len(steps) > 2 and bool(np.all(steps > 0.0) and np.median(steps) > 0.5 * np.mean(steps))
+def _units_of_values(values: Mapping[str, Array], case: Case | None) -> Iterator[tuple[str, str]]:
+    """Units of clock, struts and turning joints that fit their values."""
+    if CLOCK in values and len(clock := values[CLOCK]) > 1 and (step := float(np.median(np.diff(clock)))) > 0.0:
+        names = ("filetime",) if 1e17 < clock[0] < 1e18 else ("s", "ms", "us", "ns")
+        rates = {unit: 1.0 / (step * TICKS[unit]) for unit in names}
+        possible = [unit for unit, rate in rates.items() if _RATES[0] <= rate <= _RATES[1]]
+        if possible:
+            yield CLOCK, min(possible, key=lambda unit: abs(np.log(rates[unit] / _USUAL_RATE)))
+    if STRUTS[0] in values and (length := _strut_unit([values[strut] for strut in STRUTS], case)):
+        yield from ((strut, length) for strut in STRUTS)
+    turning = [ours for ours in values if ROLE_OF.get(ours) is Role.JOINTS]
+    if turning and max(float(np.nanmax(np.abs(values[ours]))) for ours in turning) <= _MOST_RADIANS:
+        yield from ((ours, "rad") for ours in turning)
 
 
-def _is_switch(values: Array) -> bool:
-    good = values[np.isfinite(values)]
-    flags = switched(good) if len(good) else None
-    return flags is not None and bool(0 < np.count_nonzero(np.diff(flags)) < len(values) / 50)
-
-
-def _units(
-    columns: Mapping[int, Array],
-    places: Mapping[str, int],
-    name_units: Mapping[str, str],
-    case: Case | None,
-    guessed: set[str],
-) -> dict[str, str]:
-    """Units that names do not state, from the values; what is a guess is added to `guessed`."""
-    units: dict[str, str] = {}
-
-    def unstated(group: Sequence[str]) -> list[Array]:
-        own = [ours for ours in group if ours in places]
-        return [] if {*own} & name_units.keys() else [columns[places[ours]] for ours in own]
-
-    def take(group: Sequence[str], unit: str | None) -> None:
-        if unit is not None:
-            units.update(dict.fromkeys(group, unit))
-            guessed.update(group if unit != _unit(group[0], {}) else ())
-
-    for clock in unstated((CLOCK,)):
-        step = float(np.median(np.diff(clock))) if len(clock) > 1 else 0.0
-        names = ("filetime",) if step > 0.0 and 1e17 < clock[0] < 1e18 else ("s", "ms", "us", "ns")
-        rates = {u: 1.0 / (step * TICKS[u]) for u in names if step > 0.0}
-        possible = [u for u, rate in rates.items() if RATES[0] <= rate <= RATES[1]]
-        take((CLOCK,), min(possible, key=lambda u: abs(np.log(rates[u] / _USUAL_RATE)), default=None))
-    if struts := unstated(STRUTS):
-        take(STRUTS, _strut_unit(struts, case))
-    turning = [] if case is None or case.chain is None else case.chain.columns
-    turning = [ours for ours in turning if ROLE_OF.get(ours) is Role.JOINTS and ours in places]
-    if joints := unstated(turning):
-        take(turning, "rad" if max(float(np.nanmax(np.abs(joint))) for joint in joints) <= _MOST_RADIANS else None)
-    for group in (BAR_FORCES, WRENCH[:3]):
-        if (forces := unstated(group)) and case is not None and case.nominal is not None:
-            weight = case.nominal.mass_kg * float(np.linalg.norm(case.gravity))
-            span = max(float(np.ptp(force[np.isfinite(force)])) for force in forces)
-            low, high = (share * weight for share in _FORCES_OVER_WEIGHT)
-            take(group, next((u for u, f in ROLE_UNITS[Role.FORCES].items() if low <= span * f <= high), None))
-    return units
-
-
-def _unit(ours: str | None, units: Mapping[str, str]) -> str:
-    """The unit of a column of ours, or that of its name."""
-    return "" if ours is None else units.get(ours, "s" if ours == CLOCK else next(iter(units_of(ours)), ""))
+def _usual_unit(ours: str) -> str:
+    """The unit that the name of a column of ours has."""
+    return "s" if ours == CLOCK else next(iter(units_of(ours)), "")
 
 
 def _add_meaning(
     settings: dict[str, Any], names: Sequence[str], places: Mapping[str, int], units: Mapping[str, str]
 ) -> None:
     """Adds columns, units and clock of `[recording]` to the settings."""
-    unnamed, scope = "column_names" in settings, settings.get("format") == "twincat-scope"
-    if unnamed:  # the columns get our names where they have a meaning, and others where not
-        ours = {k: name for name, k in places.items()}
-        settings["column_names"] = [ours.get(k, name) for k, name in enumerate(names)]
-    ordered = [ours for ours in COLUMNS if ours in places and (not scope or ours != CLOCK)]
-    renamed = {ours: names[places[ours]] for ours in ordered if names[places[ours]] != ours and not unnamed}
-    settings |= {"columns": renamed} if renamed else {}
+    scope = settings.get("format") == "twincat-scope"
+    ordered = [ours for ours in COLUMNS if ours in places and not (scope and ours == CLOCK)]
+    if renamed := {ours: names[places[ours]] for ours in ordered if names[places[ours]] != ours}:
+        settings["columns"] = renamed
     differing: dict[str, str] = {}
     for role, factors in ROLE_UNITS.items():
-        stated = {units[ours] for ours in ordered if ROLE_OF.get(ours) == role and ours in units}
+        stated = {units[ours] for ours in ordered if ROLE_OF.get(ours) == role}
         if len(stated) == 1 and stated <= factors.keys() - {next(iter(factors))}:
             differing[str(role)] = stated.pop()
-    settings |= {"units": differing} if differing else {}
-    if CLOCK in places and units.get(CLOCK, "s") != "s" and not scope:
+    if differing:
+        settings["units"] = differing
+    if units.get(CLOCK, "s") != "s" and not scope:
         settings["clock"] = {"unit": units[CLOCK]}
 
 

@@ -19,7 +19,7 @@ from cases.schema import Case
 from identification.formats import binary, text, traces
 from identification.formats.assembly import require_clock, start_of, stream_of
 from identification.formats.table import ColumnTable, Stream, require_file, require_room, unreadable
-from identification.formats.text_errors import without
+from identification.formats.text import without
 
 _PARQUET = b"PAR1"
 
@@ -129,10 +129,8 @@ def _require_whole(streams: Sequence[Stream], case: Case, names: Sequence[str]) 
     for stream in streams:
         for channel in stream.channels:
             if channel in owner:
-                reason = "and is given twice" if owner[channel] == stream.source else f"as {owner[channel]} does"
-                raise RecordingError(
-                    stream.source, f"has {channel.replace('_', ' ')}, {reason}", "give the files of one run, each once"
-                )
+                reason = f"has {channel.replace('_', ' ')}, as {owner[channel]} does"
+                raise RecordingError(stream.source, reason, "give the files of one run, each once")
             owner[channel] = stream.source
     sources = ", ".join(dict.fromkeys(s.source for s in streams))
     if "forces" not in owner:
@@ -161,19 +159,16 @@ def _joined(streams: Sequence[Stream]) -> list[Stream]:
 
 def _require_one_time(streams: Sequence[Stream]) -> None:
     """Raises RecordingError unless the streams of a run overlap in time."""
-    first = streams[0]
-    for stream in streams[1:]:
-        if stream.t is None or first.t is None:
-            without_clock, other = (stream, first) if stream.t is None else (first, stream)
-            reason = "has no time stamps" if other.t is not None else f"has {stream.rows} standstills"
-            against = "has" if other.t is not None else f"has {first.rows}"
-            raise RecordingError(
-                without_clock.source, f"{reason}, {other.source} {against}", "give files of one run, recorded together"
-            )
+    if len(streams) == 1:
+        return
+    if any(stream.t is None for stream in streams):
+        sources = ", ".join(stream.source for stream in streams)
+        reason = "have no common rows, and not all of them have time stamps"
+        raise RecordingError(sources, reason, "give files of one run, recorded together")
     spans = [(float(s.t[0]), float(s.t[-1]), s.source) for s in streams if s.t is not None]
-    start, _, latest = max(spans, default=(0.0, 0.0, ""))
-    end, early = min(((end, source) for _, end, source in spans), default=(0.0, ""))
-    if len(spans) > 1 and start >= end:
+    start, _, latest = max(spans)
+    end, early = min((end, source) for _, end, source in spans)
+    if start >= end:
         raise RecordingError(
             latest,
             f"starts {start - end:.6g} s after {early} ends",

@@ -21,7 +21,7 @@ from cases.recording_format import RecordingFormat
 from cases.units import Array, Flags
 
 Stamps = NDArray[np.float64] | NDArray[np.int64]
-Channel = Literal["struts", "rotations", "forces", "trigger", "poses", "specific_forces", "override", "temperature"]
+Channel = Literal["struts", "rotations", "forces", "trigger", "poses", "specific_forces", "override"]
 
 _SHOWN_NAMES = 40
 _SHOWN_CHARACTERS = 40
@@ -142,7 +142,6 @@ class Stream:
     poses: Array | None = None  # poses of {P} in {B}, shape (n, 6) [m, rad]
     specific_forces: Array | None = None  # acceleration less gravity, in the axes of {P}, shape (n, 3) [m/s^2]
     override: Array | None = None  # override of the feed, shape (n,); 1 for 100 %
-    temperature: Array | None = None  # of the sensor, shape (n,) [degC]
     lines: Lines = field(default_factory=Lines)  # where the rows stand in the file
     # rows in which a value was not measured and stands for nothing, shape (n,); None: there are none
     missing: Flags | None = None

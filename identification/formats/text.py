@@ -1,7 +1,7 @@
 """Tables as text, one row a sample: lines of names, then lines of numbers, separated by one character each.
 
 The case states what differs from `csv` as hexcite writes it: commas, points, one line of names, UTF-8. pyarrow reads
-the numbers, and what it cannot read is reported by one message with line, column, value and remedy.
+the numbers; the first line that it cannot read is named.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -13,12 +13,14 @@ import pyarrow as pa
 import pyarrow.csv as pacsv
 
 from cases.errors import RecordingError
-from cases.recording_format import CLOCK, COLUMNS, VELOCITIES, RecordingFormat
+from cases.recording_format import CLOCK, COLUMNS, RecordingFormat
 from identification.formats.table import (
     Block,
     ColumnTable,
     Lines,
+    is_value,
     lines_of,
+    listed,
     missing_fields,
     require_file,
     require_room,
@@ -26,17 +28,12 @@ from identification.formats.table import (
     split,
     unreadable,
 )
-from identification.formats.text_errors import explain, not_text, without
 
-PART = 1 << 22  # bytes, of which a damage is looked for line by line
+PART = 1 << 22  # bytes that are read at a time
 LONGEST_LINE = 1 << 20  # bytes; a recording of a thousand channels stays far below
 _MARK = b"\xef\xbb\xbf"  # of UTF-8, as Windows editors write it
-_NOT_TEXT = {
-    b"\xff\xfe": "UTF-16 text; save it as UTF-8",
-    b"\xfe\xff": "UTF-16 text; save it as UTF-8",
-    b"PK\x03\x04": "a ZIP archive or a workbook of a spreadsheet; unpack it, or save it as CSV",
-    b"\x1f\x8b": "compressed; unpack it",
-}
+_NOT_TEXT = (b"\xff\xfe", b"\xfe\xff", b"PK\x03\x04", b"\x1f\x8b")  # how UTF-16, ZIP (workbooks too) and gzip begin
+_TYPICAL = ("t_s", "l1_mm", "q1_mm", "x_mm", "r11", "ax", "f1_N", "fx_N")
 
 
 def read_head(file: Path) -> list[bytes]:
@@ -50,9 +47,8 @@ def read_head(file: Path) -> list[bytes]:
             data = stream.read(LONGEST_LINE)
     except OSError as error:
         raise unreadable(file, error) from error
-    for mark, kind in _NOT_TEXT.items():
-        if data.startswith(mark):
-            raise RecordingError(file, f"is not a CSV table but {kind}")
+    if data.startswith(_NOT_TEXT):
+        raise RecordingError(file, "is UTF-16 text, a workbook, an archive or compressed", "save it as CSV in UTF-8")
     lines = data.removeprefix(_MARK).split(b"\n")
     if not any(line.strip() for line in lines):
         raise RecordingError(file, "is empty, it has blank lines only", "record again")
@@ -152,43 +148,23 @@ def parse(
     except (pa.ArrowException, UnicodeDecodeError) as error:
         if isinstance(lines, Section):
             return parse(file, lines.text(), form, fields, numbers, stamps)
-        for part in _halves(lines):  # the damage is in one of them
-            parse(file, part, form, fields, numbers, stamps)
-        raise explain(file, lines, fields, positions, form, str(error)) from error
+        raise _explained(file, lines, fields, positions, form, str(error)) from error
     columns = {k: table.column(str(k)) for k in positions}
     for k in stamps:
         if pa.types.is_null(columns[k].type):
             columns[k] = columns[k].cast(pa.float64())
         if not (pa.types.is_int64(columns[k].type) or pa.types.is_float64(columns[k].type)):
             text = lines.text() if isinstance(lines, Section) else lines
-            raise explain(file, text, fields, positions, form, f"column {k} holds no numbers")
+            raise _explained(file, text, fields, positions, form, f"column {k} holds no numbers")
     return columns
 
 
-def _halves(block: Block) -> tuple[Block, ...]:
-    """Two halves of many lines; none of few."""
-    first, data = block
-    middle = data.rfind(b"\n", 0, len(data) // 2) + 1
-    if len(data) <= PART or not middle:
-        return ()
-    return (first, data[:middle]), (first + data.count(b"\n", 0, middle), data[middle:])
-
-
 def decoded(file: Path, lines: Sequence[bytes], form: RecordingFormat) -> list[str]:
-    """Header lines as text; raises RecordingError where one is not, or ends in an unexpected way."""
-    texts = []
-    for k, line in enumerate(lines, 1):
-        if b"\r" in line:
-            raise RecordingError(f"{file}, line {k}", "has a carriage return inside", "save the file with LF or CR LF")
-        if b"\0" in line:
-            raise RecordingError(
-                f"{file}, line {k}", "is not a CSV table but binary data", "export the recording as text"
-            )
-        try:
-            texts.append(line.decode(form.encoding))
-        except UnicodeDecodeError:
-            raise not_text(f"{file}, line {k}", form) from None
-    return texts
+    """Header lines as text; raises RecordingError where one is not."""
+    try:
+        return [line.decode(form.encoding) for line in lines]
+    except UnicodeDecodeError:
+        raise _not_text(file, form) from None
 
 
 def cells(line: str, form: RecordingFormat) -> list[str]:
@@ -200,8 +176,6 @@ def select(file: Path, names: Sequence[str], form: RecordingFormat) -> dict[str,
     """Our columns among those of a file, each with its position; raises RecordingError where one is there twice."""
     positions = {}
     for ours in COLUMNS:
-        if ours in VELOCITIES:
-            continue
         theirs = form.file_name(ours)
         if names.count(theirs) > 1:
             raise RecordingError(file, f"column {shown(theirs)} is there twice", "rename or remove one")
@@ -234,7 +208,7 @@ def table_of(
         tick: duration of a unit of the time stamps, or, without such, between rows [s]; None: there is no clock.
     """
     if not (lines.rows if isinstance(lines, Section) else lines[1].strip()):
-        raise RecordingError(file, "has a header but no rows", "record again")
+        raise RecordingError(file, "has a header but no rows", "record or export it again")
     positions = {ours: k for ours, k in chosen.items() if ours != CLOCK}
     at = chosen.get(CLOCK)
     columns = parse(file, lines, form, names, positions.values(), [] if at is None else [at])
@@ -271,3 +245,47 @@ def _header(file: Path, form: RecordingFormat) -> tuple[int, list[str]]:
     if not any(form.file_name(ours) in names for ours in COLUMNS):
         raise RecordingError(file, without(names, form))
     return rows, names
+
+
+def without(names: Iterable[str], form: RecordingFormat, wanted: Sequence[str] = _TYPICAL) -> str:
+    """What to say of a file with columns of some names that has none of those, by our names, that are wanted."""
+    columns = listed(map(form.file_name, wanted))
+    remedy = "name them so, or state names, separator and header in [recording] of the case, as hexcite look proposes"
+    return f"none of the columns {columns}; it has {listed(names)}: {remedy}"
+
+
+def _explained(
+    file: Path, block: Block, names: Sequence[str], wanted: Sequence[int], form: RecordingFormat, cause: str
+) -> RecordingError:
+    """The error for lines that could not be read: the first that is to blame.
+
+    `wanted` are positions of fields that must be numbers; `cause` is what the parser said of other damage.
+    """
+    first, data = block
+    last = first + data.count(b"\n")
+    for number, line in enumerate(data.split(b"\n"), first):
+        place, raw = f"{file}, line {number}", line.rstrip(b"\r")
+        if not raw:
+            continue
+        if not raw.strip(b"\0"):
+            return RecordingError(place, "is binary zero, as after a crash while recording", "cut the file off there")
+        try:
+            fields = split(raw.decode(form.encoding), form.separator)
+        except UnicodeDecodeError:
+            return _not_text(place, form)
+        if len(fields) != len(names):
+            cut = "the file is cut off in its last line: remove that line"
+            remedy = "correct or remove the row, or state delimiter, decimal and trailing_rows in [recording]"
+            problem = f"expected {len(names)} columns, got {len(fields)}"
+            return RecordingError(place, problem, cut if number == last and len(fields) < len(names) else remedy)
+        for k in wanted:
+            if not is_value(fields[k], form):
+                problem = f"{shown(fields[k])!r} is not a number with a decimal {form.decimal or '.'!r}"
+                remedy = "correct or remove the row, or set recording.decimal in the case"
+                return RecordingError(f"{place}, {shown(names[k])}", problem, remedy)
+    reason = shown(cause.splitlines()[0] if cause else "", 120)
+    return RecordingError(file, f"is not a CSV table: {reason}", "correct that line")
+
+
+def _not_text(place: Path | str, form: RecordingFormat) -> RecordingError:
+    return RecordingError(place, f"is not {form.encoding.upper()} text", "save the file as UTF-8")

@@ -2,16 +2,11 @@
 
 TwinCAT: a header of channels, then columns of values, each group with its own clock. Verified with genuine exports of
 Scope 3.4.3145 (test data of github CagtayFabry/pytcs) and Beckhoff's description (infosys.beckhoff.com, TE13xx,
-"Export to csv"): line 1 is `Name`, the separator and the scope's name; a second line that starts with `Name` lists
-the channels, and each `Name` in it stands above a clock. Up to 17 more lines about the channels follow, a comment in
-them may run over several lines. Stamps are ms from the first sample, or FILETIME where Full Timestamp is on. Where a
-channel has ended, its fields are a blank, or missing at the end of the line. A line `EOF` may follow. Not verified:
-Full Timestamp, marker tables and trigger information (switch them off), Interpolation = Shift value, array channels,
-other versions.
+"Export to csv"): a second line that starts with `Name` lists the channels, and each `Name` in it stands above a clock.
+Where a channel has ended, its fields are a blank, or missing at the end of the line; a line `EOF` may follow. Not
+verified: Full Timestamp, marker tables and trigger information (switch them off), other versions.
 
-SINUMERIK traces exported as text are read as other text is (`text.tables`). No genuine export was at hand and no manual
-that describes the file was found; public programs that read such files (searched November 2026) differ in delimiter,
-decimal sign, header and clock, so that the case states them. SINUMERIK Operate's own XML is not read.
+SINUMERIK traces are read as other text is (`text.tables`): exports differ, and the case states in what.
 """
 
 from collections.abc import Iterator, Mapping
@@ -23,20 +18,19 @@ import pyarrow as pa
 from cases.errors import RecordingError
 from cases.recording_format import CLOCK, RecordingFormat
 from identification.formats.table import Block, ColumnTable, Stamps, is_number, lines_of, split
-from identification.formats.text import cells, decoded, parse, read_head, section_of, select, table_of
-from identification.formats.text_errors import without
+from identification.formats.text import cells, decoded, parse, read_head, section_of, select, table_of, without
 
-_NAME, _SYMBOL, _END = "Name", "SymbolName", b"EOF"
+_NAME, _END = "Name", "EOF"
 _LATE = 2  # samples by which the last of channels with one clock may differ
-# FILETIME of the year 2000 in its own units; stamps in ms stay below for four million years.
-_LEAST_FILETIME = 1.26e17
 
 
 def scope_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     """Reads a file: one table for each clock; raises RecordingError with the place and the remedy."""
     lines = read_head(file)
-    form = form.model_copy(update={"delimiter": _separator(file, lines[0], form)})
-    header_rows, names, positions = _layout(file, lines, form)
+    form = form.model_copy(update={"delimiter": form.delimiter or lines[0][4:5].decode(errors="replace") or "\t"})
+    header_rows, names = _layout(file, lines, form)
+    positions = select(file, ["" if name == _NAME else name for name in names], form)
+    positions.pop(CLOCK, None)
     clocks = [k for k, name in enumerate(names) if name == _NAME]
     clock_of = {ours: max(c for c in clocks if c <= k) for ours, k in positions.items()}
     channels = tuple(name for name in names if name not in ("", _NAME))
@@ -53,63 +47,41 @@ def scope_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     places = lines_of(filled, len(columns[wanted[0]]))
     for group in _groups({ours: stamps[k] for ours, k in clock_of.items()}):
         clock = min((stamps[clock_of[ours]] for ours in group), key=len)
-        if not len(clock):  # a channel that was not recorded
-            continue
-        _require_unit(file, clock, form)
-        values = {ours: columns[positions[ours]].to_numpy()[: len(clock)] for ours in group}
-        yield ColumnTable(str(file), form, channels, values, clock, form.tick, places)
+        if len(clock):  # else it is a channel that was not recorded
+            values = {ours: columns[positions[ours]].to_numpy()[: len(clock)] for ours in group}
+            yield ColumnTable(str(file), form, channels, values, clock, form.tick, places)
 
 
-def _separator(file: Path, line: bytes, form: RecordingFormat) -> str:
-    separator = form.delimiter or line[len(_NAME) : len(_NAME) + 1].decode(errors="replace")
-    if not line.startswith(_NAME.encode()) or not separator or separator.isalnum():
-        raise RecordingError(
-            f"{file}, line 1",
-            "does not start with Name and a separator, as exports of TwinCAT Scope do",
-            "export as CSV with its header, or set recording.format in the case",
-        )
-    if separator == " ":
-        raise RecordingError(file, "its columns are separated by blanks", "export with tabulators or semicolons")
-    return separator
-
-
-def _layout(file: Path, lines: list[bytes], form: RecordingFormat) -> tuple[int, list[str], dict[str, int]]:
-    """Number of header lines, names of fields, those of clocks `Name`, and positions of the wanted columns."""
-    start = (_NAME + form.separator).encode()
-    top = next((k for k, line in enumerate(lines) if k and line.startswith(start)), None)
-    if top is None:
-        raise RecordingError(file, "has no second line that starts with Name", "export it with its header")
+def _layout(file: Path, lines: list[bytes], form: RecordingFormat) -> tuple[int, list[str]]:
+    """Number of header lines, and names of fields, those of clocks `Name`."""
+    tops = [k for k, line in enumerate(lines) if line.startswith((_NAME + form.separator).encode())]
+    top = tops[1] if len(tops) > 1 and not tops[0] else len(lines)
     rows = (split(line.decode(errors="replace"), form.separator) for line in lines[top + 1 :])
     filled = ([field.replace(",", ".", 1) for field in row if field.strip()] for row in rows)
-    first = next((k for k, row in enumerate(filled, top + 1) if row and all(map(is_number, row))), None)
+    first = next((k for k, row in enumerate(filled) if row and all(map(is_number, row))), None)
     if first is None:
-        raise RecordingError(file, "has a header but no rows of numbers", "export the recording again")
-    names = cells(decoded(file, lines[: top + 1], form)[top], form)
+        raise RecordingError(
+            file,
+            "has no two lines that start with Name and a separator, and rows of numbers below, as exports of TwinCAT "
+            "Scope have",
+            "export it as CSV with its header, or set recording.format in the case",
+        )
+    names = cells(decoded(file, lines[: top + 1], form)[-1], form)
     while names and not names[-1]:  # some exports end each line with a separator
         names.pop()
-    positions = select(file, ["" if name == _NAME else name for name in names], form)
-    for line in lines[top + 1 : first]:
-        if line.startswith((_SYMBOL + form.separator).encode()):
-            symbols = cells(line.decode(form.encoding, "replace"), form)
-            positions = select(file, [*symbols, *names][: len(names)], form) | positions
-    positions.pop(CLOCK, None)
-    return first, names, positions
+    return top + 1 + first, names
 
 
 def _filled(block: Block, count: int, delimiter: str) -> Block:
     """The block with all lines of equal length: without EOF, missing fields at the end added, surplus ones removed."""
     first, data = block
     separator, lines = delimiter.encode(), data.split(b"\n")
-    rows = sum(1 for line in lines if line.strip(b"\r"))
-    if data.count(separator) == rows * (count - 1) and _END not in data:
-        return block
     for k, line in enumerate(lines):
         text = line.rstrip(b"\r")
-        if text.strip() == _END:
+        if text.strip() == _END.encode():
             lines[k] = b""
-        elif text:
-            missing = count - 1 - text.count(separator)
-            lines[k] = text + separator * missing if missing >= 0 else text.removesuffix(separator)
+        elif text and (missing := count - 1 - text.count(separator)):
+            lines[k] = text + separator * missing if missing > 0 else text.removesuffix(separator)
     return first, b"\n".join(lines)
 
 
@@ -137,66 +109,29 @@ def _alike(one: Stamps, other: Stamps) -> bool:
     return max(len(one), len(other)) - common <= _LATE and np.array_equal(one[:common], other[:common])
 
 
-def _require_unit(file: Path, stamps: Stamps, form: RecordingFormat) -> None:
-    counts_ticks = float(stamps[0]) >= _LEAST_FILETIME
-    if counts_ticks != (form.clock_unit == "filetime"):
-        right = "filetime" if counts_ticks else "ms"
-        raise RecordingError(
-            file,
-            f"its time stamps, such as {stamps[0]}, are not in {form.clock_unit}",
-            f"set recording.clock.unit = {right!r} in the case",
-        )
-
-
 _OVERRUN = b"overrun"
-_NUMBER_OF_SAMPLE = "sample number"
 
 
 def halsampler_tables(file: Path, form: RecordingFormat) -> list[ColumnTable]:
-    """Reads a file of LinuxCNC's halsampler; errors as `tables`."""
+    """Reads a file of LinuxCNC's halsampler, with or without numbers of samples; errors as `tables`."""
     assert form.column_names is not None  # the case is checked
-    names, numbered = _columns(file, list(form.column_names), form.separator)
+    head = next((line for line in read_head(file) if line.strip() and not line.startswith(_OVERRUN)), b"")
+    values = head.decode(errors="replace").split()
+    numbered = len(values) == len(form.column_names) + 1 and values[0].isdecimal()
+    names = [*["sample number"] * numbered, *form.column_names, *[""] * head.endswith(b" ")]
     chosen = select(file, names, form)
     tick = form.tick if CLOCK in chosen else form.clock.period
     if numbered:
         chosen.setdefault(CLOCK, 0)
-    block = section_of(file, form.header_rows or 0, form.trailing_rows, len(chosen)).text()
-    return [table_of(file, _without_overruns(file, block, CLOCK in chosen), names, chosen, form, tick)]
-
-
-def _columns(file: Path, names: list[str], separator: str) -> tuple[list[str], bool]:
-    """Names of all fields of a line, and whether the first is the number of the sample."""
-    lines = (line for line in read_head(file) if line.strip() and not line.startswith(_OVERRUN))
-    text = next(lines, b"").decode(errors="replace")
-    end = [""] if text.endswith(separator) else []
-    values = split(text, separator)
-    count = len(values) - len(end)
-    if count == len(names):
-        return [*names, *end], False
-    if count == len(names) + 1 and values[0].isdecimal():
-        return [_NUMBER_OF_SAMPLE, *names, *end], True
-    raise RecordingError(
-        file,
-        f"has {count} values in a line, where recording.column_names lists {len(names)}",
-        "list one name for each pin of the sampler",
-    )
-
-
-def _without_overruns(file: Path, block: Block, counted: bool) -> Block:
-    """The block with its lines `overrun` blanked; the first line of a file may be one without a loss."""
-    first, data = block
-    if _OVERRUN not in data:
-        return block
+    first, data = section_of(file, form.header_rows or 0, form.trailing_rows, len(chosen)).text()
     lines = data.split(b"\n")
-    for k, line in enumerate(lines):
-        if line.strip() != _OVERRUN:
-            continue
-        number = first + k
-        if number > 1 and not counted:
-            raise RecordingError(
-                f"{file}, line {number}",
-                "LinuxCNC lost samples here and does not say how many",
-                "record with halsampler -t and a longer queue (depth of the sampler)",
-            )
+    overruns = [k for k, line in enumerate(lines) if line.strip() == _OVERRUN]
+    if overruns[-1:] > [0] and CLOCK not in chosen:  # one at the top is not a loss
+        raise RecordingError(
+            f"{file}, line {first + overruns[-1]}",
+            "LinuxCNC lost samples here and does not say how many",
+            "record with halsampler -t and a longer queue (depth of the sampler)",
+        )
+    for k in overruns:
         lines[k] = b""
-    return first, b"\n".join(lines)
+    return [table_of(file, (first, b"\n".join(lines)), names, chosen, form, tick)]

@@ -64,7 +64,7 @@ def _print_proposal(box: "MotionBox") -> None:
     if box.share == 1.0:
         print("Proposal: none is needed, the stated box is reachable.")
         return
-    print(f"\nProposal: the largest reachable box found, {percent(box.share)} of the stated box's volume.")
+    print(f"\nProposal: the largest reachable box found, {100 * box.share:.3g} % of the stated box's volume.")
     print(f"Verified at {box.poses} poses: the worst uses {share_text(box.worst)} of the limit {box.worst_limit}.")
     print("Replace these lines of [limits.motion] (relative to home; home may lie near a side):\n")
     print(box.toml())
@@ -77,7 +77,7 @@ def show(
     overwrite: console.Overwrite = False,
     json: console.Json = False,
 ) -> None:
-    """Draw the machine at home, with the reach of its coordinates."""
+    """Draw the machine at home."""
     from cases.tables import find_case
 
     loaded = hx.load_case(case)
@@ -85,16 +85,11 @@ def show(
     file = output_place(output, Path(f"{loaded.name}-machine.svg"), overwrite)
     check_file(file, (".svg", ".png", ".pdf"), [find_case(case)], overwrite)
     with console.status("drawing", json):
-        from planner.reach import reach as reach_of
-        from planner.reports.case_figures import share_sentences
         from planner.reports.plots import case_figure
 
-        reach = reach_of(loaded)
-        figure = case_figure(loaded, reach)
         with atomic_file(file) as part:
-            figure.savefig(part, format=file.suffix[1:].lower())
+            case_figure(loaded).savefig(part, format=file.suffix[1:].lower())
     if not console.answered({"ok": True, "figure": str(file)}, json):
-        print(share_sentences(reach))
         print(f"picture written: {file}")
 
 

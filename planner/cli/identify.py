@@ -9,7 +9,7 @@ from planner.cli import console
 from planner.cli.console import argument, option, out
 
 if TYPE_CHECKING:
-    from identification.formats.looked import Column
+    from identification.formats.look import Column
 
 
 def identify(
@@ -123,10 +123,11 @@ def look(
     check_file(file, (".svg", ".png", ".pdf"), [recording], overwrite)
     with console.status("looking", json):
         report = hx.look(recording, None if case is None else hx.load_case(case))
-        from planner.reports.plots import look_figure
+        if report.columns:
+            from planner.reports.plots import look_figure
 
-        with atomic_file(file) as part:
-            look_figure(report).savefig(part, format=file.suffix[1:].lower())
+            with atomic_file(file) as part:
+                look_figure(report).savefig(part, format=file.suffix[1:].lower())
     columns = [{"name": c.name, "meaning": c.ours, "unit": c.unit, "guessed": c.guessed} for c in report.columns]
     answer = {
         "recording": str(report.file),
@@ -136,20 +137,23 @@ def look(
         "columns": columns,
         "settings": dict(report.settings),
         "odd": list(report.odd),
-        "picture": str(file),
+        "picture": str(file) if report.columns else None,
     }
     if not console.answered(answer, json):
         _show(report, file)
 
 
 def _show(report: "hx.Look", file: Path) -> None:
-    head = ("column", "meaning", "unit", "smallest", "largest", "taken from")
-    console.print_table(f"{report.file.name}: {report.rows} rows", head, [_row(column) for column in report.columns])
-    print(f"rows per second: {'not known' if report.rate is None else f'{report.rate:.5g}'}")
+    if report.columns:
+        head = ("column", "meaning", "unit", "smallest", "largest", "taken from")
+        title = f"{report.file.name}: {report.rows} rows"
+        console.print_table(title, head, [_row(column) for column in report.columns])
+        print(f"rows per second: {'not known' if report.rate is None else f'{report.rate:.5g}'}")
     for odd in report.odd:
         print(f"look at: {odd}")
     print(f"\n{report.toml}\n")
-    print(f"picture written: {file}")
+    if report.columns:
+        print(f"picture written: {file}")
     if report.reads:
         print("the file is read with this table; paste it into case.toml in place of its [recording]")
     else:
@@ -161,5 +165,5 @@ def _row(column: "Column") -> list[str]:
 
     values = column.values
     ends = [f"{nanmin(values):.6g}", f"{nanmax(values):.6g}"] if len(values) else ["text", ""]
-    source = "" if column.ours is None else "values: a guess" if column.guessed else "name"
+    source = "" if column.ours is None else "name, unit guessed" if column.guessed else "name"
     return [column.name, column.ours or "-", column.unit, *ends, source]

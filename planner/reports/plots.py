@@ -1,215 +1,104 @@
-"""Pictures in files: a machine at home with how much of its reach each pose uses, and channels of an unknown file."""
+"""Pictures in files: a machine at home, and the channels of an unknown file."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.axes3d import Axes3D
-from scipy.spatial.transform import Rotation
 
-from cases.machine import KeepOut
-from cases.recording_format import CLOCK, TICKS
+from cases.machine import KeepOut, turned
+from cases.recording_format import CLOCK
 from cases.schema import Case
-from cases.units import DEG, MM
-from identification.formats.looked import Column, Look
-from identification.formats.naming import GROUPS
+from cases.units import MM
+from identification.formats.look import Column, Look
 from identification.limited_chain import chain_frames
 from identification.motion import Array, StandingPoses
-from planner.reach import Reach, StaticLimits
-from planner.reports.case_figures import share_words
 from planner.reports.machine import box_outlines, room, tool_outlines
 
-NARROWEST = 0.6  # of the longest side of a picture in 3-D: joints in one line make no room
-GRID = 25  # poses along each side of a map
-BESIDE = 0.12  # distance of numbers from the ring, as a share of its radius
-MOST_SHARE = 1.5  # share of a limit from which the colour stays the same
+Lines = dict[str, tuple[str, Iterable[Array]]]
+"""Entry of the legend -> colour, and lines of points, shapes (n, 3) [mm]."""
+Labels = list[tuple[Array, str]]
+"""Places, shape (3,) [mm], and what is written there."""
 
 
-def case_figure(case: Case, reach: Reach) -> Figure:
-    """The machine at home in 3-D and the reach of each coordinate, of a hexapod also over x and y, roll and pitch."""
-    wide = case.chain is None
-    figure = Figure(figsize=(23, 6) if wide else (14, 7), layout="constrained")
-    grid = figure.add_gridspec(1, 4 if wide else 2, width_ratios=(1.3, *[1.0] * (3 if wide else 1)), wspace=0.08)
-    geometry: Axes3D = figure.add_subplot(grid[0], projection="3d")
-    if wide:
-        _draw_machine(geometry, case)
-        _draw_maps(figure.add_subplot(grid[1]), figure.add_subplot(grid[2]), case)
-    else:
-        _draw_chain(geometry, case)
-    draw_coordinates(figure.add_subplot(grid[-1]), reach)
+def case_figure(case: Case) -> Figure:
+    """The machine at home in 3-D, its joints and sensors numbered or named, to be compared with the drawing."""
+    figure = Figure(figsize=(9, 8), layout="constrained")
+    axes: Axes3D = figure.add_subplot(projection="3d")
+    lines, labels, boxes = _hexapod(case) if case.chain is None else _chain(case)
+    points = np.vstack([line for _, group in lines.values() for line in group])
+    corners = room(points.min(axis=0), points.max(axis=0), boxes)
+    lines["kept out"] = "tab:orange", box_outlines(boxes, *corners)
+    for name, (colour, group) in lines.items():
+        for k, line in enumerate(group):
+            axes.plot(*line.T, color=colour, label=None if k else name)
+    for place, text in labels:
+        axes.text(*place, text)
+    axes.set(xlabel="x [mm]", ylabel="y [mm]", zlabel="z [mm]", title=f"{case.name} at home, in {{B}}")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.legend(loc="upper left")
     return figure
 
 
-def _draw_maps(over: Axes, tilted: Axes, case: Case) -> None:
-    """Maps of the reach at home, over x and y and over roll and pitch, with the motion box."""
-    machine, workspace, limits = case.need_machine("the picture of the machine")
-    box = limits.pose
-    places = [np.linspace(low * MM, high * MM, GRID) for low, high in (workspace.x_mm, workspace.y_mm)]
-    angles = [np.linspace(2 * box[0, k], 2 * box[1, k], GRID) for k in (3, 4)]
-    for axes, pair, ends, unit in ((over, [0, 1], places, MM), (tilted, [3, 4], angles, DEG)):
-        first, second = np.meshgrid(*ends, indexing="ij")
-        poses = np.tile(machine.home.vector, (first.size, 1))
-        poses[:, pair] += np.stack([first.ravel(), second.ravel()], axis=1)
-        shares = StaticLimits(case).shares(poses).max(axis=1).reshape(first.shape)
-        at, levels = (first / unit, second / unit), np.linspace(0.0, MOST_SHARE, 16)
-        colours = axes.contourf(*at, np.clip(shares, 0.0, MOST_SHARE), levels=levels, cmap="viridis")
-        if shares.min() < 1.0 < shares.max():
-            axes.contour(*at, shares, levels=[1.0], colors="red", linewidths=2.0)
-            axes.plot([], [], color="red", linewidth=2.0, label="end of reach")
-        x, y = (box[:, pair] / unit).T
-        axes.plot(x[[0, 1, 1, 0, 0]], y[[0, 0, 1, 1, 0]], color="white", linewidth=1.5, label="motion box")
-        axes.legend(loc="lower right", facecolor="0.3", labelcolor="white")
-        axes.set_aspect("equal")
-    over.set(title="reach at the height of home, level", xlabel="x from home [mm]", ylabel="y from home [mm]")
-    tilted.set(title="reach at home, tilted", xlabel="roll a [deg]", ylabel="pitch b [deg]")
-    over.figure.colorbar(colours, ax=[over, tilted], label="largest share of a limit (1: end of reach)")
+def _hexapod(case: Case) -> tuple[Lines, Labels, tuple[KeepOut, ...]]:
+    machine, workspace, _ = case.need_machine("the picture of the machine")
+    origin, turn = machine.home.vector[:3] / MM, turned(machine.home.vector[3:])
+
+    def placed(points: Array) -> Array:
+        return np.asarray(origin + points @ turn.T)
+
+    base, platform = machine.base.points / MM, placed(machine.platform.points / MM)
+    lines: Lines = {
+        "base": ("0.3", [np.vstack([base, base[:1]])]),
+        "platform": ("tab:blue", [np.vstack([platform, platform[:1]])]),
+        "struts 1 to 6": ("tab:gray", np.stack([base, platform], axis=1)),
+        "tools": ("tab:purple", [placed(line) for line in tool_outlines(workspace.tool)]),
+    }
+    ends = [base, platform]
+    if (bars := case.sensor_frame.bars) is not None:
+        sensors = [placed(ring.points / MM) for ring in (bars.lower, bars.upper)]
+        lines["sensors 1 to 6"] = "tab:red", np.stack(sensors, axis=1)
+        ends.append(sensors[1])
+    labels = [(place, f"{k}") for joints in ends for k, place in enumerate(joints, start=1)]
+    return lines, labels, workspace.keep_out
 
 
-def _draw_chain(axes: Axes3D, case: Case) -> None:
-    """A chain at home, with its bodies, its tool and the keep-out boxes, in mm."""
+def _chain(case: Case) -> tuple[Lines, Labels, tuple[KeepOut, ...]]:
     chain, _ = case.need_chain("the picture of the machine")
     at_home = StandingPoses(chain.home[None]).at([0.0])
     frames = [np.eye(4), *(place[0] for place, _, _ in chain_frames(at_home, chain))]
     origins = np.array([frame[:3, 3] for frame in frames]) / MM
-    axes.plot(*origins.T, color="tab:gray", linewidth=2.0, marker="o", markersize=4, label="joints")
-    for place in np.unique(origins[1 : len(chain.joints) + 1].round(3), axis=0):  # joints may lie at one place
-        there = [j.name for k, j in enumerate(chain.joints, 1) if np.allclose(origins[k], place, atol=1e-2)]
-        axes.text(*place, ", ".join(there), fontsize="small")
-    axes.plot(*origins[-1:].T, color="tab:red", marker="s", linestyle="", label="sensor")
-    links = list(zip(frames[1:], (joint.bodies for joint in chain.joints), strict=False))
-    outlines = [origins]
-    for owners, colour, label in (
-        ([(frames[0], chain.base)], "0.3", "base"),
-        ([(frames[-1], chain.tool)], "tab:purple", "tool"),
-        (links, "tab:blue", "links"),
+    lines: Lines = {"joints and sensor": ("tab:gray", [origins])}
+    for name, colour, owners in (
+        ("base", "0.3", [(frames[0], chain.base)]),
+        ("tool", "tab:purple", [(frames[-1], chain.tool)]),
+        ("links", "tab:blue", zip(frames[1:], (joint.bodies for joint in chain.joints), strict=False)),
     ):
-        lines = [
-            line @ frame[:3, :3].T + frame[:3, 3] / MM for frame, bodies in owners for line in tool_outlines(bodies)
-        ]
-        _draw_lines(axes, lines, colour, label, 0.8)
-        outlines += lines
-    _finish(axes, case, outlines, chain.keep_out)
-    axes.set(zlabel="z [mm]")
-
-
-def _draw_machine(axes: Axes3D, case: Case) -> None:
-    """Base, platform, struts and the bars of the sensors at home, in mm."""
-    machine, workspace, _ = case.need_machine("the picture of the machine")
-    home = machine.home.vector
-    turn = Rotation.from_euler("xyz", home[3:]).as_matrix()
-    base = machine.base.points / MM
-    platform = (home[:3] + machine.platform.points @ turn.T) / MM
-    for points, colour, label in ((base, "0.3", "base"), (platform, "tab:blue", "platform")):
-        _draw_lines(axes, [np.vstack([points, points[:1]])], colour, label, 2.0)
-        for k, (joint, beside) in enumerate(zip(points, points - points.mean(axis=0), strict=True), start=1):
-            axes.text(*(joint + BESIDE * beside), f"{k}", color=colour, ha="center", va="center")
-    _draw_lines(axes, np.stack([base, platform], axis=1), "tab:gray", "struts 1 to 6", 1.0)
-    bars = case.sensor_frame.bars
-    if bars is not None:
-        low, high = ((home[:3] + ring.points @ turn.T) / MM for ring in (bars.lower, bars.upper))
-        _draw_lines(axes, np.stack([low, high], axis=1), "tab:red", "sensors 1 to 6", 1.5)
-        for k, end in enumerate(high, start=1):
-            axes.text(*end, f"{k}", color="tab:red", fontsize="small", va="bottom")
-    tools = [home[:3] / MM + line @ turn.T for line in tool_outlines(workspace.tool)]
-    _draw_lines(axes, tools, "tab:purple", "tools", 1.0)
-    _finish(axes, case, [base, platform, *tools], workspace.keep_out)
-    axes.text2D(0.98, 0.92, "z [mm]", transform=axes.transAxes, ha="right")
-
-
-def _draw_lines(axes: Axes3D, lines: Iterable[Array], colour: str, label: str, width: float) -> None:
-    """Lines of points, shape (n, 3) [mm], with one entry in the legend."""
-    for k, line in enumerate(lines):
-        axes.plot(*line.T, color=colour, linewidth=width, label=None if k else label)
-
-
-def _finish(axes: Axes3D, case: Case, drawn: Sequence[Array], boxes: Iterable[KeepOut]) -> None:
-    """Adds keep-out boxes near the lines `drawn`, shapes (n, 3) [mm], titles, scale and legend."""
-    every = np.vstack(drawn)
-    corners = room(every.min(axis=0), every.max(axis=0), boxes)
-    _draw_lines(axes, box_outlines(boxes, *corners), "tab:orange", "kept out", 1.0)
-    axes.set(xlabel="x [mm]", ylabel="y [mm]", title=f"{case.name} at home, in {{B}}")
-    limits = np.array([axes.get_xlim3d(), axes.get_ylim3d(), axes.get_zlim3d()])
-    half = np.maximum(np.diff(limits)[:, 0], NARROWEST * np.diff(limits).max()) / 2.0
-    low, high = limits.mean(axis=1) - half, limits.mean(axis=1) + half
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axes.set_aspect("equal")
-    axes.legend(loc="upper left")
-
-
-def draw_coordinates(axes: Axes, reach: Reach) -> None:
-    """Draws a bar for each coordinate: the stated range, and the reachable one with the others at home."""
-    case_ranges, reachable = ((box / reach.units).T for box in (reach.stated, reach.reachable))
-    for row, (outer, inner) in enumerate(zip(case_ranges, reachable, strict=True)):
-        size = max(-outer[0], outer[1])
-        for (low, high), height, colour, label in (
-            (outer, 0.5, "0.85", "stated"),
-            (inner, 0.25, "tab:green", "reachable, the others at home"),
-        ):
-            axes.barh(row, (high - low) / size, height, low / size, color=colour, label=None if row else label)
-        for end, whole, side in zip(inner, outer, ("left", "right"), strict=True):
-            colour = "0.2" if end == whole else "red"
-            axes.text(end / size, row + 0.38, f"{end:.3g}", ha=side, va="center", fontsize="small", color=colour)
-    axes.axvline(0.0, color="0.4", linewidth=0.8)
-    axes.set_yticks(range(len(reach.keys)), [f"{key.split('_')[0]} [{key.split('_')[1]}]" for key in reach.keys])
-    axes.set(xlim=(-1.1, 1.1), xticks=[], ylim=(len(reach.keys) - 0.3, -0.5))
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), frameon=False, ncols=2)
-    axes.set_title(f"{share_words(reach)} of the motion box reachable")
+        outlines = [(frame, line) for frame, bodies in owners for line in tool_outlines(bodies)]
+        lines[name] = colour, [line @ frame[:3, :3].T + frame[:3, 3] / MM for frame, line in outlines]
+    return lines, list(zip(origins[1:], (*chain.names, "sensor"), strict=False)), chain.keep_out
 
 
 MOST_POINTS = 4000  # points of a line; more cannot be seen
-_TITLES = (
-    "struts", "strut velocities", "drive positions", "drive velocities", "pose", "rotation", "accelerometer", "forces",
-    "forces and moments",
-)  # fmt: skip
 _PANEL = 2.2  # inches
 
 
 def look_figure(report: Look) -> Figure:
-    """Every column of numbers over time, or over the rows without a clock."""
-    panels = list(_panels(report.columns))
+    """Every column of numbers over the clock, or over the rows, in a panel for each unit."""
+    clock = next((column for column in report.columns if column.ours == CLOCK), None)
+    panels: dict[str, list[Column]] = {}
+    for column in report.columns:
+        if len(column.values) and column is not clock:
+            panels.setdefault(f"[{column.unit}]" if column.ours else "not used", []).append(column)
     figure = Figure(figsize=(11, _PANEL * len(panels) + 0.6), layout="constrained")
-    t, label = _time(report)
+    x = np.arange(1.0, report.rows + 1.0) if clock is None else clock.values
     step = -(-report.rows // MOST_POINTS)
     all_axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-    for axes, (title, columns) in zip(all_axes, panels, strict=True):
+    for axes, (label, columns) in zip(all_axes, panels.items(), strict=True):
         for column in columns:
-            axes.plot(t[::step], column.values[::step], linewidth=0.8, label=_legend(column))
-        units = {column.unit for column in columns if column.unit}
-        axes.set_ylabel(f"[{units.pop()}]" if len(units) == 1 else "")
-        axes.set_title(title, loc="left", fontsize="small")
+            name = column.name if column.ours in (None, column.name) else f"{column.name} = {column.ours}"
+            axes.plot(x[::step], column.values[::step], linewidth=0.8, label=name.replace("$", r"\$"))
+        axes.set_ylabel(label)
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="x-small", frameon=False)
-        axes.grid(alpha=0.25)
-    all_axes[-1].set_xlabel(label)
+    all_axes[-1].set_xlabel("row" if clock is None else f"{clock.name} [{clock.unit}]".replace("$", r"\$"))
     return figure
-
-
-def _legend(column: Column) -> str:
-    name = column.name if column.ours in (None, column.name) else f"{column.name} = {column.ours}"
-    return name.replace("$", r"\$") + (" ?" if column.guessed else "")
-
-
-def _time(report: Look) -> tuple[Array, str]:
-    clock = next((c for c in report.columns if c.ours == CLOCK), None)
-    if clock is not None:
-        return (clock.values - clock.values[0]) * TICKS[clock.unit], "time from the first row [s]"
-    period = report.settings.get("clock", {}).get("period_ms")
-    if period is not None:
-        return np.arange(report.rows) * period / 1e3, "time from the first row [s]"
-    return np.arange(1.0, report.rows + 1.0), "row"
-
-
-def _panels(columns: Sequence[Column]) -> Iterator[tuple[str, list[Column]]]:
-    """Titles and columns of the panels: known groups, then single columns, then columns without a known meaning."""
-    numbers = [column for column in columns if len(column.values) and column.ours != CLOCK]
-    grouped = {ours for group in GROUPS for ours in group}
-    for title, group in zip(_TITLES, GROUPS, strict=True):
-        members = [column for column in numbers if column.ours in group]
-        if members:
-            yield title, members
-    for column in numbers:
-        if column.ours is not None and column.ours not in grouped:
-            yield column.ours.replace("_", " "), [column]
-    unknown = [column for column in numbers if column.ours is None]
-    if unknown:
-        yield "without a meaning for hexcite", unknown

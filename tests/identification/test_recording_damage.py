@@ -50,11 +50,11 @@ DAMAGES: dict[str, tuple[bytes, str]] = {
     "missing force": (renamed("f3_N", "f3"), r"column f3_N is missing"),
     "no struts": (without(*NAMES[1:7]), r"no pose: none of the columns l1_mm, .*; it has t_s, f1_N"),
     "no forces": (without(*NAMES[7:13]), r"no forces: none of the columns f1_N"),
-    "text in a number": (cell(4, "l2_mm", "9x0"), r", line 5, l2_mm: '9x0' is not a number; correct or remove"),
-    "nothing in a column": (column("f1_N", ""), r", line 2, f1_N: nan is not a measured value, nor are 100 % of"),
+    "text in a number": (cell(4, "l2_mm", "9x0"), r", line 5, l2_mm: '9x0' is not a number .*; correct or remove"),
+    "nothing in a column": (column("f1_N", ""), r", line 2, f1_N: nan is not a measured value, like more than 30 %"),
     "nothing in most rows": (
         csv([*table()[:4], *[[*row[:3], "", *row[4:]] for row in table()[4:]]]),
-        r", line 5, l3_mm: nan is not a measured value, nor are 66.7 % of this column's rows, at most 30 %",
+        r", line 5, l3_mm: nan is not a measured value, like more than 30 %",
     ),
     "decimal comma in quotes": (cell(4, "f1_N", '"1,5"'), r", line 5, f1_N: '1,5' is not a number"),
     "digits that only Python reads": (cell(4, "l2_mm", "9_8_0"), r", line 5, l2_mm: '9_8_0' is not a number"),
@@ -66,10 +66,10 @@ DAMAGES: dict[str, tuple[bytes, str]] = {
         r"line 2, \w+: '(s|mm|N)' is not",
     ),
     "after a blank line": (cell(4, "l2_mm", "9x0").replace(b"\n0.001", b"\n\n0.001"), r"line (6, l2_mm|3)"),
-    "time backwards": (cell(6, "t_s", "0.0001"), r"line 7, t_s: 0.000100 s comes after 0.004000 s; .*sort the rows"),
-    "time repeated": (cell(6, "t_s", "0.004"), r"line 7, t_s: 0.004000 s comes after 0.004000 s"),
+    "time backwards": (cell(6, "t_s", "0.0001"), r"line 7, t_s: 0.0001 is not later .*sort the rows"),
+    "time repeated": (cell(6, "t_s", "0.004"), r"line 7, t_s: 0.004 is not later"),
     "empty": (b"", r": is empty; record again"),
-    "header only": (csv([NAMES]), r": has a header but no rows; record again"),
+    "header only": (csv([NAMES]), r": has a header but no rows; record or export"),
     "header without newline": (csv([NAMES])[:-1], r"no rows|not a CSV table"),
     "blank lines only": (b"\n\n\n", r"not a CSV table|is empty|none of the columns"),
     "semicolons": (csv(table(), ";"), r"separat"),
@@ -136,6 +136,6 @@ def test_what_is_no_rotation_matrix_is_named(damage: str, tmp_path: Path, wrist_
     header = ["fx", "fy", "fz", "tx", "ty", "tz", *ROTATION]
     file = tmp_path / "run.csv"
     file.write_bytes(csv([header, *([["1.0"] * 6 + m for m in (good, good, bad, good)])]))
-    with pytest.raises(RecordingError, match=r", line 4, r11\.\.r33: .*rotation.*order and sign") as caught:
+    with pytest.raises(RecordingError, match=r", line 4, r11: .*rotation.*order and sign") as caught:
         read(file, wrist_case)
     one_line(caught.value)

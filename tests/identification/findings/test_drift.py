@@ -1,7 +1,6 @@
 """Offsets that drift are named with channel, rate and remedy; still ones are not, with white noise or coloured."""
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,7 @@ from identification.external import force, tare
 from identification.finding import Kind
 from identification.identify import estimate_parameters
 from identification.outcome import Result
-from identification.recording import Recording, read, write_recording
+from identification.recording import Recording
 from identification.result import entries_of
 from tests.chains import ROBOT, standing_forces, swing, swung_forces
 from tests.helpers import few
@@ -58,21 +57,6 @@ def test_a_drift_is_named_with_channel_rate_and_remedy(channel: int, name: str, 
 def test_a_still_sensor_does_not_drift(memory: float, seeds: range) -> None:
     """The slowest noise remembers a second: it wanders, and deviations know it."""
     assert not [told for seed in seeds for told in found(recorded(seed, memory=memory))]
-
-
-def test_with_the_temperature_the_drift_goes_by_it(tmp_path: Path) -> None:
-    """A warming that is not linear in time: 0.4 N a kelvin, from a column under the recorder's own name."""
-    warming = 2.5 * (1.0 - np.exp(-T / 2.0))
-    recording = recorded(1, of_channel(0, 0.4 * warming), temperature=31.0 + warming)
-    write_recording(tmp_path / "run.csv", recording, ROBOT)
-    text = (tmp_path / "run.csv").read_text().replace("temperature_degC", "PT100", 1)
-    (tmp_path / "run.csv").write_text(text)
-    data = ROBOT.model_dump(exclude_none=True)
-    data["recording"]["columns"] = {"temperature_degC": "PT100"}
-    case = Case.model_validate(data)
-    (told,) = found(read(tmp_path / "run.csv", case), case)
-    assert "fx_N drifts by +0.4 N/K" in told
-    assert not found(replace(recorded(2), temperature=31.0 + warming))
 
 
 def standstills(seed: int, drift: float) -> Recording:

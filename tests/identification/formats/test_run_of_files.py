@@ -108,18 +108,18 @@ def damaged(folder: Path) -> dict[str, tuple[list[Path], str]]:
     wrench = written(folder, "t_s,fx_N\n0,1\n1,1\n", "wrench.csv")
     felt = written(folder, "t_s,ax,ay,az\n0,0,0,1\n1,0,0,1\n", "felt.csv")
     return {
-        "one file twice": ([forces, struts, forces], r"forces.csv: has forces, and is given twice; .*each once"),
+        "one file twice": ([forces, struts, forces], r"forces.csv: has forces, as .*forces.csv does; .*each once"),
         "two runs": ([forces, struts, later], r"later.*: has struts, as .*struts.csv does; give the files of one run"),
         "no forces": ([struts], r"struts.csv: no forces: none of the columns f1_N, .*; it has t_s, l1_mm"),
         "no pose": ([forces], r"forces.csv: no pose: none of the columns l1_mm"),
         "not together": ([forces, later], r"struts.csv: starts 99.96\d* s after .*forces.csv ends; .*offset_s"),
         "one without a clock": (
             [forces, alone],
-            r"alone.csv: has no time stamps, .*forces.csv has; give files of one run",
+            r"forces.csv, .*alone.csv: .*not all of them have time stamps; give files of one run",
         ),
         "standstills of two sets": (
             [few, alone],
-            r"alone.csv: has 40 standstills, .*few.csv has 9; give files of one run",
+            r"alone.csv: have no common rows.*; give files of one run",
         ),
         "a file of something else": ([forces, struts, notes], r"notes.csv: none of the columns .*; it has a, b"),
         "forces of another sensor": ([forces, struts, wrench], r"wrench.csv: none of .* f1_N; it has t_s, fx_N: name"),

@@ -76,9 +76,9 @@ def test_an_export_is_read_whatever_its_settings(
 
 
 def test_a_channel_that_was_not_recorded_hides_none_of_the_others(tmp_path: Path) -> None:
-    empty: Group = (["temperature"], np.zeros(0), np.zeros((0, 1)))
+    empty: Group = (["override"], np.zeros(0), np.zeros((0, 1)))
     file = written(tmp_path, exported([*both(), empty]))
-    require_the_run(read(file, case(columns={**COLUMNS, "temperature_degC": "temperature"})))
+    require_the_run(read(file, case(columns={**COLUMNS, "override_percent": "override"})))
 
 
 def test_separated_by_commas_it_has_points(tmp_path: Path) -> None:
@@ -98,8 +98,6 @@ def test_stamps_may_be_filetimes(tmp_path: Path) -> None:
         lines.append("\t".join(fields))
     file = written(tmp_path, head + "\n\n" + "\n".join(lines))
     require_the_run(read(file, case(clock={"unit": "filetime"})))
-    with pytest.raises(RecordingError, match=r"132959733843760000.* ms; .*unit = 'filetime'"):
-        read(file, case())
 
 
 @pytest.mark.parametrize("shared", [True, False])
@@ -125,14 +123,6 @@ def test_a_channel_that_ends_a_sample_early_shortens_its_group(tmp_path: Path) -
     np.testing.assert_allclose(recording.forces, RUN.forces[:-1], rtol=1e-8)
 
 
-def test_channels_may_be_named_by_their_symbols(tmp_path: Path) -> None:
-    text = exported(both())
-    symbols = text.splitlines()[6].replace("Name", "SymbolName").replace("force ", "GVL.f")
-    text = text.replace("\nPort", f"\n{symbols}\nPort", 1)
-    columns = COLUMNS | {f"f{k}_N": f"GVL.f{k}" for k in range(1, 7)}
-    require_the_run(read(written(tmp_path, text), case(columns=columns)))
-
-
 def test_a_comment_of_several_lines_does_no_harm(tmp_path: Path) -> None:
     text = exported(both()).replace("\nData-Type", "(* length\n\n of strut 1\n12 *)\nData-Type", 1)
     require_the_run(read(written(tmp_path, text), case()))
@@ -150,16 +140,14 @@ GOOD = exported(both())
 LINES = GOOD.splitlines()
 HEADER = 13
 DAMAGES = {
-    "another format": ("t_s,l1_mm\n0,1\n", {}, r"line 1: does not start with Name and a separator.*recording.format"),
-    "no header of channels": ("\n".join([*LINES[:4], "", *LINES[13:]]), {}, r"no second line that starts with Name"),
-    "no rows": ("\n".join(LINES[:HEADER]), {}, r"has a header but no rows"),
-    "no rows but EOF": ("\n".join([*LINES[:HEADER], "EOF"]), {}, r"has a header but no rows"),
-    "points for commas": (GOOD, {"decimal": "."}, r"line 14, .*: '-?\d+,\d+' is not a number: .*decimal = ','"),
-    "commas for points": (exported(both(), decimal="."), {}, r"it has a decimal point; .*decimal = '\.'"),
-    "another clock": (GOOD, {"clock": {"unit": "filetime"}}, r"such as 0, are not in filetime; set .*unit = 'ms'"),
+    "another format": ("t_s,l1_mm\n0,1\n", {}, r"no two lines that start with Name.*recording.format"),
+    "no header of channels": ("\n".join([*LINES[:4], "", *LINES[13:]]), {}, r"no two lines that start with Name"),
+    "no rows": ("\n".join(LINES[:HEADER]), {}, r"rows of numbers below"),
+    "no rows but EOF": ("\n".join([*LINES[:HEADER], "EOF"]), {}, r"rows of numbers below"),
+    "points for commas": (GOOD, {"decimal": "."}, r"line 14, .*: '-?\d+,\d+' is not .*recording.decimal"),
+    "commas for points": (exported(both(), decimal="."), {}, r"decimal ','; .*recording.decimal"),
     "unknown channels": (GOOD, {"columns": {"l1_mm": "MAIN.x"}}, r"none of .*MAIN.x.*; it has MAIN.strut\[1\], "),
     "one channel missing": (GOOD.replace("force 3", "fors 3", 1), {}, r"column force 3 is missing; it has .*fors 3"),
-    "separated by blanks": (GOOD.replace("\t", " "), {}, r"separated by blanks; export with tabulators or semicolons"),
     "a hole in a clock": (GOOD.replace("\n5\t", "\n \t", 1), {}, r"line 19: a clock has no value but goes on below"),
     "channels filled with previous values": (GOOD.replace("\n5\t", "\n4\t", 1), {}, r"line 19.*4 ms comes after|part"),
     "text": (GOOD.replace("\n5\t", "\nfive\t", 1), {}, r"line 19, time of MAIN.strut\[1\]: 'five' is not a number"),

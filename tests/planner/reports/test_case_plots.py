@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from planner.reach import StaticLimits, reach
+from planner.reach import StaticLimits
 from planner.reports.plots import case_figure
 from tests.planner.command_line import call, refused
 
@@ -56,5 +56,5 @@ def test_a_new_case_is_checked_and_drawn(tmp_path: Path) -> None:
 
 
 def test_joints_and_sensors_are_numbered_to_be_compared_with_the_drawing(hexapod_case: Case) -> None:
-    texts = [text.get_text() for text in case_figure(hexapod_case, reach(hexapod_case)).axes[0].texts]
+    texts = [text.get_text() for text in case_figure(hexapod_case).axes[0].texts]
     assert [texts.count(str(k)) for k in range(1, 7)] == [3] * 6  # base joint, platform joint, sensor
