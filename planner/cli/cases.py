@@ -1,7 +1,7 @@
 """`hexcite cases`, `hexcite case new`, `hexcite case check` and `hexcite case show`."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -10,9 +10,6 @@ from cases.errors import CaseError
 from cases.files import atomic_file, check_file, output_place
 from planner.cli import console
 from planner.cli.console import argument, option, out
-
-if TYPE_CHECKING:
-    from planner.motion_box import MotionBox
 
 app = typer.Typer(help="Work with the description of a machine.", no_args_is_help=True, rich_markup_mode=None)
 
@@ -42,15 +39,13 @@ def list_cases(json: console.Json = False) -> None:
 @app.command("check")
 def check(
     case: Annotated[str, argument("Built-in name, folder or case file.")],
-    propose: Annotated[bool, option("Find the largest reachable motion box.", "--propose")] = False,
     json: console.Json = False,
 ) -> None:
     """Validate a case and say how much of its motion box is reachable."""
     from identification.limit import LimitReport
 
     try:
-        with console.status("searching the largest reachable box", json or not propose):
-            checked = hx.check_case(case, propose)
+        checked = hx.check_case(case)
     except CaseError as error:
         if json and len(error.problems) > 1:  # one line has them all; nothing stands on standard output
             raise CaseError(error.file, "", "; ".join(error.problems)) from error
@@ -59,7 +54,7 @@ def check(
         raise
     if console.answered({"ok": True, **checked.to_json()}, json):
         return
-    figures, requirements, reach, proposal = checked.figures, checked.missing, checked.reach, checked.proposal
+    figures, requirements, reach = checked.figures, checked.missing, checked.reach
     print(f"{figures['name']} is valid: {figures['title']} (setup {figures['setup']}, hash {figures['hash']})")
     print(f"sensor frame: condition {figures['frame_condition']:.3g} (moments in units of the frame's size)")
     if "limits_in_box" in figures:
@@ -86,25 +81,8 @@ def check(
         if reach.share < 1.0:
             console.print_table("Reach of each coordinate, the others at home", COLUMNS, coordinate_rows(reach), False)
         print(share_sentences(reach))
-        if proposal is None and not reach.whole:
-            command = f"hexcite case check {case} --propose"
-            print(f"Plans satisfy these limits too. `{command}` finds the largest reachable box.")
-    if proposal is not None:
-        _print_proposal(proposal)
-
-
-def _print_proposal(box: "MotionBox") -> None:
-    """Prints the box as lines of a case file, with its figures."""
-    from planner.precision import share_text
-    from planner.reports.case_figures import percent
-
-    if box.share == 1.0:
-        print("Proposal: none is needed, the stated box is reachable.")
-        return
-    print(f"\nProposal: the largest reachable box found, {percent(box.share)} of the stated box's volume.")
-    print(f"Verified at {box.poses} poses: the worst uses {share_text(box.worst)} of the limit {box.worst_limit}.")
-    print("Replace these lines of [limits.motion] (relative to home; home may lie near a side):\n")
-    print(box.toml())
+        if not reach.whole:
+            print("Plans satisfy these limits too.")
 
 
 @app.command("show")
