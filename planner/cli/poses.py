@@ -65,15 +65,9 @@ def _show(answer: dict[str, Any], plan: "hx.Plan") -> None:
     title = f"Predicted standard deviations (averaged forces that scatter by {answer['assumed_noise_N']:.3g} N)"
     console.print_table(title, ("parameter", "+-", "unit"), plan.deviation_rows())
     print(f"{answer['count']} poses of {answer['candidates']} candidates ({answer['remark']})")
+    print(f"condition {answer['condition']:.3g} in reference scaling")
     print(
-        f"condition {answer['condition']:.3g} in reference scaling; {answer['fewest_poses']} of these poses keep rank"
-    )
-    print(
-        f"measured in {answer['duration_s']:.1f} s: travel {answer['travel_s']:.1f} s "
-        f"({answer['travel_in_order_of_choice_s']:.1f} s in the order of choice), settling and averaging the rest"
+        f"measured in {answer['duration_s']:.1f} s: travel {answer['travel_s']:.1f} s, settling and averaging the rest"
     )
     print(f"plan written: {answer['plan']} (chosen in {answer['select_s']:.1f} s), with its report {answer['report']}")
-    print(
-        f"D-efficiency {answer['efficiency']:.3f} of the best design over the candidates (lower bound), "
-        f"{answer['efficiency_space']:.3f} over the whole pose space (estimate)"
-    )
+    print(f"D-efficiency {answer['efficiency']:.3f} of the best design over the candidates (lower bound)")

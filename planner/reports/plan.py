@@ -232,7 +232,7 @@ def _places(plan: Plan) -> Chart:
     assert isinstance(plan.request, PoseRequest)
     figure = Chart("places", "Seen from above; several orientations share a place.", "x [mm]", "y [mm]", height=460)
     for poses, name, size, colour in (
-        (candidates_of(plan.request, plan.case, plan.poses)[0], "candidates", 5, GREY),
+        (candidates_of(plan.request, plan.case), "candidates", 5, GREY),
         (plan.poses, "chosen", 10, COLOURS[1]),
     ):
         at = places(plan.case, poses)
