@@ -76,10 +76,8 @@ def check(
     for remark in checked.remarks:
         print(f"look at {remark}")
     if reach is not None:
-        from planner.reports.case_figures import COLUMNS, coordinate_rows, share_sentences
+        from planner.reports.case_figures import share_sentences
 
-        if reach.share < 1.0:
-            console.print_table("Reach of each coordinate, the others at home", COLUMNS, coordinate_rows(reach), False)
         print(share_sentences(reach))
         if not reach.whole:
             print("Plans satisfy these limits too.")
@@ -92,7 +90,7 @@ def show(
     overwrite: console.Overwrite = False,
     json: console.Json = False,
 ) -> None:
-    """Draw the machine at home, with the reach of its coordinates."""
+    """Draw the machine at home."""
     from cases.tables import find_case
 
     loaded = hx.load_case(case)
@@ -100,16 +98,11 @@ def show(
     file = output_place(output, Path(f"{loaded.name}-machine.svg"), overwrite)
     check_file(file, (".svg", ".png", ".pdf"), [find_case(case)], overwrite)
     with console.status("drawing", json):
-        from planner.reach import reach as reach_of
-        from planner.reports.case_figures import share_sentences
         from planner.reports.plots import case_figure
 
-        reach = reach_of(loaded)
-        figure = case_figure(loaded, reach)
         with atomic_file(file) as part:
-            figure.savefig(part, format=file.suffix[1:].lower())
+            case_figure(loaded).savefig(part, format=file.suffix[1:].lower())
     if not console.answered({"ok": True, "figure": str(file)}, json):
-        print(share_sentences(reach))
         print(f"picture written: {file}")
 
 

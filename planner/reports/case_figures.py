@@ -76,50 +76,19 @@ def has_motion_box(case: Case) -> bool:
     return case.chain is not None or (case.hexapod is not None and case.workspace is not None)
 
 
-COLUMNS = ("coordinate", "stated range", "reachable range", "limited by")
-
-
-def percent(share: float) -> str:
-    """A share in %, with three digits, and never 100 % where something is missing."""
-    text = f"{100 * share:.3g}"
-    return f"{100 * share:.6g} %" if text in ("100", "0") and share not in (0.0, 1.0) else f"{text} %"
-
-
-def share_words(reach: Reach) -> str:
-    """The reachable share of the box's volume; one of 0 or 1 as the bound that holds with a probability of 95 %."""
-    if reach.whole:
-        return "100 %"
-    if reach.share == 1.0:
-        return f"more than {100 * (1 - 3 / reach.poses):.2f} %"
-    return f"less than {100 * 3 / reach.poses:.2g} %" if reach.share == 0.0 else percent(reach.share)
-
-
 def share_sentences(reach: Reach) -> str:
     """The reachable share of the box's volume, and the limits that the rest exceeds, in a line."""
-    worst = f"{share_text(reach.worst)} of the limit {reach.worst_limit}"
-    poses = f"{reach.poses} random poses"
+    worst = f"the worst uses {share_text(reach.worst)} of the limit {reach.worst_limit}"
     if reach.whole:
-        return f"The whole motion box is reachable: of {poses} and a search, the worst uses {worst}."
-    start = f"Of the motion box's volume {share_words(reach)} is reachable"
-    if reach.share == 1.0:
-        return f"{start} (all of {poses}), but not every corner: the worst pose uses {worst}."
+        return f"The whole motion box is reachable: of {reach.poses} random poses, corners and middles, {worst}."
     exceeded = sorted(reach.exceeded.items(), key=lambda item: -item[1])
-    kinds = ", ".join(f"{kind} in {percent(share)}" for kind, share in exceeded)
-    return f"{start} (standard error {100 * reach.share_std:.2g} %, {poses}). Exceeded limits: {kinds} of the poses."
+    kinds = ", ".join(f"{kind} in {100 * share:.2g} %" for kind, share in exceeded) or "none by a random pose"
+    return (
+        f"Of the motion box's volume {100 * reach.share:.3g} % is reachable (of {reach.poses} random poses, standard "
+        f"error {100 * reach.share_std:.2g} %; with corners and middles {worst}). Exceeded limits: {kinds}."
+    )
 
 
-def coordinate_rows(reach: Reach) -> list[list[str]]:
-    """Rows of `COLUMNS`: key of the case file, both ranges in its unit, what limits the lower and the upper end."""
-    case_ranges, reachable = ((box / reach.units).T for box in (reach.stated, reach.reachable))
-    rows = []
-    for key, outer, inner, names in zip(reach.keys, case_ranges, reachable, reach.limited_by, strict=True):
-        sides = [f"{side}: {name}" for side, name in zip(("below", "above"), names, strict=True) if name is not None]
-        ranges = [f"[{low:.4g}, {high:.4g}]" for low, high in (outer, inner)]
-        rows.append([key, *ranges, "; ".join(sides) or "the stated range"])
-    return rows
-
-
-_OTHER_BODY = 2.0  # ratio of simulated and nominal mass from which they are two bodies
 _TABLES = (
     "machine", "workspace", "limits", "poses", "sensor_frame", "nominal", "simulation", "payloads",
     "controller.sinumerik", "controller.twincat", "controller.setpoints",
@@ -152,7 +121,7 @@ def _of_other_machines(case: Case) -> Iterator[str]:
 
 
 def _of_single_values(case: Case) -> Iterator[str]:
-    """Sentences on limits, bodies, poses and gravity that are hardly meant."""
+    """Sentences on limits and gravity that are hardly meant."""
     joints = () if case.chain is None else case.chain.joints
     without = [joint.name for joint in joints if joint.link is None]
     if without and any(joint.torque_Nm or joint.force_N for joint in joints):
@@ -160,21 +129,6 @@ def _of_single_values(case: Case) -> Iterator[str]:
             f"machine.chain.joints: torque_Nm and force_N limit nothing, for the link of {', '.join(without)} is not "
             "stated; add its mass, centre of gravity and inertia"
         )
-    if case.nominal is not None and case.simulation is not None:
-        simulated, nominal = case.simulation.parameters.body.mass_kg, case.nominal.mass_kg
-        if not 1.0 / _OTHER_BODY <= simulated / nominal <= _OTHER_BODY:
-            yield (
-                f"simulation.parameters.body.mass_kg = {simulated:g} is {simulated / nominal:.3g} times "
-                f"nominal.mass_kg = {nominal:g}; one of the two is of another machine"
-            )
-    for axis in ("x_mm", "y_mm") if case.poses is not None and case.workspace is not None else ():
-        first, last, _ = getattr(case.poses, axis)
-        low, high = getattr(case.workspace, axis)
-        if first < low or last > high:
-            yield (
-                f"poses.{axis} = {first:g} to {last:g} leaves workspace.{axis} = {low:g} to {high:g}; narrow it, poses "
-                "outside are never chosen"
-            )
     if case.gravity[2] > 0.0:
         yield (
             f"gravity_m_s2 = {list(case.gravity_m_s2)} points along +z of {{B}}; gravity points down: change its sign, "
@@ -182,26 +136,17 @@ def _of_single_values(case: Case) -> Iterator[str]:
         )
 
 
-_RADIANS = "degrees at most; these look like radians, give degrees"
+_RADIANS, _METRES = "look like radians, give degrees", "look like metres, give millimetres"
 _MISTAKEN = (  # keys, the largest value that is taken for a mistake, and what it looks like
     (r"workspace\.\w+_joint_angle_deg|.*\.ring\.half_angle_deg|limits\.motion\.angular_velocity_deg_s", 1.6, _RADIANS),
-    (r"limits\.motion\.a_deg, b_deg and c_deg", 0.9, _RADIANS),
-    (
-        r".*\.strut_length_mm|machine\.home\.z_mm|.*\.ring\.radius_mm|.*\.points_mm",
-        5.0,
-        "mm at most; this looks like metres, give millimetres",
-    ),
+    (r"limits\.motion\.[abc]_deg", 0.9, _RADIANS),
+    (r".*\.strut_length_mm|machine\.home\.z_mm|.*\.ring\.radius_mm|.*\.points_mm", 5.0, _METRES),
 )
 
 
 def mistaken_units(case: Case) -> Iterator[str]:
     """Sentences on angles that look like radians and lengths that look like metres."""
-    largest: dict[str, float] = {}
-    for name, value in values(case, ("machine", "sensor_frame", "workspace", "limits")).items():
-        key = re.sub(r"\b[abc]_deg$", "a_deg, b_deg and c_deg", name)
-        if any(re.fullmatch(pattern, key) for pattern, _, _ in _MISTAKEN):
-            largest[key] = max(largest.get(key, 0.0), float(np.abs(value).max()))
-    for key, value in largest.items():
+    for key, value in values(case, ("machine", "sensor_frame", "workspace", "limits")).items():
         for pattern, most, words in _MISTAKEN:
-            if re.fullmatch(pattern, key) and 0.0 < value <= most:
-                yield f"{key}: {value:g} {words}"
+            if re.fullmatch(pattern, key) and 0.0 < (largest := float(np.abs(value).max())) <= most:
+                yield f"{key}: values up to {largest:g} {words}"

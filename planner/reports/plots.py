@@ -1,9 +1,8 @@
-"""Pictures in files: a machine at home with how much of its reach each pose uses, and channels of an unknown file."""
+"""Pictures in files: a machine at home, and channels of an unknown file."""
 
 from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 from scipy.spatial.transform import Rotation
@@ -11,59 +10,26 @@ from scipy.spatial.transform import Rotation
 from cases.machine import KeepOut
 from cases.recording_format import CLOCK, TICKS
 from cases.schema import Case
-from cases.units import DEG, MM
+from cases.units import MM
 from identification.formats.looked import Column, Look
 from identification.formats.naming import GROUPS
 from identification.limited_chain import chain_frames
 from identification.motion import Array, StandingPoses
-from planner.reach import Reach, StaticLimits
-from planner.reports.case_figures import share_words
 from planner.reports.machine import box_outlines, room, tool_outlines
 
 NARROWEST = 0.6  # of the longest side of a picture in 3-D: joints in one line make no room
-GRID = 25  # poses along each side of a map
 BESIDE = 0.12  # distance of numbers from the ring, as a share of its radius
-MOST_SHARE = 1.5  # share of a limit from which the colour stays the same
 
 
-def case_figure(case: Case, reach: Reach) -> Figure:
-    """The machine at home in 3-D and the reach of each coordinate, of a hexapod also over x and y, roll and pitch."""
-    wide = case.chain is None
-    figure = Figure(figsize=(23, 6) if wide else (14, 7), layout="constrained")
-    grid = figure.add_gridspec(1, 4 if wide else 2, width_ratios=(1.3, *[1.0] * (3 if wide else 1)), wspace=0.08)
-    geometry: Axes3D = figure.add_subplot(grid[0], projection="3d")
-    if wide:
+def case_figure(case: Case) -> Figure:
+    """The machine at home in 3-D."""
+    figure = Figure(figsize=(9, 8), layout="constrained")
+    geometry: Axes3D = figure.add_subplot(projection="3d")
+    if case.chain is None:
         _draw_machine(geometry, case)
-        _draw_maps(figure.add_subplot(grid[1]), figure.add_subplot(grid[2]), case)
     else:
         _draw_chain(geometry, case)
-    draw_coordinates(figure.add_subplot(grid[-1]), reach)
     return figure
-
-
-def _draw_maps(over: Axes, tilted: Axes, case: Case) -> None:
-    """Maps of the reach at home, over x and y and over roll and pitch, with the motion box."""
-    machine, workspace, limits = case.need_machine("the picture of the machine")
-    box = limits.pose
-    places = [np.linspace(low * MM, high * MM, GRID) for low, high in (workspace.x_mm, workspace.y_mm)]
-    angles = [np.linspace(2 * box[0, k], 2 * box[1, k], GRID) for k in (3, 4)]
-    for axes, pair, ends, unit in ((over, [0, 1], places, MM), (tilted, [3, 4], angles, DEG)):
-        first, second = np.meshgrid(*ends, indexing="ij")
-        poses = np.tile(machine.home.vector, (first.size, 1))
-        poses[:, pair] += np.stack([first.ravel(), second.ravel()], axis=1)
-        shares = StaticLimits(case).shares(poses).max(axis=1).reshape(first.shape)
-        at, levels = (first / unit, second / unit), np.linspace(0.0, MOST_SHARE, 16)
-        colours = axes.contourf(*at, np.clip(shares, 0.0, MOST_SHARE), levels=levels, cmap="viridis")
-        if shares.min() < 1.0 < shares.max():
-            axes.contour(*at, shares, levels=[1.0], colors="red", linewidths=2.0)
-            axes.plot([], [], color="red", linewidth=2.0, label="end of reach")
-        x, y = (box[:, pair] / unit).T
-        axes.plot(x[[0, 1, 1, 0, 0]], y[[0, 0, 1, 1, 0]], color="white", linewidth=1.5, label="motion box")
-        axes.legend(loc="lower right", facecolor="0.3", labelcolor="white")
-        axes.set_aspect("equal")
-    over.set(title="reach at the height of home, level", xlabel="x from home [mm]", ylabel="y from home [mm]")
-    tilted.set(title="reach at home, tilted", xlabel="roll a [deg]", ylabel="pitch b [deg]")
-    over.figure.colorbar(colours, ax=[over, tilted], label="largest share of a limit (1: end of reach)")
 
 
 def _draw_chain(axes: Axes3D, case: Case) -> None:
@@ -135,26 +101,6 @@ def _finish(axes: Axes3D, case: Case, drawn: Sequence[Array], boxes: Iterable[Ke
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     axes.set_aspect("equal")
     axes.legend(loc="upper left")
-
-
-def draw_coordinates(axes: Axes, reach: Reach) -> None:
-    """Draws a bar for each coordinate: the stated range, and the reachable one with the others at home."""
-    case_ranges, reachable = ((box / reach.units).T for box in (reach.stated, reach.reachable))
-    for row, (outer, inner) in enumerate(zip(case_ranges, reachable, strict=True)):
-        size = max(-outer[0], outer[1])
-        for (low, high), height, colour, label in (
-            (outer, 0.5, "0.85", "stated"),
-            (inner, 0.25, "tab:green", "reachable, the others at home"),
-        ):
-            axes.barh(row, (high - low) / size, height, low / size, color=colour, label=None if row else label)
-        for end, whole, side in zip(inner, outer, ("left", "right"), strict=True):
-            colour = "0.2" if end == whole else "red"
-            axes.text(end / size, row + 0.38, f"{end:.3g}", ha=side, va="center", fontsize="small", color=colour)
-    axes.axvline(0.0, color="0.4", linewidth=0.8)
-    axes.set_yticks(range(len(reach.keys)), [f"{key.split('_')[0]} [{key.split('_')[1]}]" for key in reach.keys])
-    axes.set(xlim=(-1.1, 1.1), xticks=[], ylim=(len(reach.keys) - 0.3, -0.5))
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), frameon=False, ncols=2)
-    axes.set_title(f"{share_words(reach)} of the motion box reachable")
 
 
 MOST_POINTS = 4000  # points of a line; more cannot be seen

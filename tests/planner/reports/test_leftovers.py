@@ -45,12 +45,10 @@ def test_built_in_cases_are_as_they_are_meant() -> None:
     ("change", "says"),
     [
         (lambda _: None, "machine, workspace, limits, .*: still the values of the built-in case hexapod"),
-        (lambda d: d["nominal"].update(mass_kg=2.1), "body.mass_kg = .* times nominal.mass_kg = 2.1"),
-        (lambda d: d["poses"].update(x_mm=[-900.0, 900.0, 300.0]), r"poses.x_mm = -900 to 900 leaves workspace.x_mm"),
         (lambda d: d.update(gravity_m_s2=[0.0, 0.0, 9.81]), r"gravity points down: change its sign"),
         (lambda d: d["workspace"].update(base_joint_angle_deg=0.96), "base_joint_angle_deg: .* look like radians"),
-        (lambda d: d["limits"]["motion"].update({f"{k}_deg": [-0.3, 0.3] for k in "abc"}), "a_deg, b_deg"),
-        (lambda d: d["machine"]["home"].update(z_mm=0.9), "machine.home.z_mm: .* looks like metres"),
+        (lambda d: d["limits"]["motion"].update({f"{k}_deg": [-0.3, 0.3] for k in "abc"}), "motion.a_deg: .* radians"),
+        (lambda d: d["machine"]["home"].update(z_mm=0.9), "machine.home.z_mm: .* look like metres"),
         (lambda d: d["machine"]["base"]["ring"].update(half_angle_deg=0.21), "base.ring.half_angle_deg: .* radians"),
     ],
 )  # fmt: skip
@@ -100,7 +98,7 @@ def test_a_frame_in_metres_is_noticed_though_its_forces_keep_the_machine_from_ho
     answer = call("case", "check", mine(tmp_path, *frame))
     assert answer.code == 1
     assert "sensor force" in answer.refusal()
-    assert re.search(r"sensor_frame\.bars\.lower\.ring\.radius_mm: 0\.14.* mm .*metres", answer.refusal())
+    assert re.search(r"sensor_frame\.bars\.lower\.ring\.radius_mm: .*0\.14.* metres", answer.refusal())
 
 
 def test_case_check_says_once_what_several_commands_miss() -> None:
