@@ -21,6 +21,7 @@ from identification.symbolic import FrameMotion, Kinematics, Share, over_samples
 # rounding (1e-16 relative to 1 m).
 STRUT_TOLERANCE = 1e-12  # [m]
 MOST_STEPS = 25
+EVERY, FEW = 16, 1000  # of so many samples, or more, each 16th is solved first
 
 
 class StrutsDoNotClose(IdentificationError):
@@ -153,7 +154,7 @@ class Hexapod:
 
         Raises StrutsDoNotClose with the first sample whose struts cannot close.
         """
-        poses, _, closed = self._newton(np.asarray(lengths, dtype=float))
+        poses, _, closed = self._solved(np.asarray(lengths, dtype=float))
         _require_closed(closed, lengths)
         return poses
 
@@ -167,11 +168,24 @@ class Hexapod:
         most = np.full(6, limits.strut_velocity_m_s), np.full(6, limits.strut_acceleration_m_s2)
         return over_samples(self.strut_motion, pose, rates, accelerations)[1:], most
 
+    def _solved(self, lengths: Array) -> tuple[Array, Array, Flags]:
+        """As `_newton` from home; of many samples those between two that are solved begin between their poses."""
+        home, rows = np.tile(self.home, (len(lengths), 1)), np.arange(len(lengths))
+        if len(lengths) < FEW:
+            return self._newton(lengths, home)
+        coarse, _, closed = self._newton(lengths[::EVERY], home[::EVERY])
+        coarse[~closed] = self.home
+        between = np.column_stack([np.interp(rows, rows[::EVERY], values) for values in coarse.T])
+        pose, jacobians, closed = self._newton(lengths, between)
+        again = ~closed
+        pose[again], jacobians[again], closed[again] = self._newton(lengths[again], home[again])
+        return pose, jacobians, closed
+
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # samples that diverge are given up
-    def _newton(self, lengths: Array) -> tuple[Array, Array, Flags]:
-        """Poses by Newton's method from home, J_Hex^-1 there, and for which samples the struts close."""
+    def _newton(self, lengths: Array, start: Array) -> tuple[Array, Array, Flags]:
+        """Poses by Newton's method from a start, J_Hex^-1 there, and for which samples the struts close."""
         count = len(lengths)
-        pose, jacobians, closed = np.tile(self.home, (count, 1)), np.empty((count, 6, 6)), np.zeros(count, dtype=bool)
+        pose, jacobians, closed = start.copy(), np.empty((count, 6, 6)), np.zeros(count, dtype=bool)
         active = np.arange(count)
         for _ in range(MOST_STEPS):
             estimate, jacobian = over_samples(self.inverse_jacobian, pose[active])
@@ -210,7 +224,7 @@ class Hexapod:
 
         They mean nothing where struts do not close.
         """
-        pose, jacobian, closed = self._newton(lengths)
+        pose, jacobian, closed = self._solved(lengths)
         pose[~closed], jacobian[~closed] = self.home, np.eye(6)
         moving = np.asarray(np.linalg.solve(jacobian, velocities[:, :, None])[:, :, 0], dtype=np.float64)
         drift = over_samples(self.jacobian_drift, pose, moving)[0]

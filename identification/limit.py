@@ -29,7 +29,6 @@ class LimitKind(StrEnum):
     WORKSPACE_POSITION = "workspace position", "mm", 1 / MM
     JOINT_POSITION = "joint position", "mm", 1 / MM
     JOINT_ANGLE = "joint angle", "deg", 1 / DEG
-    TURNING = "turning without end", ""  # a joint without ends
     VELOCITY = "velocity", "mm/s", 1 / MM
     ANGULAR_VELOCITY = "angular velocity", "deg/s", 1 / DEG
     ACCELERATION = "acceleration", "m/s^2"

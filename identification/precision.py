@@ -1,7 +1,6 @@
 """Texts for people: numbers to the second digit of their standard deviation, parameters in words, tables, limits."""
 
-import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from math import floor, isfinite, log10
 from typing import TYPE_CHECKING
 
@@ -9,23 +8,19 @@ if TYPE_CHECKING:
     from identification.estimation.fit import Value
     from identification.limit import LimitCheck
 
+_BODY = {"m": "mass"} | {f"{axis}C": f"centre of gravity {axis}" for axis in "xyz"}
+_BODY |= {f"IC{i}{j}": f"inertia {a}{b}" for i, a in enumerate("xyz", 1) for j, b in enumerate("xyz", 1)}
 _WORDS = {
-    "m": "mass",
     "k0": "deformation: force by displacement",
     "k1": "deformation: moment by displacement",
     "k2": "deformation: force by tilt",
     "k3": "deformation: moment by tilt",
-} | {f"{axis}C": f"centre of gravity {axis}" for axis in "xyz"}
-_OF_STRUTS = {
     "mu": "mass of a rod",
     "h": "first moment of a rod",
     "k": "inertia of rod and tube",
     "d": "first moment of a tube",
-    "cB": "viscous friction of a base joint",
-    "cP": "viscous friction of a platform joint",
-    "tB": "Coulomb friction of a base joint",
-    "tP": "Coulomb friction of a platform joint",
-}
+} | {f"f_q0_{k}": f"offset of channel {k}" for k in range(1, 7)}
+_WORDS |= {f"K{n}_{k}{a}": f"deformation: channel {k} by {a}" for n in "134" for k in range(1, 7) for a in "xyz"}
 MOST_TIMES = 10.0  # multiple of a limit up to which a share is shown
 MOST_PLACES = 9  # decimals beyond which a fixed notation is not legible
 
@@ -73,10 +68,9 @@ def bounds_text(check: "LimitCheck") -> str:
     return f"±{high:.4g}" if low == -high else f"{low:.4g} to {high:.4g}"
 
 
-def carries_rods(names: Iterable[str]) -> bool:
+def carries_rods(names: Collection[str]) -> bool:
     """Whether these are parameters of sensors in struts that carry whole rods: the body is the platform with rods."""
-    kinds = {name.split("_")[0] for name in names}
-    return "d" in kinds and "mu" not in kinds
+    return "d" in names and "mu" not in names
 
 
 def parameter_words(name: str, rods: bool = False) -> str:
@@ -85,19 +79,10 @@ def parameter_words(name: str, rods: bool = False) -> str:
     Args:
         rods: whether parameters of the body are those of the platform with rods, see `carries_rods`.
     """
-    words = _WORDS.get(name)
-    if words is not None and rods:
-        words += ", platform with rods"
-    if words is None and (strut := re.fullmatch(r"(mu|[hkd]|[ct][BP])(?:_([1-6]))?", name)):
-        words = _OF_STRUTS[strut[1]] + (f", strut {strut[2]}" if strut[2] else "")
-    if words is None and (inertia := re.fullmatch(r"IC([123])([123])", name)):
-        words = f"inertia {'xyz'[int(inertia[1]) - 1]}{'xyz'[int(inertia[2]) - 1]}"
-        words += ", platform with rods" if rods else ""
-    elif words is None and (offset := re.fullmatch(r"f_q0_([1-6])", name)):
-        words = f"offset of channel {offset[1]}"
-    elif words is None and (factor := re.fullmatch(r"K[134]_([1-6])([xyz])", name)):
-        words = f"deformation: channel {factor[1]} by {factor[2]}"
-    return name if words is None else f"{words} ({name})"
+    words = _BODY.get(name, _WORDS.get(name))
+    if words is None:
+        return name
+    return f"{words}, platform with rods ({name})" if rods and name in _BODY else f"{words} ({name})"
 
 
 def value_cells(name: str, value: "Value", rods: bool = False) -> tuple[str, ...]:

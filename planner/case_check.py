@@ -5,12 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from cases.errors import CaseError
 from cases.scaffold import readiness
 from cases.schema import Case, load_case
 from cases.tables import find_case
 from cases.units import as_html
-from planner.motion_box import MotionBox, largest_box
 from planner.reach import Reach
 from planner.reach import reach as reach_of
 from planner.reports.case_figures import case_figures, has_motion_box, leftovers, share_sentences
@@ -25,14 +23,12 @@ class CaseCheck:
     missing: Mapping[str, tuple[str, ...]]  # command -> what it misses in the case; empty where it is ready
     remarks: tuple[str, ...]  # what a person should look at
     reach: Reach | None  # reachable share of the motion box; None where the case has none
-    proposal: MotionBox | None  # the largest reachable box, where one was asked for
 
     def to_json(self) -> dict[str, Any]:
         """Entries for programs."""
         missing = {command: list(lacks) for command, lacks in self.missing.items()}
-        parts = {"reach": self.reach, "proposal": self.proposal}
         answer = {"figures": dict(self.figures), "missing": missing, "remarks": list(self.remarks)}
-        return answer | {name: part.to_json() for name, part in parts.items() if part is not None}
+        return answer if self.reach is None else answer | {"reach": self.reach.to_json()}
 
     def __repr__(self) -> str:
         """What it is, what it is ready for, and its reach."""
@@ -47,23 +43,18 @@ class CaseCheck:
     _repr_html_ = as_html
 
 
-def check_case(case: Path | str, propose: bool = False) -> CaseCheck:
+def check_case(case: Path | str) -> CaseCheck:
     """Validates a case and says how much of its motion box is reachable.
 
         hx.check_case("mill").missing
 
     Args:
         case: built-in name, folder or case file.
-        propose: whether the largest reachable motion box is searched.
 
     Raises:
         CaseError: the case is not valid, or the machine cannot stand at home; `problems` has all that was found.
     """
-    loaded, file = load_case(str(case)), str(find_case(str(case)))
-    figures = case_figures(loaded, file)
-    try:
-        proposal = largest_box(loaded) if propose else None
-    except CaseError as error:
-        raise CaseError(file, error.key, error.problem) from error
+    loaded = load_case(str(case))
+    figures = case_figures(loaded, str(find_case(str(case))))
     reach = reach_of(loaded) if has_motion_box(loaded) else None
-    return CaseCheck(loaded, figures, readiness(loaded), leftovers(loaded), reach, proposal)
+    return CaseCheck(loaded, figures, readiness(loaded), leftovers(loaded), reach)

@@ -83,22 +83,14 @@ class PoseWorth:
     remark: str  # result of the choice, in words
     candidates: int  # number of valid poses to choose from
     travel_s: float  # time of the moves [s]
-    travel_in_order_of_choice_s: float  # the same in the order of choice [s]
     criterion_value: float  # criterion of Table 4, to be maximised: mean information, reference scaling
     condition: float  # mu_1 / mu_u, reference scaling
     efficiency: float  # lower bound of the D-efficiency against every design over the candidates; certified
-    efficiency_space: float  # D-efficiency against the design over the whole pose space; an estimate
-    fewest_poses: int  # size of the smallest subset with full rank by Algorithm 1
-    predicted_std_of_all_candidates: Mapping[str, float]  # predicted standard deviations from all candidates [SI]
     select_s: float  # time spent on choosing [s]
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json`."""
-        method = (
-            "D; efficiency: lower bound against the approximate design over the candidates; efficiency_space: estimate "
-            "against the design over the whole pose space"
-        )
-        return asdict(self) | {"efficiency_method": method}
+        return asdict(self) | {"efficiency_method": "D; lower bound against the approximate design over the candidates"}
 
     @classmethod
     def of_json(cls, data: Mapping[str, Any]) -> "PoseWorth":

@@ -147,7 +147,7 @@ def weaknesses(planned: PlannedMotion, case: Case, parameters: int) -> tuple[str
     if planned.starts and (share := planned.starts[0].shrunk) < DRAWN_BACK:
         words.append(
             f"the motion had to be drawn to {100 * share:.0f} % of its ways to satisfy every limit: plan with "
-            f"another --seed, or in a smaller box (hexcite case check {case.origin or case.name} --propose)"
+            "another --seed, or in a smaller box"
         )
     checks = [c for c in planned.limits.checks if c.binding and c.kind.kinetic]
     if planned.starts and checks and (most := max(checks, key=lambda c: c.ratio)).ratio < FULL:

@@ -1,7 +1,7 @@
 """`hexcite cases`, `hexcite case new`, `hexcite case check` and `hexcite case show`."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -10,9 +10,6 @@ from cases.errors import CaseError
 from cases.files import atomic_file, check_file, output_place
 from planner.cli import console
 from planner.cli.console import argument, option, out
-
-if TYPE_CHECKING:
-    from planner.motion_box import MotionBox
 
 app = typer.Typer(help="Work with the description of a machine.", no_args_is_help=True, rich_markup_mode=None)
 
@@ -36,13 +33,11 @@ def list_cases(json: console.Json = False) -> None:
 @app.command("check")
 def check(
     case: Annotated[str, argument("Built-in name, folder or case file.")],
-    propose: Annotated[bool, option("Find the largest reachable motion box.", "--propose")] = False,
     json: console.Json = False,
 ) -> None:
     """Validate a case and say how much of its motion box is reachable."""
     try:
-        with console.status("searching the largest reachable box", json or not propose):
-            checked = hx.check_case(case, propose)
+        checked = hx.check_case(case)
     except CaseError as error:
         if json and len(error.problems) > 1:  # one line has them all; nothing stands on standard output
             raise CaseError(error.file, "", "; ".join(error.problems)) from error
@@ -52,22 +47,6 @@ def check(
     if console.answered({"ok": True, **checked.to_json()}, json):
         return
     print(checked)
-    if checked.proposal is not None:
-        _print_proposal(checked.proposal)
-
-
-def _print_proposal(box: "MotionBox") -> None:
-    """Prints the box as lines of a case file, with its figures."""
-    from identification.precision import share_text
-    from planner.reports.case_figures import percent
-
-    if box.share == 1.0:
-        print("Proposal: none is needed, the stated box is reachable.")
-        return
-    print(f"\nProposal: the largest reachable box found, {100 * box.share:.3g} % of the stated box's volume.")
-    print(f"Verified at {box.poses} poses: the worst uses {share_text(box.worst)} of the limit {box.worst_limit}.")
-    print("Replace these lines of [limits.motion] (relative to home; home may lie near a side):\n")
-    print(box.toml())
 
 
 @app.command("show")

@@ -23,20 +23,17 @@ from planner.pose_criteria import (
     total_information,
 )
 from planner.poses.candidates import (
-    Candidates,
     candidate_design,
-    continuous_design,
     grid_candidates,
     sampled_candidates,
 )
 from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, reduce_smallest_change, refine
 from planner.poses.space import standing_report, valid_poses
-from planner.poses.travel import duration, fastest_move, require_ways, shortest_order, travel_times
+from planner.poses.travel import fastest_move, require_ways, shortest_order, travel_times
 from planner.request import METHODS, PoseRequest
 from planner.search.feasibility import remedy
 
 PROOF_RATE_OF_MOVES = 1000.0  # [1/s]; moves between poses are smooth and take about half a second
-SEEDS = 2000  # poses from which the design over the space starts
 
 
 def poses_planned(
@@ -57,80 +54,73 @@ def poses_planned(
     case.need_motion("a plan of poses")
     setting = case.need_poses("a plan of poses")
     model = standing_model(case, request.model)
-    candidates, considered, origin = candidates_of(request, case, given)
+    candidates = candidates_of(request, case)
     unscaled = pose_regressors(model, candidates)
     scaling = candidate_scaling(unscaled)
     regressors = unscaled * scaling
-    chosen_poses, remark = _choose(request, case, model, candidates, regressors, scaling, done)
+    if request.method == "given":
+        chosen_poses, remark = _require_valid(case, given), METHODS["given"]
+        _require_rank(model, pose_regressors(model, chosen_poses) * scaling)
+    else:
+        chosen_poses, remark = _choose(request, case, model, candidates, regressors, scaling, done)
     selected = perf_counter() - start
-    order, unordered = _ordered(case, chosen_poses)
-    poses = chosen_poses[order]
+    poses = chosen_poses[_order(case, chosen_poses)]
     motion, limits = _motion(case, poses)
     travel = sum(part.duration for part in motion.parts if not isinstance(part, Standstill))
     selection = pose_regressors(model, poses) * scaling
-    seeds = np.vstack([candidates[:: max(1, len(candidates) // SEEDS)], poses])
-    designs = candidate_design(regressors), continuous_design(case, model, scaling, seeds)
     information = total_information(selection)
     logdet = float(np.linalg.slogdet(information / len(poses))[1])
-    efficiency, efficiency_space = (
-        float(np.exp((logdet - design.bound(len(scaling))) / len(scaling))) for design in designs
-    )
+    bound = candidate_design(regressors).bound(len(scaling))
     criterion = POSE_CRITERIA[request.criterion]
     noise = request.noise if request.noise is not None else noise_of_average(case)
     worth = PoseWorth(
         remark=remark,
         candidates=len(candidates),
         travel_s=travel,
-        travel_in_order_of_choice_s=unordered,
         criterion_value=float(criterion.value(information / len(poses))),
         condition=float(np.sqrt(np.linalg.cond(information))),
-        efficiency=efficiency,
-        efficiency_space=efficiency_space,
-        fewest_poses=len(reduce_best(selection, criterion, 1)[0]),  # Table 5, "Min. poses"
-        predicted_std_of_all_candidates=predicted_std_at_poses(case, model, scaling, regressors, candidates, noise),
+        efficiency=float(np.exp((logdet - bound) / len(scaling))),
         select_s=selected,
     )
-    settings = {
-        "candidates": origin,
-        "considered": considered,
-        "settle_s": setting.settle_s,
-        "average_s": setting.average_s,
-    }
+    settings = {"settle_s": setting.settle_s, "average_s": setting.average_s}
     predicted = predicted_std_at_poses(case, model, scaling, selection, poses, noise)
     seconds = perf_counter() - start
     return Plan(case, request, motion, limits, predicted, noise, case.recording.rate_Hz, worth, settings, seconds)
 
 
-def candidates_of(request: PoseRequest, case: Case, given: Array | None = None) -> Candidates:
-    """The poses to choose from.
-
-    Raises:
-        HexciteError: the method `given` without poses.
-        InfeasiblePlan: the machine cannot stand at one of them.
-    """
-    if request.method == "given":
-        if given is None:
-            raise HexciteError("method given needs poses: name a CSV file of them with --at")
-        for number, valid in enumerate(valid_poses(case, given), 1):
-            if not valid:
-                place = case.words(given[number - 1])
-                worst = standing_report(case, given[number - 1 : number]).violations[0].sentence(timed=False)
-                raise InfeasiblePlan(f"the machine cannot stand at pose {number} ({place}): {worst}; take another one")
-        return given, len(given), "poses of one's own"
+def candidates_of(request: PoseRequest, case: Case) -> Array:
+    """The poses to choose from, shape (n, k) [m or rad]; errors as `grid_candidates` and `sampled_candidates`."""
     if request.candidates is None:
         return grid_candidates(case)
     return sampled_candidates(case, request.candidates, request.seed)
 
 
-def _ordered(case: Case, poses: Array) -> tuple[NDArray[np.int64], float]:
-    """Order of visit, and travel in the order of choice [s], both from home to home."""
+def _require_rank(model: Model, regressors: Array) -> None:
+    try:
+        singular_values(total_information(regressors), model.names)
+    except IdentificationError as error:
+        raise IdentificationError(f"model {model.number}", error.typed) from error
+
+
+def _require_valid(case: Case, given: Array | None) -> Array:
+    """The poses of a user; raises HexciteError without any, InfeasiblePlan where the machine cannot stand at one."""
+    if given is None:
+        raise HexciteError("method given needs poses: name a CSV file of them with --at")
+    for number, valid in enumerate(valid_poses(case, given), 1):
+        if not valid:
+            place = case.words(given[number - 1])
+            worst = standing_report(case, given[number - 1 : number]).violations[0].sentence(timed=False)
+            raise InfeasiblePlan(f"the machine cannot stand at pose {number} ({place}): {worst}; take another one")
+    return given
+
+
+def _order(case: Case, poses: Array) -> NDArray[np.int64]:
+    """Order of visit, from home to home."""
     home = case.need_motion("a plan of poses")[0]
-    stations = np.vstack([home, poses])
-    times = travel_times(case, stations)
+    times = travel_times(case, np.vstack([home, poses]))
     order = shortest_order(times)
     require_ways(times, order)
-    as_chosen = duration([*range(len(stations)), 0], np.where(np.isfinite(times), times, 0.0))
-    return order[1:-1] - 1, as_chosen
+    return order[1:-1] - 1
 
 
 def _motion(case: Case, poses: Array) -> tuple[Joined, LimitReport]:
@@ -180,13 +170,10 @@ def _choose(
         InfeasiblePlan: the poses are too few to determine the model.
     """
     count = request.wanted(len(poses), regressors.shape[2])
-    try:
-        singular_values(total_information(regressors), model.names)
-    except IdentificationError as error:
-        raise IdentificationError(f"model {request.model}", error.typed) from error
+    _require_rank(model, regressors)
     criterion = POSE_CRITERIA[request.criterion]
-    if request.method in ("all", "given"):
-        return poses, METHODS[request.method]
+    if request.method == "all":
+        return poses, METHODS["all"]
     if request.method == "backward-change":
         if len(poses) > MOST_EXHAUSTIVE:
             raise HexciteError(

@@ -1,4 +1,4 @@
-"""Travel times between poses: straight moves from rest to rest, timed by ruckig.
+"""Travel times between poses: straight moves from rest to rest.
 
 Moves satisfy every limit of `[limits.motion]` that concerns velocity, acceleration and jerk; where a strut would be too
 fast or a sensor overloaded, the whole move is slowed. On the way the machine must be able to stand at every place.
@@ -14,7 +14,7 @@ from cases.schema import Case
 from identification.limit_proof import MARGIN, slowed_for_forces
 from identification.model import machine_of
 from identification.motion import Array
-from identification.trajectories.moves import Profile, StraightMove, fastest_profile, ruckig_profile
+from identification.trajectories.moves import Profile, StraightMove, fastest_profile
 from planner.poses.space import valid_poses
 
 INSTANTS = 161  # instants of a move at which its struts are checked
@@ -40,7 +40,7 @@ def fastest_move(case: Case, start: Array, end: Array) -> StraightMove:
 
 
 def travel_times(case: Case, poses: Array) -> Array:
-    """Duration of the fastest move between each two poses by ruckig, infinite without a valid way, shape (n, n) [s].
+    """Duration of the fastest move between each two poses, infinite without a valid way, shape (n, n) [s].
 
     For more than a hundred poses struts are checked in few places: enough for an order, not for a proof.
 
@@ -56,7 +56,7 @@ def travel_times(case: Case, poses: Array) -> Array:
     # Poses of a grid are the same ways apart: 115 440 pairs of the paper's 480 need 91 time laws.
     _, indices, law = np.unique(rows.round(LIKE), axis=0, return_index=True, return_inverse=True)
     profiles = [fastest_profile(1.0, *map(float, row)) for row in rows[indices]]
-    durations = np.array([ruckig_profile(*map(float, row)).duration for row in rows[indices]])[law]
+    durations = np.array([profile.duration for profile in profiles])[law]
     instants = INSTANTS if len(pairs) <= MANY_PAIRS else COARSE
     laws = _laws(profiles, instants)
     for first in range(0, len(pairs), CHUNK):
@@ -113,80 +113,44 @@ def _instants(profile: Profile, instants: int) -> Array:
     return np.sort(np.r_[np.linspace(0.0, profile.duration, instants), corners])
 
 
-Index = NDArray[np.int64]
-
 STARTS = 12  # first poses that are tried
-FEW_STARTS, MANY = 1, 100  # of more poses than that, for their tours take long to improve
-LONGEST_STRETCH = 3
 GAIN = 1e-9  # [s] smallest gain: below it rounding would reverse stretches without end
 
 
-def shortest_order(times: Array) -> Index:
-    """Order of visit, starting and ending with 0 (home), shape (n + 1,).
+def shortest_order(times: Array) -> NDArray[np.int64]:
+    """Order of visit, starting and ending with 0 (home), shape (n + 1,): tours of nearest neighbours, made 2-optimal.
 
     Args:
         times: symmetric, row and column 0 are home, shape (n, n), n >= 2 [s]; infinite without a valid way.
     """
     finite = np.where(np.isfinite(times), times, 1e6)
     count = len(times)
-    starts = STARTS if count <= MANY else FEW_STARTS
-    firsts = np.argsort(finite[0, 1:])[:: max(1, (count - 1) // starts)][:starts] + 1
+    firsts = np.argsort(finite[0, 1:])[:: max(1, (count - 1) // STARTS)][:STARTS] + 1
     tours = [_improved(_nearest(finite, int(first)), finite) for first in firsts]
-    best = min(tours, key=lambda tour: (duration(tour, finite), tuple(tour)))
-    return np.array(best)
+    return min(tours, key=lambda tour: (duration(tour, finite), tuple(tour)))
 
 
-def duration(order: Index | list[int], times: Array) -> float:
+def duration(order: NDArray[np.int64], times: Array) -> float:
     """Time of travel in an order [s], from the times between places, shape (n, n) [s]."""
-    way = np.asarray(order)
-    return float(times[way[:-1], way[1:]].sum())
+    return float(times[order[:-1], order[1:]].sum())
 
 
-def _nearest(times: Array, first: int) -> list[int]:
+def _nearest(times: Array, first: int) -> NDArray[np.int64]:
     tour, rest = [0, first], set(range(1, len(times))) - {first}
     while rest:
         following = min(rest, key=lambda k: (times[tour[-1], k], k))
         tour.append(following)
         rest.remove(following)
-    return [*tour, 0]
+    return np.array([*tour, 0])
 
 
-def _improved(tour: list[int], times: Array) -> list[int]:
-    way = np.array(tour)
+def _improved(tour: NDArray[np.int64], times: Array) -> NDArray[np.int64]:
+    """The tour after reversals of a stretch i+1 .. j, the best one first, until none makes it shorter."""
     while True:
-        changed = _reversed(way, times)
-        if changed is None:
-            changed = _moved(way, times)
-        if changed is None:
-            return [int(k) for k in way]
-        way = changed
-
-
-def _reversed(way: Index, times: Array) -> Index | None:
-    """The tour after the best reversal of a stretch i+1 .. j; None where no reversal is shorter."""
-    a, b = way[:-1], way[1:]
-    along = times[a, b]
-    gain = along[:, None] + along[None, :] - times[np.ix_(a, a)] - times[np.ix_(b, b)]
-    gain = np.triu(gain, 2)
-    i, j = np.unravel_index(int(np.argmax(gain)), gain.shape)
-    if gain[i, j] <= GAIN:
-        return None
-    return np.concatenate([way[: i + 1], way[i + 1 : j + 1][::-1], way[j + 1 :]])
-
-
-def _moved(way: Index, times: Array) -> Index | None:
-    """The tour after the best shift of up to three poses, in either direction; None where no shift is shorter."""
-    best, result = GAIN, None
-    for length in range(1, min(LONGEST_STRETCH, len(way) - 2) + 1):
-        for i in range(1, len(way) - length):
-            stretch = way[i : i + length]
-            rest = np.concatenate([way[:i], way[i + length :]])
-            gain = times[way[i - 1], stretch[0]] + times[stretch[-1], way[i + length]]
-            gain -= times[way[i - 1], way[i + length]]
-            for piece in (stretch, stretch[::-1]):
-                cost = times[rest[:-1], piece[0]] + times[piece[-1], rest[1:]] - times[rest[:-1], rest[1:]]
-                place = int(np.argmin(cost))
-                if gain - cost[place] > best:
-                    best = float(gain - cost[place])
-                    result = np.concatenate([rest[: place + 1], piece, rest[place + 1 :]])
-    return result
+        a, b = tour[:-1], tour[1:]
+        along = times[a, b]
+        gain = np.triu(along[:, None] + along[None, :] - times[np.ix_(a, a)] - times[np.ix_(b, b)], 2)
+        i, j = np.unravel_index(int(np.argmax(gain)), gain.shape)
+        if gain[i, j] <= GAIN:
+            return tour
+        tour = np.concatenate([tour[: i + 1], tour[i + 1 : j + 1][::-1], tour[j + 1 :]])

@@ -80,12 +80,12 @@ def share_sentences(reach: Reach) -> str:
     """The reachable share of the box's volume, and the limits that the rest exceeds, in a line."""
     worst = f"the worst uses {share_text(reach.worst)} of the limit {reach.worst_limit}"
     if reach.whole:
-        return f"The whole motion box is reachable: of {reach.poses} random poses and a search, {worst}."
+        return f"The whole motion box is reachable: of {reach.poses} random poses, corners and middles, {worst}."
     exceeded = sorted(reach.exceeded.items(), key=lambda item: -item[1])
     kinds = ", ".join(f"{kind} in {100 * share:.2g} %" for kind, share in exceeded) or "none by a random pose"
     return (
         f"Of the motion box's volume {100 * reach.share:.3g} % is reachable (of {reach.poses} random poses, standard "
-        f"error {100 * reach.share_std:.2g} %; by a search {worst}). Exceeded limits: {kinds}."
+        f"error {100 * reach.share_std:.2g} %; with corners and middles {worst}). Exceeded limits: {kinds}."
     )
 
 

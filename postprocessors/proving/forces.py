@@ -43,11 +43,8 @@ def forces_anywhere(loads: Loads, share: float = 1.0) -> tuple[LimitCheck, ...]:
 def forces_on(loads: Loads, path: Trajectory) -> tuple[LimitCheck, ...]:
     """Bounds at the poses of a path, whatever the motion along it or beside it.
 
-    Forces are linear in accelerations, products of rates, and, by viscous friction in struts, rates, whose
-    coefficients unit ones show. Coulomb friction has no such coefficients.
+    Forces are linear in accelerations and products of rates, whose coefficients unit ones show.
     """
-    if (sensors := loads.case.sensor_frame.struts) is not None and sensors.coulomb_friction_Nm is not None:
-        return ()
     limits, times = _limits(loads), np.linspace(0.0, path.duration, PATH_SAMPLES)
     pose = path.at(times).pose
     axes, none = np.eye(6), np.zeros_like(pose)

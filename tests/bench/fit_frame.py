@@ -65,7 +65,7 @@ class Q5M:
         self.case = case
         model = identification_model(case, 5)
         cartesian = replace(model, structure=np.eye(6))  # forces and moments instead of sensor forces
-        self.cartesian = pose_regressors(cartesian, grid_candidates(case)[0])
+        self.cartesian = pose_regressors(cartesian, grid_candidates(case))
         offsets = [p.name for p in OFFSETS.parameters]
         self.body = [k for k, name in enumerate(model.names) if name not in offsets]
 

@@ -26,7 +26,7 @@ def standing_run(case: Case, noise: float, seed: int) -> Recording:
         noise: of an averaged force [N].
         seed: of it.
     """
-    poses = grid_candidates(case)[0]
+    poses = grid_candidates(case)
     model = identification_model(case, TRUE_STATIC_MODEL)
     truth = linear_parameters(model, case.need_simulation("table 3").parameters)
     forces = pose_regressors(model, poses) @ truth

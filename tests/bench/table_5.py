@@ -80,7 +80,7 @@ class Table5:
 def table_5(case: Case) -> Table5:
     """Computes all columns for the frame and the poses of a case."""
     model = identification_model(case, 5)
-    unscaled = pose_regressors(model, grid_candidates(case)[0])
+    unscaled = pose_regressors(model, grid_candidates(case))
     scaled = unscaled * candidate_scaling(unscaled)
     reductions = {f"Q5{c}": reduce_best(scaled, POSE_CRITERIA[c], 1) for c in "ADKN"}
     reductions["Q5K'"] = reduce_smallest_change(scaled, POSE_CRITERIA["K"], 1)

@@ -24,8 +24,6 @@ LIMITS = CASE.limits.motion
 KINDS = {
     "drive": {},
     "platform": {"at": "platform"},
-    "viscous": {"viscous_friction_Nms": (8.0, 5.0)},
-    "friction": {"at": "platform", "viscous_friction_Nms": (8.0, 5.0), "coulomb_friction_Nm": (9.0, 4.0)},
 }
 
 
@@ -56,12 +54,11 @@ def test_proof_and_regressor_know_the_same_forces(kind: str) -> None:
     report = prove_at(Harmonic(seed=4, size=0.8), case, np.linspace(0.1, 2.9, 40), in_box=False)
     (check,) = (c for c in report.checks if c.kind == "sensor force")
     row, channel = np.unravel_index(int(np.abs(expected).argmax()), expected.shape)
-    exact = 1e-9 if kind != "friction" else 1e-2  # Coulomb friction of the regressor is smooth at rest
-    assert check.worst == pytest.approx(expected[row, channel], rel=exact)
+    assert check.worst == pytest.approx(expected[row, channel], rel=1e-9)
     assert loads.labels[channel] in check.name
     for count, share in enumerate(load_shares(motion, case)):
         most = np.abs(expected[:, 6 * count : 6 * count + 6]).max()
-        assert share == pytest.approx(most / (SHARE * 5000.0), rel=exact)
+        assert share == pytest.approx(most / (SHARE * 5000.0), rel=1e-9)
 
 
 def corners(draw: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -69,7 +66,7 @@ def corners(draw: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarr
     return signs[0] * LIMITS.rate, signs[1] * LIMITS.acceleration
 
 
-@pytest.mark.parametrize("kind", ["drive", "platform", "viscous"])
+@pytest.mark.parametrize("kind", ["drive", "platform"])
 def test_no_motion_within_the_limits_passes_the_bound_on_a_path(kind: str) -> None:
     case = of(kind)
     path, draw = Harmonic(seed=3, size=0.8), np.random.default_rng(2)
@@ -79,8 +76,7 @@ def test_no_motion_within_the_limits_passes_the_bound_on_a_path(kind: str) -> No
     assert 0.85 * check.worst < most <= check.worst * 1.001
 
 
-def test_coulomb_friction_has_no_bound_beside_a_path_and_no_pose_one_from_anywhere() -> None:
-    assert forces_on(Loads.of(of("friction")), Harmonic(seed=3)) == ()
+def test_no_pose_has_a_bound_from_anywhere() -> None:
     assert forces_anywhere(Loads.of(of("drive"))) == ()
 
 

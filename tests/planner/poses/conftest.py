@@ -25,7 +25,7 @@ class Setting(NamedTuple):
 def setting(sampled: int | None) -> Setting:
     case = load_case("hexapod")
     model = identification_model(case, 5)
-    poses, *_ = grid_candidates(case) if sampled is None else sampled_candidates(case, sampled, 3)
+    poses = grid_candidates(case) if sampled is None else sampled_candidates(case, sampled, 3)
     regressors = pose_regressors(model, poses)
     scaling = candidate_scaling(regressors)
     return Setting(case, model, poses, scaling, regressors * scaling)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from planner.pose_criteria import POSE_CRITERIA, pose_regressors, total_information
-from planner.poses.candidates import candidate_design, continuous_design
+from planner.poses.candidates import candidate_design
 from planner.poses.removal import reduce_best, refine
 from planner.poses.space import valid_poses
 from tests.helpers import few
@@ -52,19 +52,3 @@ def test_refinement_finds_better_poses_that_are_all_valid(sample: Setting, lette
     exact = value(letter, pose_regressors(sample.model, found) * sample.scaling)
     assert exact > value(letter, sample.regressors[start])
     assert valid_poses(sample.case, found).all()
-
-
-def test_30_refined_poses_reach_95_percent_of_what_any_poses_in_the_space_could(sample: Setting) -> None:
-    chosen = reduce_best(sample.regressors, POSE_CRITERIA["D"], 30)[0]
-    found, _ = refine(sample.case, sample.model, sample.scaling, POSE_CRITERIA["D"], sample.poses[chosen])
-    bound = continuous_design(sample.case, sample.model, sample.scaling, sample.poses).bound(14)
-    mean = total_information(pose_regressors(sample.model, found) * sample.scaling) / 30
-    efficiency = np.exp((np.linalg.slogdet(mean)[1] - bound) / 14)
-    assert 0.95 <= efficiency <= 1.0
-
-
-def test_the_space_bounds_its_grid_and_every_sample(grid: Setting, sample: Setting) -> None:
-    bound = continuous_design(sample.case, sample.model, grid.scaling, sample.poses).bound(14)
-    assert candidate_design(grid.regressors).bound(14) - 14 * 1.1e-3 <= bound
-    there = candidate_design(pose_regressors(sample.model, sample.poses) * grid.scaling)
-    assert there.bound(14) - 14 * 1.1e-3 <= bound

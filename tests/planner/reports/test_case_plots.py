@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from planner.reach import StaticLimits
+from planner.reach import standing_ratios
 from planner.reports.plots import case_figure
 from tests.planner.command_line import call, refused
 
@@ -19,7 +19,7 @@ def test_reach_ends_where_the_struts_do(hexapod_case: Case) -> None:
     height = np.sqrt(longest**2 - flat**2)
     poses = np.tile(machine.home.vector, (2, 1))
     poses[:, 2] = height - 1e-6, height + 1e-6
-    below, above = StaticLimits(hexapod_case).shares(poses).max(axis=1)
+    below, above = standing_ratios(hexapod_case, poses).max(axis=1)
     assert below < 1.0 < above
     assert above - below < 1e-4
 
@@ -30,9 +30,9 @@ def test_reach_is_as_symmetric_as_the_machine(hexapod_case: Case) -> None:
     poses = np.tile(machine.home.vector, (3, 1))
     for k, angle in enumerate(np.deg2rad([20.0, 140.0, 260.0])):
         poses[k, :2] += 0.2 * np.array([np.cos(angle), np.sin(angle)])
-    assert np.ptp(StaticLimits(hexapod_case).shares(poses).max(axis=1)) < 1e-9
+    assert np.ptp(standing_ratios(hexapod_case, poses).max(axis=1)) < 1e-9
     poses[1, :2] = poses[0, :2] * [-1.0, 1.0]
-    assert np.ptp(StaticLimits(hexapod_case).shares(poses[:2]).max(axis=1)) < 1e-9
+    assert np.ptp(standing_ratios(hexapod_case, poses[:2]).max(axis=1)) < 1e-9
 
 
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".PDF"])

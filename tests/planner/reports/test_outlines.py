@@ -5,7 +5,7 @@ import pytest
 
 from cases.machine import KeepOut, Tool
 from identification.keep_out import distance_of_points
-from planner.reach import StaticLimits
+from planner.reach import standing_ratios
 from planner.reports.machine import box_outlines, room, tool_outlines
 from planner.reports.plots import case_figure
 from tests.helpers import HOME
@@ -46,6 +46,6 @@ def test_the_picture_of_a_case_shows_both_and_where_the_reach_ends_at_a_box(hexa
     labels = case_figure(case).axes[0].get_legend_handles_labels()[1]
     assert {"tools", "kept out"} <= set(labels)
     inside = HOME + np.r_[0.15, 0.0, 0.0, 0.0, 0.0, 0.0]
-    before, within = StaticLimits(case).shares(np.stack([HOME, inside])).max(axis=1)
+    before, within = standing_ratios(case, np.stack([HOME, inside])).max(axis=1)
     assert before < 1.0 < within
-    assert StaticLimits(hexapod_case).shares(inside[None]).max() < 1.0
+    assert standing_ratios(hexapod_case, inside[None]).max() < 1.0
