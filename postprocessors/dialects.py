@@ -11,16 +11,13 @@ from cases.files import another_kind, atomic_file, check_file
 from cases.schema import Case
 from cases.units import as_html
 from postprocessors.blocks import Blocks
-from postprocessors.execute.linuxcnc.stretching import linuxcnc_forecast, linuxcnc_guarantees
 from postprocessors.joint_trajectory import require_same_trajectory, write_joint_trajectory
 from postprocessors.linuxcnc import prepare_linuxcnc, write_linuxcnc
 from postprocessors.proving.guarantees import (
-    AS_PLANNED,
-    Forecast,
     Guarantees,
     joint_trajectory_guarantees,
+    linuxcnc_guarantees,
     setpoint_guarantees,
-    sinumerik_forecast,
     sinumerik_guarantees,
     twincat_guarantees,
     urscript_guarantees,
@@ -34,13 +31,9 @@ from postprocessors.reading.sinumerik import read_sinumerik
 from postprocessors.reading.twincat import read_twincat
 from postprocessors.reading.urscript import read_urscript
 from postprocessors.setpoints import require_same_table, write_setpoints
-from postprocessors.sinumerik import prepare_sinumerik, write_sinumerik
+from postprocessors.sinumerik import write_sinumerik
 from postprocessors.twincat import write_twincat
 from postprocessors.urscript import write_urscript
-
-
-def _as_planned(reading: Reading, case: Case) -> Forecast:
-    return AS_PLANNED
 
 
 def _as_it_is(program: Blocks, case: Case) -> Blocks:
@@ -64,8 +57,6 @@ class Dialect:
     guarantees: Callable[[Reading, Case], Guarantees]
     # raises ProgramError where a reading is not the program; None where blocks read back one by one
     same: Callable[[Blocks, Reading, Case], None] | None = None
-    # forecast of the program's duration
-    forecast: Callable[[Reading, Case], Forecast] = _as_planned
     # program and case -> the program in the blocks that this dialect is set up to use
     prepare: Callable[[Blocks, Case], Blocks] = _as_it_is
     # first motion of the machine, for the program's header
@@ -87,7 +78,6 @@ DIALECTS: dict[str, Dialect] = {
             write_linuxcnc,
             read_linuxcnc,
             linuxcnc_guarantees,
-            forecast=linuxcnc_forecast,
             prepare=prepare_linuxcnc,
         ),
         Dialect(
@@ -97,8 +87,6 @@ DIALECTS: dict[str, Dialect] = {
             write_sinumerik,
             read_sinumerik,
             sinumerik_guarantees,
-            forecast=sinumerik_forecast,
-            prepare=prepare_sinumerik,
         ),
         Dialect(
             ControllerName.TWINCAT,
@@ -133,6 +121,7 @@ DIALECTS: dict[str, Dialect] = {
             write_joint_trajectory,
             read_joint_trajectory,
             joint_trajectory_guarantees,
+            linuxcnc_guarantees,
             require_same_trajectory,
             start="the machine must stand at home when the trajectory starts",
         ),
@@ -173,11 +162,6 @@ class Program:
     def proof(self) -> ProgramProof:
         """The proof of its limits; raises ProgramError where the motion is not defined."""
         return self.proven or prove_program(self.reading, self.guarantees)
-
-    @property
-    def forecast(self) -> Forecast:
-        """Forecast of the duration on its controller."""
-        return self.dialect.forecast(self.reading, self.case)
 
     @property
     def text(self) -> str:

@@ -71,7 +71,7 @@ def post(
 
 def answer_of_program(program: "hx.Program") -> dict[str, Any]:
     """The JSON answer of a program that was written."""
-    proof, (stretch, remarks) = program.proof, program.forecast
+    proof = program.proof
     return {
         "program": str(program.path),
         "dialect": program.dialect.name,
@@ -80,8 +80,7 @@ def answer_of_program(program: "hx.Program") -> dict[str, Any]:
         "excitation_s": proof.excitation,
         "verdict": proof.verdict,
         "relies_on": list(proof.relies_on),
-        "predicted_stretch": stretch,
-        "remarks": [*program.remarks, *remarks],
+        "remarks": list(program.remarks),
         "limits": proof.limits.to_json(),
     }
 

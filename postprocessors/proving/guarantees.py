@@ -8,15 +8,14 @@ from functools import cached_property, partial
 import numpy as np
 
 from cases.chain import Box
-from cases.controller import Setpoints, Sinumerik, SinumerikAxes, TwinCatAxes
+from cases.controller import LinuxCnc, Setpoints, Sinumerik, SinumerikAxes, TwinCatAxes
 from cases.schema import Case
-from cases.units import DEG, MM, MS
+from cases.units import MS
 from identification.limit import LimitCheck, LimitKind, OwnMove, Status
 from identification.motion import Array
 from identification.overload import Loads
 from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import Profile, fastest_profile
-from postprocessors.blocks import path_speed_deviation
 from postprocessors.reading import Reading, Timed
 
 Law = Callable[[float, float, float], Profile]
@@ -96,11 +95,6 @@ class Guarantees:
         return None if check is None or check.ratio > 1.0 else replace(check, of=check.of._replace(move=move))
 
 
-Forecast = tuple[float, tuple[str, ...]]
-"""Predicted duration over planned duration of a program's timed paths, and remarks and remedies, one sentence each."""
-AS_PLANNED: Forecast = 1.0, ()
-
-
 SHORTEST_POINTS = 1e-3  # least distance of points of a joint trajectory [s]: rounding of closer ones would add jerks
 
 LONGEST_POINTS = 0.25
@@ -110,8 +104,36 @@ LONGEST_POINTS = 0.25
 _SEVEN_SEGMENTS: Law = partial(fastest_profile, 1.0)
 
 
-def _trapezoid(velocity: float, acceleration: float, jerk: float) -> Profile:
-    return fastest_profile(1.0, velocity, acceleration)
+def _trapezoid(velocity: float, acceleration: float, jerk: float, headroom: float = 1.0) -> Profile:
+    return fastest_profile(1.0, velocity, headroom * acceleration)
+
+
+SERVO_PERIOD = 1e-3  # cycle of LinuxCNC's motion controller [s]: its usual one, and the rate of the recordings
+ARC_ALONG, ARC_ACROSS = math.sqrt(0.75) / 2, 0.5  # shares of the acceleration that it uses in an arc; measured on 2.9
+
+
+def acceleration_headroom(reading: Reading, case: Case) -> float:
+    """Acceleration limits that LinuxCNC gets for a program, as a multiple of the case's."""
+    timed = any(isinstance(part, Timed) for part in reading.stretches)
+    return case.need_settings(LinuxCnc, "running a program on LinuxCNC").acceleration_headroom if timed else 1.0
+
+
+def linuxcnc_guarantees(reading: Reading, case: Case) -> Guarantees:
+    """Guarantees of LinuxCNC, which has no jerk limit; a timed block is a trapezoid to it, not the assumed curve."""
+    headroom = acceleration_headroom(reading, case)
+    enforced = {LimitKind.VELOCITY, LimitKind.ACCELERATION} if headroom <= 1.0 else {LimitKind.VELOCITY}
+    return Guarantees(
+        case,
+        controller="LinuxCNC",
+        shortest_block=SERVO_PERIOD,
+        longest_block=LONGEST_POINTS,
+        enforced=frozenset(enforced),
+        law=partial(_trapezoid, headroom=headroom),
+        jerk_time=SERVO_PERIOD,
+        even_blocks=True,
+        whole_cycles=True,
+        arc_shares=(ARC_ALONG, ARC_ACROSS * headroom),
+    )
 
 
 def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
@@ -170,17 +192,3 @@ def setpoint_guarantees(reading: Reading, case: Case) -> Guarantees:
     return Guarantees(
         case, "setpoint generator", cycle, cycle, _SEVEN_SEGMENTS, enforced, jerk_time=cycle, follows_paths=True
     )
-
-
-def sinumerik_forecast(reading: Reading, case: Case) -> Forecast:
-    """Forecast for POLY blocks: each ends in time, but the controller chooses the time law within it."""
-    motions = _polynomials(reading)
-    if not motions:
-        return AS_PLANNED
-    position, angle = np.max([path_speed_deviation(motion, motion) for motion in motions], axis=0)
-    remark = (
-        f"time within a POLY block is the controller's: at constant path speed in each block it strays up to "
-        f"{position / MM:.2g} mm and {angle / DEG:.2g} deg from the plan; a shorter controller.sinumerik."
-        "poly_block_ms leaves it less"
-    )
-    return 1.0, (remark,)

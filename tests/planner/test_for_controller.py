@@ -15,12 +15,12 @@ from cases.schema import Case
 from identification.limit import Status
 from identification.limit_proof import prove
 from identification.motion import Joined
-from identification.trajectories.curves import polynomials_of
 from identification.trajectories.moves import StraightMove, has_steps
 from planner.families.ptp import controlled, with_steps
 from planner.families.settings import PointToPoint, Spline
 from planner.plan_folder import motion_entries, motion_of_entries
 from planner.plans import Plan
+from tests.helpers import polynomials_of
 from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed
 

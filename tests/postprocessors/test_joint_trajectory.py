@@ -13,12 +13,11 @@ from scipy.interpolate import BPoly
 from cases.errors import CaseError, ProgramError
 from cases.schema import load_case
 from identification.motion import Joined, Motion
-from identification.trajectories.curves import polynomials_of
 from postprocessors.dialects import Program, dialect
 from postprocessors.proving.proof import prove_program
 from postprocessors.reading import Timed
 from postprocessors.writing import proven_program
-from tests.helpers import few, one_line
+from tests.helpers import few, one_line, polynomials_of
 from tests.postprocessors.joint_walks import ROBOT, walk
 
 LANGUAGE = dialect("ros2")

@@ -8,13 +8,12 @@ import pytest
 
 from cases.errors import HexciteError, ProgramError
 from cases.schema import load_case
-from identification.trajectories.curves import polynomials_of
 from postprocessors.dialects import dialect
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import prove_program
 from postprocessors.reading import Untimed
 from postprocessors.writing import proven_program
-from tests.helpers import one_line
+from tests.helpers import one_line, polynomials_of
 from tests.postprocessors.execute.runs import run_text
 from tests.postprocessors.joint_walks import ROBOT, walk
 

@@ -8,14 +8,13 @@ import pytest
 from cases.errors import HexciteError, ProgramError
 from cases.schema import Case, load_case
 from identification.motion import Joined, Standstill
-from identification.trajectories.curves import polynomials_of
 from identification.trajectories.moves import StraightMove
 from postprocessors.dialects import dialect
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import prove_program
 from postprocessors.reading import Still, Untimed
 from postprocessors.writing import proven_program
-from tests.helpers import one_line
+from tests.helpers import one_line, polynomials_of
 from tests.postprocessors.joint_walks import walk
 
 KEEPS = ["velocity", "acceleration", "jerk"]
