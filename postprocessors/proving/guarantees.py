@@ -1,7 +1,7 @@
 """What controllers guarantee beyond a program's text: limits that they enforce, time law, accuracy."""
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
@@ -11,7 +11,8 @@ from cases.chain import Box
 from cases.controller import LinuxCnc, Setpoints, Sinumerik, SinumerikAxes, TwinCatAxes
 from cases.schema import Case
 from cases.units import MS
-from identification.limit import LimitCheck, LimitKind, OwnMove, Status
+from identification.limit import Limit, LimitCheck, LimitKind, OwnMove, Status
+from identification.limit_proof import limited_machine
 from identification.motion import Array
 from identification.overload import Loads
 from identification.trajectories.curves import PolynomialMotion
@@ -82,17 +83,42 @@ class Guarantees:
         verdict = self.status_of(check.kind) if status is None else status
         return replace(check, of=check.of._replace(move=move), status=verdict, binding=False)
 
-    def proven_forces(
-        self, kind: LimitKind, bound: Callable[[Loads], Iterable[LimitCheck]], move: OwnMove | None = None
-    ) -> LimitCheck | None:
-        """Proven sensor forces or moments; None where a motion within the controller's limits could exceed them.
+    def force_bounds(self, share: float = 1.0, stated: bool = False) -> tuple[LimitCheck, ...]:
+        """Largest sensor force and moment in any pose at a share of the limits of motion; none for sensors in struts.
 
-        No controller limits sensor forces. They are bounded where it enforces velocities and accelerations.
+        Forces are f = b (p'' - g) + d alpha + omega Q omega, with b, d and Q constant in the axes of the platform. No
+        controller limits them: they are proven where velocities and accelerations are enforced, or `stated` in the text.
         """
-        if self.loads is None or not {LimitKind.VELOCITY, LimitKind.ACCELERATION} <= self.enforced:
-            return None
-        check = next((c for c in bound(self.loads) if c.kind is kind), None)
-        return None if check is None or check.ratio > 1.0 else replace(check, of=check.of._replace(move=move))
+        loads = self.loads
+        if loads is None or self.case.sensor_frame.struts is not None:
+            return ()
+        linear, angular, spin = np.split(loads.coefficients, (3, 6), axis=1)
+        rates, accelerations = share * self.limits.rate, share * self.limits.acceleration
+        omega, alpha, pull = limited_machine(self.case).fastest(rates, accelerations)
+        pull += float(np.linalg.norm(self.case.gravity))
+        most = np.linalg.norm(linear, axis=1) * pull + np.linalg.norm(angular, axis=1) * alpha
+        products = spin.reshape(-1, 3, 3)
+        most += np.abs(np.linalg.eigvalsh(products + products.transpose(0, 2, 1))).max(axis=1) / 2 * omega**2
+        bounded, checks = stated or {LimitKind.VELOCITY, LimitKind.ACCELERATION} <= self.enforced, []
+        for own, kind in ((~loads.moments, LimitKind.SENSOR_FORCE), (loads.moments, LimitKind.SENSOR_MOMENT)):
+            if own.any():
+                shares = np.where(own, most / loads.limit, 0.0)
+                k = int(np.argmax(shares))
+                worst, limit, ratio = float(most[k]), float(loads.limit[k]), float(shares[k])
+                proven = bounded and ratio <= 1.0
+                place = f"{loads.labels[k]}, at {'most' if proven else 'the limits'}"
+                status = Status.PROVEN if proven else Status.NOT_ENFORCED
+                checks.append(LimitCheck(Limit(kind), place, worst, limit, kind.unit, ratio, 0.0, status))
+        return tuple(checks)
+
+    def sensed(self, check: LimitCheck, move: OwnMove | None = None) -> LimitCheck:
+        """The bound of a sensor force or moment where it is proven, else its prediction, which nobody enforces."""
+        bound = next((b for b in self.force_bounds() if b.kind is check.kind and b.status is Status.PROVEN), None)
+        if bound is not None:
+            return replace(bound, of=bound.of._replace(move=move))
+        if move is None:
+            return replace(check, status=Status.NOT_ENFORCED)
+        return self.prediction(check, move, Status.NOT_ENFORCED)
 
 
 SHORTEST_POINTS = 1e-3  # least distance of points of a joint trajectory [s]: rounding of closer ones would add jerks
