@@ -87,7 +87,7 @@ class Guarantees:
         """Largest sensor force and moment in any pose at a share of the limits of motion; none for sensors in struts.
 
         Forces are f = b (p'' - g) + d alpha + omega Q omega, with b, d and Q constant in the axes of the platform. No
-        controller limits them: they are proven where velocities and accelerations are enforced, or `stated` in the text.
+        controller limits them: they are proven where rates and accelerations are enforced, or `stated` in the text.
         """
         loads = self.loads
         if loads is None or self.case.sensor_frame.struts is not None:
