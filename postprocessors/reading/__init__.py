@@ -6,7 +6,7 @@ Their common functions for lines, words and axes are at the end.
 
 import math
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -293,19 +293,19 @@ def each_word(
     position: int,
     pattern: re.Pattern[str],
     place: tuple[str, int],
-    remedy: Callable[[str], str],
+    reads: str,
 ) -> Iterator[tuple[re.Match[str], int]]:
     """Words of a line from a position on, one by one, with their columns; raises ProgramError for what is not a word.
 
     Args:
         place: file and line, for messages.
-        remedy: of the first characters of a text that is not a word.
+        reads: all that is read in this language, for messages.
     """
     while (ink := _INK.search(text, position)) is not None:
         match = pattern.match(text, position)
         if match is None:
             bad = text[ink.start() : ink.start() + 12].rstrip()
-            raise ProgramError(*place, ink.start() + 1, f"cannot read {bad!r}; {remedy(bad)}")
+            raise ProgramError(*place, ink.start() + 1, f"cannot read {bad!r}; {reads}")
         yield match, ink.start() + 1
         position = match.end()
 

@@ -86,10 +86,10 @@ def test_who_answers_for_what() -> None:
 
 
 REFUSED = {
-    "a blend": ("G61", "G64 P0.01", "G64 is rounding of corners"),
-    "a time": ("G61", "G61\nG93", "G93 is a time for a block"),
-    "an arc": ("G1 X", "G2 I5 X", "G2 is an arc"),
-    "an axis that is not there": ("A-", "B-", "is not a word of an excitation"),
+    "a blend": ("G61", "G64 P0.01", "G64 is not read here"),
+    "a time": ("G61", "G61\nG93", "G93 is not read here"),
+    "an arc": ("G1 X", "G2 I5 X", "G2 is not read here"),
+    "an axis that is not there": ("A-", "B-", "is not read here"),
     "an axis left open": (" C0 F", " F", "leaves C open; name all 5 coordinates"),
 }
 
