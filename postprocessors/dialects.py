@@ -121,7 +121,6 @@ DIALECTS: dict[str, Dialect] = {
             write_joint_trajectory,
             read_joint_trajectory,
             joint_trajectory_guarantees,
-            linuxcnc_guarantees,
             require_same_trajectory,
             start="the machine must stand at home when the trajectory starts",
         ),
