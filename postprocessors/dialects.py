@@ -45,7 +45,6 @@ class Dialect:
     """A controller's language, and the functions that write and read it."""
 
     name: ControllerName  # name on the command line
-    description: str  # one line for people
     suffixes: tuple[str, ...]  # suffixes of its files, in lower case, the usual one first
     # program and case -> content of the file; raises CaseError where the case lacks the machine or the settings of this
     # dialect, HexciteError where the dialect cannot express a block
@@ -73,7 +72,6 @@ DIALECTS: dict[str, Dialect] = {
     for d in (
         Dialect(
             ControllerName.LINUXCNC,
-            "LinuxCNC 2.9: G1 with exact stop, dense G93 paths, arcs; runs here with `hexcite run --on linuxcnc`",
             (".ngc",),
             write_linuxcnc,
             read_linuxcnc,
@@ -82,7 +80,6 @@ DIALECTS: dict[str, Dialect] = {
         ),
         Dialect(
             ControllerName.SINUMERIK,
-            "SINUMERIK 840D sl / ONE: G1 with exact stop, POLY blocks or the compressor, arcs",
             (".mpf",),
             write_sinumerik,
             read_sinumerik,
@@ -90,7 +87,6 @@ DIALECTS: dict[str, Dialect] = {
         ),
         Dialect(
             ControllerName.TWINCAT,
-            "TwinCAT CNC (TF5200) and ISG: G01 with exact stop, #SPLINE, #HSC or #CONTOUR MODE, arcs",
             (".nc", ".cnc"),
             write_twincat,
             read_twincat,
@@ -98,7 +94,6 @@ DIALECTS: dict[str, Dialect] = {
         ),
         Dialect(
             ControllerName.SETPOINTS,
-            "a table row by row for every control cycle: pose, struts, their rates and accelerations, trigger",
             (".csv",),
             write_setpoints,
             read_setpoints,
@@ -108,7 +103,6 @@ DIALECTS: dict[str, Dialect] = {
         ),
         Dialect(
             ControllerName.URSCRIPT,
-            "Universal Robots: movej from rest to rest with acceleration and speed, never with a time",
             (".script",),
             write_urscript,
             read_urscript,
@@ -116,7 +110,6 @@ DIALECTS: dict[str, Dialect] = {
         ),
         Dialect(
             ControllerName.ROS2,
-            "ROS 2 joint_trajectory_controller: one JointTrajectory message, quintic between its points",
             (".yaml", ".yml"),
             write_joint_trajectory,
             read_joint_trajectory,

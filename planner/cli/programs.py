@@ -17,12 +17,12 @@ Accept = Annotated[
 
 
 def post(
-    plan: Annotated[Path | None, argument("Plan folder.")] = None,
+    plan: Annotated[Path, argument("Plan folder.")],
     dialect: Annotated[
         str | None,
         option(
             "The controller's language; by default the one that the suffix of --output names, else that of the "
-            "controller that the plan was made for, else the first that the case can; without a plan, all are listed."
+            "controller that the plan was made for, else the first that the case can."
         ),
     ] = None,
     speed: Annotated[float, option("Share of the planned speed, for a first try.")] = 1.0,
@@ -39,13 +39,7 @@ def post(
     """
     from cases.controller import ControllerName
     from planner.plan_program import language_of
-    from postprocessors.dialects import DIALECTS
 
-    if plan is None:
-        rows = [[d.name, " ".join(d.suffixes), d.description] for d in DIALECTS.values()]
-        if not console.answered({"dialects": [d.name for d in DIALECTS.values()]}, json):
-            console.print_table("Dialects", ("name", "files", "controller"), rows, right=False)
-        return
     loaded = hx.Plan.load(plan, None if case is None else hx.load_case(case), stale)
     language = language_of(loaded, dialect, output)
     file = output_place(output, Path(f"{loaded.name}{language.suffix}"), overwrite)
