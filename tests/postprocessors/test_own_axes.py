@@ -153,6 +153,6 @@ def test_linuxcnc_executes_the_law_within_two_cycles_a_move(tmp_path: Path) -> N
 
 
 def test_joints_that_are_no_axes_are_named() -> None:
-    with pytest.raises(ProgramError, match=r"joint base .*LinuxCNC; name it A, B, C") as caught:
+    with pytest.raises(ProgramError, match=r"joint base turns and is not an axis of LinuxCNC; name those") as caught:
         proven_program(walk(ROBOT, jerk=False), ROBOT, LINUXCNC, "walk.ngc", ())
     one_line(caught.value)
