@@ -107,8 +107,6 @@ class Sinumerik(SinumerikAxes):
     """Names of the axes behind them, for FGROUP( ) and PO[ ]."""
     path: Literal["poly", "lines"]
     """Motions that are not straight moves: polynomial blocks (POLY), or dense G1 with the compressor COMPCAD."""
-    moves: Literal["feed", "poly"] = "feed"
-    """Point-to-point moves: G1 at a feed under the controller's own time law, or POLY blocks that hold the plan's."""
     poly_degree: Literal[3, 5]
     """Degree of the polynomials that the controller takes."""
     poly_axes: Annotated[int, Field(strict=True, ge=1, le=9)]
@@ -122,12 +120,6 @@ class Sinumerik(SinumerikAxes):
     """CTOL of the compressor."""
     orientation_tolerance_deg: Positive
     """OTOL of the compressor."""
-
-    @model_validator(mode="after")
-    def _polynomials_at_all(self) -> "Sinumerik":
-        if self.moves == "poly" and self.path != "poly":
-            raise ValueError("moves = 'poly' needs path = 'poly'; set both, or moves = 'feed'")
-        return self
 
     @property
     def poly_tolerance(self) -> tuple[float, float]:

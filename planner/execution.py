@@ -25,14 +25,13 @@ from planner.noise import mean_information
 from planner.plan_program import plan_of_program, read_for, require_proven, written_for_another
 from planner.request import require_seed
 from postprocessors.dialects import Program
-from postprocessors.execute import TIME_TOLERANCE, ExecutedRun, moving_windows, path_words, slowest_path, stood, windows
+from postprocessors.execute import ExecutedRun, moving_windows, stood, windows
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.homing import motions, planned_excitation
 
 CONTROLLERS = (ControllerName.VIRTUAL, ControllerName.LINUXCNC)
-SLOWER = 4.0  # speed-up of a second session
 NOTICEABLE = 0.01  # share of a run from which a remark says so
 
 
@@ -130,17 +129,8 @@ def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
         raise HexciteError(read.path, f"is not a LinuxCNC program ({read.dialect.name})", "run it with --on virtual")
     log = run_linuxcnc(read, case)
     remark = ""
-    if path_time := slowest_path(read.reading, log):
-        # On a busy computer the motion may wait for blocks; a slower session shows whether it did.
-        slower = run_linuxcnc(read, case, speedup=SLOWER)
-        again = slowest_path(read.reading, slower)
-        agree = again is not None and abs(again[2] - path_time[2]) <= TIME_TOLERANCE * path_time[1]
-        reason = "the same at a fifth of the speed" if agree else "this computer was too busy, the slower run counts"
-        remark = f"{path_words(*(path_time if agree or again is None else again))}; {reason}"
-        log = slower
     if log.left_out > NOTICEABLE * len(log.lines):
-        surplus = f"{log.left_out * log.period:.2f} s of standstill removed, which only this computer's clock caused"
-        remark = f"{remark}; {surplus}" if remark else surplus
+        remark = f"{log.left_out * log.period:.2f} s of standstill removed, which only this computer's clock caused"
     execution = Execution.of_log(machine_of(case), log.period, log.drives)
     on = windows(log.trigger, log.period)
     measured = on if at_poses else moving_windows(log.trigger, log.drives, log.period)

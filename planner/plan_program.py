@@ -1,19 +1,17 @@
 """From a plan to a program that is proven, or the reason why not."""
 
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 from cases.basis import motion_hash
 from cases.controller import ControllerName
 from cases.errors import CaseError, HexciteError, ProgramError
 from cases.scaffold import readiness
 from cases.schema import Case
-from identification.motion import Joined, Trajectory
 from identification.trajectories.moves import has_steps
 from planner.families.ptp import controlled
 from planner.plan_folder import DIGITS
@@ -23,7 +21,7 @@ from postprocessors.dialects import DIALECTS, Dialect, Program, dialect_of_file,
 from postprocessors.dialects import dialect as dialect_named
 from postprocessors.writing import proven_program
 
-# Languages in their order: the first that a case can be written in is taken.
+# Languages in their order: the first that a case can be written in is taken; the last two are tables of points.
 USUAL = (
     ControllerName.LINUXCNC,
     ControllerName.SINUMERIK,
@@ -32,8 +30,6 @@ USUAL = (
     ControllerName.SETPOINTS,
     ControllerName.ROS2,
 )
-USUAL_OF_PATHS = (ControllerName.SETPOINTS, ControllerName.ROS2)
-LONGER = 1.001  # ratio of durations from which a program that takes longer than its plan says so
 SLOWEST = 0.01  # share of the planned speed; slower, a run of seconds takes half an hour
 
 
@@ -65,10 +61,8 @@ def write(
     path = Path(f"{plan.name}{language.suffix}" if file is None else file)
     if not SLOWEST <= speed <= 1.0:
         raise HexciteError(f"speed {speed:g} is outside {SLOWEST:g} to 1; choose 0.1 for a first try")
-    remarks: tuple[str, ...] = ()
     if isinstance(plan.request, Request) and plan.request.family.of_moves:
-        place = str(plan.folder or plan.name)
-        remarks = fits_law(place, plan.settings.get("made_for"), plan.motion, language.name, plan.case)
+        _require_law(plan, language.name)
     header = (
         f"hexcite {version('hexcite')}: excitation for identification of model {plan.model}",
         case_line(plan.case),
@@ -79,14 +73,19 @@ def write(
     )
     accepted = (accept,) if isinstance(accept, str) else accept
     program = proven_program(plan.motion, plan.case, language, path, header, speed, accepted)
-    planned = plan.motion.duration / speed
-    if not isinstance(plan.motion, Joined) and program.proof.excitation > LONGER * planned:
-        remarks += (
-            f"the excitation lasts {program.proof.excitation:.3f} s instead of {planned:.3f} s: {language.name} needs "
-            "blocks of whole controller cycles, and the pieces of this motion last others (change --knots, --duration "
-            "or --period of hexcite plan, or --speed)",
+    return replace(program, remarks=tuple(plan.stale))
+
+
+def _require_law(plan: Plan, dialect_name: str) -> None:
+    """Refuses moves with steps of acceleration for a controller that limits jerk: none would last as planned."""
+    if has_steps(plan.motion) and not controlled(plan.case, dialect_name)[1]:
+        place = str(plan.folder or plan.name)
+        raise HexciteError(
+            place,
+            f"was made for {plan.settings.get('made_for') or 'a controller'}, which does not limit jerk; moves for "
+            f"{dialect_name} satisfy the limits of jerk and last longer: plan with --for {dialect_name}, or re-time "
+            f"them with hexcite retime {place} -o NEW",
         )
-    return replace(program, remarks=(*remarks, *plan.stale))
 
 
 def language_of(plan: Plan, dialect: str | None, file: Path | str | None = None) -> Dialect:
@@ -95,48 +94,17 @@ def language_of(plan: Plan, dialect: str | None, file: Path | str | None = None)
         return dialect_named(dialect)
     if file is not None:
         return dialect_of_file(str(file))
+    made_for = plan.settings.get("made_for")
     path = isinstance(plan.request, Request) and not plan.request.family.of_moves
-    return dialect_named(usual_dialect(plan.case, plan.settings, path))
+    return DIALECTS[made_for] if made_for in DIALECTS else dialect_named(usual_dialect(plan.case, path))
 
 
-def usual_dialect(case: Case, settings: Mapping[str, Any] | None = None, path: bool = False) -> str:
-    """The language of the controller that a plan was made for, else the first whose settings the case has.
-
-    Args:
-        path: whether the motion is one path: in a machine's own axes controllers know tables of points alone.
-    """
-    made_for = (settings or {}).get("made_for")
-    if made_for in DIALECTS:
-        return str(made_for)
+def usual_dialect(case: Case, path: bool = False) -> str:
+    """The first language whose settings the case has; a path in a machine's own axes is written as a table alone."""
     ready = {command for command, missing in readiness(case).items() if not missing}
     own_axes = path and not case.need_motion("a program")[1].of_pose
-    names = USUAL_OF_PATHS if own_axes else USUAL
+    names = USUAL[-2:] if own_axes else USUAL
     return next((name for name in names if f"post --dialect {name}" in ready), ControllerName.LINUXCNC)
-
-
-def fits_law(plan: str, made_for: str | None, motion: Trajectory, dialect_name: str, case: Case) -> tuple[str, ...]:
-    """Remarks on moves that the controller of a dialect times by another law than they were planned with.
-
-    Raises:
-        HexciteError: the moves have steps of acceleration, and the controller limits jerk: none would last as planned.
-        CaseError: the case has no settings of this controller.
-    """
-    steps = bool(controlled(case, dialect_name)[1])
-    if has_steps(motion) and not steps:
-        raise HexciteError(
-            plan,
-            f"was made for {made_for or 'a controller'}, which does not limit jerk; moves for {dialect_name} "
-            f"satisfy the limits of jerk and last longer: plan with --for {dialect_name}, or re-time the moves with "
-            f"hexcite retime {plan} -o NEW",
-        )
-    if steps and not has_steps(motion):
-        return (
-            f"planned with limited jerk; {dialect_name} does not limit it and makes trapezoids of the moves: a plan "
-            f"made with --for {dialect_name} carries more information there",
-        )
-    if made_for not in (None, "", ControllerName.VIRTUAL, dialect_name):
-        return (f"made for {made_for}; {dialect_name} times moves by the same law",)
-    return ()
 
 
 _IN_PROGRAM = re.compile(rb"plan hash ([0-9a-f]{%d})" % DIGITS)
@@ -195,13 +163,9 @@ def naming_another(file: Path, content: bytes, case: Case) -> Iterator[None]:
     try:
         yield
     except (ProgramError, CaseError) as error:
-        other = written_for_another(content, case)
-        if other is None:
-            raise
-        if not isinstance(error, ProgramError):
+        if other := written_for_another(content, case):
             raise ProgramError(file, 0, 0, f"is {other}; {error.typed}") from error
-        problem = f"is {other}; {error.typed.removeprefix(error.place)[2:]}"
-        raise ProgramError(error.file, error.line, error.column, problem) from error
+        raise
 
 
 def written_for_another(content: bytes, case: Case) -> str | None:
@@ -215,8 +179,5 @@ def written_for_another(content: bytes, case: Case) -> str | None:
     if machine != motion_hash(case):
         return f"written for {case.name} with other values in [machine], [workspace] or [limits] than it has now"
     if settings != case.controller_hash:
-        return (
-            f"written with other settings of [controller] (its header says {settings}, now they are "
-            f"{case.controller_hash}): signs and words may mean something else"
-        )
+        return "written with other settings of [controller]: signs and words may mean something else"
     return None

@@ -5,12 +5,11 @@ Pieces are exact where a motion consists of such; else their deviation is comput
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import groupby
 
 import numpy as np
 
 from identification.motion import Array, Joined, Slowed, Standstill, Trajectory
-from identification.trajectories.curves import PolynomialMotion, polynomials_of
+from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import CircularMove, StraightMove
 
 
@@ -161,21 +160,6 @@ def _within(spline: PolynomialMotion, shares: Array) -> Array:
 def _distance(poses: Array, motion: Trajectory, t: Array) -> tuple[float, float]:
     off = poses - motion.at(np.minimum(t, motion.duration)).pose
     return float(np.linalg.norm(off[:, :3], axis=1).max()), float(np.abs(off[:, 3:]).max())
-
-
-def moves_as_polynomials(program: Blocks, block: float) -> Blocks:
-    """The program with each run of point-to-point moves as one spline: the same path and time law, in cubic pieces.
-
-    Blocks last `block` at most [s].
-    """
-    blocks: list[Block] = []
-    for together, group in groupby(program, lambda b: isinstance(b, StraightMove)):
-        members = list(group)
-        if together:
-            moves = [b for b in members if isinstance(b, StraightMove)]
-            members = [timed_path("moves", polynomials_of(moves), block, 1.0)]
-        blocks += members
-    return tuple(blocks)
 
 
 def timed_path(name: str, trajectory: Trajectory, block: float, speed: float) -> TimedPath:

@@ -13,16 +13,13 @@ from cases.schema import Case
 from cases.units import as_html
 from identification.precision import limit_lines
 from postprocessors.blocks import Blocks
-from postprocessors.execute.linuxcnc.stretching import linuxcnc_forecast, linuxcnc_guarantees
 from postprocessors.joint_trajectory import require_same_trajectory, write_joint_trajectory
 from postprocessors.linuxcnc import prepare_linuxcnc, write_linuxcnc
 from postprocessors.proving.guarantees import (
-    AS_PLANNED,
-    Forecast,
     Guarantees,
     joint_trajectory_guarantees,
+    linuxcnc_guarantees,
     setpoint_guarantees,
-    sinumerik_forecast,
     sinumerik_guarantees,
     twincat_guarantees,
     urscript_guarantees,
@@ -36,13 +33,9 @@ from postprocessors.reading.sinumerik import read_sinumerik
 from postprocessors.reading.twincat import read_twincat
 from postprocessors.reading.urscript import read_urscript
 from postprocessors.setpoints import require_same_table, write_setpoints
-from postprocessors.sinumerik import prepare_sinumerik, write_sinumerik
+from postprocessors.sinumerik import write_sinumerik
 from postprocessors.twincat import write_twincat
 from postprocessors.urscript import write_urscript
-
-
-def _as_planned(reading: Reading, case: Case) -> Forecast:
-    return AS_PLANNED
 
 
 def _as_it_is(program: Blocks, case: Case) -> Blocks:
@@ -54,7 +47,6 @@ class Dialect:
     """A controller's language, and the functions that write and read it."""
 
     name: ControllerName  # name on the command line
-    description: str  # one line for people
     suffixes: tuple[str, ...]  # suffixes of its files, in lower case, the usual one first
     # program and case -> content of the file; raises CaseError where the case lacks the machine or the settings of this
     # dialect, HexciteError where the dialect cannot express a block
@@ -66,8 +58,6 @@ class Dialect:
     guarantees: Callable[[Reading, Case], Guarantees]
     # raises ProgramError where a reading is not the program; None where blocks read back one by one
     same: Callable[[Blocks, Reading, Case], None] | None = None
-    # forecast of the program's duration
-    forecast: Callable[[Reading, Case], Forecast] = _as_planned
     # program and case -> the program in the blocks that this dialect is set up to use
     prepare: Callable[[Blocks, Case], Blocks] = _as_it_is
     # first motion of the machine, for the program's header
@@ -84,27 +74,21 @@ DIALECTS: dict[str, Dialect] = {
     for d in (
         Dialect(
             ControllerName.LINUXCNC,
-            "LinuxCNC 2.9: G1 with exact stop, dense G93 paths, arcs; runs here with `hexcite run --on linuxcnc`",
             (".ngc",),
             write_linuxcnc,
             read_linuxcnc,
             linuxcnc_guarantees,
-            forecast=linuxcnc_forecast,
             prepare=prepare_linuxcnc,
         ),
         Dialect(
             ControllerName.SINUMERIK,
-            "SINUMERIK 840D sl / ONE: G1 with exact stop, POLY blocks or the compressor, arcs",
             (".mpf",),
             write_sinumerik,
             read_sinumerik,
             sinumerik_guarantees,
-            forecast=sinumerik_forecast,
-            prepare=prepare_sinumerik,
         ),
         Dialect(
             ControllerName.TWINCAT,
-            "TwinCAT CNC (TF5200) and ISG: G01 with exact stop, #SPLINE, #HSC or #CONTOUR MODE, arcs",
             (".nc", ".cnc"),
             write_twincat,
             read_twincat,
@@ -112,7 +96,6 @@ DIALECTS: dict[str, Dialect] = {
         ),
         Dialect(
             ControllerName.SETPOINTS,
-            "a table row by row for every control cycle: pose, struts, their rates and accelerations, trigger",
             (".csv",),
             write_setpoints,
             read_setpoints,
@@ -122,7 +105,6 @@ DIALECTS: dict[str, Dialect] = {
         ),
         Dialect(
             ControllerName.URSCRIPT,
-            "Universal Robots: movej from rest to rest with acceleration and speed, never with a time",
             (".script",),
             write_urscript,
             read_urscript,
@@ -130,7 +112,6 @@ DIALECTS: dict[str, Dialect] = {
         ),
         Dialect(
             ControllerName.ROS2,
-            "ROS 2 joint_trajectory_controller: one JointTrajectory message, quintic between its points",
             (".yaml", ".yml"),
             write_joint_trajectory,
             read_joint_trajectory,
@@ -175,11 +156,6 @@ class Program:
     def proof(self) -> ProgramProof:
         """The proof of its limits; raises ProgramError where the motion is not defined."""
         return self.proven or prove_program(self.reading, self.guarantees)
-
-    @property
-    def forecast(self) -> Forecast:
-        """Forecast of the duration on its controller."""
-        return self.dialect.forecast(self.reading, self.case)
 
     @property
     def text(self) -> str:

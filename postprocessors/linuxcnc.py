@@ -15,9 +15,7 @@ from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import CircularMove, StraightMove, limits_along
 from postprocessors.block_writer import BlockWriter, comment_lines, feed
 from postprocessors.blocks import Blocks, TimedPath, timed_path
-from postprocessors.execute.linuxcnc.configuration import SERVO_PERIOD
-from postprocessors.execute.linuxcnc.stretching import ARC_ACROSS, ARC_ALONG, linuxcnc_guarantees
-from postprocessors.proving.guarantees import Guarantees
+from postprocessors.proving.guarantees import ARC_ACROSS, ARC_ALONG, SERVO_PERIOD, Guarantees, linuxcnc_guarantees
 from postprocessors.reading import Reading, axis_letters
 
 EQUAL = 1e-9  # [s] tolerance of durations for rounding

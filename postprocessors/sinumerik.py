@@ -18,7 +18,6 @@ from postprocessors.blocks import (
     Blocks,
     TimedPath,
     even_deviation,
-    moves_as_polynomials,
     path_speed_deviation,
     pieces,
 )
@@ -110,14 +109,6 @@ class _SinumerikWriter(BlockWriter):
                 words.append(f"PO[{axis}]=({','.join(items)})")
             lines.append(f"POLY {' '.join(words)} PL=1 F{number(MINUTE / duration, FEED_DECIMALS)}")
         return lines
-
-
-def prepare_sinumerik(program: Blocks, case: Case) -> Blocks:
-    """The program with point-to-point moves as the case states: at a feed, or as polynomials."""
-    settings = case.need_settings(SinumerikAxes, "a SINUMERIK program")
-    if isinstance(settings, Sinumerik) and settings.moves == "poly":
-        return moves_as_polynomials(program, case.need_controller("a SINUMERIK program").block)
-    return program
 
 
 def write_sinumerik(program: Blocks, case: Case) -> bytes:

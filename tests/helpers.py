@@ -1,7 +1,7 @@
 """What many tests share: a derivative check, a smooth motion, the paper's poses, and the rule of one-line messages."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
@@ -14,6 +14,7 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from identification.motion import Motion
 from identification.trajectories.curves import PolynomialMotion
+from identification.trajectories.moves import StraightMove
 
 Array = NDArray[np.float64]
 Answer = TypeVar("Answer")
@@ -125,3 +126,22 @@ def pose_shares(case: Case, poses: Array) -> dict[str, Array]:
 def tells(text: str, *facts: str) -> bool:
     """Whether one line of a text holds facts (place, value, limit, remedy) in this order, whatever stands between."""
     return re.search(".*".join(map(re.escape, facts)), text) is not None
+
+
+def polynomials_of(moves: Sequence[StraightMove]) -> PolynomialMotion:
+    """Moves of seven segments one after the other as what they are: a cubic polynomial a segment."""
+    return PolynomialMotion.of_pieces(piece for move in moves for piece in _segments(move))
+
+
+def _segments(move: StraightMove) -> Iterator[tuple[Array, float]]:
+    law = move.profile
+    durations = np.array(law.lengths)
+    starts = np.append(0.0, np.cumsum(durations[:-1]))  # added up as the law does: accelerations may step there
+    s, v, a, _ = law.at(starts)
+    jerk = law.at(starts + durations / 2)[3]
+    way = move.end - move.start
+    for k in np.flatnonzero(durations > 1e-9):
+        shares = np.array([s[k], v[k], a[k] / 2, jerk[k] / 6])
+        coefficients = shares[:, None] * way
+        coefficients[0] += move.start
+        yield coefficients, float(durations[k])

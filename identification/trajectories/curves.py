@@ -3,7 +3,7 @@
 A Fourier series (34)-(36) is repeated; it begins and ends at rest, by itself or by a run-in and a run-out.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from math import factorial, perm
 
@@ -13,9 +13,6 @@ from numpy.typing import ArrayLike
 
 from cases.units import Array
 from identification.motion import Motion
-from identification.trajectories.moves import StraightMove
-
-SHORTEST_SEGMENT = 1e-9  # [s] below it a segment is absent
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,25 +77,6 @@ class PolynomialMotion:
                 values[order] = values[order] * local + coefficient[indices]
             table = table[1:] * np.arange(1, len(table))[:, None, None]
         return Motion(time, *values)
-
-
-def polynomials_of(moves: Sequence[StraightMove]) -> PolynomialMotion:
-    """Moves of seven segments one after the other as what they are: a cubic polynomial a segment."""
-    return PolynomialMotion.of_pieces(piece for move in moves for piece in _segments(move))
-
-
-def _segments(move: StraightMove) -> Iterator[tuple[Array, float]]:
-    law = move.profile
-    durations = np.array(law.lengths)
-    starts = np.append(0.0, np.cumsum(durations[:-1]))  # added up as the law does: accelerations may step there
-    s, v, a, _ = law.at(starts)
-    jerk = law.at(starts + durations / 2)[3]
-    way = move.end - move.start
-    for k in np.flatnonzero(durations > SHORTEST_SEGMENT):
-        shares = np.array([s[k], v[k], a[k] / 2, jerk[k] / 6])
-        coefficients = shares[:, None] * way
-        coefficients[0] += move.start
-        yield coefficients, float(durations[k])
 
 
 @dataclass(frozen=True, slots=True)

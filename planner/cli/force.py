@@ -12,7 +12,7 @@ def export(
     result: Annotated[Path, argument("Result folder of hexcite identify or tare.")],
     to: Annotated[
         str,
-        option("c (C99), linuxcnc (HAL component), st (IEC 61131-3), isg-load (#LIMIT LOAD), urscript, json.", "--to"),
+        option("c (C99), linuxcnc (HAL component), st (IEC 61131-3), urscript, json.", "--to"),
     ],
     case: OwnCase = None,
     force: Annotated[bool, option("Export a result with warnings; they are written into the file.", "--force")] = False,

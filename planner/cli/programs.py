@@ -5,7 +5,6 @@ from typing import Annotated, Any
 
 import hexcite as hx
 from cases.files import RUN, check_file, check_folder, output_place
-from identification.precision import aligned
 from planner.cli import console
 from planner.cli.console import argument, option, out
 
@@ -16,12 +15,12 @@ Accept = Annotated[
 
 
 def post(
-    plan: Annotated[Path | None, argument("Plan folder.")] = None,
+    plan: Annotated[Path, argument("Plan folder.")],
     dialect: Annotated[
         str | None,
         option(
             "The controller's language; by default the one that the suffix of --output names, else that of the "
-            "controller that the plan was made for, else the first that the case can; without a plan, all are listed."
+            "controller that the plan was made for, else the first that the case can."
         ),
     ] = None,
     speed: Annotated[float, option("Share of the planned speed, for a first try.")] = 1.0,
@@ -37,13 +36,7 @@ def post(
     It is read back and proven before it is written.
     """
     from planner.plan_program import language_of
-    from postprocessors.dialects import DIALECTS
 
-    if plan is None:
-        rows = [[d.name, " ".join(d.suffixes), d.description] for d in DIALECTS.values()]
-        if not console.answered({"dialects": [d.name for d in DIALECTS.values()]}, json):
-            print("\n".join(aligned(("dialect", "files", "controller"), *rows)))
-        return
     loaded = hx.Plan.load(plan, None if case is None else hx.load_case(case), stale)
     language = language_of(loaded, dialect, output)
     file = output_place(output, Path(f"{loaded.name}{language.suffix}"), overwrite)
@@ -68,7 +61,7 @@ def post(
 
 def answer_of_program(program: "hx.Program") -> dict[str, Any]:
     """The JSON answer of a program that was written."""
-    proof, (stretch, remarks) = program.proof, program.forecast
+    proof = program.proof
     return {
         "program": str(program.path),
         "dialect": program.dialect.name,
@@ -77,8 +70,7 @@ def answer_of_program(program: "hx.Program") -> dict[str, Any]:
         "excitation_s": proof.excitation,
         "verdict": proof.verdict,
         "relies_on": list(proof.relies_on),
-        "predicted_stretch": stretch,
-        "remarks": [*program.remarks, *remarks],
+        "remarks": list(program.remarks),
         "limits": proof.limits.to_json(),
     }
 

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from cases.errors import HexciteError
 from identification.motion import Array
-from postprocessors.reading import Reading, Timed
 
 if TYPE_CHECKING:  # it imports SciPy, which the check of a program does not need
     from identification.trajectories.executed import Execution
@@ -73,28 +72,6 @@ class ControllerLog:
     # it so (LinuxCNC), shape (n,)
     lines: NDArray[np.int64]
     left_out: int = 0  # removed cycles of standstill, which only the computer's clock caused
-
-
-TIME_TOLERANCE = 0.005
-"""Share of a path's duration by which it may be late; measured on an idle computer 0.002 with 10 ms blocks."""
-
-CYCLES = 30  # further cycles by which it may be late, for starting and stopping: blending ends some blocks late
-
-
-def path_words(line: int, planned: float, taken: float) -> str:
-    """A phrase on a timed path for people; arguments are those that `slowest_path` returns."""
-    return f"the timed path that ends in line {line} took {taken:.3f} s instead of {planned:.3f} s"
-
-
-def slowest_path(reading: Reading, log: ControllerLog) -> tuple[int, float, float] | None:
-    """The timed path that was most late: the line at which it ends, planned and actual duration [s]; or None."""
-    paths = []
-    for part in reading.stretches:
-        if isinstance(part, Timed):
-            rows = (log.lines >= part.lines[0]) & (log.lines <= part.lines[-1])
-            paths.append((part.lines[-1], part.points.duration, float(np.count_nonzero(rows)) * log.period))
-    late = [path for path in paths if path[2] - path[1] > TIME_TOLERANCE * path[1] + CYCLES * log.period]
-    return max(late, key=lambda path: path[2] - path[1], default=None)
 
 
 STANDS = 1e-4  # [m or rad] largest motion of a drive while the trigger is on: it settles for some cycles

@@ -1,22 +1,22 @@
 """What controllers guarantee beyond a program's text: limits that they enforce, time law, accuracy."""
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
 import numpy as np
 
 from cases.chain import Box
-from cases.controller import Setpoints, Sinumerik, SinumerikAxes, TwinCatAxes
+from cases.controller import LinuxCnc, Setpoints, Sinumerik, SinumerikAxes, TwinCatAxes
 from cases.schema import Case
-from cases.units import DEG, MM, MS
-from identification.limit import LimitCheck, LimitKind, OwnMove, Status
+from cases.units import MS
+from identification.limit import Limit, LimitCheck, LimitKind, OwnMove, Status
+from identification.limit_proof import limited_machine
 from identification.motion import Array
 from identification.overload import Loads
 from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import Profile, fastest_profile
-from postprocessors.blocks import path_speed_deviation
 from postprocessors.reading import Reading, Timed
 
 Law = Callable[[float, float, float], Profile]
@@ -83,22 +83,42 @@ class Guarantees:
         verdict = self.status_of(check.kind) if status is None else status
         return replace(check, of=check.of._replace(move=move), status=verdict, binding=False)
 
-    def proven_forces(
-        self, kind: LimitKind, bound: Callable[[Loads], Iterable[LimitCheck]], move: OwnMove | None = None
-    ) -> LimitCheck | None:
-        """Proven sensor forces or moments; None where a motion within the controller's limits could exceed them.
+    def force_bounds(self, share: float = 1.0, stated: bool = False) -> tuple[LimitCheck, ...]:
+        """Largest sensor force and moment in any pose at a share of the limits of motion; none for sensors in struts.
 
-        No controller limits sensor forces. They are bounded where it enforces velocities and accelerations.
+        Forces are f = b (p'' - g) + d alpha + omega Q omega, with b, d and Q constant in the axes of the platform. No
+        controller limits them: they are proven where rates and accelerations are enforced, or `stated` in the text.
         """
-        if self.loads is None or not {LimitKind.VELOCITY, LimitKind.ACCELERATION} <= self.enforced:
-            return None
-        check = next((c for c in bound(self.loads) if c.kind is kind), None)
-        return None if check is None or check.ratio > 1.0 else replace(check, of=check.of._replace(move=move))
+        loads = self.loads
+        if loads is None or self.case.sensor_frame.struts is not None:
+            return ()
+        linear, angular, spin = np.split(loads.coefficients, (3, 6), axis=1)
+        rates, accelerations = share * self.limits.rate, share * self.limits.acceleration
+        omega, alpha, pull = limited_machine(self.case).fastest(rates, accelerations)
+        pull += float(np.linalg.norm(self.case.gravity))
+        most = np.linalg.norm(linear, axis=1) * pull + np.linalg.norm(angular, axis=1) * alpha
+        products = spin.reshape(-1, 3, 3)
+        most += np.abs(np.linalg.eigvalsh(products + products.transpose(0, 2, 1))).max(axis=1) / 2 * omega**2
+        bounded, checks = stated or {LimitKind.VELOCITY, LimitKind.ACCELERATION} <= self.enforced, []
+        for own, kind in ((~loads.moments, LimitKind.SENSOR_FORCE), (loads.moments, LimitKind.SENSOR_MOMENT)):
+            if own.any():
+                shares = np.where(own, most / loads.limit, 0.0)
+                k = int(np.argmax(shares))
+                worst, limit, ratio = float(most[k]), float(loads.limit[k]), float(shares[k])
+                proven = bounded and ratio <= 1.0
+                place = f"{loads.labels[k]}, at {'most' if proven else 'the limits'}"
+                status = Status.PROVEN if proven else Status.NOT_ENFORCED
+                checks.append(LimitCheck(Limit(kind), place, worst, limit, kind.unit, ratio, 0.0, status))
+        return tuple(checks)
 
-
-Forecast = tuple[float, tuple[str, ...]]
-"""Predicted duration over planned duration of a program's timed paths, and remarks and remedies, one sentence each."""
-AS_PLANNED: Forecast = 1.0, ()
+    def sensed(self, check: LimitCheck, move: OwnMove | None = None) -> LimitCheck:
+        """The bound of a sensor force or moment where it is proven, else its prediction, which nobody enforces."""
+        bound = next((b for b in self.force_bounds() if b.kind is check.kind and b.status is Status.PROVEN), None)
+        if bound is not None:
+            return replace(bound, of=bound.of._replace(move=move))
+        if move is None:
+            return replace(check, status=Status.NOT_ENFORCED)
+        return self.prediction(check, move, Status.NOT_ENFORCED)
 
 
 SHORTEST_POINTS = 1e-3  # least distance of points of a joint trajectory [s]: rounding of closer ones would add jerks
@@ -110,8 +130,36 @@ LONGEST_POINTS = 0.25
 _SEVEN_SEGMENTS: Law = partial(fastest_profile, 1.0)
 
 
-def _trapezoid(velocity: float, acceleration: float, jerk: float) -> Profile:
-    return fastest_profile(1.0, velocity, acceleration)
+def _trapezoid(velocity: float, acceleration: float, jerk: float, headroom: float = 1.0) -> Profile:
+    return fastest_profile(1.0, velocity, headroom * acceleration)
+
+
+SERVO_PERIOD = 1e-3  # cycle of LinuxCNC's motion controller [s]: its usual one, and the rate of the recordings
+ARC_ALONG, ARC_ACROSS = math.sqrt(0.75) / 2, 0.5  # shares of the acceleration that it uses in an arc; measured on 2.9
+
+
+def acceleration_headroom(reading: Reading, case: Case) -> float:
+    """Acceleration limits that LinuxCNC gets for a program, as a multiple of the case's."""
+    timed = any(isinstance(part, Timed) for part in reading.stretches)
+    return case.need_settings(LinuxCnc, "running a program on LinuxCNC").acceleration_headroom if timed else 1.0
+
+
+def linuxcnc_guarantees(reading: Reading, case: Case) -> Guarantees:
+    """Guarantees of LinuxCNC, which has no jerk limit; a timed block is a trapezoid to it, not the assumed curve."""
+    headroom = acceleration_headroom(reading, case)
+    enforced = {LimitKind.VELOCITY, LimitKind.ACCELERATION} if headroom <= 1.0 else {LimitKind.VELOCITY}
+    return Guarantees(
+        case,
+        controller="LinuxCNC",
+        shortest_block=SERVO_PERIOD,
+        longest_block=LONGEST_POINTS,
+        enforced=frozenset(enforced),
+        law=partial(_trapezoid, headroom=headroom),
+        jerk_time=SERVO_PERIOD,
+        even_blocks=True,
+        whole_cycles=True,
+        arc_shares=(ARC_ALONG, ARC_ACROSS * headroom),
+    )
 
 
 def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
@@ -170,17 +218,3 @@ def setpoint_guarantees(reading: Reading, case: Case) -> Guarantees:
     return Guarantees(
         case, "setpoint generator", cycle, cycle, _SEVEN_SEGMENTS, enforced, jerk_time=cycle, follows_paths=True
     )
-
-
-def sinumerik_forecast(reading: Reading, case: Case) -> Forecast:
-    """Forecast for POLY blocks: each ends in time, but the controller chooses the time law within it."""
-    motions = _polynomials(reading)
-    if not motions:
-        return AS_PLANNED
-    position, angle = np.max([path_speed_deviation(motion, motion) for motion in motions], axis=0)
-    remark = (
-        f"time within a POLY block is the controller's: at constant path speed in each block it strays up to "
-        f"{position / MM:.2g} mm and {angle / DEG:.2g} deg from the plan; a shorter controller.sinumerik."
-        "poly_block_ms leaves it less"
-    )
-    return 1.0, (remark,)

@@ -15,7 +15,6 @@ from identification.limit import Limit, LimitCheck, LimitKind, OwnMove, Status
 from identification.limit_proof import limited_machine, prove
 from identification.motion import Array, Joined, Standstill, Trajectory
 from identification.trajectories.moves import CircularMove, StraightMove, limits_along
-from postprocessors.proving.forces import forces_anywhere
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.reading import Reading, Stretch, Timed, Untimed
 
@@ -93,13 +92,9 @@ def way_home(part: Untimed, by: Guarantees) -> Iterable[LimitCheck]:
     else:
         share = by.case.need_controller("the check of a program").safe_share if part.acceleration is not None else 1.0
         yield from _of_own_axes(part, by)
-    for bound in forces_anywhere(by.loads, share) if by.loads is not None else ():
-        if part.acceleration is not None and bound.ratio <= 1.0:  # the text states all that the bound needs
-            yield by.prediction(bound, OwnMove.WAY_HOME, Status.PROVEN)
-            continue
-        proof = by.proven_forces(bound.kind, lambda loads: forces_anywhere(loads, share), OwnMove.WAY_HOME)
-        loose = replace(bound, place=bound.place.replace("at most", "at the limits"))
-        yield proof or by.prediction(loose, OwnMove.WAY_HOME, Status.NOT_ENFORCED)
+    for bound in by.force_bounds(share, stated=part.acceleration is not None):
+        of = bound.of._replace(move=OwnMove.WAY_HOME)
+        yield replace(bound, of=of, binding=bound.status is Status.PROVEN)
 
 
 def _of_own_axes(part: Untimed, by: Guarantees) -> Iterable[LimitCheck]:

@@ -24,7 +24,6 @@ from identification.limit_proof import (
 from identification.motion import Array, Standstill, TimedPoints, Trajectory
 from identification.trajectories.curves import PolynomialMotion, Tabulated
 from identification.trajectories.moves import CircularMove, StraightMove
-from postprocessors.proving.forces import forces_along, forces_on, steady
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.homing import predicted, way_home
 from postprocessors.reading import Still, Stretch, Timed, Untimed
@@ -95,8 +94,7 @@ def _timed(part: Timed, by: Guarantees) -> Iterable[LimitCheck]:
         if by.follows_paths:
             yield check
         elif kind in SENSED:
-            proof = by.proven_forces(kind, lambda loads: forces_on(loads, part.points))
-            yield proof or replace(check, status=Status.NOT_ENFORCED)
+            yield by.sensed(check)
         elif kind in BY_TIME_LAW or (kind in RATES and not by.even_blocks):
             yield replace(check, status=by.status_of(check.kind))
         else:
@@ -130,10 +128,7 @@ def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Guarantees
             case LimitKind.ACCELERATION | LimitKind.STRUT_ACCELERATION:
                 yield by.prediction(check)
             case LimitKind.SENSOR_FORCE | LimitKind.SENSOR_MOMENT:
-                proof = by.proven_forces(
-                    family, lambda loads: forces_along(loads, motion, part.share_rate), OwnMove.UNTIMED
-                )
-                yield proof or by.prediction(check, status=Status.NOT_ENFORCED)
+                yield by.sensed(check, OwnMove.UNTIMED)
             case LimitKind.JOINT_TORQUE | LimitKind.JOINT_FORCE:
                 yield by.prediction(check, status=Status.NOT_ENFORCED)
             case LimitKind.JERK:
@@ -168,9 +163,10 @@ def _asked(part: Untimed, motion: StraightMove | CircularMove, by: Guarantees) -
         speed = float(np.min(by.limits.rate[way > 0.0] / way[way > 0.0]))
     else:
         return
-    fastest = steady(motion, speed)
-    for quantity in of_velocities(fastest, by.case):
-        yield worst_case(quantity, fastest.t)
+    t = np.linspace(0.0, 1.0 / speed, FEWEST + 1)
+    none = np.zeros_like(t)
+    for quantity in of_velocities(motion.along(t, (t * speed, none + speed, none, none)), by.case):
+        yield worst_case(quantity, t)
 
 
 FINE, ROUGH, ROUGH_RATE = 100, 10, 4000.0

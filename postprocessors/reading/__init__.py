@@ -6,7 +6,7 @@ Their common functions for lines, words and axes are at the end.
 
 import math
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -187,8 +187,7 @@ class Grouping:
         if self.pose is None:
             raise self.error(block[0], "a timed block starts from an unknown pose; first move home at a feed (G94)")
         if exact:
-            problem = "a timed block under exact stop, at whose end the controller stops: it lasts longer; write G64"
-            raise self.error(block[0], problem)
+            raise self.error(block[0], "a timed block under exact stop lasts longer; write G64")
         self.timed.append(block)
 
     def move(
@@ -238,16 +237,13 @@ class Grouping:
 
     def _path(self) -> TimedPoints | PolynomialMotion:
         lines, times, ends, polynomials = zip(*self.timed, strict=True)
-        pieces = [
-            (own / time ** np.arange(len(own))[:, None], time)
-            for own, time in zip(polynomials, times, strict=True)
-            if own is not None
-        ]
-        if not pieces:
+        if not any(own is not None for own in polynomials):
             return TimedPoints.through(np.cumsum([0.0, *times]), np.vstack([np.array(self.pose), *ends]))
-        if len(pieces) < len(lines):
-            first = next(line for line, own in zip(lines, polynomials, strict=True) if own is None)
-            raise self.error(first, "a timed straight block among polynomials; write a path in one form")
+        pieces = []
+        for line, time, own in zip(lines, times, polynomials, strict=True):
+            if own is None:
+                raise self.error(line, "a timed straight block among polynomials; write a path in one form")
+            pieces.append((own / time ** np.arange(len(own))[:, None], time))
         return PolynomialMotion.of_pieces(pieces)
 
 
@@ -283,29 +279,22 @@ def program_lines(content: bytes, file: str, longest: int, most: float = math.in
         count += bool(line.strip())
         if count > most:
             problem = f"more than {most} blocks, which is what the controller's memory holds (most_blocks)"
-            remedy = "make the program shorter, its timed blocks longer, or the memory larger"
-            raise ProgramError(file, number, 0, f"{problem}; {remedy}")
+            raise ProgramError(file, number, 0, f"{problem}; make the program shorter")
     return lines
 
 
 def each_word(
-    text: str,
-    position: int,
-    pattern: re.Pattern[str],
-    place: tuple[str, int],
-    remedy: Callable[[str], str],
+    text: str, position: int, pattern: re.Pattern[str], place: tuple[str, int], reads: str
 ) -> Iterator[tuple[re.Match[str], int]]:
     """Words of a line from a position on, one by one, with their columns; raises ProgramError for what is not a word.
 
-    Args:
-        place: file and line, for messages.
-        remedy: of the first characters of a text that is not a word.
+    `place` (file and line) and `reads` (all that is read in this language) are for messages.
     """
     while (ink := _INK.search(text, position)) is not None:
         match = pattern.match(text, position)
         if match is None:
             bad = text[ink.start() : ink.start() + 12].rstrip()
-            raise ProgramError(*place, ink.start() + 1, f"cannot read {bad!r}; {remedy(bad)}")
+            raise ProgramError(*place, ink.start() + 1, f"cannot read {bad!r}; {reads}")
         yield match, ink.start() + 1
         position = match.end()
 
@@ -320,17 +309,13 @@ def axis_letters(case: Case, controller: str, file: str, endless: bool = True) -
         return "XYZABC"
     chain, _ = case.need_chain("a program")
     for joint in chain.joints:
-        letters = "ABC" if joint.turns else "XYZ"
-        if joint.name not in tuple(letters):
-            problem = f"joint {joint.name} {'turns' if joint.turns else 'slides'} and is not an axis of {controller}"
+        endless_here = joint.kind == "continuous" and not endless  # a modulo axis would not count its turns
+        if joint.name not in tuple("ABC" if joint.turns else "XYZ") or endless_here:
+            how = "turns without end" if endless_here else "turns" if joint.turns else "slides"
+            problem = f"joint {joint.name} {how} and is not an axis of {controller}"
             remedy = (
-                f"name it {', '.join(letters)} in machine.chain, or write with --dialect urscript, ros2 or setpoints"
+                'name those that slide X, Y, Z and those that turn A, B, C, with kind = "revolute" and position_deg, '
+                "or write with --dialect urscript, ros2 or setpoints"
             )
-            raise ProgramError(file, 0, 0, f"{problem}; {remedy}")
-        if joint.kind == "continuous" and not endless:
-            problem = (
-                f"joint {joint.name} turns without end: as a modulo axis it would not count its turns on {controller}"
-            )
-            remedy = 'set the axis up without modulo, and state it as kind = "revolute" with position_deg'
             raise ProgramError(file, 0, 0, f"{problem}; {remedy}")
     return "".join(chain.names)

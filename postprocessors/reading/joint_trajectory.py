@@ -49,33 +49,24 @@ def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
     rows = found[len(forms) :]
     if not rows or len(rows) % len(of_a_point):
         raise ProgramError(file, lines[-1][0] if lines else 0, 0, "no point, or the last is not complete: truncated")
-    points = []
+    points: list[_Point] = []
     for k in range(0, len(rows), len(of_a_point)):
         *states, (_, (seconds, nanoseconds)) = rows[k : k + len(of_a_point)]
-        values = np.array([words for _, words in states], dtype=float)
-        if np.abs(values).max() > LARGEST:
-            raise ProgramError(file, rows[k][0], 0, f"a number of this point is beyond {LARGEST:g}; correct it")
-        points.append((rows[k][0], values, int(seconds) + int(nanoseconds) * 1e-9))
+        state, time = np.array([words for _, words in states], dtype=float), int(seconds) + int(nanoseconds) * 1e-9
+        before, ends = points[-1][2] if points else 0.0, k == 0 or k + len(of_a_point) == len(rows)
+        if np.abs(state).max() > LARGEST or not time > before or (ends and state[1:].any()):
+            problem = f"the point at {time:g} s must come after {before:g} s, have numbers below {LARGEST:g}"
+            raise ProgramError(file, rows[k][0], 0, f"{problem}, and rest if it is the first or last; correct it")
+        points.append((rows[k][0], state, time))
     return _grouped(file, points).reading(len(points))
 
 
 def _grouped(file: str, points: list[_Point]) -> Grouping:
     """Quintic pieces, and pauses where the machine stands; the trigger is on from the first movement to the last."""
-    (line, state, time), (end, final, _) = points[0], points[-1]
-    if not time > 0.0:
-        raise ProgramError(
-            file, line, 0, "the first point is at 0 s, to which the controller would jump; give it some time"
-        )
-    for place, values, verb in ((line, state, "begins"), (end, final, "ends")):
-        if values[1:].any():
-            raise ProgramError(
-                file, place, 0, f"the motion {verb} with a velocity or acceleration; it must be at rest there"
-            )
+    line, state, time = points[0]
     blocks: list[TimedBlock] = []
     for (_, before, start), (place, after, until) in pairwise(points):
         duration = until - start
-        if not duration > 0.0:
-            raise ProgramError(file, place, 0, f"time_from_start {until:g} s is not after the point before; correct it")
         standing = np.array_equal(before, after) and not after[1:].any()
         blocks.append((place, duration, after[0], None if standing else _quintic(before, after, duration)))
     moving = [k for k, (*_, coefficients) in enumerate(blocks) if coefficients is not None]

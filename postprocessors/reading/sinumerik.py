@@ -1,40 +1,72 @@
-"""Reads SINUMERIK 840D sl / ONE programs as the controller would, as far as a hexapod's program can go.
+"""Reads SINUMERIK 840D sl / ONE programs as the controller would, as far as an excitation needs; all else is refused.
 
-Everything else is refused with line and column. Words: 840D sl / ONE programming manuals; the orientation words, the
-transformation and the trigger's output are those of the case. In a machine's own axes no transformation is active, and
-moves go from rest to rest.
+Words: 840D sl / ONE programming manuals; the orientation words, the transformation and the trigger's output are those
+of the case. In a machine's own axes no transformation is active, and moves go from rest to rest.
 """
 
 import re
-from typing import NoReturn
 
 import numpy as np
 
 from cases.controller import SINUMERIK_NAME, Sinumerik, SinumerikAxes
 from cases.schema import Case
-from postprocessors.reading import NUMBER, Reading, axis_letters, program_lines
-from postprocessors.reading.modal import ModalState, Word
-from postprocessors.reading.sinumerik_words import (
-    GROUPS,
-    LONGEST_LINE,
-    OTHERS,
-    polynomial,
-    sinumerik_words,
-)
+from cases.units import MINUTE
+from postprocessors.reading import NUMBER, Reading, TimedBlock, axis_letters, each_word, program_lines
+from postprocessors.reading.modal import LARGEST, ModalState, Word, letter_word
 
-_COMPRESSED = {"N", "G1", "X", "Y", "Z", "F"}
-_OF_OWN_AXES = {
-    *("G1", "G17", "G40", "G60", "G90", "G94", "G500", "G710", "COMPOF", "SOFT", "FFWON", "FFWOF", "DYNNORM", "DYNPOS")
-}
+LONGEST_LINE = 512
 SAME_RADIUS = 1e-5  # [mm] tolerance of the radius of FGREF
 MM_A_DEGREE = 180.0 / np.pi
+_READS = (
+    "SINUMERIK programs consist of G1 under G60 (of a platform also arcs, and POLY or COMPCAD under G93), G4 F, the "
+    "case's DO $A_OUT[n]=1 and =0, modal words as hexcite post writes them, comments behind ; and M30"
+)
+_OF_OWN_AXES = {"G1", "G17", "G40", "G60", "G90", "G94", "G500", "G710", "COMPOF", "SOFT", "FFWON", "DYNNORM"}
+
+_COMMENT = re.compile(r'^((?:[^";]|"[^"]*+"?+)*+);.*$')  # from the first semicolon outside a string on
+_PROGRAM = re.compile(rf"%_N_(?:{SINUMERIK_NAME[1:-1]})_MPF\s*$", re.IGNORECASE)
+_BLOCK_NUMBER = re.compile(r"\s*(?:N\d+)?", re.IGNORECASE)
+_WORD = re.compile(
+    rf"""\s*(?:
+      (?P<action>DO)\s+(?P<assignment>\S.*?)\s*$
+    | (?P<piece>PO\[[A-Z0-9_]+\])\s*=\s*\(\s*(?P<items>{NUMBER}(?:\s*,\s*{NUMBER})*)\s*\)
+    | (?P<assigned>FGREF\[[A-Z]\]|[A-Z]+\d*)\s*=\s*(?P<value>{NUMBER})
+    | (?P<text>MSG)\s*\((?:"[^"]*")?\)
+    | (?P<keyword>[A-Z_]{{2,}}[A-Z0-9_]*)(?:\((?P<arguments>[A-Z0-9_,.\s]*)\))?
+    | (?P<letter>[A-Z])(?P<number>{NUMBER})
+    )""",
+    re.IGNORECASE | re.VERBOSE,
+)
+
+
+def sinumerik_words(text: str, line: int, file: str) -> list[Word]:
+    """The words of a line; raises ProgramError for anything that is not a word of this language."""
+    text = _COMMENT.sub(r"\1", text)
+    if line == 1 and _PROGRAM.match(text):
+        return [Word("%", 1)]
+    start = _BLOCK_NUMBER.match(text)
+    found = each_word(text, start.end() if start else 0, _WORD, (file, line), _READS)
+    return [_word(match, column) for match, column in found]
+
+
+def _word(match: re.Match[str], column: int) -> Word:
+    if match["letter"]:
+        return letter_word(match["letter"], match["number"], column)
+    if match["assigned"]:
+        return Word(match["assigned"].upper() + "=", column, float(match["value"]))
+    name = match["action"] or match["piece"] or match["text"] or match["keyword"]
+    arguments = match["assignment"] or match["items"] or match["arguments"] or ""
+    return Word(name.upper(), column, None, tuple("".join(arguments.upper().split()).split(",")) if arguments else ())
 
 
 class _SinumerikInterpreter(ModalState):
     """Meaning of the words."""
 
-    name, groups, others, last = "SINUMERIK", GROUPS, OTHERS, "M30"
-    straight_word, block_time, feed_group = "G1", "F = 60 / seconds", "FGROUP({})"
+    name, last, reads, feed_group = "SINUMERIK", "M30", _READS, "FGROUP({})"
+    groups = (
+        *("G0 G1 G2 G3 POLY", "G17 G18 G19", "G93 G94", "G60 G64 G642", "COMPOF COMPCAD"),
+        *("G90", "G710", "G40", "G500", "SOFT", "FFWON", "DYNNORM", "ORIWKS", "ORIRPY", "ORIAXES"),
+    )
 
     def __init__(self, file: str, settings: SinumerikAxes, case: Case) -> None:
         self.settings = settings
@@ -46,131 +78,102 @@ class _SinumerikInterpreter(ModalState):
             needed = ["ORIAXES", *rpy, self.of_pose.transformation]
         else:
             axes = list(axis_letters(case, "SINUMERIK", file, endless=False))
-            needed = ["TRAFOOF", "COMPOF", "G94", *(f"FGREF[{axis}]" for axis in axes if axis in "ABC")]
+            needed = ["TRAFOOF", "COMPOF", "G94", *(f"FGREF[{axis}]=" for axis in axes if axis in "ABC")]
         super().__init__(file, axes, self.of_pose is None)
         self.needed = {word: (word,) for word in ("G90", "G710", "G500", "SOFT", *needed)}
         if self.of_pose is not None:
             self.angles = self.of_pose.orientation_axes
         self.needed |= {"G60": ("G60",)} if self.own_axes else {"G60 or G64": ("G60", "G64", "G642")}
 
-    def read(self, words: list[Word]) -> None:
-        polynomials = [word for word in words if word.name == "PO"]
-        if polynomials and self.own_axes:
-            self.refuse(polynomials[0])
-        block = self.once_each(word for word in words if word.name != "PO")
-        for name, word in block.items():
-            self._modal(name, word, block)
+    def read(self, block: dict[str, Word]) -> None:
+        for word in block.values():
+            self._word(word, block)
         if "G4" in block:
-            self._dwell(block)
+            self.require_alone(block["G4"], block, "F")
+            self.pause(block["G4"], block.get("F"), "G4 F0.3", switches=True)
         else:
-            self._feed_and_move(block, polynomials)
-        if end := block.get("M30") or block.get("M2"):
-            self.end(end, "" if self.of_pose is None else self.of_pose.transformation_off)
+            self._move(block)
+        if "M30" in block:
+            self.end(block["M30"], "" if self.of_pose is None else self.of_pose.transformation_off)
 
-    def _modal(self, name: str, word: Word, block: dict[str, Word]) -> None:
-        if name in ("N", "MSG", "G4", "M2", "M30"):
+    def _word(self, word: Word, block: dict[str, Word]) -> None:
+        name, s = word.name, self.of_pose
+        if name in ("%", "MSG", "G4", "M30", "F", *self.axes):
             return
-        if name in (_OF_OWN_AXES if self.own_axes else self.group_of):
+        if name in (_OF_OWN_AXES if s is None else self.group_of):
             self.activate(name)
-        elif name in (*self.axes, "F") or (name in ("PL=", "I", "J", "K") and not self.own_axes):
-            self.require_number(word)
-        elif name == "%":
-            program = (word.arguments or ("",))[0]
-            if re.match(SINUMERIK_NAME, program) is None:
-                problem = "is not taken; at most 24 letters, digits and _, two letters first"
-                self.fail(word, f"program name {program!r} {problem}")
         elif name == "FGROUP":
-            self.feed_axes = word.arguments or ()
-        elif name == "DO":
-            self._action(word)
-        elif self.of_pose is None:
-            self._of_own_axes(name, word)
-        elif name in ("CTOL=", "OTOL="):
-            s = self.of_pose
-            limit = s.contour_tolerance_mm if name == "CTOL=" else s.orientation_tolerance_deg
-            if word.value is None or not 0.0 < word.value <= limit:
-                problem = f"is not above 0 and at most {limit:g}, the tolerance of the case; correct it"
-                self.fail(word, f"{name[:-1]} {problem}")
-        elif self._called(word) in (self.of_pose.transformation, self.of_pose.transformation_off):
-            self.require_alone(word, block)
-            self.transformed = self._called(word) == self.of_pose.transformation
-            self.said = self.said - {self.of_pose.transformation} | {self._called(word)}
-        else:
-            self._refuse(word, self.of_pose)
-
-    def _of_own_axes(self, name: str, word: Word) -> None:
-        if name == "TRAFOOF":
+            self.feed_axes = word.arguments
+        elif name == "DO" and word.arguments in [(f"$A_OUT[{self.settings.trigger_output}]={k}",) for k in "01"]:
+            self.motions.switch(self.line, word.arguments[0][-1] == "1", at_once=False)
+        elif s is None:
+            degree = word.value is not None and abs(word.value - MM_A_DEGREE) <= SAME_RADIUS
+            if name not in ("TRAFOOF", *(f"FGREF[{axis}]=" for axis in self.angles if degree)):
+                self.refuse(word)
             self.said.add(name)
-        elif name == "FGREF":
-            radius = (word.arguments or ("",))[0]
-            same = re.fullmatch(NUMBER, radius) and abs(float(radius) - MM_A_DEGREE) <= SAME_RADIUS
-            if word.selector not in self.angles or not same:
-                self.fail(word, f"FGREF[{word.selector}]={radius} is not 1 mm a degree; write {MM_A_DEGREE:.6f}")
-            self.said.add(f"FGREF[{word.selector}]")
-        else:
+        elif (called := word.written) in (s.transformation, s.transformation_off):
+            self.require_alone(word, block)
+            self.transformed = called == s.transformation
+            self.said = self.said - {s.transformation} | {called}
+        elif name in ("CTOL=", "OTOL="):
+            limit = s.contour_tolerance_mm if name == "CTOL=" else s.orientation_tolerance_deg
+            if not 0.0 < float(word.value or 0.0) <= limit:
+                self.fail(
+                    word, f"{name[:-1]} is not above 0 and at most {limit:g}, the tolerance of the case; correct it"
+                )
+        elif name not in ("PL=", "I", "J", "K") and not name.startswith("PO["):
             self.refuse(word)
 
-    def _refuse(self, word: Word, settings: Sinumerik) -> NoReturn:
-        name, angles = word.name, settings.orientation_words
-        if name in ("A", "B", "C"):
-            remedy = f"the angles are {', '.join(angles)}, as {angles[0]}="
-            self.fail(word, f"{name} is a rotary axis of the machine; {remedy}")
-        if name.startswith("TRA"):
-            remedy = f"{settings.transformation} and {settings.transformation_off}"
-            self.fail(word, f"{self._called(word)} is not the case's transformation; write {remedy}")
-        self.refuse(word)
-
-    @staticmethod
-    def _called(word: Word) -> str:
-        return word.name if word.arguments is None else f"{word.name}({','.join(word.arguments)})"
-
-    def _action(self, word: Word) -> None:
-        """Reads a non-modal synchronised action, which acts with the next executable block."""
-        output = f"$A_OUT[{self.settings.trigger_output}]="
-        text = (word.arguments or ("",))[0]
-        if text not in (f"{output}0", f"{output}1"):
-            self.fail(word, f"the action is not the trigger's; write {output}1 or =0")
-        self.motions.switch(self.line, text[-1] == "1", at_once=False)
-
-    def _dwell(self, block: dict[str, Word]) -> None:
-        word = block["G4"]
-        if set(block) - {"G4", "F", "N"}:
-            other = next(w for name, w in block.items() if name not in ("G4", "F", "N"))
-            self.fail(other, "G4 stands in a block of its own with its seconds as F; write G4 F0.3")
-        self.pause(word, block["F"].value if "F" in block else None, "G4 F0.3", switches=True)
-
-    def _feed_and_move(self, block: dict[str, Word], polynomials: list[Word]) -> None:
+    def _move(self, block: dict[str, Word]) -> None:
         self.take_feed(block)
-        coordinates = [name for name in (*self.axes, "I", "J", "K", "PL=") if name in block]
-        if not coordinates and not polynomials:
+        pieces = [word for word in block.values() if word.name.startswith("PO[")]
+        first = next((word for word in block.values() if word.name in (*self.axes, "I", "J", "K", "PL=")), None)
+        first = pieces[0] if pieces else first
+        if first is None:
             return
-        first = polynomials[0] if polynomials else block[coordinates[0]]
         self.require_said(first)
-        if self.of_pose is not None and (polynomials or self.active("POLY")):
-            self.motions.block(polynomial(self, self.of_pose, block, polynomials, first))
+        if self.of_pose is not None and (pieces or self.active("POLY") or "PL=" in block):
+            self.motions.block(self._polynomial(self.of_pose, block, first))
         elif self.active("G2", "G3"):
             self._require_standing(first)
             self.arc(block, first, self.active("G60"))
-        elif "PL=" in block:
-            self.fail(block["PL="], "PL without PO; remove it")
         else:
-            self._line(block, first)
+            end, duration, feed = self.target(block, first)
+            if duration is None:
+                self._require_standing(first)
+            self.straight(end, duration, feed, self.active("G60"))
         self.flowing = self.active("G64", "G642")
-
-    def _line(self, block: dict[str, Word], first: Word) -> None:
-        if self.active("COMPCAD"):
-            allowed = _COMPRESSED | set(self.axes)
-            other = next((w for name, w in block.items() if name not in allowed), None)
-            if other is not None or not self.active("G1"):
-                self.fail(other or first, "the compressor takes nothing but G1, coordinates and F; write COMPOF before")
-        end, duration, feed = self.target(block, first)
-        if duration is None:
-            self._require_standing(first)
-        self.straight(end, duration, feed, self.active("G60"))
 
     def _require_standing(self, first: Word) -> None:
         if self.flowing:
             self.fail(first, "the path before runs into this move (G64); let the machine stop first, write G4 F0.1")
+
+    def _polynomial(self, settings: Sinumerik, block: dict[str, Word], first: Word) -> TimedBlock:
+        """Reads X = a0 + a1 p + .. + a5 p^5 for p from 0 to PL, a1 from the end; p is assumed to be linear in time.
+
+        Refuses what the controller does not accept, or what would not last its time.
+        """
+        axes = {f"PO[{axis}]": k for k, axis in enumerate(("X", "Y", "Z", *settings.orientation_axes))}
+        pieces = {name: np.array(block[name].arguments, dtype=float) for name in axes if name in block}
+        length = float(block["PL="].value or 0.0) if "PL=" in block else 1.0
+        degree, most = settings.poly_degree, settings.poly_axes
+        if (
+            not (self.active("POLY") and self.active("G64") and self.active("G93") and not self.active("COMPCAD"))
+            or not (
+                set(block) <= {"POLY", "PL=", "F", *axes} and "F" in block and 0 < len(pieces) <= most and length > 0.0
+            )
+            or any(len(items) > degree or np.abs(items).max() > LARGEST for items in pieces.values())
+        ):
+            form = f"up to {most} words PO[axis]=(end,a2,..) of degree {degree} at most for {', '.join(axes)}, and F"
+            self.fail(first, f"a POLY block under G64 and G93 takes POLY, {form} = 60 / seconds alone; write it so")
+        coefficients = np.zeros((degree + 1, 6))
+        coefficients[0], end = self.pose, self.pose.copy()
+        for name, (own_end, *higher) in pieces.items():
+            end[axes[name]] = own_end
+            coefficients[2 : 2 + len(higher), axes[name]] = [a * length**i for i, a in enumerate(higher, start=2)]
+        coefficients[1] = end - coefficients[0] - coefficients[2:].sum(axis=0)
+        self.pose = end
+        return self.line, MINUTE / float(block["F"].value or np.nan), end * self.scale, coefficients * self.scale
 
 
 def read_sinumerik(content: bytes, file: str, case: Case) -> Reading:

@@ -1,7 +1,7 @@
-"""Reads TwinCAT CNC (TF5200, ISG kernel) programs as the controller would, as far as a hexapod's program can go.
+"""Reads TwinCAT CNC (TF5200, ISG kernel) programs as the controller would, as far as an excitation needs.
 
-Everything else is refused with line and column. Words: the TF5200 programming manual; kinematics, sign of B and M
-functions are those of the case. In a machine's own axes no transformation is active, and moves go from rest to rest.
+All else is refused. Words: the TF5200 programming manual; kinematics, sign of B, deviations and M functions are those
+of the case. In a machine's own axes no transformation is active, and moves go from rest to rest.
 """
 
 import re
@@ -10,233 +10,180 @@ import numpy as np
 
 from cases.controller import TWINCAT_NAME, TwinCat, TwinCatAxes
 from cases.schema import Case
-from postprocessors.reading import Reading, axis_letters, program_lines
-from postprocessors.reading.modal import ModalState, Word
-from postprocessors.reading.twincat_words import (
-    GROUPS,
-    LONGEST_LINE,
-    MOST_MESSAGES,
-    OTHERS,
-    twincat_words,
+from postprocessors.reading import NUMBER, Reading, axis_letters, each_word, program_lines
+from postprocessors.reading.modal import ModalState, Word, letter_word
+
+LONGEST_LINE = 4096  # beyond it: error 20301
+FEWEST_POINTS = 3  # fewest points of an AKIMA spline, its start included
+_READS = (
+    "TwinCAT programs consist of G01 with G60 (of a platform also arcs, and G93 paths in #SPLINE, #HSC or G261), G04 "
+    "0.3, the case's M functions of the trigger, commands and modal words as hexcite post writes them, and M30"
+)
+_OF_OWN_AXES = {"G1", "G17", "G90", "G94", "G71"}  # modal words
+# what opens a path of points -> what must stand before it, and what closes it
+_CURVES = {
+    "#SPLINE ON": ("#SPLINE TYPE AKIMA", "#SPLINE OFF"),
+    "#HSC ON": ("#TRAFO ON", "#HSC OFF"),
+    "G261": ("#CONTOUR MODE", "G260"),
+}
+
+_PROGRAM = re.compile(rf"%(?:{TWINCAT_NAME[1:-1]})\s*$")
+_BLOCK_NUMBER = re.compile(r"\s*(?:N\d+)?", re.IGNORECASE)
+_WORD = re.compile(
+    rf"""\s*(?:
+      (?P<command>\#[A-Z]+(?:\s+[A-Z_]{{2,}})*)\s*(?:\[(?P<items>(?:"[^"]*"|[^\]"])*)\])?\s*$
+    | (?P<letter>[A-Z])(?P<number>{NUMBER})
+    | (?P<bare>{NUMBER})
+    )""",
+    re.IGNORECASE | re.VERBOSE,
 )
 
-_OF_OWN_AXES = {"G1", "G17", "G90", "G94", "G71"}  # modal words
-FEWEST_SPLINE_POINTS = 3  # fewest points of an AKIMA spline, its start included
-_DEVIATION = re.compile(r"(?P<name>PATH_DEV|TRACK_DEV)=(?P<value>\d+\.?\d*|\.\d+)$")
+
+def twincat_words(text: str, line: int, file: str) -> list[Word]:
+    """The words of a line; raises ProgramError for anything that is not a word of this language."""
+    text = _without_comments(text)
+    if line == 1 and _PROGRAM.match(text):
+        return [Word("%", 1)]
+    start = _BLOCK_NUMBER.match(text)
+    found = each_word(text, start.end() if start else 0, _WORD, (file, line), _READS)
+    return [_word(match, column) for match, column in found]
+
+
+def _without_comments(text: str) -> str:
+    """The text with comments as blanks: behind a semicolon, and in parentheses, which nest and need not be closed."""
+    out: list[str] = []
+    depth, inside = 0, False
+    for k, character in enumerate(text):
+        if depth == 0 and character == '"':
+            inside = not inside
+        if not inside:
+            if depth == 0 and character == ";":
+                return "".join(out) + " " * (len(text) - k)
+            depth += character == "("
+            if depth:
+                depth -= character == ")"
+                out.append(" ")
+                continue
+        out.append(character)
+    return "".join(out)
+
+
+def _word(match: re.Match[str], column: int) -> Word:
+    if match["command"]:
+        items = (match["items"] or "").upper().replace(",", " ").split()
+        return Word(" ".join(match["command"].upper().split()), column, None, tuple(items))
+    if match["bare"]:
+        return Word("", column, float(match["bare"]))
+    return letter_word(match["letter"], match["number"], column)
 
 
 class _TwinCatInterpreter(ModalState):
     """Meaning of the words."""
 
-    name, groups, others, last, straight_word = "TwinCAT", GROUPS, OTHERS, "M30", "G01"
+    name, last, reads, feed_group = "TwinCAT", "M30", _READS, "#FGROUP [{}]"
     block_time, inverse_time = "F, the block's time in seconds", False
-    feed_group = "#FGROUP [{}]"
+    groups = (
+        *("G0 G1 G2 G3", "G17 G18 G19", "G93 G94", "G260 G261", "G359 G360"),
+        *("G90", "G71", "G162"),
+    )
 
     def __init__(self, file: str, settings: TwinCatAxes, case: Case) -> None:
-        self.settings = settings
-        self.of_pose = settings if isinstance(settings, TwinCat) else None  # None: in the machine's own axes
-        letters = "XYZABC"
-        if self.of_pose is None:
-            letters = axis_letters(case, "TwinCAT", file, endless=False)
-        super().__init__(file, letters, self.of_pose is None)
+        letters = "XYZABC" if isinstance(settings, TwinCat) else axis_letters(case, "TwinCAT", file, endless=False)
+        super().__init__(file, letters, not isinstance(settings, TwinCat))
+        self.trigger = {f"M{settings.trigger_on_m}": True, f"M{settings.trigger_off_m}": False}
         # commands that state what the case says, with the text behind them
         self.stated = {"#SLOPE": f"TYPE={settings.slope}", "#TRAFO OFF": ""}
         needed = ["G90", "G71", "#SLOPE", "G94", "#TRAFO OFF"]
-        if self.of_pose is not None:
-            self.scale[4] *= self.of_pose.angle_sign_b
-            self.stated |= {"#KIN ID": str(self.of_pose.kinematic_id), "#TRAFO ON": ""}
+        if isinstance(settings, TwinCat):
+            self.scale[4] *= settings.angle_sign_b
+            deviations = f"PATH_DEV={settings.path_deviation_mm:g} TRACK_DEV={settings.track_deviation_deg:g}"
+            self.stated |= {"#KIN ID": str(settings.kinematic_id), "#TRAFO ON": "", "#SPLINE TYPE AKIMA": ""}
+            self.stated |= {"#HSC ON": f"BSPLINE {deviations}", "#CONTOUR MODE": f"DEV {deviations}", "#SPLINE ON": ""}
             needed[3:] = ["#KIN ID", "#TRAFO ON"]
-        self.needed = {f"{name} {self._behind(name)}".rstrip(): (name,) for name in needed}
-        self.curve = ""  # SPLINE, HSC or CONTOUR while a path of points is open
-        self.akima = self.contour = False  # whether the settings that SPLINE and CONTOUR need are active
-        self.points = 0  # of the path, its start included
-        self.stopped = False  # whether an exact stop has ended the points
-        self.messages = 0
+        self.needed = {self._stated(name): (name,) for name in needed}
+        self.curve = ""  # the word that closes the open path of points
+        self.points = 0  # of that path, its start included
 
-    def read(self, words: list[Word]) -> None:
-        block = self.once_each(words)
-        command = next((w for name, w in block.items() if name.startswith("#")), None)
-        if command is not None:
-            self._command(command)
-            return
-        for name, word in block.items():
-            self._word(name, word, block)
+    def _stated(self, name: str) -> str:
+        """A command with what it must state."""
+        return f"{name} [{self.stated[name]}]" if self.stated.get(name) else name
+
+    def read(self, block: dict[str, Word]) -> None:
+        if self.curve and (other := next((w for n, w in block.items() if n not in self._of_a_path()), None)):
+            self.fail(other, f"{other.name} within a path of points; end it first with {self.curve}")
+        for word in block.values():
+            self._word(word, block)
         if "G4" in block:
-            self._dwell(block)
+            self.require_alone(block["G4"], block, "")
+            self.pause(block["G4"], block.get(""), "G04 0.3")
+        elif "" in block:
+            self.refuse(block[""])
         else:
-            if "" in block:
-                self.fail(block[""], "a number without a letter; write its letter")
-            self._feed_and_move(block)
-        if end := block.get("M30") or block.get("M2"):
-            if self.curve:
-                self.fail(end, "a path of points is still open at the end; close it")
-            self.end(end, "#TRAFO OFF")
+            self._move(block)
+        if "M30" in block:
+            self.end(block["M30"], "#TRAFO OFF")
 
-    def _word(self, name: str, word: Word, block: dict[str, Word]) -> None:
-        if name in ("N", "G4", "G60", "M2", "M30", ""):
+    def _of_a_path(self) -> set[str]:
+        """Words that may stand in an open path."""
+        return {"G93", "G1", "G60", "F", *self.axes, self.curve}
+
+    def _word(self, word: Word, block: dict[str, Word]) -> None:
+        name = word.name
+        if name in ("%", "G4", "G60", "M30", "F", "#MSG", "", *self.axes):
             return
-        if name in (_OF_OWN_AXES if self.own_axes else self.group_of) and word.value is None:
-            if name == "G261":
-                self._open("CONTOUR", word)
-            elif name == "G260":
-                self._close("CONTOUR", word)
+        if name in (_OF_OWN_AXES if self.own_axes else self.group_of):
             self.activate(name)
-        elif name in (*self.axes, "F") or (name in ("I", "J", "K") and not self.own_axes):
-            self.require_number(word)
-        elif name == "%":
-            program = (word.arguments or ("",))[0]
-            if self.motions.stretches or self.motions.switched or self.modal or re.match(TWINCAT_NAME, program) is None:
-                self.fail(word, f"program name {program!r} is not taken; one plain name at the start of the file")
-        elif name in (f"M{self.settings.trigger_on_m}", f"M{self.settings.trigger_off_m}"):
-            self._switch(name, word, block)
-        else:
-            hint = "a word of an excitation; remove it"
-            if name[:1] == "M":
-                hint = (
-                    f"the trigger's M function; write M{self.settings.trigger_on_m} and M{self.settings.trigger_off_m}"
-                )
-            self.refuse(word, f"not {hint}")
+        elif name in self.trigger:
+            self.require_alone(word, block)
+            if self.flowing:
+                self.fail(word, f"{name} while the machine moves on; let it stop first, write G60 in the block before")
+            self.motions.switch(self.line, self.trigger[name], at_once=True)
+        elif name in self.stated:
+            if " ".join(word.arguments) != self.stated[name]:
+                self.fail(word, f"{name} is not what the case says; write {self._stated(name)}")
+            if name.startswith("#TRAFO"):
+                self.transformed = name == "#TRAFO ON"
+                self.said -= {"#TRAFO ON", "#TRAFO OFF"}
+            self.said.add(name)
+        elif name == "#FGROUP":
+            self.feed_axes = word.arguments
+        elif self.own_axes or name not in ("I", "J", "K", self.curve):
+            self.refuse(word)
+        if name in _CURVES:
+            before, end = _CURVES[name]
+            if before not in self.said or self.flowing or np.isnan(self.pose).any():
+                problem = f"{name} opens a path of points behind {before}, where the machine stands at a known pose"
+                self.fail(word, f"{problem}; write G60 in the block before")
+            self.curve, self.points = end, 1
+        elif name == self.curve:
+            if self.points < FEWEST_POINTS or self.flowing:
+                self.fail(word, f"a path has {FEWEST_POINTS} points or more, its start included, the last with G60")
+            self.curve = ""
 
-    def _switch(self, name: str, word: Word, block: dict[str, Word]) -> None:
-        self.require_alone(word, block)
-        if self.curve or self.flowing:
-            self.fail(word, f"{name} while the machine moves on; let it stop first, write G60 in the block before")
-        self.motions.switch(self.line, name == f"M{self.settings.trigger_on_m}", at_once=True)
-
-    def _command(self, word: Word) -> None:
-        name, s = word.name, self.of_pose
-        if self.curve and name not in ("#SPLINE OFF", "#HSC OFF"):
-            self.fail(word, f"{name} within a path of points; end it first")
-        match name:
-            case _ if name in self.stated:
-                if ",".join(word.arguments or ()) != self.stated[name] or word.value is not None:
-                    self.fail(word, f"{name} is not what the case says; write {name}{self._behind(name)}")
-                if name == "#KIN ID" and self.transformed:
-                    self.fail(word, "the kinematics cannot change while the transformation is on; write #TRAFO OFF")
-                if name.startswith("#TRAFO"):
-                    self.transformed = name == "#TRAFO ON"
-                    self.said -= {"#TRAFO ON", "#TRAFO OFF"}
-                self.said.add(name)
-            case "#FGROUP":
-                self.feed_axes = word.arguments or ()
-            case "#MSG" | "#MSG SYN":
-                self.messages += 1
-                if self.messages > MOST_MESSAGES:
-                    self.fail(word, f"the controller stops at {MOST_MESSAGES} messages that nobody reads; remove some")
-            case "#TIME":
-                self._pause(word, word.value)
-            case "#SPLINE TYPE AKIMA" if s is not None:
-                self.akima = True
-            case "#SPLINE ON" if s is not None:
-                self._open("SPLINE", word)
-            case "#SPLINE OFF":
-                self._close("SPLINE", word)
-            case "#HSC ON" if s is not None:
-                self._require_deviations(word, "BSPLINE", s)
-                self._open("HSC", word)
-            case "#HSC OFF":
-                self._close("HSC", word)
-            case "#CONTOUR MODE" if s is not None:
-                self._require_deviations(word, "DEV", s)
-                self.contour = True
-            case _:
-                self.refuse(word, "not a command of an excitation; remove it")
-
-    def _open(self, kind: str, word: Word) -> None:
-        """Begins a path where the machine stands, of a kind that was chosen before; refuses one within another."""
-        if kind == "SPLINE" and not self.akima:
-            self.fail(word, "#SPLINE ON before #SPLINE TYPE AKIMA; add it")
-        if kind == "CONTOUR" and (not self.contour or self.curve):
-            self.fail(word, "G261 needs #CONTOUR MODE before it, and no other curve; correct that")
-        if self.curve:
-            self.fail(word, f"{word.name} while another curve is open; end it first")
-        if np.isnan(self.pose).any():
-            self.fail(word, "a path of points starts from an unknown pose; first move home at a feed (G94)")
-        if self.flowing:
-            self.fail(word, "a path of points starts while the machine moves on; write G60 in the block before")
-        self.curve, self.points, self.stopped = kind, 1, False
-
-    def _close(self, kind: str, word: Word) -> None:
-        """Ends a path; refuses one of another kind or with too few points."""
-        if self.curve != kind:
-            self.fail(word, f"{word.name} without its beginning; remove it")
-        if kind == "SPLINE" and self.points < FEWEST_SPLINE_POINTS:
-            self.fail(word, f"a spline needs {FEWEST_SPLINE_POINTS} points, its start included; add some")
-        self.curve = ""
-
-    def _point(self, first: Word, exact: bool) -> None:
-        """Adds a timed block as a point of the path; the first move of a program needs no path."""
-        if not self.curve:
-            if not np.isnan(self.pose).any():
-                problem = "a timed block (G93) is a corner without a curve; write #SPLINE ON before the points"
-                self.fail(first, problem)
-            return
-        if self.stopped:
-            self.fail(first, "a point after an exact stop within a path; write G60 in the last block alone")
-        self.points += 1
-        self.stopped = exact
-
-    def _require_deviations(self, word: Word, kind: str, settings: TwinCat) -> None:
-        """Refuses a curve that may leave its points by more than the case allows; both deviations must be stated."""
-        s, arguments = settings, word.arguments or ()
-        limits = {"PATH_DEV": s.path_deviation_mm, "TRACK_DEV": s.track_deviation_deg}
-        text = f"[{kind} PATH_DEV={s.path_deviation_mm:g} TRACK_DEV={s.track_deviation_deg:g}]"
-        deviations = {m["name"]: float(m["value"]) for item in arguments[1:] if (m := _DEVIATION.match(item))}
-        if arguments[:1] != (kind,) or len(arguments) != 3 or set(deviations) != set(limits):
-            self.fail(word, f"{word.name} needs its deviations; write {word.name} {text}")
-        for name, limit in limits.items():
-            if not 0.0 < deviations[name] <= limit:
-                problem = f"{name}={deviations[name]:g} is not above 0 and at most {limit:g}, the case's; correct it"
-                self.fail(word, problem)
-
-    def _behind(self, name: str) -> str:
-        """What a command states, in brackets."""
-        text = self.stated.get(name, "")
-        return f"[{text}]" if text else ""
-
-    def _pause(self, word: Word, seconds: float | None) -> None:
-        if self.curve:
-            self.fail(word, "a dwell within a path of points; end it first")
-        self.pause(word, seconds, "G04 0.3")
-
-    def _dwell(self, block: dict[str, Word]) -> None:
-        """Reads the dwell `G04 3.0` or `G04 X3.0` in seconds."""
-        word = block["G4"]
-        arguments = [w for name, w in block.items() if name not in ("G4", "N")]
-        if len(arguments) != 1 or arguments[0].name not in ("", "X"):
-            other = next((w for w in arguments if w.name not in ("", "X")), word)
-            self.fail(other, "G04 stands in a block of its own with its seconds; write G04 0.3")
-        self._pause(word, arguments[0].value)
-
-    def _feed_and_move(self, block: dict[str, Word]) -> None:
+    def _move(self, block: dict[str, Word]) -> None:
         self.take_feed(block)
-        coordinates = [block[name] for name in (*self.axes, "I", "J", "K") if name in block]
-        if not coordinates:
+        first = next((word for word in block.values() if word.name in (*self.axes, "I", "J", "K")), None)
+        if first is None:
             if "G60" in block:
                 self.fail(block["G60"], "G60 without a motion in its block (error 20003); move it to a motion")
             return
-        first = min(coordinates, key=lambda w: w.column)
         self.require_said(first)
         exact = "G60" in block or self.active("G360")
         if self.active("G2", "G3"):
             if not self.active("G162"):
                 self.fail(first, "an arc needs relative centres; write G162")
-            self._require_no_curve(first)
             self.arc(block, first, exact)
         else:
             end, duration, feed = self.target(block, first)
-            if duration is None:
-                self._require_no_curve(first)
-            else:
-                self._point(first, exact)
+            if (duration is not None) != bool(self.curve) or (self.points > 1 and self.curve and not self.flowing):
+                problem = (
+                    "G93 and a time belong to the points of a path between #SPLINE ON and OFF, and to all of these"
+                )
+                self.fail(first, f"{problem}; write G60 in the last point alone")
+            self.points += 1
             # the exact stop at the end of a whole path is not a stop within it
             self.straight(end, duration, feed, exact and duration is None)
         self.flowing = not exact
-
-    def _require_no_curve(self, first: Word) -> None:
-        if self.curve:
-            problem = "a block of the controller's own timing within a path of points; write G93 and F in seconds"
-            self.fail(first, problem)
 
 
 def read_twincat(content: bytes, file: str, case: Case) -> Reading:

@@ -7,7 +7,6 @@ from pathlib import Path
 from cases.schema import load_case
 from postprocessors.dialects import read_program
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
-from postprocessors.execute.linuxcnc.stretching import predicted_stretch, triggered_paths
 from tests.bench.long_programs import long_programs
 from tests.postprocessors.changed_case import changed
 
@@ -92,11 +91,9 @@ def dense(folder: Path, command: Command) -> list[list[str]]:
         rows += wide_open("fourier", program, command)
         case = load_case("hexapod")
         read = read_program(program, case)
-        expected = predicted_stretch(triggered_paths(read.reading), case, 1.0)
         log = run_linuxcnc(read, changed(case, controller__linuxcnc__acceleration_headroom=1.0))
         measured = float(log.trigger.sum()) * log.period / 12.0
-        text = f"{measured:.2f} times, predicted {expected:.2f}"
-        rows.append(["LinuxCNC's stretch under the case's limits", text, "within 10 %"])
+        rows.append(["LinuxCNC's stretch under the case's limits", f"{measured:.2f} times", ""])
     return rows
 
 

@@ -11,12 +11,12 @@ from identification.motion import Motion, Standstill
 from identification.overload import SHARE, Loads
 from identification.parameters import nominal_parameters
 from identification.symbolic import over_samples
-from identification.trajectories.moves import StraightMove, fastest_profile
 from planner.families.ptp import PointToPointFamily
 from planner.families.states import state_size
 from planner.search.problem import near_limits, state_limits
 from planner.search.solving import Task, run_start
-from postprocessors.proving.forces import forces_along, forces_anywhere, forces_on
+from postprocessors.proving.guarantees import linuxcnc_guarantees
+from postprocessors.reading import Reading
 from tests.helpers import HOME, Harmonic
 
 CASE = load_case("strut_sensors")
@@ -61,40 +61,9 @@ def test_proof_and_regressor_know_the_same_forces(kind: str) -> None:
         assert share == pytest.approx(most / (SHARE * 5000.0), rel=1e-9)
 
 
-def corners(draw: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:
-    signs = draw.choice([-1.0, 1.0], (2, count, 6))
-    return signs[0] * LIMITS.rate, signs[1] * LIMITS.acceleration
-
-
-@pytest.mark.parametrize("kind", ["drive", "platform"])
-def test_no_motion_within_the_limits_passes_the_bound_on_a_path(kind: str) -> None:
-    case = of(kind)
-    path, draw = Harmonic(seed=3, size=0.8), np.random.default_rng(2)
-    t = np.repeat(np.linspace(0.0, path.duration, 200), 64)
-    most = np.abs(forces(case, path.at(t).pose, *corners(draw, len(t)))).max()
-    (check,) = forces_on(Loads.of(case), path)
-    assert 0.85 * check.worst < most <= check.worst * 1.001
-
-
-def test_no_pose_has_a_bound_from_anywhere() -> None:
-    assert forces_anywhere(Loads.of(of("drive"))) == ()
-
-
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("feed", [None, 0.1])
-def test_no_law_of_time_within_the_limits_passes_the_bound_along_a_move(kind: str, feed: float | None) -> None:
-    case = of(kind)
-    move = StraightMove(HOME, HOME + np.r_[0.15, -0.1, 0.05, 0.3, -0.2, 0.3], fastest_profile(1.0, 1.0, 10.0))
-    draw = np.random.default_rng(3)
-    shares, none = draw.uniform(0.0, 1.0, 5000), np.zeros(5000)
-    way = move.along(shares, (shares, none + 1.0, none, none))
-    speed = draw.uniform(-3.0 if feed is None else -feed, 3.0 if feed is None else feed, (5000, 1))
-    change = draw.uniform(-20.0, 20.0, (5000, 1))
-    rates, accelerations = way.rates * speed, way.accelerations * speed**2 + way.rates * change
-    kept = np.all(np.abs(rates) <= LIMITS.rate, axis=1) & np.all(np.abs(accelerations) <= LIMITS.acceleration, axis=1)
-    most = np.abs(forces(case, way.pose[kept], rates[kept], accelerations[kept])).max()
-    (check,) = forces_along(Loads.of(case), move, feed)
-    assert (0.75 if kind in ("drive", "platform") else 0.6) * check.worst < most <= check.worst
+def test_forces_of_struts_depend_on_the_pose_and_have_no_bound_from_anywhere() -> None:
+    case = of("drive")
+    assert linuxcnc_guarantees(Reading("", (), 0), case).force_bounds() == ()
 
 
 def test_sensors_that_are_too_weak_are_named_and_the_search_knows_their_limit() -> None:

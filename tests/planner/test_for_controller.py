@@ -15,12 +15,12 @@ from cases.schema import Case
 from identification.limit import Status
 from identification.limit_proof import prove
 from identification.motion import Joined
-from identification.trajectories.curves import polynomials_of
 from identification.trajectories.moves import StraightMove, has_steps
 from planner.families.ptp import controlled, with_steps
 from planner.families.settings import PointToPoint, Spline
 from planner.plan_folder import motion_entries, motion_of_entries
 from planner.plans import Plan
+from tests.helpers import polynomials_of
 from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed
 
@@ -178,8 +178,7 @@ def test_retimed_they_have_limited_jerk_and_go_anywhere(folder: Path, tmp_path: 
     saved = Plan.load(tmp_path / "smooth")
     assert not has_steps(saved.motion)
     assert call("post", tmp_path / "smooth", "--dialect", "sinumerik", "-o", tmp_path / "p.mpf").code == 0
-    smooth = call("post", tmp_path / "smooth", *ACCEPT, "-o", tmp_path / "p.ngc", "--json").json()
-    assert any("--for linuxcnc" in remark for remark in smooth["remarks"])
+    assert call("post", tmp_path / "smooth", *ACCEPT, "-o", tmp_path / "p.ngc").code == 0
 
 
 def test_a_motion_with_an_edited_law_is_not_believed(folder: Path, tmp_path: Path):

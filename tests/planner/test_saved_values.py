@@ -113,5 +113,4 @@ def test_a_program_of_any_plan_comes_back(family: FamilySettings, dialect: str, 
     for field in dataclasses.fields(program.guarantees):
         if field.name != "law":  # a function, which knows no equality
             assert np.all(getattr(again.guarantees, field.name) == getattr(program.guarantees, field.name)), field.name
-    assert again.forecast == program.forecast
     assert dataclasses.replace(again.proof, file="") == dataclasses.replace(program.proof, file="")

@@ -12,8 +12,8 @@ from identification.motion import Standstill, TimedPoints
 from identification.trajectories.moves import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.blocks import Blocks, TimedPath, ToHome, Trigger, timed_path
-from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
 from postprocessors.linuxcnc import write_linuxcnc
+from postprocessors.proving.guarantees import linuxcnc_guarantees
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.reading import Reading, Stretch, linuxcnc
 

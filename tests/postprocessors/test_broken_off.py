@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cases.errors import ProgramError
-from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
 from postprocessors.execute.virtual import run_virtual
+from postprocessors.proving.guarantees import linuxcnc_guarantees
 from postprocessors.proving.proof import prove_program
 from tests.bench.reliability.programs import edited, originals
 from tests.helpers import one_line

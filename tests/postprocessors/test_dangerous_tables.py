@@ -91,10 +91,10 @@ def test_what_is_no_number_is_refused_wherever_it_stands(value: float, column: i
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ((b",", b";"), "the columns are not"),
-        ((b".", b","), "cells where 38 columns stand"),
-        ((b"x_mm,y_mm", b"y_mm,x_mm"), "the columns are not"),
-        ((b"# format", b"\xef\xbb\xbf# format"), "the columns are not"),
+        ((b",", b";"), "then the columns t_s,x_mm,"),
+        ((b".", b","), "cells' where a row is 38 plain numbers"),
+        ((b"x_mm,y_mm", b"y_mm,x_mm"), "then the columns t_s,x_mm,"),
+        ((b"# format", b"\xef\xbb\xbf# format"), "then the columns t_s,x_mm,"),
     ],
     ids=["semicolons", "decimal commas", "headings exchanged", "a byte order mark"],
 )

@@ -15,7 +15,7 @@ from identification.trajectories.moves import CircularMove, Plane, StraightMove,
 from postprocessors.blocks import Blocks, TimedPath, ToHome, Trigger
 from postprocessors.proving.homing import predicted
 from postprocessors.reading import Timed, Untimed
-from postprocessors.reading.sinumerik_words import LONGEST_LINE
+from postprocessors.reading.sinumerik import LONGEST_LINE
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import (
     CASE,

@@ -13,7 +13,7 @@ from identification.motion import Joined, Trajectory
 from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_circle
 from postprocessors.dialects import dialect
-from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
+from postprocessors.proving.guarantees import linuxcnc_guarantees
 from postprocessors.proving.homing import predicted
 from postprocessors.reading import Timed, Untimed
 from postprocessors.writing import excitation_program, proven_program

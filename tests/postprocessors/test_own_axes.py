@@ -8,13 +8,12 @@ import pytest
 
 from cases.errors import HexciteError, ProgramError
 from cases.schema import load_case
-from identification.trajectories.curves import polynomials_of
 from postprocessors.dialects import dialect
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import prove_program
 from postprocessors.reading import Untimed
 from postprocessors.writing import proven_program
-from tests.helpers import one_line
+from tests.helpers import one_line, polynomials_of
 from tests.postprocessors.execute.runs import run_text
 from tests.postprocessors.joint_walks import ROBOT, walk
 
@@ -87,10 +86,10 @@ def test_who_answers_for_what() -> None:
 
 
 REFUSED = {
-    "a blend": ("G61", "G64 P0.01", "G64 is rounding of corners"),
-    "a time": ("G61", "G61\nG93", "G93 is a time for a block"),
-    "an arc": ("G1 X", "G2 I5 X", "G2 is an arc"),
-    "an axis that is not there": ("A-", "B-", "is not a word of an excitation"),
+    "a blend": ("G61", "G64 P0.01", "G64 is not read here"),
+    "a time": ("G61", "G61\nG93", "G93 is not read here"),
+    "an arc": ("G1 X", "G2 I5 X", "G2 is not read here"),
+    "an axis that is not there": ("A-", "B-", "is not read here"),
     "an axis left open": (" C0 F", " F", "leaves C open; name all 5 coordinates"),
 }
 
@@ -154,6 +153,6 @@ def test_linuxcnc_executes_the_law_within_two_cycles_a_move(tmp_path: Path) -> N
 
 
 def test_joints_that_are_no_axes_are_named() -> None:
-    with pytest.raises(ProgramError, match=r"joint base .*LinuxCNC; name it A, B, C") as caught:
+    with pytest.raises(ProgramError, match=r"joint base turns and is not an axis of LinuxCNC; name those") as caught:
         proven_program(walk(ROBOT, jerk=False), ROBOT, LINUXCNC, "walk.ngc", ())
     one_line(caught.value)

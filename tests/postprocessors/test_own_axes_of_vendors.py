@@ -8,14 +8,13 @@ import pytest
 from cases.errors import HexciteError, ProgramError
 from cases.schema import Case, load_case
 from identification.motion import Joined, Standstill
-from identification.trajectories.curves import polynomials_of
 from identification.trajectories.moves import StraightMove
 from postprocessors.dialects import dialect
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import prove_program
 from postprocessors.reading import Still, Untimed
 from postprocessors.writing import proven_program
-from tests.helpers import one_line
+from tests.helpers import one_line, polynomials_of
 from tests.postprocessors.joint_walks import walk
 
 KEEPS = ["velocity", "acceleration", "jerk"]
@@ -94,18 +93,18 @@ def test_f_counts_lengths_in_mm_and_turns_in_degrees_as_the_text_says(name: str)
 REFUSED = {
     "sinumerik": {
         "a transformation": ("TRAFOOF", "TRAORI", "TRAORI"),
-        "another measure of a degree": ("FGREF[A]=57.29578", "FGREF[A]=100", "1 mm a degree"),
+        "another measure of a degree": ("FGREF[A]=57.29578", "FGREF[A]=100", "FGREF[A]=100 is not read"),
         "an index where none is": ("G60", "G60[X]=(1)", "[X]=(1)"),
-        "a measure that is no number": ("FGREF[A]=57.29578", "FGREF[A]=(R)", "1 mm a degree"),
+        "a measure that is no number": ("FGREF[A]=57.29578", "FGREF[A]=(R)", "cannot read '[A]=(R)"),
         "no measure": ("FGREF[C]=57.29578\n", "", "FGREF"),
         "a group that is not that of the move": ("FGROUP(X,Y,Z)", "FGROUP(A,C)", "FGROUP"),
         "a first move that counts lengths alone": ("FGROUP(X,Y,Z,A,C)", "FGROUP(X,Y,Z)", "FGROUP"),
         "a blend": ("G60", "G64", "G64"),
         "no exact stop": ("G60", "", "add G60"),
         "a time": ("G94", "G93", "G93"),
-        "no jerk limit": ("SOFT", "BRISK", "SOFT"),
+        "no jerk limit": ("SOFT", "BRISK", "BRISK"),
         "an arc": ("G1 X", "G2 X", "G2"),
-        "another output": ("$A_OUT[1]", "$A_OUT[2]", "trigger"),
+        "another output": ("$A_OUT[1]", "$A_OUT[2]", "$A_OUT[2]=1) is not read"),
     },
     "twincat": {
         "a transformation": ("#TRAFO OFF", "#TRAFO ON", "#TRAFO ON"),

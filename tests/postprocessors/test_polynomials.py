@@ -1,13 +1,11 @@
 """POLY pieces: exact where the motion is made of polynomials, within a tolerance where not; two laws of time."""
 
-import re
-
 import numpy as np
 import pytest
 
 from cases.errors import CaseError
-from identification.motion import Joined, Standstill
-from identification.trajectories.curves import PolynomialMotion, polynomials_of
+from identification.motion import Joined
+from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.blocks import (
@@ -19,9 +17,8 @@ from postprocessors.blocks import (
     pieces,
     timed_path,
 )
-from postprocessors.dialects import dialect
 from postprocessors.reading import Timed
-from postprocessors.writing import excitation_program, proven_program
+from tests.helpers import polynomials_of
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import CASE, SINUMERIK, text_of
 from tests.postprocessors.programs import HOME
@@ -131,42 +128,9 @@ def test_too_few_axes_or_too_tight_a_tolerance_name_the_key():
             text_of(SINUMERIK, program, changed(CASE, **{f"controller__sinumerik__{key}": value}))
 
 
-def test_post_says_how_far_the_controllers_law_may_stray_from_the_plan():
-    """Read from the text alone, and as the writer has stated it in the program's comments."""
-    text = text_of(SINUMERIK, (ToHome(HOME, 0.05), timed_path("spline", spline(5), 0.01, 1.0)))
-    (remark,) = SINUMERIK.language.forecast(SINUMERIK.read(text), CASE)[1]
-    off = path_speed_deviation(pieces(spline(5), 5, 1e-3 * CASE.controller.sinumerik.poly_block_ms, TIGHT), spline(5))
-    assert f"strays up to {off[0] * 1e3:.2g} mm" in remark
-    assert f"off the plan by {off[0] * 1e3:.2g} mm" in text
-    assert SINUMERIK.language.forecast(SINUMERIK.read(SINUMERIK.text("G1 X1 F3000")), CASE)[1] == ()
-
-
 def test_moves_of_seven_segments_become_cubic_pieces_of_the_same_law():
     moves = [StraightMove.fastest(HOME, FAR, *LIMITS), StraightMove.fastest(FAR, HOME, *LIMITS)]
     t = np.linspace(0.0, sum(m.duration for m in moves), 3001)[1:-1] + 1e-6
     motion, exact = polynomials_of(moves).at(t), Joined(tuple(moves)).at(t)
     for name in ("pose", "rates", "accelerations", "jerks"):
         assert np.abs(getattr(motion, name) - getattr(exact, name)).max() < 1e-6 * np.abs(getattr(exact, name)).max()
-
-
-def test_moves_are_written_as_polynomials_where_the_case_says_so():
-    """Path and time law are the plan's as far as p passes evenly; how far they are off otherwise is stated."""
-    case = changed(CASE, controller__sinumerik__moves="poly")
-    moves = (StraightMove.fastest(HOME, FAR, *LIMITS), StraightMove.fastest(FAR, HOME, *LIMITS))
-    excitation = Joined((*moves, Standstill(HOME, 0.2), moves[0]))
-    written = proven_program(excitation, case, dialect("sinumerik"), "p", ())
-    assert written.proof.relies_on == ()
-    text = written.content.decode()
-    assert text.count("\nG1 ") == 1  # to home
-    said = re.findall(r"; off the plan by (\S+) mm, (\S+) deg at most if (.*)", text)
-    assert [law[:12] for *_, law in said] == ["the polynomi", "the path spe"] * (len(said) // 2)
-    assert float(said[0][0]) < 1e-6
-    assert 0.01 < float(said[1][0]) < 1.0
-    assert "strays up to" in SINUMERIK.language.forecast(written.reading, case)[1][0]
-    first, second = (s.points for s in written.reading.stretches if isinstance(s, Timed) and s.trigger)
-    t = np.linspace(0.0, first.duration, 500)
-    assert np.abs(first.at(t).pose - Joined(moves).at(t).pose).max() < 1e-8
-    assert second.duration == pytest.approx(moves[0].duration, rel=1e-7)
-    assert "POLY" not in text_of(SINUMERIK, excitation_program(Joined(moves), CASE))
-    with pytest.raises(ValueError, match="moves = 'poly' needs path = 'poly'"):
-        changed(case, controller__sinumerik__path="lines")

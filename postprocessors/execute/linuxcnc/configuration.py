@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.motion import Array
+from postprocessors.proving.guarantees import SERVO_PERIOD
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -25,8 +26,6 @@ HERE = Path(__file__).parent
 INI_FILE = "machine.ini"
 HAL_FILE = "machine.hal"
 DISPLAY_FILE = "driver.py"
-
-SERVO_PERIOD = 1e-3  # cycle of the motion controller [s]: LinuxCNC's usual one, and the rate of the recordings
 
 ROUNDING = 1e-6
 """Pose limits are widened by the last digit of a program's numbers [mm, deg], so that the limit itself is allowed."""

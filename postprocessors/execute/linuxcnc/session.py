@@ -17,9 +17,9 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from postprocessors.execute import ControllerLog
 from postprocessors.execute.linuxcnc import configuration, timing
-from postprocessors.execute.linuxcnc.configuration import SERVO_PERIOD, AxisLayout
+from postprocessors.execute.linuxcnc.configuration import AxisLayout
 from postprocessors.execute.linuxcnc.isolation import OUTPUT_FILE, SYSTEM_PATH, preload_works, run_session
-from postprocessors.execute.linuxcnc.stretching import acceleration_headroom
+from postprocessors.proving.guarantees import SERVO_PERIOD, acceleration_headroom
 from postprocessors.reading import Still, Timed
 
 if TYPE_CHECKING:

@@ -12,8 +12,8 @@ from identification.motion import Trajectory, sample
 from identification.simulate import simulate_recording
 from identification.trajectories.executed import path_error
 from postprocessors.execute import ExecutedRun, windows
-from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
 from postprocessors.execute.virtual import REST, commanded, run_virtual
+from postprocessors.proving.guarantees import linuxcnc_guarantees
 from postprocessors.reading import Timed
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.independent import strut_lengths

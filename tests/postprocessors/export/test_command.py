@@ -79,7 +79,7 @@ def test_a_result_with_warnings_needs_force_and_the_file_tells(target: str, tmp_
         (("--to", "c", "-o", "."), ("folder that you work in",)),
         (("--to", "json", "-o", "model.txt"), ("model.txt", ".json")),
         (("--to", "st", "-o", "My-Model.st"), ("My-Model", "small letters", "-o")),
-        (("--to", "isg-load", "-o", "load.json"), ("load.json", ".nc")),
+        (("--to", "isg-load"), ("'isg-load'", "choose c, ")),
     ],
 )
 def test_a_wrong_argument_is_named_and_nothing_written(
