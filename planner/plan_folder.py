@@ -138,9 +138,8 @@ def _require_own_figures(file: Path, data: dict[str, Any], plan: "Plan") -> None
         case = plan.case.model_copy(update={"recording": rate})
         model = identification_model(case, plan.model)
         size = float(len(model.names))
-        figures, _, worst = figures_of(case, model, plan.motion, plan.payloads, plan.request.criterion)
+        figures, _, predicted = figures_of(case, model, plan.motion, plan.payloads, plan.request.criterion)
         figures |= {"d_efficiency": plan.worth.bound.efficiency(figures["logdet"])}
-        predicted = {name: std for name, (std, _) in worst.items()}
     if list(predicted) != list(plan.predicted_std):
         raise ValueError("predicted_std")
     figures |= {"duration_s": plan.duration} | {f"predicted_std.{name}": std for name, std in predicted.items()}

@@ -52,8 +52,6 @@ class Request:
     starts: int | None = None  # number of random starts; None for as many as pay
     seconds: float | None = None  # time for the search; None until more starts stop paying
     seed: int = 0  # seed of the starts
-    # whether a spline may take the place of moves whose steps of acceleration do more harm than good
-    may_be_smooth: bool = False
     workers: int | None = field(default=None, compare=False)  # processes that search; None for one a core
 
     def __post_init__(self) -> None:

@@ -24,10 +24,7 @@ def plan(
     case: Annotated[str, argument("Built-in name, folder or case file.")],
     family: Annotated[
         str,
-        option(
-            "Family of motions: manual, fourier, ptp, spline. By default ptp, or spline where the controller's "
-            "steps of acceleration would shake the machine more than they are worth."
-        ),
+        option("Family of motions: manual, fourier, ptp, spline."),
     ] = "ptp",
     criterion: console.Criterion = "D",
     duration: Annotated[float, option("Whole duration in s; a multiple of --period where that is given.")] = 12.0,
@@ -86,7 +83,6 @@ def plan(
 
     kind, options = family_class(family), context.params
     sources = {name: context.get_parameter_source(name) for name in (*SEARCHED, *OWNERS)}
-    family_source = context.get_parameter_source("family")
     refuse_foreign([o for o, source in sources.items() if source and source.name != "DEFAULT"], family)
     most, fewest = read_payloads(payload)
     loaded = hx.load_case(case)
@@ -102,7 +98,6 @@ def plan(
         seconds=seconds,
         seed=seed,
         workers=workers,
-        may_be_smooth=not (family_source and family_source.name != "DEFAULT") and moves is None,
     )
     optimised = request.family.optimised
     folder = output_place(output, Path(f"{loaded.name}-{family}"), overwrite)
@@ -113,8 +108,6 @@ def plan(
         print(f"Planning for {loaded.name}: {family}, {text}model {request.model}", flush=True)
     with console.status("searching" if optimised else "timing", json) as remark:
         result = planned(request, loaded, remark)
-    if output is None and result.family != family:  # by itself
-        folder = output_place(output, Path(f"{loaded.name}-{result.family}"), overwrite)
     with console.status("writing", json), first_ctrl_c():  # this takes a short time
         console.save_with_page(result, PLAN, folder, overwrite)
     answer = answer_of_plan(result, folder)

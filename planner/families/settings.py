@@ -40,11 +40,6 @@ class FamilySettings:
     of_moves: ClassVar[bool] = False
     """Whether motions are moves that a controller times by its own law."""
 
-    @property
-    def rival(self) -> "FamilySettings":
-        """Another family, of which one start is made for comparison."""
-        return Fourier()
-
     def check(self, duration: float) -> None:
         """Raises HexciteError where a motion cannot last so long [s]."""
         if not duration > 0.0:
@@ -112,11 +107,6 @@ class Fourier(FamilySettings):
             raise HexciteError(f"order {self.order} is outside 1 to 7; above 7 only jerk grows: choose 3 to 7")
         if self.period is not None and not (self.period > 0.0 and np.isfinite(self.period)):
             raise HexciteError(f"period {self.period:g} s is not positive; choose about {USUAL_PERIOD:g} s")
-
-    @property
-    def rival(self) -> "FamilySettings":
-        """Point-to-point moves."""
-        return PointToPoint()
 
     @property
     def _fewest(self) -> int:

@@ -132,7 +132,7 @@ def beside_manual(plan: Plan) -> tuple[dict[str, float], float, bool] | str:
         worst = worst_std(case, model, scaling, motion, plan.payloads)
         averaging = case.sensors.pose_error_N is None
         times = float(np.sqrt(motion.duration / plan.duration)) if averaging else 1.0
-        return {name: std * times for name, (std, _) in worst.items()}, motion.duration, averaging
+        return {name: std * times for name, std in worst.items()}, motion.duration, averaging
     except HexciteError as error:
         return f"there is no hand-made motion to compare with: {error.typed}"
 
