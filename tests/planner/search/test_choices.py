@@ -29,7 +29,7 @@ def test_what_is_fixed_is_the_only_choice(hexapod_case: Case):
         assert len(family.families(hexapod_case, 12.0)) == 1
 
 
-@pytest.mark.parametrize("order", [1, 2, 5, 7])
+@pytest.mark.parametrize("order", [2, 5, 7])
 def test_a_free_period_is_the_duration_over_a_whole_number(order: int, hexapod_case: Case):
     found = Fourier(order, free_period=True).families(hexapod_case, 12.0)
     periods = [12.0 / family.period for family in found]
@@ -82,7 +82,7 @@ def test_fixed_and_free_at_once_is_a_misunderstanding(what: str):
 
 MOVING = ("fourier", "ptp", "spline")
 BELONGS = dict.fromkeys(SEARCHED, MOVING) | {
-    "order": ("fourier",), "period": ("fourier",), "centred": ("fourier",), "free_order": ("fourier",),
+    "order": ("fourier",), "period": ("fourier",), "free_order": ("fourier",),
     "free_period": ("fourier",), "moves": ("ptp",), "controller": ("ptp",), "knots": ("spline",),
     "sequence": ("manual",),
 }  # fmt: skip
