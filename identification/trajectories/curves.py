@@ -158,6 +158,10 @@ class FourierMotion:
         """Duration of all periods [s]."""
         return self.period * self.repeats
 
+    def slowed(self, speed: float) -> "FourierMotion":
+        """The same path at a share of the speed."""
+        return FourierMotion(self.centre, self.a * speed, self.b * speed, self.period / speed, self.repeats)
+
     def at(self, t: ArrayLike) -> Motion:
         """(34), (35), (36) and the third derivative at times t, shape (n,) [s]."""
         time = np.asarray(t, dtype=float)

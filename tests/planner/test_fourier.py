@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cases.schema import Case
-from identification.trajectories.curves import FourierMotion, needless_harmonics
+from identification.trajectories.curves import FourierMotion
 from planner.families.fourier import DENSITY, FourierFamily, resting_basis
 from planner.families.states import SHARE
 from tests.helpers import HOME, taylor_slope
@@ -123,11 +123,3 @@ def test_a_centred_family_rests_and_has_no_x0(order: int):
     assert np.abs(ends.rates).max() < 1e-9
     assert np.abs(ends.accelerations).max() < 1e-9
     assert np.linalg.matrix_rank(family.limit_maps()[0]) == family.unknowns
-
-
-def test_harmonics_that_do_nothing_are_counted_from_the_highest():
-    a, b = np.zeros((5, 6)), np.zeros((5, 6))
-    a[0], a[2], b[1], a[4] = 1.0, -1.0, 0.5, 0.001
-    assert needless_harmonics(FourierMotion(np.zeros(6), a, b, 3.0, 1)) == 2
-    a[4, 3] = 0.1
-    assert needless_harmonics(FourierMotion(np.zeros(6), a, b, 3.0, 1)) == 0
