@@ -111,15 +111,3 @@ def test_repeats_make_it_longer_and_nothing_else():
     once, thrice = (family(3, 2.0, n).motion(np.ones(30)) for n in (1, 3))
     assert (once.duration, thrice.duration) == (2.0, 6.0)
     assert np.allclose(thrice.at([4.7]).pose, once.at([0.7]).pose)
-
-
-@pytest.mark.parametrize("order", [2, 5, 7])
-def test_a_centred_family_rests_and_has_no_x0(order: int):
-    family = FourierFamily(order, 3.0, 1, np.zeros(6), np.ones(6), centred=True)
-    assert family.unknowns == 2 * order - 2
-    motion = family.motion(np.random.default_rng(1).normal(size=family.unknowns * 6))
-    assert np.abs(motion.centre).max() < 1e-12
-    ends = motion.at([0.0, 3.0])
-    assert np.abs(ends.rates).max() < 1e-9
-    assert np.abs(ends.accelerations).max() < 1e-9
-    assert np.linalg.matrix_rank(family.limit_maps()[0]) == family.unknowns

@@ -15,11 +15,9 @@ from identification.model import identification_model
 from identification.symbolic import over_samples
 from identification.trajectories.curves import FourierMotion
 from planner.families.fourier import DENSITY, FourierFamily
-from planner.families.settings import Spline
 from planner.noise import mean_information
 from planner.plans import Plan
 from planner.rating import PlannedMotion, notes
-from planner.request import Request
 from planner.search.feasibility import MARGIN, keep_limits
 from planner.search.problem import build_program
 from tests.postprocessors.independent import strut_lengths
@@ -142,31 +140,13 @@ def test_every_limit_is_proven(planned: dict[str, Any]):
     assert set(planned["limits"]) >= kinds
 
 
-@pytest.mark.parametrize(
-    ("used", "wanted"),
-    [
-        (5, []),
-        (4, ["the highest harmonic is negligible: --order 4 would do"]),
-        (2, ["the 3 highest harmonics are negligible: --order 2 would do"]),
-        (1, ["the 4 highest harmonics are negligible: --order 2 would do"]),  # 1 would need a run-in
-    ],
-)
-def test_a_series_whose_highest_harmonics_do_next_to_nothing_says_which_order_would_do(
-    used: int, wanted: list[str], hexapod_case: Case
-):
-    share = np.where(np.arange(1, 6) <= used, 1.0, 0.01)[:, None] * np.full(6, 0.1)
-    motion = FourierMotion(np.zeros(6), share, 0.5 * share, 3.0, 4)
-    found = PlannedMotion(motion, {"order": 5}, LimitReport(()))
-    assert list(notes(found, Request(), hexapod_case, {})) == wanted
-
-
 @pytest.mark.parametrize(("knots", "advice"), [(60, 1), (100, 1), (110, 0), (120, 0), (150, 0)])
 def test_a_spline_whose_knots_keep_it_from_full_acceleration_says_how_many_would_do(
     knots: int, advice: int, hexapod_case: Case
 ):
     """At 200 rad/s^3 it takes 0.1 s from -10 to 10 rad/s^2, at 100 m/s^3 0.12 s from -6 to 6 m/s^2."""
     found = PlannedMotion(SimpleNamespace(duration=12.0), {"knots": knots}, LimitReport(()))
-    words = notes(found, Request(Spline()), hexapod_case, {})
+    words = notes(found, hexapod_case)
     assert [f"{knots} knots, not the machine" in n and "--knots 120 carries more" in n for n in words] == [
         True
     ] * advice
