@@ -76,7 +76,7 @@ def demo(
     language = dialect(usual_dialect(case))
     best, reason = best_controller(language.name)
     family = PointToPoint(controller=language.name)
-    request = Request(family, model=full_model(case), starts=starts, seed=seed, may_be_smooth=True)
+    request = Request(family, model=full_model(case), starts=starts, seed=seed)
     planned(request, case).save(place / "plan", overwrite=True)
     plan = Plan.load(place / "plan", case)
     worth = plan.of_motion[1]

@@ -68,8 +68,7 @@ def plan(
 
     Args:
         case: machine and limits.
-        family: family of motions; unless given point-to-point moves, or a spline where the case plans for a controller
-            whose steps of acceleration shake the machine more than they are worth.
+        family: family of motions; unless given point-to-point moves.
         duration: duration of the excitation [s].
         progress: shows a line now and then.
         **settings: criterion, model, payload, payload_from, targets, starts, seconds, seed, workers; see `Settings`.
@@ -78,9 +77,7 @@ def plan(
         HexciteError: what was asked for cannot be met; the message says what to change.
     """
     settings.setdefault("model", full_model(case))
-    free = family is None
-    family = PointToPoint() if family is None else family
-    request = Request(family, duration, may_be_smooth=free, **settings)  # type: ignore[arg-type]  # a letter will do
+    request = Request(family or PointToPoint(), duration, **settings)  # type: ignore[arg-type]  # a letter will do
     return planned(request, case, progress)
 
 
@@ -205,20 +202,17 @@ def follower(asked: Request, case: Case, remark: Callable[[str], None]) -> Liste
         if isinstance(event, Request):
             request, began, results = event, time.monotonic(), []
             return
-        if isinstance(event, Start) and event.family.name != request.family.name:
-            return
         results += [] if event is None else [event]
         seconds, count = time.monotonic() - began, len(results)
-        other = "" if request.family.name == asked.family.name else f"{request.family.name} instead: "
         best = max((r for r in results if isinstance(r, Start)), key=lambda s: s.promise, default=None)
         if best is None:
-            remark(f"{other}first starts, {seconds:.0f} s")
+            remark(f"first starts, {seconds:.0f} s")
             return
         text = f"criterion {request.criterion} {best.record.criterion_value:.4g}"
         if bound is not None:
             text = f"{100 * bound.efficiency(best.record.logdet):.1f} % of the limit of information"
         left = _time_left(request, results, seconds, len(model.names))
-        remark(f"{other}{text} after {count} start{'s' * (count > 1)}, {seconds:.0f} s, {left}")
+        remark(f"{text} after {count} start{'s' * (count > 1)}, {seconds:.0f} s, {left}")
 
     return follow
 

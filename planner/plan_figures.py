@@ -30,8 +30,6 @@ from planner.noise import (
 from planner.pose_criteria import total_information
 from planner.search import Failed, StartRecord
 
-_RIVAL = "family", "d_efficiency"  # entries of a rival
-
 
 @dataclass(frozen=True, slots=True)
 class Worth:
@@ -39,7 +37,6 @@ class Worth:
 
     starts: tuple[StartRecord, ...]  # starts with a feasible motion, the best first
     failed_starts: tuple[Failed, ...]  # the others, with the reason
-    rival: tuple[str, float] | None  # a short search in another family: that, and the D-efficiency of its motion
     criterion_value: float  # the criterion of Table 4, to be maximised, in reference scaling
     logdet: float  # log det of the mean information, reference scaling, W = 1
     condition: float  # mu_1 / mu_u, reference scaling
@@ -50,8 +47,6 @@ class Worth:
     weights: str  # weights of the identification that predictions assume
     weaknesses: tuple[str, ...]  # why another plan would carry more information
     notes: tuple[str, ...]  # notes for the user before running it
-    # errors by the time law on a machine with a structural mode, from `planner.vibration`
-    vibration: Mapping[str, Any] | None = None
 
     @property
     def d_efficiency(self) -> float:
@@ -60,15 +55,12 @@ class Worth:
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json`."""
-        rival = None if self.rival is None else dict(zip(_RIVAL, self.rival, strict=True))
-        return asdict(self) | {"rival": rival, "d_efficiency": self.d_efficiency}
+        return asdict(self) | {"d_efficiency": self.d_efficiency}
 
     @classmethod
     def of_json(cls, data: Mapping[str, Any], parameters: int) -> "Worth":
         """From `plan.json`; raises KeyError, TypeError or ValueError where an entry is missing or damaged."""
         whole = dict(data)
-        if isinstance(rival := data["rival"], Mapping):
-            whole["rival"] = tuple(rival.get(entry) for entry in _RIVAL)
         if isinstance(entries := data["bound"], Mapping):  # earlier versions wrote fewer
             logdet = entries.get("logdet")
             absent = {"parameters": parameters, "design_logdet": logdet, "proven_logdet": logdet}
@@ -168,23 +160,18 @@ def predicted_std_of(
 
 def worst_std(
     case: Case, model: Model, scaling: Array, motion: Trajectory, payloads: Sequence[int]
-) -> dict[str, tuple[float, int]]:
-    """Largest predicted standard deviation of each parameter over numbers of payloads, and the number that has it.
+) -> dict[str, float]:
+    """Largest predicted standard deviation of each parameter over numbers of payloads.
 
-    Each run has the noise and weights of what is mounted; of equal deviations the fewest payloads count.
+    Each run has the noise and weights of what is mounted.
     """
-    worst: dict[str, tuple[float, int]] = {}
-    for payload in payloads:
-        noise = expected_noise(case, model, payload)
-        for name, std in predicted_std_of(case, model, scaling, motion, noise, payload).items():
-            if name not in worst or std > worst[name][0] * (1.0 + 1e-6):
-                worst[name] = (std, payload)
-    return worst
+    runs = [predicted_std_of(case, model, scaling, motion, expected_noise(case, model, n), n) for n in payloads]
+    return {name: max(run[name] for run in runs) for name in runs[0]}
 
 
 def figures_of(
     case: Case, model: Model, motion: Trajectory, payloads: Sequence[int], criterion: Criterion
-) -> tuple[dict[str, float], ExpectedNoise, dict[str, tuple[float, int]]]:
+) -> tuple[dict[str, float], ExpectedNoise, dict[str, float]]:
     """Figures of a motion with the most payloads mounted: entries of `plan.json`, the noise and `worst_std`.
 
     The criterion is of the information that the search maximised: with the weights of the case, and reduced by errors

@@ -138,9 +138,8 @@ def _require_own_figures(file: Path, data: dict[str, Any], plan: "Plan") -> None
         case = plan.case.model_copy(update={"recording": rate})
         model = identification_model(case, plan.model)
         size = float(len(model.names))
-        figures, _, worst = figures_of(case, model, plan.motion, plan.payloads, plan.request.criterion)
+        figures, _, predicted = figures_of(case, model, plan.motion, plan.payloads, plan.request.criterion)
         figures |= {"d_efficiency": plan.worth.bound.efficiency(figures["logdet"])}
-        predicted = {name: std for name, (std, _) in worst.items()}
     if list(predicted) != list(plan.predicted_std):
         raise ValueError("predicted_std")
     figures |= {"duration_s": plan.duration} | {f"predicted_std.{name}": std for name, std in predicted.items()}
@@ -171,7 +170,6 @@ def motion_entries(motion: Trajectory) -> dict[str, Any]:
                 "centre_m_rad": motion.centre.tolist(),
                 "a_m_s_rad_s": motion.a.tolist(),
                 "b_m_s_rad_s": motion.b.tolist(),
-                **({"run_in_s": motion.run_in} if motion.run_in else {}),
             }
         }
     if isinstance(motion, Joined):
@@ -263,8 +261,9 @@ def _fourier(entry: dict[str, Any]) -> FourierMotion:
     a, b = (_coordinates(entry, key, 2) for key in ("a_m_s_rad_s", "b_m_s_rad_s"))
     if a.shape != b.shape or len(centre) != a.shape[1]:
         raise ValueError("centre_m_rad")
-    run_in = _positive(entry, "run_in_s") if "run_in_s" in entry else 0.0
-    return FourierMotion(centre, a, b, _positive(entry, "period_s"), repeats, run_in)
+    if "run_in_s" in entry:  # of order 1, which versions before this one planned
+        raise ValueError("run_in_s")
+    return FourierMotion(centre, a, b, _positive(entry, "period_s"), repeats)
 
 
 def _read_part(entry: dict[str, Any]) -> Trajectory:

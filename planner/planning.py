@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -10,15 +10,13 @@ from time import perf_counter
 
 import numpy as np
 
-from cases.errors import HexciteError, IdentificationError, InfeasiblePlan, Interrupted
+from cases.errors import IdentificationError, InfeasiblePlan, Interrupted
 from cases.schema import Case
-from identification.criteria import Criterion
 from identification.limit_proof import PROOF_RATE, prove
 from identification.model import identification_model, machine_of
 from identification.motion import Array
 from planner.families import Family
 from planner.families.ptp import controlled, with_steps
-from planner.families.settings import Spline
 from planner.plans import Plan
 from planner.rating import PlannedMotion, rated_plan
 from planner.request import LONGEST, Request, parse_targets
@@ -37,7 +35,6 @@ from planner.search.parallel import (
     workers,
 )
 from planner.search.solving import Start, Step, Task
-from planner.vibration import LIMITED_JERK, both_laws, vibration
 
 SHIPPED = Path(__file__).with_name("families") / "shipped.json"
 KEPT = 3  # number of the best orders and periods that get more starts
@@ -81,20 +78,6 @@ def require_plannable(request: Request, case: Case) -> None:
     require_rest(case)
 
 
-def _rival(request: Request, case: Case) -> list[Task]:
-    """One short start of another family for comparison; empty where nothing is to be compared."""
-    if request.starts == 1 or request.criterion != Criterion.D:  # one start was requested, or another criterion than D
-        return []
-    rival = request.family.rival
-    try:
-        require_plannable(replace(request, family=rival, targets=()), case)
-    except HexciteError:  # too short for it, or too fast for the filter
-        return []
-    (family,) = rival.families(case, request.duration)
-    begin = shipped_start(family, case)
-    return [Task(case, request.model, family, Criterion.D, request.seed, request.payload, Step.GLANCE, begin)]
-
-
 def search(request: Request, case: Case, listener: Listener, run: Runner) -> PlannedMotion:
     """Explores starts until further ones gain too little, refines the best ones, proves the winner.
 
@@ -106,22 +89,19 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
     explored_until, until = deadlines(request)
     made_for = request.family.made_for(case)
     own, step_time = controlled(case, made_for)
-    rival = _rival(request, case)
-    count = request.family.refinements(request.criterion)
-    at_once, later = ([], rival) if count == 1 else (rival, [])  # a single refinement leaves a core free for it
-    results, interrupted = _explored(request, own, listener, run, explored_until, at_once)
-    explored = _own(results, request)
+    results, interrupted = _explored(request, own, listener, run, explored_until)
+    explored = _without_failures(results)
     score = max((s.record.criterion_value for s in explored if s.record.refined), default=-np.inf)
     # An exploration overestimates, and never underestimates: one below the best result so far cannot win.
     promising = sorted((s for s in explored if not s.record.refined and s.promise > score), key=lambda s: -s.promise)
     refinements = [
         Task(own, request.model, s.family, request.criterion, s.record.seed, request.payload, Step.REFINE, s.begin)
-        for s in promising[:count]
+        for s in promising[: request.family.refinements(request.criterion)]
     ]
-    if explored and (refinements or later) and not interrupted:
-        second, interrupted = run([*refinements, *later], listener, until)
+    if refinements and not interrupted:
+        second, interrupted = run(refinements, listener, until)
         results += second
-    starts = sorted(_own(results, request), key=lambda s: -s.record.criterion_value)
+    starts = sorted(_without_failures(results), key=lambda s: -s.record.criterion_value)
     failed = tuple(r for r in results if isinstance(r, Failed))
     if not starts:
         if interrupted:
@@ -131,51 +111,15 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
     motion = best.family.motion(keep_limits(own, best.family, best.unknowns, PROOF_RATE)[0])
     report = with_steps(prove(motion, case), step_time)
     settings = {**best.family.settings, **({} if made_for is None else {"made_for": made_for})}
-    other = next((s for s in _starts(results) if s.family.name != request.family.name), None)
-    return PlannedMotion(motion, settings, report, tuple(starts), failed, interrupted, other)
+    return PlannedMotion(motion, settings, report, tuple(starts), failed, interrupted)
 
 
-def _starts(results: Sequence[Start | Failed]) -> Iterator[Start]:
-    """Results that did not fail."""
-    return (r for r in results if isinstance(r, Start))
+def _without_failures(results: Sequence[Start | Failed]) -> list[Start]:
+    return [result for result in results if isinstance(result, Start)]
 
 
-def _own(results: Sequence[Start | Failed], request: Request) -> list[Start]:
-    """Starts of the family asked for; the others are of its rival."""
-    return [s for s in _starts(results) if s.family.name == request.family.name]
-
-
-def _by_errors(
-    request: Request, case: Case, result: PlannedMotion, listener: Listener, run: Runner
-) -> tuple[Request, PlannedMotion]:
-    """A smooth motion in place of moves whose accelerations step, where its errors are smaller, and its request.
-
-    The errors are those expected on a machine with a structural mode, where the case states one.
-    """
-    laws = None if result.interrupted else both_laws(case, request.model, result.motion, request.payload)
-    if laws is None or not laws.steps or laws.better != LIMITED_JERK:
-        return request, result._replace(laws=laws)
-    other = replace(request, family=Spline())
-    try:
-        require_plannable(other, case)
-        smooth = search(other, case, listener, run)
-    except HexciteError:  # no spline can be so short or so long
-        return request, result._replace(laws=laws)
-    worth = vibration(case, request.model, smooth.motion, request.payload, smooth.motion.duration)
-    assert worth is not None  # the case states a mode
-    times = worth.over(laws.own)
-    sentence = f"{other.name} in place of {request.name}, by errors to be expected on a machine with a mode at "
-    sentence += (
-        f"{laws.own.frequency:.3g} Hz (simulation.disturbances): {times:.2g} times those of moves with steps of "
-    )
-    sentence += "acceleration, of a controller that follows paths smoothly; --family ptp plans these moves"
-    return (other, smooth._replace(remark=sentence)) if times < 1.0 else (request, result._replace(laws=laws))
-
-
-def _explored(
-    request: Request, case: Case, listener: Listener, run: Runner, until: float, beside: Sequence[Task]
-) -> Outcome:
-    """Results of all starts and of tasks `beside` them, and whether Ctrl-C ended them.
+def _explored(request: Request, case: Case, listener: Listener, run: Runner, until: float) -> Outcome:
+    """Results of all starts, and whether Ctrl-C ended them.
 
     Each of several orders and periods has one start first; the starts that follow go to the best of them.
 
@@ -193,16 +137,14 @@ def _explored(
     first = max(len(families), min(1 + idle, most))
     tasks = [fresh(families[k % len(families)]) for k in range(first)]
     tasks[0] = replace(tasks[0], begin=shipped_start(tasks[0].family, case))
-    everything: list[Start | Failed] = []
-    tasks += beside
+    results: list[Start | Failed] = []
     a_round = max(FEWEST, min(MOST, request.workers or cores()))
     while True:
         more, interrupted = run(tasks, listener, until)
-        everything += more
-        results = [r for r in everything if isinstance(r, Failed) or r.family.name == request.family.name]
+        results += more
         if interrupted or time.monotonic() >= until or enough(results, request, parameters):
-            return everything, interrupted
-        starts = sorted(_starts(results), key=lambda s: -s.promise)
+            return results, interrupted
+        starts = sorted(_without_failures(results), key=lambda s: -s.promise)
         ranked = dict.fromkeys(settings.index(s.family.settings) for s in starts)
         best = [families[k] for k in ranked] or families
         tasks = [fresh(best[k % min(KEPT, len(best))]) for k in range(min(a_round, most - len(results)))]
@@ -232,8 +174,6 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
         if not motion.duration <= LONGEST:
             raise InfeasiblePlan(file, f"takes {motion.duration:.0f} s, longer than {LONGEST:g} s; take steps out")
         result = PlannedMotion(motion, {"sequence": str(file)}, prove(motion, case))
-    if request.may_be_smooth:
-        request, result = _by_errors(replace(request, may_be_smooth=False), case, result, listener, run)
     seconds = perf_counter() - start
     if not result.limits.kept:
         worst = result.limits.violations[0]

@@ -52,8 +52,6 @@ class Request:
     starts: int | None = None  # number of random starts; None for as many as pay
     seconds: float | None = None  # time for the search; None until more starts stop paying
     seed: int = 0  # seed of the starts
-    # whether a spline may take the place of moves whose steps of acceleration do more harm than good
-    may_be_smooth: bool = False
     workers: int | None = field(default=None, compare=False)  # processes that search; None for one a core
 
     def __post_init__(self) -> None:
@@ -103,13 +101,14 @@ class Request:
     def of_json(cls, data: Mapping[str, Any]) -> "Request":
         """From `plan.json`; raises KeyError, TypeError, ValueError or HexciteError where an entry is damaged."""
         settings, kind, fewest = data["settings"], family_class(str(data["family"])), data.get("payload_from")
-        names = {"order": "order", "period_s": "period", "centred": "centred", "moves": "moves", "knots": "knots"}
+        names = {"order": "order", "period_s": "period", "moves": "moves", "knots": "knots"}
         names["made_for"] = "controller"
         family_settings = {name: settings[key] for key, name in names.items() if key in settings}
         # earlier versions wrote what the family's settings became, not what was asked for
         entries = data["asked"] if "asked" in data else {"duration_s": data["duration_s"], "family": family_settings}
+        own = {setting.name for setting in fields(kind)}  # earlier versions had more
         return cls(
-            kind(**entries["family"]),
+            kind(**{name: value for name, value in entries["family"].items() if name in own}),
             float(entries["duration_s"]),
             Criterion(data["criterion"]),
             int(data["model"]),

@@ -10,7 +10,7 @@ from planner.cli import console
 from planner.cli.console import argument, option, out
 
 if TYPE_CHECKING:
-    from planner.retiming.retimed import PaceRating
+    from planner.retiming import PaceRating
 
 
 def bound(
@@ -61,16 +61,6 @@ def bound(
 def retime(
     source: Annotated[Path, argument("Plan folder.")],
     case: console.OwnCase = None,
-    method: Annotated[
-        str | None,
-        option(
-            "ruckig: moves as a jerk-limited controller times them; ipopt: paths under every limit. By default "
-            "what fits."
-        ),
-    ] = None,
-    fastest: Annotated[
-        bool, option("ipopt: as fast as the limits allow, not only as slow as needed.", "--fastest")
-    ] = False,
     model: Annotated[int | None, option("Identification model; the plan's own by default.")] = None,
     output: Annotated[Path | None, out("Plan folder of the re-timed motion.")] = None,
     stale: console.Stale = False,
@@ -79,31 +69,26 @@ def retime(
 ) -> None:
     """Make a plan of the same path at another pace.
 
-    Prints criteria and limits before and after; without -o nothing is written.
+    Moves are timed as a jerk-limited controller times them, other paths slowed until they satisfy every limit. Prints
+    criteria and limits before and after; without -o nothing is written.
     """
-    from cases.units import DEG, MM
-    from identification.model import identification_model
-    from planner.retiming.retimed import retimed, retimed_plan
+    from planner.retiming import retimed
 
     if output is not None:
         check_folder(output, PLAN, [source], overwrite)
     plan = hx.Plan.load(source, None if case is None else hx.load_case(case), stale)
-    own = plan.of_motion[0].model
-    model = own if model is None else model
     with console.status("re-timing", json) as report:
-        result = retimed(plan.motion, plan.case, identification_model(plan.case, model), method, fastest, report)
+        result = retimed(plan, model)
         if output is not None:
             report("writing")
-            console.save_with_page(retimed_plan(result, plan, model), PLAN, output, overwrite)
+            console.save_with_page(result.as_plan(), PLAN, output, overwrite)
     answer = {
         "source": str(source),
         "method": result.method,
-        "model": model,
+        "model": result.model.number,
         "before": _rating(result.before),
         "after": _rating(result.after),
-        "off_path_mm": result.off_path[0] / MM,
-        "off_path_deg": result.off_path[1] / DEG,
-        "remarks": [*result.remarks, *plan.stale],
+        "remarks": list(plan.stale),
         "solve_s": result.seconds,
         "plan": str(output) if output is not None else None,
     }

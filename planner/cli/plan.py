@@ -21,20 +21,16 @@ def plan(
     case: Annotated[str, argument("Built-in name, folder or case file.")],
     family: Annotated[
         str,
-        option(
-            "Family of motions: manual, fourier, ptp, spline. By default ptp, or spline where the controller's "
-            "steps of acceleration would shake the machine more than they are worth."
-        ),
+        option("Family of motions: manual, fourier, ptp, spline."),
     ] = "ptp",
     criterion: console.Criterion = "D",
     duration: Annotated[float, option("Whole duration in s; a multiple of --period where that is given.")] = 12.0,
-    order: Annotated[int, option("fourier: harmonics, 1 to 7; 1 is led in and out of.")] = 5,
+    order: Annotated[int, option("fourier: harmonics, 2 to 7.")] = 5,
     period: Annotated[float | None, option("fourier: period in s; by default about 2, to fit --duration.")] = None,
     free_order: Annotated[bool, option("fourier: search the best order, 2 to 7.", "--free-order")] = False,
     free_period: Annotated[
         bool, option("fourier: search the best period of which --duration is a multiple.", "--free-period")
     ] = False,
-    centred: Annotated[bool, option("fourier: keep x0 in the middle of the box.")] = False,
     moves: Annotated[
         int | None,
         option("ptp: point-to-point moves, 8 to 64; by default what the limits suggest, ten in three seconds."),
@@ -83,7 +79,6 @@ def plan(
 
     kind, options = family_class(family), context.params
     sources = {name: context.get_parameter_source(name) for name in (*SEARCHED, *OWNERS)}
-    family_source = context.get_parameter_source("family")
     refuse_foreign([o for o, source in sources.items() if source and source.name != "DEFAULT"], family)
     most, fewest = read_payloads(payload)
     loaded = hx.load_case(case)
@@ -99,7 +94,6 @@ def plan(
         seconds=seconds,
         seed=seed,
         workers=workers,
-        may_be_smooth=not (family_source and family_source.name != "DEFAULT") and moves is None,
     )
     optimised = request.family.optimised
     folder = output_place(output, Path(f"{loaded.name}-{family}"), overwrite)
@@ -110,8 +104,6 @@ def plan(
         print(f"Planning for {loaded.name}: {family}, {text}model {request.model}", flush=True)
     with console.status("searching" if optimised else "timing", json) as remark:
         result = planned(request, loaded, remark)
-    if output is None and result.family != family:  # by itself
-        folder = output_place(output, Path(f"{loaded.name}-{result.family}"), overwrite)
     with console.status("writing", json), first_ctrl_c():  # this takes a short time
         console.save_with_page(result, PLAN, folder, overwrite)
     answer = answer_of_plan(result, folder)

@@ -15,7 +15,6 @@ from cases.schema import Case
 from cases.units import as_html
 from planner.comparison.entries import LEVELS, Conditions, Entry, entry_of_plan, read_entry
 from planner.plans import Plan
-from planner.vibration import least_shaken
 
 SAME_NOISE = 1.05  # ratio of the noise that two predictions assume, below which they compare
 SAME_LOAD = 1e-3  # [kg] difference of the mounted weights below which loads are the same
@@ -140,9 +139,8 @@ def recommend(entries: Sequence[Sequence[Entry]]) -> Comparison:
     alike = under_equal_conditions(selection)
     if len(alike) == 1:
         best, ratios, sentences = _among(selection, level, remarks)
-        vibrations = [(e.name, e.vibration) for e in selection if e.vibration is not None]
         known = level if len(selection) > 1 else ""
-        return Comparison(compared, best, known, ratios, (*sentences, *least_shaken(vibrations)))
+        return Comparison(compared, best, known, ratios, tuple(sentences))
     text = "; ".join(
         f"{', '.join(e.name for e in group)} ({_in_words([e.conditions for e in group])})" for group in alike
     )

@@ -1,7 +1,7 @@
 """Plans, runs and results as entries of a comparison: cost, information and standard deviations of each."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -27,7 +27,6 @@ from planner.noise import PoseErrors, counted_information, expected_noise, mean_
 from planner.plan_figures import predicted_std
 from planner.plans import Plan
 from planner.pose_criteria import pose_regressors
-from planner.vibration import Vibration, vibration
 
 Level = Literal["planned", "executed", "identified"]
 """Stage of an excitation."""
@@ -62,8 +61,6 @@ class Entry:
     s0: float | None  # s0 of a result [N]; None otherwise
     notes: Mapping[str, float]  # figures of the execution, by name
     warnings: tuple[str, ...] = ()  # warnings that its evaluation gave
-    # vibration of a planned motion on a machine with a structural mode; None where the case states none
-    vibration: Vibration | None = None
 
     def to_json(self) -> dict[str, Any]:
         """One row of the answer."""
@@ -85,7 +82,6 @@ class Entry:
             "load_kg": self.conditions.load,
             "machine": self.conditions.machine,
             "warnings": list(self.warnings),
-            "vibration": None if self.vibration is None else asdict(self.vibration),
         }
 
 
@@ -117,9 +113,8 @@ def entry_of_plan(saved: Plan, name: str) -> Entry:
     rate, assumed, poses = saved.case.recording.rate_Hz, saved.assumed_rate, saved.poses
     if len(poses):
         matrix = (pose_regressors(model, poses) * scaling).reshape(-1, len(scaling))
-        information, samples, vibrating = matrix.T @ matrix / len(poses), len(poses), None
+        information, samples = matrix.T @ matrix / len(poses), len(poses)
     else:
-        vibrating = vibration(saved.case, model.number, saved.motion, saved.payloads[-1], saved.duration)
         information = mean_information(model, scaling, saved.motion)
         samples = round(saved.motion.duration * rate)
     noise, weights = saved.assumed_noise, saved.payloads[-1]
@@ -132,7 +127,7 @@ def entry_of_plan(saved: Plan, name: str) -> Entry:
     return Entry(
         name, "planned", Conditions(saved.case, noise, float(load), plan=saved.fingerprint),
         model.number, saved.family, saved.duration, samples,
-        _criteria(information, model), deviations, None, {}, saved.stale, vibrating,
+        _criteria(information, model), deviations, None, {}, saved.stale,
     )  # fmt: skip
 
 

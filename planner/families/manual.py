@@ -138,7 +138,8 @@ def manual_motion(case: Case, file: Path) -> Joined:
         builds = _through(home, [*load_poses(file, limits.columns), home], case)
     else:
         builds = _steps(load_sequence(file), home, case)
-    parts = [_fastest_within_limits(case, build, f"{file}: step {number}") for number, build in builds]
+    remedy = "choose another pose or a smaller circle"
+    parts = [fastest_within_limits(case, build, f"{file}: step {number}", remedy) for number, build in builds]
     if not any(not isinstance(p, Standstill) for p in parts):
         raise FileProblem(file, "nothing moves; name poses away from home")
     return Joined(tuple(parts))
@@ -188,10 +189,19 @@ def _circle(case: Case, start: Array, plane: Plane, radius: float, speed: float)
     return lambda slower: fastest_circle(start, plane, centre, 2 * np.pi, *_limits(case, speed * slower))
 
 
-def _fastest_within_limits(case: Case, build: Build, place: str) -> Trajectory:
-    """The step at full speed if it satisfies every limit, else slowed until it does."""
+def fastest_within_limits(case: Case, build: Build, place: str, remedy: str) -> Trajectory:
+    """A motion at full speed if it satisfies every limit, else slowed until it does.
+
+    Args:
+        build: share of the speed -> the motion.
+        place: name of the motion, for messages.
+        remedy: what to do where no speed helps.
+
+    Raises:
+        InfeasiblePlan: no speed helps.
+    """
     way = build(1.0)
-    _require_reach(way, case, place)
+    _require_reach(way, case, place, remedy)
     if isinstance(way, Standstill):
         return way
 
@@ -209,18 +219,18 @@ def _fastest_within_limits(case: Case, build: Build, place: str) -> Trajectory:
     if not satisfies(low):
         worst = prove(build(low), case, RATE).violations
         words = worst[0].sentence() if worst else "a limit is all but used up"
-        raise InfeasiblePlan(place, f"{words}; choose another pose or a smaller circle")
+        raise InfeasiblePlan(place, f"{words}; {remedy}")
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
         low, high = (middle, high) if satisfies(middle) else (low, middle)
     return build(low)
 
 
-def _require_reach(way: Trajectory, case: Case, place: str) -> None:
+def _require_reach(way: Trajectory, case: Case, place: str, remedy: str) -> None:
     """Raises InfeasiblePlan where standing somewhere on the way exceeds a limit: no pace helps, nor is it timed."""
     poses = way.at(np.linspace(0.0, way.duration, PLACES)).pose
     for limited in (of_coordinates, of_mechanics):  # values of the latter may overflow miles away
         report = prove_at(StandingPoses(poses), case, np.arange(float(len(poses))), limited=limited)
         if not report.kept:
             worst = report.violations[0].sentence(timed=False)
-            raise InfeasiblePlan(place, f"{worst}; choose another pose or a smaller circle")
+            raise InfeasiblePlan(place, f"{worst}; {remedy}")

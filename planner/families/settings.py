@@ -17,15 +17,21 @@ from planner.families import Family, ptp, spline
 from planner.families.fourier import FourierFamily
 from planner.families.manual import load_poses, load_sequence, manual_motion, sequence_file
 
-MOST_PERIODS = 1e6
+SHORTEST_PERIOD, LONGEST_PERIOD = 0.01, 600.0  # [s]
 USUAL_PERIOD = 2.0  # [s]; of order 5 as informative as 2.4 s, more than 3 s, and of all the best conditioned
 KNOTS_A_SECOND = 10.0
 SHORTEST = spline.FEWEST / KNOTS_A_SECOND  # [s] of a spline, and of any motion whose duration is searched
-ORDERS = range(2, 8)  # where the order is free
+ORDERS = range(2, 8)
 LOWEST, HIGHEST = 1 / 3, 2.0  # of the highest harmonic, in units of the frequency at which both limits meet
 HALF = 0.5  # of the limit of acceleration
 ROUNDING = 1e-9  # of a duration
 TIMED = "point-to-point moves in whole controller cycles"  # splines begin from such moves too
+
+
+def _require(value: float | None, name: str, low: float, high: float, usual: str) -> None:
+    """Raises HexciteError where a setting is outside its range; None is a default."""
+    if value is not None and not low <= value <= high:
+        raise HexciteError(f"{name} {value:g} is outside {low:g} to {high:g}; choose {usual}")
 
 
 class FamilySettings:
@@ -39,11 +45,6 @@ class FamilySettings:
     """Whether there is anything to search."""
     of_moves: ClassVar[bool] = False
     """Whether motions are moves that a controller times by its own law."""
-
-    @property
-    def rival(self) -> "FamilySettings":
-        """Another family, of which one start is made for comparison."""
-        return Fourier()
 
     def check(self, duration: float) -> None:
         """Raises HexciteError where a motion cannot last so long [s]."""
@@ -92,43 +93,26 @@ class Fourier(FamilySettings):
     """Periodic Fourier series (34)-(36) from rest to rest.
 
     Args:
-        order: N of (34), 1 to 7.
+        order: N of (34), 2 to 7.
         period: [s]; the duration is a whole number of periods. None for the one nearest to 2 s.
-        centred: whether x0 is the middle of the motion box.
-        free_order: whether the best order from 2 to 7 is searched instead.
+        free_order: whether the best order is searched instead.
         free_period: whether the best period is searched instead.
     """
 
     order: int = 5
     period: float | None = None
-    centred: bool = False
     free_order: bool = False
     free_period: bool = False
 
     name: ClassVar[str] = "fourier"
 
     def __post_init__(self) -> None:
-        if not 1 <= self.order <= 7:
-            raise HexciteError(f"order {self.order} is outside 1 to 7; above 7 only jerk grows: choose 3 to 7")
-        if self.period is not None and not (self.period > 0.0 and np.isfinite(self.period)):
-            raise HexciteError(f"period {self.period:g} s is not positive; choose about {USUAL_PERIOD:g} s")
-
-    @property
-    def rival(self) -> "FamilySettings":
-        """Point-to-point moves."""
-        return PointToPoint()
-
-    @property
-    def _fewest(self) -> int:
-        return 2 if self.order == 1 else 1
-
-    def periods(self, duration: float) -> int:
-        """Number of periods of a motion."""
-        return max(self._fewest, round(duration / (self.period or USUAL_PERIOD)))
+        _require(self.order, "order", ORDERS[0], ORDERS[-1], "3 to 7: above 7 only jerk grows")
+        _require(self.period, "period", SHORTEST_PERIOD, LONGEST_PERIOD, f"about {USUAL_PERIOD:g} s")
 
     def base_period(self, duration: float) -> float:
         """Period [s]; where it is not stated, one that the duration is a whole number of."""
-        return duration / self.periods(duration) if self.period is None else self.period
+        return self.period or duration / max(1, round(duration / USUAL_PERIOD))
 
     def check(self, duration: float) -> None:
         """Raises HexciteError unless the duration is positive, and a whole number of a stated period."""
@@ -136,49 +120,34 @@ class Fourier(FamilySettings):
             super(Fourier, self).check(duration)  # of a dataclass with slots
             return
         repeats = duration / self.period
-        if not abs(repeats) < MOST_PERIODS:
-            raise HexciteError(
-                f"period {self.period:g} s is too short for {duration:g} s; choose about {USUAL_PERIOD:g} s"
-            )
-        if not (round(repeats) >= 1 and abs(repeats - round(repeats)) < 1e-9):
+        if not (repeats >= 1.0 - ROUNDING and abs(repeats - round(repeats)) < ROUNDING):
             raise HexciteError(
                 f"duration {duration:g} s is not a whole number of periods of {self.period:g} s; choose "
                 f"{max(1, round(repeats)) * self.period:g} s"
             )
-        if round(repeats) < self._fewest:
-            raise HexciteError(
-                f"order 1 needs two periods: it is led in and out of over one of them; choose --duration "
-                f"{2 * self.period:g} or more"
-            )
 
     def require_plannable(self, case: Case, duration: float) -> None:
         """Raises HexciteError unless the filter of the evaluation passes the highest harmonic."""
-        cutoff = case.recording.filter_cutoff_Hz
-        for choice in self._choices(case, duration):
-            period = choice.base_period(duration)
-            highest = choice.order / period
-            if cutoff is None or highest <= cutoff / 2:
-                continue
-            shortest = choice.order / (cutoff / 2)
-            most = int(duration / shortest * (1.0 + ROUNDING))  # periods
-            remedy = f"--period {duration / most if most else shortest:g}"
-            if choice.period is None and not most:
-                remedy = f"--duration {shortest:g}"
-            raise HexciteError(
-                f"period {period:g} s is too short: order {choice.order} reaches {highest:g} Hz, the evaluation passes "
-                f"up to {cutoff / 2:g} Hz (half of recording.filter_cutoff_Hz); choose {remedy} or more"
-            )
+        limit = _highest_frequency(case)
+        for order, period in self._choices(case, duration):
+            if order / period > limit:
+                option = "--period" if self.period or duration >= order / limit else "--duration"
+                raise HexciteError(
+                    f"period {period:g} s is too short: order {order} reaches {order / period:g} Hz, the evaluation "
+                    f"passes up to {limit:g} Hz (half of recording.filter_cutoff_Hz); choose {option} "
+                    f"{order / limit:g} or more"
+                )
 
     def families(self, case: Case, duration: float) -> tuple[FourierFamily, ...]:
         """Families of each order and period worth a look."""
         middle, half = box_middle(case)
         return tuple(
-            FourierFamily.lasting(c.order, c.base_period(duration), c.periods(duration), middle, half, c.centred)
-            for c in self._choices(case, duration)
+            FourierFamily(order, period, round(duration / period), middle, half)
+            for order, period in self._choices(case, duration)
         )
 
-    def _choices(self, case: Case, duration: float) -> "tuple[Fourier, ...]":
-        """Settings with every order and period worth a look; these settings where neither is free.
+    def _choices(self, case: Case, duration: float) -> list[tuple[int, float]]:
+        """Every order and period [s] worth a look; those that are stated where neither is free.
 
         A motion from rest to rest lasts a whole number of periods, so the base frequency takes discrete values: what
         an optimiser would treat as a variable is searched through value by value. Worth a look are those whose highest
@@ -186,27 +155,22 @@ class Fourier(FamilySettings):
         A / (2 pi V): far below it accelerations go to waste, far above it velocities.
         """
         if not (self.free_order or self.free_period):
-            return (self,)
+            return [(self.order, self.base_period(duration))]
         box = case.need_motion("planning")[1]
         meets = float(np.max(box.acceleration / box.rate)) / (2 * np.pi)
-        cutoff = case.recording.filter_cutoff_Hz
-        limit = np.inf if cutoff is None else cutoff / 2
         choices = []
         for order in ORDERS if self.free_order else (self.order,):
-            fewest = 2 if order == 1 else 1
-            most = max(fewest, int(HIGHEST * meets * duration / order))
-            for periods in range(fewest, most + 1) if self.free_period else (self.periods(duration),):
-                period = duration / periods
-                inside = LOWEST * meets <= order / period <= HIGHEST * meets or not self.free_period
-                if inside and order / period <= limit:
-                    choices.append(Fourier(order, period, self.centred))
+            periods = [self.base_period(duration)]
+            if self.free_period:
+                periods = [duration / n for n in range(1, int(HIGHEST * meets * duration / order) + 1)]
+                periods = [period for period in periods if order / period >= LOWEST * meets]
+            choices += [(order, period) for period in periods if order / period <= _highest_frequency(case)]
         if not choices:
-            shortest = min(ORDERS if self.free_order else (self.order,)) * LOWEST / meets
             raise HexciteError(
-                f"no period fits: {duration:g} s is too short or the filter of the evaluation too low; choose "
-                f"--duration {max(2.0, np.ceil(shortest)):g} or more, or fix --period"
+                f"no period fits: {duration:g} s is too short or the filter of the evaluation too low; choose a longer "
+                "--duration, or fix --period"
             )
-        return tuple(choices)
+        return choices
 
     def refinements(self, criterion: Criterion) -> int:
         """One for criterion D: of nine machines, the second best was better in the end on one, by 0.5 %.
@@ -221,7 +185,12 @@ class Fourier(FamilySettings):
         """The shortest whole number of a stated period."""
         if self.free_period or self.period is None:
             return max(duration, SHORTEST)
-        return max(self._fewest, int(np.ceil(duration / self.period - 1e-9))) * self.period
+        return max(1, int(np.ceil(duration / self.period - ROUNDING))) * self.period
+
+
+def _highest_frequency(case: Case) -> float:
+    """Highest frequency that the filter of the evaluation passes whole [Hz]; infinity without one."""
+    return np.inf if case.recording.filter_cutoff_Hz is None else case.recording.filter_cutoff_Hz / 2
 
 
 @checks_arguments
@@ -242,8 +211,7 @@ class PointToPoint(FamilySettings):
     of_moves: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
-        if self.moves is not None and not ptp.FEWEST <= self.moves <= ptp.MOST:
-            raise HexciteError(f"{self.moves} moves are outside {ptp.FEWEST} to {ptp.MOST}; choose about 40")
+        _require(self.moves, "moves", ptp.FEWEST, ptp.MOST, "about 40")
         if self.controller not in (None, *ControllerName):
             raise HexciteError(f"controller {self.controller!r} is unknown; choose {', '.join(ControllerName)}")
 
@@ -272,23 +240,13 @@ class PointToPoint(FamilySettings):
         cycle = case.need_controller(TIMED).cycle
         own, _ = ptp.controlled(case, self.made_for(case))
         box, count = own.need_motion("planning")[1], self.count(own, duration)
-        number = 4 if box.limits_jerk else 2
-        phases = number * ptp.SHORTEST_PHASE * cycle
-        rise = 4 * HALF * float(np.min(box.acceleration / box.jerk))
-        least = max(phases, rise)
-        if duration >= count * least * (1.0 - ROUNDING):
-            return
-        reason = f"{number} phases of {ptp.SHORTEST_PHASE} controller cycles of {cycle * 1e3:g} ms take {least:g} s"
-        if rise > phases:
-            reason = (
-                f"at the limits of jerk it takes {least:g} s to reach half of a limit of acceleration and come to rest"
+        phases = (4 if box.limits_jerk else 2) * ptp.SHORTEST_PHASE * cycle
+        least = max(phases, 4 * HALF * float(np.min(box.acceleration / box.jerk)))
+        if duration < count * least * (1.0 - ROUNDING):
+            raise HexciteError(
+                f"duration {duration:g} s is too short for {count} moves: by controller.cycle_ms and limits of jerk "
+                f"each takes {least:g} s; choose at least {count * least:g} s, or fewer --moves ({ptp.FEWEST} or more)"
             )
-        fewer = int(duration / least * (1.0 + ROUNDING))
-        remedy = f", or --moves {fewer} or fewer" if fewer >= ptp.FEWEST else ""
-        raise HexciteError(
-            f"duration {duration:g} s is too short for {count} moves: {reason}; choose at least "
-            f"{count * least:g} s{remedy}"
-        )
 
     def families(self, case: Case, duration: float) -> tuple[Family, ...]:
         """One."""
@@ -323,10 +281,7 @@ class Spline(FamilySettings):
     name: ClassVar[str] = "spline"
 
     def __post_init__(self) -> None:
-        if self.knots is not None and not spline.FEWEST <= self.knots <= spline.MOST:
-            raise HexciteError(
-                f"{self.knots} knots are outside {spline.FEWEST} to {spline.MOST}; choose --knots about 120"
-            )
+        _require(self.knots, "knots", spline.FEWEST, spline.MOST, "about 120")
 
     def intervals(self, duration: float) -> int:
         """Number of intervals between knots."""
@@ -392,12 +347,11 @@ class Manual(FamilySettings):
         return manual_motion(case, file), file
 
 
-FAMILIES: Mapping[str, type[Fourier] | type[PointToPoint] | type[Spline] | type[Manual]] = {
-    kind.name: kind for kind in (Manual, Fourier, PointToPoint, Spline)
-}
+FamilyKind = type[Fourier] | type[PointToPoint] | type[Spline] | type[Manual]
+FAMILIES: Mapping[str, FamilyKind] = {kind.name: kind for kind in (Manual, Fourier, PointToPoint, Spline)}
 
 
-def family_class(name: str) -> type[Fourier] | type[PointToPoint] | type[Spline] | type[Manual]:
+def family_class(name: str) -> FamilyKind:
     """The family of a name, for the command line and for files; raises HexciteError where it is unknown."""
     if name not in FAMILIES:
         raise HexciteError(f"family {name!r} is unknown; choose {', '.join(FAMILIES)}")

@@ -145,17 +145,8 @@ class SplineFamily(Family):
         """The motion of unknowns of shape (q n,), row by row."""
         basis = self._basis()
         coefficients = basis.c @ (unknowns.reshape(self.unknowns, -1) * self.half) + self.middle
-        return in_pieces(_spline(basis.t, coefficients), self._at((0.0,)), self.duration / self.intervals)
-
-
-def in_pieces(spline: "BSpline", begins: Array, step: float) -> PolynomialMotion:
-    """A cubic spline of coordinates over equal intervals as polynomials.
-
-    Args:
-        begins: starts of the intervals, shape (k,) [s].
-        step: length of an interval [s].
-    """
-    # Taylor's coefficients at the start of each interval; the third derivative is constant and jumps there.
-    places = [begins] * DEGREE + [begins + step / 2]
-    taylor = np.array([spline(t, nu=order) / factorial(order) for order, t in enumerate(places)])
-    return PolynomialMotion(taylor, np.full(len(begins), step))
+        spline, step, begins = _spline(basis.t, coefficients), self.duration / self.intervals, self._at((0.0,))
+        # Taylor's coefficients at the start of each interval; the third derivative is constant and jumps there.
+        places = [begins] * DEGREE + [begins + step / 2]
+        taylor = np.array([spline(t, nu=order) / factorial(order) for order, t in enumerate(places)])
+        return PolynomialMotion(taylor, np.full(self.intervals, step))

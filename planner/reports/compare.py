@@ -15,19 +15,14 @@ SPREAD = 0.7  # share of the distance between two parameters that the markers of
 
 def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
     """Rows of kind, cost and information of each entry; criteria of the mean information in the reference scaling."""
-    vibrations = [e.vibration for e in entries]
     rows = [
         ["is", *(e.level for e in entries)],
         ["family, controller, estimator", *(e.family for e in entries)],
         ["model", *(str(e.model) for e in entries)],
         ["measuring time [s]", *("-" if e.duration is None else f"{e.duration:.2f}" for e in entries)],
         ["samples", *(str(e.samples) for e in entries)],
+        ["force residual [N rms]", *("-" if e.s0 is None else f"{e.s0:.3g}" for e in entries)],
     ]
-    if (frequency := next((v.frequency for v in vibrations if v is not None), None)) is not None:
-        times = ("-" if v is None else f"{v.times:.2f}" for v in vibrations)
-        rows.append([f"errors with a mode at {frequency:.3g} Hz over std", *times])
-        rows.append(["force residual with it [N rms]", *("-" if v is None else f"{v.s0:.3g}" for v in vibrations)])
-    rows.append(["force residual [N rms]", *("-" if e.s0 is None else f"{e.s0:.3g}" for e in entries)])
     words = {"D": "log det F (D)", "A": "-trace F^-1 (A)", "K": "-mu_1/mu_u (K)", "N": "mu_u²/mu_1 (N)"}
     for key, label in (*words.items(), ("condition", "condition")):
         rows.append([label, *(f"{e.criteria[key]:.4g}" if key in e.criteria else "-" for e in entries)])

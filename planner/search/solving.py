@@ -31,7 +31,7 @@ FINER = 1e-4  # part of that share for excess between the instants of the quick 
 TIGHTER = 2  # times at most that limits are constrained at more instants, and tightened by the remaining excess
 NEAR = 0.8  # share of a limit from which its instants are then constrained
 DRAWN_BACK = 0.98  # share: a motion that had to shrink to less is searched for once more, from inside
-REFINE, GLANCE = 25, 25  # iterations at most of refinements, and of a short search in another family than moves
+REFINE = 25  # iterations at most of refinements
 SHARPER = (2, 5, 8)  # halvings of the p-norms of K and N, one round after the other: p = 8, 64, 512
 
 
@@ -52,7 +52,6 @@ class Step(Enum):
 
     EXPLORE = "explored"
     REFINE = "refined"
-    GLANCE = "looked at"  # another family, to compare with
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,10 +87,6 @@ def _stages(task: Task, close: bool) -> Iterator[tuple[Criterion, int, int]]:
     Args:
         close: whether it is within the limits, and is refined at once.
     """
-    if task.step is Step.GLANCE:
-        if not close and not task.moves:
-            yield Criterion.D, 0, GLANCE
-        return
     if close or task.step is Step.EXPLORE:
         yield Criterion.D, 0, task.family.iterations
         if not close and not task.moves:
@@ -117,7 +112,7 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     before = run.rate(unknowns, Criterion.D)
     exploring = task.step is not Step.REFINE and not task.moves and not run.close
     after, inside, share = -np.inf, None, 1.0
-    if run.close or (task.step is Step.GLANCE and task.moves):  # the annealed walk is enough to compare with
+    if run.close:
         inside, share = run.feasible(unknowns)
         after = run.rate(inside)
     for letter, halvings, iterations in _stages(task, run.close):

@@ -23,7 +23,6 @@ import hexcite as hx
 from cases.schema import Case
 from identification.limit import KINETIC
 from planner.execution import execute
-from planner.vibration import vibration
 from tests.bench.coverage import coloured_coverage, coverage, idealised
 from tests.postprocessors.changed_case import changed
 
@@ -37,7 +36,6 @@ FAMILIES: dict[str, Any] = {
 }
 HARD = 0.7  # of a limit of acceleration
 STEP = 1e-3  # [s]
-MODES = np.geomspace(15.0, 300.0, 25)  # [Hz]
 SEEDS = 40
 COLOURS = mpl.colormaps["viridis"](np.linspace(0.05, 0.95, 7))
 
@@ -97,27 +95,6 @@ def executed(plans: dict[str, hx.Plan]) -> Figure:
 def on_linuxcnc(plan: hx.Plan, case: Case) -> hx.Recording:
     """A run of a plan on the real controller, everything accepted that it does not enforce."""
     return execute(hx.write(replace(plan, case=case), "linuxcnc", accept=KINETIC), case, "linuxcnc", 0)[1]
-
-
-def modes(plans: dict[str, hx.Plan]) -> Figure:
-    """Errors to be expected over the frequency of the machine's mode, one curve a motion."""
-    figure, axes = drawn(3.0)
-    base = plans["moves, for LinuxCNC"].predicted_std
-    for name, colour in (("moves, for LinuxCNC", 0), ("moves, limited jerk", 3), ("spline", 5)):
-        motion, values = plans[name].motion, []
-        for mode in MODES:
-            found = vibration(changed(hx.load_case("hexapod"), simulation__disturbances__mode_Hz=float(mode)), 9,
-                              motion, 0, motion.duration)  # fmt: skip
-            assert found is not None
-            values.append(np.exp(np.mean([np.log(found.errors[key] / std) for key, std in base.items()])))
-        axes.loglog(MODES, values, color=COLOURS[colour], label=name)
-    axes.axhline(1.0, color="0.6", linewidth=0.8)
-    axes.set_xlabel("frequency of the structural mode [Hz]")
-    axes.set_ylabel("errors to be expected\nover those of noise alone")
-    axes.set_xticks([20, 40, 80, 160, 300], ["20", "40", "80", "160", "300"])
-    axes.minorticks_off()
-    figure.legend(ncols=3, loc="outside upper center", frameon=False)
-    return figure
 
 
 def deviations(plan: hx.Plan) -> Figure:
@@ -196,7 +173,6 @@ def main() -> None:
     }
     save("accelerations", accelerations(plans))
     save("executed", executed(plans))
-    save("modes", modes(plans))
     save("deviations", deviations(plans["Fourier series"]))
 
 

@@ -36,7 +36,6 @@ from tests.bench.poses import pose_figures, pose_tables
 from tests.bench.programs import programs
 from tests.bench.reliability.everything import reliability_rows
 from tests.bench.reliability.interrupted import interrupted_rows
-from tests.bench.retiming import retiming_table
 from tests.bench.robot import robot_figures
 from tests.bench.single_moves import single_moves_rows
 from tests.bench.size import sizes
@@ -142,7 +141,6 @@ def main() -> None:
     for title, rows in sections():
         print_table(title, ("figure", "measured", "wanted"), rows)
         sys.stdout.flush()
-    retiming_table()
     criteria_table()
     monte_carlo_table()
     pose_tables()

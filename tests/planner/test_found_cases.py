@@ -111,7 +111,7 @@ def test_the_case_of_a_plan_can_be_named_and_is_compared(shared: Path, tmp_path:
     text = hexapod_file.read_text()
     for words in (
         ("post", plan, "--dialect", "sinumerik", "-o", tmp_path / "a.mpf"),
-        ("retime", plan, "--method", "ipopt"),
+        ("retime", plan),
         ("compare", plan, "-o", tmp_path / "b"),
     ):
         assert "with --case" in refused(*words)

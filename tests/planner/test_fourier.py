@@ -1,7 +1,6 @@
 """Fourier excitations: at rest after every period, linear in their unknowns, bounded by Bernstein's inequality."""
 
 import itertools
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,10 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cases.schema import Case
-from identification.trajectories.curves import FourierMotion, needless_harmonics
+from identification.trajectories.curves import FourierMotion
 from planner.families.fourier import DENSITY, FourierFamily, resting_basis
 from planner.families.states import SHARE
-from planner.plan_folder import motion_entries, motion_of_entries
 from tests.helpers import HOME, taylor_slope
 
 HALF = np.array([0.25, 0.25, 0.1, 0.35, 0.35, 0.35])
@@ -46,70 +44,12 @@ def test_resting_takes_two_unknowns_of_each_coordinate_and_no_more(order: int):
 
 
 def test_a_single_harmonic_cannot_rest():
-    """Sin and cos together have no common zero of rate and acceleration: only a constant is left. It is led in."""
+    """Sin and cos together have no common zero of rate and acceleration: only a constant is left."""
     assert np.allclose(np.abs(resting_basis(1)[:, 0]), [1.0, 0.0, 0.0])
 
 
-def led_family(order: int = 1, centred: bool = False) -> FourierFamily:
-    return replace(FourierFamily.lasting(1, 3.0, 4, HOME, HALF, centred), order=order)
-
-
-@pytest.mark.parametrize("centred", [False, True])
-def test_order_1_is_led_out_of_rest_and_back_within_the_same_duration(centred: bool):
-    some = led_family(centred=centred)
-    motion = some.motion(np.random.default_rng(1).normal(size=some.unknowns * 6))
-    assert (motion.duration, motion.run_in, motion.repeats) == (12.0, 1.5, 3)
-    ends, circle = motion.at([0.0, 12.0]), motion.at(np.linspace(1.5, 10.5, 300))
-    assert np.abs(ends.rates).max() < 1e-12
-    assert np.abs(ends.accelerations).max() < 1e-10
-    assert ends.pose == pytest.approx(np.array([motion.centre, motion.centre]), abs=1e-12)
-    if centred:
-        assert motion.centre == pytest.approx(HOME)
-    w = 2 * np.pi / 3.0
-    assert circle.accelerations == pytest.approx(-(w**2) * (circle.pose - motion.centre), abs=1e-12)  # one harmonic
-
-
-def test_a_saved_run_in_comes_back_and_a_damaged_one_is_named():
-    motion = led_family().motion(np.random.default_rng(6).normal(size=18))
-    entries = motion_entries(motion)
-    again, t = motion_of_entries(entries), np.linspace(0.0, 12.0, 50)
-    assert again.duration == motion.duration
-    assert np.array_equal(again.at(t).pose, motion.at(t).pose)
-    with pytest.raises(ValueError, match="run_in_s"):
-        motion_of_entries({"fourier": entries["fourier"] | {"run_in_s": -1.0}})
-
-
-@pytest.mark.parametrize("t", [1.5, 10.5])
-def test_pose_rates_and_accelerations_pass_from_run_in_to_series_and_out_without_a_step(t: float):
-    motion = led_family().motion(np.random.default_rng(2).normal(size=18))
-    before, after = motion.at([t - 1e-9]), motion.at([t + 1e-9])
-    for name in ("pose", "rates", "accelerations"):
-        assert getattr(before, name) == pytest.approx(getattr(after, name), abs=1e-6), name
-
-
-@pytest.mark.parametrize("name", ["rates", "accelerations", "jerks"])
-@pytest.mark.parametrize("t", [0.7, 11.3])
-def test_each_derivative_of_run_in_and_run_out_is_that_of_the_one_before(name: str, t: float):
-    motion = led_family(3).motion(np.random.default_rng(3).normal(size=42))
-    before = {"rates": "pose", "accelerations": "rates", "jerks": "accelerations"}[name]
-    derivative = getattr(motion.at([t]), name)
-    assert taylor_slope(lambda t: getattr(motion.at([t]), before), t, derivative, 0.01) == pytest.approx(2, abs=0.1)
-
-
-@pytest.mark.parametrize("centred", [False, True])
-@pytest.mark.parametrize("order", [1, 3])
-def test_maps_of_a_led_family_give_on_the_grid_what_the_motion_is_there(order: int, centred: bool):
-    some = led_family(order, centred)
-    unknowns = np.random.default_rng(order).normal(size=some.unknowns * 6)
-    motion = some.motion(unknowns).at(some.grid)
-    table = unknowns.reshape(some.unknowns, 6)
-    expected = (motion.pose - HOME, motion.rates, motion.accelerations, motion.jerks)
-    for matrix, values in zip(some.limit_maps(), expected, strict=True):
-        assert np.allclose(matrix @ table * HALF, values, rtol=1e-12, atol=1e-12 * np.abs(values).max())
-
-
-@pytest.mark.parametrize("some", [family(4), led_family()])
-def test_the_weighted_mean_over_the_grid_is_the_time_average(some: FourierFamily, hexapod_case: Case):
+def test_the_weighted_mean_over_the_grid_is_the_time_average(hexapod_case: Case):
+    some = family(4)
     motion = some.motion(np.random.default_rng(4).normal(size=some.unknowns * 6))
     fine = motion.at((np.arange(100_000) + 0.5) * motion.duration / 100_000)
     states = some.layout(hexapod_case, 0.0).states.at(np.random.default_rng(4).normal(size=some.unknowns * 6))[0]
@@ -171,23 +111,3 @@ def test_repeats_make_it_longer_and_nothing_else():
     once, thrice = (family(3, 2.0, n).motion(np.ones(30)) for n in (1, 3))
     assert (once.duration, thrice.duration) == (2.0, 6.0)
     assert np.allclose(thrice.at([4.7]).pose, once.at([0.7]).pose)
-
-
-@pytest.mark.parametrize("order", [2, 5, 7])
-def test_a_centred_family_rests_and_has_no_x0(order: int):
-    family = FourierFamily(order, 3.0, 1, np.zeros(6), np.ones(6), centred=True)
-    assert family.unknowns == 2 * order - 2
-    motion = family.motion(np.random.default_rng(1).normal(size=family.unknowns * 6))
-    assert np.abs(motion.centre).max() < 1e-12
-    ends = motion.at([0.0, 3.0])
-    assert np.abs(ends.rates).max() < 1e-9
-    assert np.abs(ends.accelerations).max() < 1e-9
-    assert np.linalg.matrix_rank(family.limit_maps()[0]) == family.unknowns
-
-
-def test_harmonics_that_do_nothing_are_counted_from_the_highest():
-    a, b = np.zeros((5, 6)), np.zeros((5, 6))
-    a[0], a[2], b[1], a[4] = 1.0, -1.0, 0.5, 0.001
-    assert needless_harmonics(FourierMotion(np.zeros(6), a, b, 3.0, 1)) == 2
-    a[4, 3] = 0.1
-    assert needless_harmonics(FourierMotion(np.zeros(6), a, b, 3.0, 1)) == 0

@@ -13,7 +13,7 @@ OF_ONE_KIND = "configuration.py"  # the kinematics of a case, with which LinuxCN
 @pytest.mark.parametrize(
     "place",
     [
-        "planner/families", "planner/search", "planner/bounds", "planner/retiming", "identification/trajectories",
+        "planner/families", "planner/search", "planner/bounds", "planner/retiming.py", "identification/trajectories",
         "identification/limit_proof.py", "postprocessors/proving", "postprocessors/reading", "postprocessors/execute",
         "postprocessors",
     ],

@@ -82,7 +82,6 @@ def test_a_plan_without_an_entry_that_is_needed_is_refused(key: str, copy: Path)
         (("fourier", "centre_m_rad"), [float("nan")] * 6),
         (("limits", "strut length", "bounds"), [0.4]),
         (("bound",), 3),
-        (("rival",), {"family": "ptp"}),
         (("bound", "logdet"), None),
         (("bound", "dmax"), "x"),
         (("model",), 1e999),

@@ -10,13 +10,10 @@ from cases.schema import Case
 from identification.criteria import box_middle
 from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, Status
 from planner.families.fourier import FourierFamily
-from planner.families.ptp import PointToPointFamily
-from planner.rating import FULL, RIVALS, PlannedMotion, weaknesses
+from planner.rating import FULL, PlannedMotion, weaknesses
 from planner.search import SolverStatus, StartRecord
 from planner.search.solving import DRAWN_BACK, Start
 from tests.helpers import tells
-
-SIZE = 20
 
 
 def check(kind: LimitKind, place: str, ratio: float) -> LimitCheck:
@@ -38,32 +35,16 @@ def found(start: Start) -> PlannedMotion:
     return PlannedMotion(start.family.motion(start.unknowns), start.family.settings, limits, (start,))
 
 
-def rival(start: Start, case: Case, times: float) -> Start:
-    family = PointToPointFamily.of(case, 8, 3.0)
-    record = replace(start.record, logdet=start.record.logdet + SIZE * np.log(times))
-    return replace(start, family=family, record=record)
-
-
 Said = Callable[[PlannedMotion], tuple[str, ...]]
 
 
 @pytest.fixture
 def said(hexapod_case: Case) -> Said:
-    return lambda found: weaknesses(found, hexapod_case, SIZE)
+    return lambda found: weaknesses(found, hexapod_case)
 
 
 def test_a_good_plan_has_none(found: PlannedMotion, said: Said):
     assert said(found) == ()
-
-
-@pytest.mark.parametrize(("times", "told"), [(1.5, True), (RIVALS + 0.005, True), (RIVALS - 0.005, False)])
-def test_another_family_that_carries_more(
-    times: float, told: bool, found: PlannedMotion, start: Start, hexapod_case: Case, said: Said
-):
-    weak = found._replace(rival=rival(start, hexapod_case, times))
-    assert len(said(weak)) == told
-    assert weak.of_rival(SIZE) == pytest.approx(times)
-    assert not told or tells(said(weak)[0], "--family ptp", f"{times:.2f} times")
 
 
 @pytest.mark.parametrize("interrupted", [False, True])

@@ -17,7 +17,7 @@ COMMANDS = (
     ("identify", "run", "-o", "result"),
     ("compare", "plan", "result", "-o", "cmp"),
     ("export", "result", "--to", "json", "--force"),
-    ("retime", "plan", "--method", "ruckig"),
+    ("retime", "plan"),
     ("poses", "hexapod", "--count", "6", "--method", "backward", "--candidates", "60", "-o", "poses"),
     ("case", "check", "hexapod"),
 )

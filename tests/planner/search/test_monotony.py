@@ -1,6 +1,5 @@
 """More room, looser limits and more starts never give a worse plan, within 1 % of an efficiency."""
 
-from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
@@ -13,8 +12,7 @@ from planner.families.settings import family_class
 from planner.noise import mean_information
 from planner.planning import search
 from planner.request import Request
-from planner.search.parallel import Listener, Outcome, run_here, silent
-from planner.search.solving import Step, Task
+from planner.search.parallel import run_here, silent
 from tests.bench.machines.description import case_of
 from tests.bench.machines.designed import DESIGNED
 from tests.postprocessors.changed_case import changed
@@ -31,14 +29,9 @@ def logdet(family: str, box: float = 1.0, limits: float = 1.0, starts: int = 1) 
     """Of the plan's mean information, always in the scaling of the same case."""
     case = looser(wider(SMALL, box), limits)
     request = Request(family_class(family)(**FAMILIES[family]), model=MODEL, duration=2.0, starts=starts)
-    motion = search(request, case, silent, without_glances).motion
+    motion = search(request, case, silent, run_here).motion
     model = identification_model(SMALL, MODEL)
     return float(np.linalg.slogdet(mean_information(model, reference_scaling(SMALL, model), motion))[1])
-
-
-def without_glances(tasks: Sequence[Task], listener: Listener, until: float) -> Outcome:
-    """At another family, which take as long as a start and find nothing for this one."""
-    return run_here([task for task in tasks if task.step is not Step.GLANCE], listener, until)
 
 
 def wider(case: Case, share: float) -> Case:

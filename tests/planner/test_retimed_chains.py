@@ -6,12 +6,9 @@ import numpy as np
 import pytest
 
 from identification.limit_proof import prove
-from identification.model import identification_model
-from identification.motion import Joined, TimedPoints
+from identification.motion import Joined
 from identification.trajectories.moves import StraightMove
-from identification.trajectories.path_timing import retime
-from planner.retiming.path_pace import retimed_path
-from planner.retiming.retimed import retimed
+from planner.retiming import by_controller
 from tests.chains import chain_case
 from tests.helpers import few
 
@@ -28,10 +25,9 @@ def test_moves_of_joints_last_whole_cycles_and_are_as_fast_as_one_joint_can_be(j
         StraightMove.fastest(a, b, 0.5 * box.rate, 0.25 * box.acceleration, 0.125 * box.jerk)
         for a, b in pairwise(places)
     ))  # fmt: skip
-    model = identification_model(case, 0)
-    found = retimed(slow, case, model, "ruckig", False)
-    assert found.motion.duration == pytest.approx(slow.duration / 2, rel=0.03)
-    for part, planned in zip(found.motion.parts, slow.parts, strict=True):
+    found = by_controller(slow, case, "moves")
+    assert found.duration == pytest.approx(slow.duration / 2, rel=0.03)
+    for part, planned in zip(found.parts, slow.parts, strict=True):
         assert part.duration / case.controller.cycle == pytest.approx(round(part.duration / case.controller.cycle))
         assert part.at([part.duration]).pose[0] == pytest.approx(planned.at([planned.duration]).pose[0], abs=1e-12)
         used = prove(part, case).checks
@@ -42,20 +38,3 @@ def test_moves_of_joints_last_whole_cycles_and_are_as_fast_as_one_joint_can_be(j
 KINETIC = {
     *(f"angular {word}" for word in ("velocity", "acceleration", "jerk")), "velocity", "acceleration", "jerk",
 }  # fmt: skip
-
-
-@pytest.mark.parametrize("joints", [5])
-def test_a_path_of_joints_runs_as_fast_as_its_limits_let_it(joints: int):
-    case = chain_case(joints)
-    home, box = case.need_motion("a test")
-    draw = np.random.default_rng(SEED)
-    points = home + np.vstack([draw.uniform(*(0.3 * box.pose)) for _ in range(4)])
-    path, hasty = (TimedPoints.through(pause * np.arange(4), points) for pause in (1.5, 0.1))
-    without_jerk = retime(hasty, case)  # never faster than this: as fast as the limits allow
-    with_jerk, off_path, _ = retimed_path(path, case, fastest=True)
-    report = prove(with_jerk, case)
-    assert report.kept
-    assert without_jerk.duration <= with_jerk.duration * 1.001 <= path.duration
-    assert max(off_path) < 2e-3
-    accelerations = np.abs(without_jerk.at(np.linspace(0, without_jerk.duration, 4000)).accelerations)
-    assert (accelerations / case.limits.motion.acceleration).max() == pytest.approx(1.0, abs=0.01)

@@ -2,7 +2,6 @@
 
 from itertools import pairwise
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,19 +9,15 @@ import pytest
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import load_case
 from identification.limit_proof import prove
-from identification.model import identification_model
-from identification.motion import Joined, Standstill, TimedPoints
+from identification.motion import Joined, Standstill
 from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_profile
-from planner.families.settings import Manual
 from planner.plans import Plan
-from planner.request import Request
-from planner.retiming.retimed import by_controller, method_of, retimed, retimed_plan
+from planner.retiming import by_controller, slowed
 from tests.helpers import few
 from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed
 
 CASE = load_case("hexapod")
-MODEL = identification_model(CASE, 0)
 HOME = CASE.machine.home.vector
 BOX = CASE.limits.motion
 WAYS = np.array(
@@ -58,8 +53,7 @@ def slowed_moves() -> Joined:
 
 def test_a_controller_takes_whole_cycles_and_is_faster_than_a_slow_plan():
     plan = slowed_moves()
-    after, slowed = by_controller(plan, CASE)
-    assert slowed == 0  # the coordinates' limits are the narrower ones here
+    after = by_controller(plan, CASE, "moves")
     for part in after.parts:
         assert part.duration / 1e-3 == pytest.approx(round(part.duration / 1e-3), abs=1e-6)
     assert after.parts[-1].duration == pytest.approx(0.124)
@@ -69,23 +63,20 @@ def test_a_controller_takes_whole_cycles_and_is_faster_than_a_slow_plan():
         assert np.allclose(*ends, atol=1e-12)
 
 
-def test_what_a_controller_makes_of_a_hasty_plan_keeps_the_limits_of_coordinates_and_struts():
-    found = retimed(moves(1.4), CASE, MODEL, "ruckig", False)
-    passed = [str(c.of) for c in found.before.limits.violations]
+def test_what_a_controller_makes_of_a_hasty_plan_satisfies_the_limits_of_coordinates_and_struts():
+    hasty = moves(1.4)
+    passed = [str(c.of) for c in prove(hasty, CASE).violations]
     assert {"velocity", "acceleration", "jerk"} <= set(passed)
-    assert found.after.limits.kept
-    assert found.after.duration > found.before.duration
-    assert found.after.criteria["D"] < found.before.criteria["D"]  # who slows down learns less
+    after = by_controller(hasty, CASE, "moves")
+    assert prove(after, CASE).kept
+    assert after.duration > hasty.duration
 
 
 def test_moves_are_as_slow_as_their_struts_need_and_no_slower():
     case = slow_struts()
-    after, slowed = by_controller(moves(1.0), case)
-    assert 0 < slowed < len(after.parts)
-    report = prove(after, case)
+    report = prove(by_controller(moves(1.0), case, "moves"), case)
     assert report.kept
     assert max(c.ratio for c in report.checks if c.kind == "strut velocity") > 0.99
-    assert retimed(moves(1.0), case, MODEL, "ruckig", False).remarks[0].startswith(f"{slowed} of 7 moves")
 
 
 def slow_struts():
@@ -93,30 +84,17 @@ def slow_struts():
 
 
 def test_arcs_keep_their_circle():
-    law = fastest_profile(1.0, 1.0, 5.0, 50.0)
+    law = fastest_profile(1.0, 0.5, 2.0, 10.0)
     arc = CircularMove(HOME, HOME[3:], Plane.XY, np.array([0.1, 0.0]), 2 * np.pi, law)
-    (after,) = by_controller(Joined((arc,)), CASE)[0].parts
+    (after,) = by_controller(Joined((arc,)), CASE, "arc").parts
     assert law.duration <= after.duration <= law.duration + 1.001e-3
     pose = after.at(np.linspace(0.0, after.duration, 50)).pose
     assert np.allclose(np.hypot(pose[:, 0] - 0.1, pose[:, 1]), 0.1)
 
 
-def test_each_kind_of_motion_has_its_method():
-    assert method_of(None, moves(1.0), False) == "ruckig"
-    assert method_of(None, TimedPoints.through(np.arange(6.0), np.tile(HOME, (6, 1))), True) == "ipopt"
-
-
-def test_a_continuous_path_is_nothing_for_ruckig():
-    points = TimedPoints.through(np.arange(6.0), np.tile(HOME, (6, 1)))
-    with pytest.raises(InfeasiblePlan, match="use method ipopt"):
-        retimed(points, CASE, MODEL, "ruckig", False)
-    with pytest.raises(InfeasiblePlan, match="use method ipopt"):
-        retimed(Joined((points,)), CASE, MODEL, "ruckig", False)
-
-
 def test_a_case_without_controller_settings_is_refused():
     with pytest.raises(HexciteError, match="controller"):
-        by_controller(moves(1.0), replace_controller())
+        by_controller(moves(1.0), replace_controller(), "moves")
 
 
 def replace_controller():
@@ -154,13 +132,29 @@ def test_the_command_prints_before_and_after(by_hand: Path):
     assert "after: " in said.out
 
 
-@pytest.mark.parametrize("method", few("ruckig", "ipopt"))
+def test_a_move_that_leaves_the_box_is_refused():
+    far = StraightMove.fastest(HOME, HOME + np.array([0.0, 0.0, 0.15, 0.0, 0.0, 0.0]), *LIMITS)
+    with pytest.raises(InfeasiblePlan, match=r"moves, move 8: .*position .*no pace helps"):
+        by_controller(Joined((*slowed_moves().parts, far)), CASE, "moves")
+
+
+def test_a_path_keeps_its_pace_where_it_satisfies_every_limit_and_else_its_way(series: Path):
+    motion = Plan.load(series).motion
+    assert np.array_equal(slowed(motion, CASE, "series").a, motion.a)
+    case = changed(CASE, limits__motion__velocity_mm_s=[200.0] * 3)
+    slower = slowed(motion, case, "series")
+    report, pace = prove(slower, case), motion.duration / slower.duration
+    assert report.kept
+    assert report.worst_ratio > 0.99
+    t = np.linspace(0.0, motion.duration, 100)
+    assert np.allclose(slower.at(t / pace).pose, motion.at(t).pose, atol=1e-12)
+
+
+@pytest.mark.parametrize("method", few("ruckig", "one slower pace"))
 def test_a_retimed_motion_is_a_plan_that_can_be_posted(method: str, request: pytest.FixtureRequest, tmp_path: Path):
-    """Moves as a controller times them, and a path as a spline."""
     out = tmp_path / "after"
-    name, which = ("by_hand", ()) if method == "ruckig" else ("series", ("--fastest",))
-    source = request.getfixturevalue(name)
-    answer = call("retime", source, *which, "-o", out, "--json").json()
+    source = request.getfixturevalue("by_hand" if method == "ruckig" else "series")
+    answer = call("retime", source, "-o", out, "--json").json()
     assert answer["method"] == method
     assert answer["plan"] == str(out)
     assert answer["after"]["violations"] == []
@@ -174,20 +168,9 @@ def test_a_retimed_motion_is_a_plan_that_can_be_posted(method: str, request: pyt
     assert program["excitation_s"] == pytest.approx(saved.motion.duration, rel=1e-2)
 
 
-def test_a_plan_that_passes_a_limit_is_not_written():
-    far = StraightMove.fastest(HOME, HOME + np.array([0.0, 0.0, 0.15, 0.0, 0.0, 0.0]), *LIMITS)
-    found = retimed(Joined((*slowed_moves().parts, far)), CASE, MODEL, "ruckig", False)
-    plan = SimpleNamespace(name="far", saved=None, case=CASE, of_motion=(Request(Manual(), model=0), None), stale=())
-    with pytest.raises(InfeasiblePlan, match="is not a plan: position"):
-        retimed_plan(found, plan, 0)
-
-
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("--method", "magic"), ("magic", "ruckig, ipopt")),
-        (("--method", "ruckig"), ("use --method ipopt",)),
-        (("--method", "ruckig", "--fastest"), ("--fastest",)),
         (("--model", 11), ("model 11",)),
         (("--case", "ft_wrist"), ("machine",)),
     ],
