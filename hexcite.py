@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from identification import Prior as Prior
     from identification import Recording as Recording
     from identification import Result as Result
-    from identification import biases_of as biases_of
     from identification import force as force
     from identification import look as look
     from identification import method as method

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from identification.formats.looked import Look as Look
     from identification.model import Model as Model
     from identification.outcome import Result as Result
-    from identification.outcome import biases_of as biases_of
     from identification.parameters import symmetric_platform as symmetric_platform
     from identification.payloads import payload as payload
     from identification.recording import Recording as Recording

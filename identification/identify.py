@@ -17,7 +17,6 @@ from cases.basis import changes_since, recording_basis, result_basis
 from cases.errors import FileProblem, IdentificationError, RecordingError
 from cases.schema import Case
 from cases.units import Array
-from identification.estimation.biases import accelerometer_bias, drift_findings
 from identification.estimation.estimators import Method
 from identification.estimation.fit import require_alive
 from identification.finding import Kind, changed_cases, warning
@@ -95,8 +94,7 @@ def identify(
         if isinstance(error, StrutsDoNotClose) and (other := fitting_case(error.lengths, case)):
             raise IdentificationError(f"{error.typed}; they fit the case {other}, name it with --case") from error
         raise
-    stale = recording.remarks + (() if method.biases is None else method.biases.stale)
-    changed = changed_cases(stale)
+    changed = changed_cases(recording.remarks)
     differences = changes_since(recording.record, recording_basis(case), case.hash)
     if own not in (None, case.name) and differences:
         sentence = f"it was recorded with the case {own}, not {case.name}: {differences[0]}"
@@ -107,7 +105,7 @@ def identify(
     if seconds is None and run.t is not None:
         seconds = estimate.evaluated.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter
     taken = {key: run.record[key] for key in ("simulated", *RUN_ENTRIES) if key in run.record}
-    optional = {"stale": stale or None, "run": taken if run.record else None, "standstills": standing}
+    optional = {"stale": recording.remarks or None, "run": taken if run.record else None, "standstills": standing}
     try:
         record = entries_of(
             estimate,
@@ -227,7 +225,7 @@ def _samples(recording: Recording, case: Case, model: Model, conditioning: Condi
         raise RecordingError("--flexible sees a mode in struts behind the low-pass, without --prior; leave it out")
     if recording.struts is None:
         wide = wrist_run(recording, case, model, cutoff=widest_band(recording, *recording.others))
-        return replace(wrist_run(recording, case, model, method.biases), wide=wide)
+        return replace(wrist_run(recording, case, model), wide=wide)
     run = moving_run(recording, case, model)
     return replace(run, nuisances=SMOOTHED, flexible=True) if conditioning.flexible else run
 
@@ -254,12 +252,5 @@ def _evaluated(recording: Recording, case: Case, model: Model, method: Method, c
             findings += noise.findings
         else:
             findings.append(warning(Kind.NOISE, NOT_COMPARED))
-    if method.biases is not None:
-        free = fit_samples(fitted.samples, method.without_biases, case.sensors, fitted.at, delay)
-        findings += drift_findings(method.biases, model, free.fit)
     findings += fit_findings(recording, case, fitted)
-    bias = None
-    if not samples.nuisances and recording.specific_forces is not None and recording.rotations is not None:
-        good = ~recording.bad
-        bias = accelerometer_bias(recording.specific_forces[good], recording.rotations[good], case.gravity)
-    return estimate_of(fitted, recording.source, case, noise, bias, tuple(findings))
+    return estimate_of(fitted, recording.source, case, noise, tuple(findings))

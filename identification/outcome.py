@@ -8,17 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from cases.basis import KEPT, case_of, recording_basis, require_unchanged, result_basis
+from cases.basis import case_of, require_unchanged, result_basis
 from cases.errors import FileProblem, HexciteError
 from cases.files import DAMAGED, RESULT, atomic_folder, check_folder, json_text, read_json
 from cases.schema import Case
 from cases.units import Array, as_html
 from identification.criteria import Identifiability
-from identification.estimation.biases import Biases
 from identification.estimation.fit import Value
 from identification.finding import Finding, sentences
 from identification.model import Model, identification_model
-from identification.parameters import offset_columns
 from identification.result import Estimate, ResultEntries, identifiability_of
 from identification.saved_result import AGAIN, read_entries, require_agreement
 from identification.signals import Residuals
@@ -26,7 +24,6 @@ from identification.signals import Residuals
 # Entries of recording.json that a result takes over.
 RUN_ENTRIES = ("controller", "program", "program_hash", "plan_hash", "seed", "payload", "simulation_source")
 PROMINENT = ("m", "xC", "yC", "zC")  # shown first
-_OF_A_RECORDING = ("recording.", "sensors.")  # keys that say how a run was read, not what offsets mean
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -211,32 +208,3 @@ def case_of_result(path: Path) -> Case:
     """
     file, record = read_entries(path)
     return case_of(file, record.to_json(), AGAIN)
-
-
-def biases_of(path: Path | str, case: Case, stale: bool = False) -> Biases:
-    """Offsets of forces and accelerometer from a result of the same machine, for a run that is to take them as known.
-
-    How that result's recording was read and filtered may differ; machine, sensor frame and gravity may not.
-
-        hx.identify(recording, case, how=hx.method(biases=hx.biases_of("standstills", case)))
-
-    Args:
-        stale: go on although the machine has changed since.
-
-    Raises:
-        FileProblem: no such result, one of another case, or the machine has changed and `stale` is not set.
-    """
-    file, record = read_entries(Path(path))
-    now, about = recording_basis(case), record.to_json()
-    if about.get(KEPT):
-        kept = about[KEPT].items()
-        about[KEPT] = {key: value for key, value in kept if key in now or not key.startswith(_OF_A_RECORDING)}
-    remarks = require_unchanged(file, about, now, case, stale, "identify the standstills again")
-    result = Result(case, record, file=file)
-    require_agreement(result.source, record, result.model, case.sensor_frame.has_moments)
-    offsets = offset_columns(result.model)
-    white, robust = (c[np.ix_(offsets, offsets)] for c in (result.covariance, result.covariance_robust))
-    variance, larger = np.diag(white), np.maximum(np.diag(white), np.diag(robust))
-    growth = np.sqrt(larger / np.where(variance > 0.0, variance, 1.0))
-    covariance = white * np.outer(growth, growth)
-    return Biases(str(path), result.values[offsets], covariance, record.accelerometer, remarks)

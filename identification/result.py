@@ -12,7 +12,6 @@ from cases.files import provenance
 from cases.schema import Case
 from cases.units import Array
 from identification.criteria import Identifiability, analyse
-from identification.estimation.biases import AccelerometerBias
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, Value
 from identification.finding import AS_OBJECT, FROZEN, SEVERITIES, Entries, Finding, sentences
@@ -36,7 +35,6 @@ class Estimate:
     residuals: Array  # recorded forces less the model, shape (n, 6) [N, or N and N m]
     delay: Value | None  # delay of the forces [s], where it was estimated
     noise: NoiseSources | None  # what s0 consists of, where the case states noise
-    accelerometer: AccelerometerBias | None  # its biases, where standstills have its readings
     physical: dict[str, Value]  # physical parameters by name
     # attenuation of physical parameters by name, where the case states noise of the struts
     attenuation: dict[str, dict[str, float | None]] | None
@@ -95,7 +93,6 @@ def estimate_of(
     source: str,
     case: Case,
     noise: NoiseSources | None,
-    accelerometer: AccelerometerBias | None,
     findings: tuple[Finding, ...],
 ) -> Estimate:
     """The estimate of a fit; columns of the fit beyond the model's parameters are nuisances, which it leaves out."""
@@ -109,7 +106,7 @@ def estimate_of(
         reported = np.array([value.reported for value in physical.values()])
         attenuation = attenuation_of(physical_form(model), u, noise.bias, reported)
     return Estimate(
-        case, source, fitted.method, fit, fitted.samples, fitted.residuals, fitted.delay, noise, accelerometer,
+        case, source, fitted.method, fit, fitted.samples, fitted.residuals, fitted.delay, noise,
         physical, attenuation, findings,
     )  # fmt: skip
 
@@ -170,7 +167,6 @@ class Parameters(Origin):
     covariance: tuple[Numbers, ...]  # covariance of the linear ones by (28)
     covariance_robust: tuple[Numbers, ...]
     delay_s: Delay | None
-    accelerometer: AccelerometerBias | None
     attenuation: Entries | None = None
 
 
@@ -178,7 +174,6 @@ class ResultEntries(Parameters):
     """Entries of `result.json`."""
 
     estimator: str
-    biases: Entries | None = None
     weights: str
     s0: NonNegativeFloat
     s0_N: NonNegativeFloat
@@ -213,8 +208,6 @@ def entries_of(estimate: Estimate, files: Sequence[Path] = (), **origin: Any) ->
     """
     about = provenance(files)
     fit, how, model, case = estimate.fit, estimate.how, estimate.model, estimate.case
-    biases = how.biases
-    taken = biases.accelerometer.model_dump() if biases is not None and biases.accelerometer is not None else None
     standard = identification_model(case, model.number).names == model.names
     return ResultEntries(
         case=case.name,
@@ -230,10 +223,8 @@ def entries_of(estimate: Estimate, files: Sequence[Path] = (), **origin: Any) ->
         **entries_of_parameters(estimate.physical, fit.freedom, fit.values, fit.covariance, fit.covariance_robust),
         names=tuple(model.names),
         delay_s=estimate.delay,
-        accelerometer=estimate.accelerometer,
         attenuation=estimate.attenuation,
         estimator=how.name,
-        biases=None if biases is None else {"result": biases.source, "accelerometer": taken},
         weights=how.weights or case.sensors.weights,
         s0=fit.s0,
         s0_N=estimate.s0_N,

@@ -21,7 +21,7 @@ from identification.estimation.fit import Filtered, Fit, Regression, Robust, Val
 from identification.estimation.force_noise import long_run_covariance, scores
 from identification.finding import Finding
 from identification.model import Model, noise_covariance, whitening_of
-from identification.parameters import MASS, Selection, offset_columns
+from identification.parameters import MASS, Selection
 from identification.signals import Filter, Residuals
 
 MOST_DELAY = 0.04  # [s] between forces and motion that is looked for, either way
@@ -94,11 +94,6 @@ class Samples(ABC):
         """A part of a long run that stands for all of it, `fair_part`; the samples themselves where that is all."""
         del times
         return self
-
-    def known_columns(self, delay: float, matrices: Array, values: Array) -> Array | None:
-        """How A u changes with what was measured beside: the delay and biases of an accelerometer, shape (n, 6, 4)."""
-        del delay, matrices, values
-        return None
 
     def refined(self, fit: Fit, basis: Array, w: Array, delay: float) -> Self:
         """The samples with further nuisances that a fit shows to be worth an estimate; as they are where none is.
@@ -272,23 +267,11 @@ def fit_samples(
     has_delay = bool(samples.nuisances) and fixed_delay is None  # the last of the values is a step of the delay
     own = len(regression.names) - has_delay
     residuals = samples.recorded - samples.predicted(columns[:, :, :own], fit.values[:own])
-    more = np.zeros_like(fit.covariance)
-    if how.biases is not None:
-        offsets = offset_columns(model)
-        moves = -basis @ _gain(columns @ basis, w, columns[:, :, offsets])
-        moves[offsets] += np.eye(6)
-        more += moves @ how.biases.covariance @ moves.T
-    unknowns, effects = len(model.names), None
-    if how.biases is not None or fixed_delay is not None:
-        effects = samples.known_columns(delay, columns[:, :, :unknowns], fit.values[:unknowns])
-    if effects is not None:
-        moves = basis @ _gain(columns @ basis, w, effects)
-        if how.biases is not None:
-            covariance = np.array(how.biases.require_accelerometer().covariance_m2_s4)
-            more += moves[:, 1:] @ covariance @ moves[:, 1:].T
-        if fixed_delay is not None:
-            more += fixed_delay.std**2 * np.outer(moves[:, 0], moves[:, 0])
-    fit = replace(fit, covariance=fit.covariance + more, covariance_robust=fit.covariance_robust + more)
+    if fixed_delay is not None:  # an error of it moves the estimate (Schmidt 1966, Adv. Control Syst. 3:293)
+        effect = samples.linearised(delay, fit.values[: len(model.names)])[:, :, -1]
+        moves = fixed_delay.std * basis @ _gain(columns @ basis, w, effect)
+        more = np.outer(moves, moves)
+        fit = replace(fit, covariance=fit.covariance + more, covariance_robust=fit.covariance_robust + more)
     if has_delay:
         value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < CLOSE else 0.0)
         std = float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1])))
@@ -345,12 +328,12 @@ def _converged(
     return delay, values, regression, whitening
 
 
-def _gain(regressors: Array, w: Array, columns: Array) -> Array:
-    """How a fit weighted by W, shape (6, 6), changes with unit errors along columns, shape (n, 6, k), shape (v, k)."""
+def _gain(regressors: Array, w: Array, effect: Array) -> Array:
+    """How a fit weighted by W, shape (6, 6), changes with a unit error that has an effect, shape (n, 6), shape (v,)."""
     root = np.linalg.cholesky(w).T
     weighted = (root @ regressors).reshape(-1, regressors.shape[2])
     half = inverse_root(weighted)
-    return np.asarray(half @ ((weighted @ half).T @ (root @ columns).reshape(-1, columns.shape[2])))
+    return np.asarray(half @ ((weighted @ half).T @ (effect @ root.T).ravel()))
 
 
 def _whitening_from(matrices: Array, forces: Array, selection: Selection, model: Model, sensors: Sensors) -> Array:

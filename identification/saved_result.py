@@ -88,7 +88,3 @@ def require_agreement(file: str, entries: ResultEntries, model: Model, wrench: b
             require(place, square[row, column], square[column, row], 0.0, "the opposite entry")
     rms = float(np.sqrt(np.mean(np.square(entries.residual_rms[: 3 if wrench else 6]))))
     require("s0_N", entries.s0_N, rms, rms, "residual_rms")
-    if (accelerometer := entries.accelerometer) is not None:
-        deviations = np.sqrt(np.diag(accelerometer.covariance_m2_s4).clip(0.0))
-        for stated_std, std in zip(accelerometer.std_m_s2, deviations, strict=True):
-            require("std_m_s2 of the accelerometer", stated_std, std, std, "its covariance")

@@ -16,7 +16,6 @@ from scipy.linalg import block_diag, solve_triangular
 from cases.errors import IdentificationError
 from cases.sensors import Sensors
 from cases.units import Array, Indices
-from identification.estimation.biases import OFFSET_NAMES, Biases
 from identification.estimation.channel_weights import EACH, full_weights, per_channel
 from identification.estimation.fit import Fit, Regression, column_scale, gauss_markov, settled
 from identification.estimation.force_noise import long_run_covariance
@@ -41,14 +40,6 @@ class Method:
     priors: tuple[Prior, ...]
     # `equal`, `per_channel`, `per_unit` or `stated`, see `cases.sensors`; None for those of the case
     weights: str | None = None
-    # offsets from another result, which are among the known values; their uncertainty is propagated
-    biases: Biases | None = None
-
-    @property
-    def without_biases(self) -> "Method":
-        """The same with the offsets of the forces free."""
-        offsets = {} if self.biases is None else self.biases.known
-        return replace(self, known={n: v for n, v in self.known.items() if n not in offsets}, biases=None)
 
     def weights_for(self, sensors: Sensors) -> str:
         """The weights of the channels: its own, or those of the case.
@@ -233,22 +224,14 @@ def method(
     dropped: Sequence[str] = (),
     priors: Sequence[Prior] = (),
     weights: str | None = None,
-    biases: Biases | None = None,
 ) -> Method:
     """A method by the name of its estimator.
 
     Raises:
-        IdentificationError: no such estimator or weights, with those that there are; biases given otherwise too.
+        IdentificationError: no such estimator or weights, with those that there are.
     """
     if weights is not None and weights not in ALIKE:
         raise IdentificationError(f"weights {weights!r} are unknown; choose {', '.join(ALIKE)}")
     if name not in ESTIMATORS:
         raise IdentificationError(f"estimator {name!r} is unknown; choose {', '.join(ESTIMATORS)}")
-    known = dict(known or {})
-    if biases is not None:
-        twice = [n for n in OFFSET_NAMES if n in known or n in dropped]
-        if name != "gauss-markov" or priors or twice:
-            other = f"{twice[0]} given otherwise" if twice else "priors" if priors else f"the estimator {name}"
-            raise IdentificationError(f"--biases {biases.source}", f"does not go with {other}; leave one of them out")
-        known |= biases.known
-    return Method(name, known, tuple(dropped), tuple(priors), weights, biases)
+    return Method(name, dict(known or {}), tuple(dropped), tuple(priors), weights)

@@ -2,7 +2,7 @@
 
 A new check is one more function in `CHECKS` at the end. Impossible results are refused. Of the body, the mass,
 the centre of gravity and the spread of the mass are checked. For offsets that drift, each channel gets a straight line
-in time, or in the recorded temperature, which is judged by deviations that allow for noise with memory.
+in time, which is judged by deviations that allow for noise with memory.
 """
 
 from collections.abc import Callable
@@ -14,7 +14,6 @@ from scipy.special import stdtrit
 from cases.errors import IdentificationError
 from cases.schema import Case
 from cases.units import Array, Indices
-from identification.estimation.biases import WARM_UP, channel_words
 from identification.estimation.fit import Fit, Regression, inverse_root, joint_triangle
 from identification.estimation.force_noise import noise_components
 from identification.finding import Finding, Kind, note, warning
@@ -270,21 +269,21 @@ def _no_body(model: Model, fit: Fit) -> list[Finding]:
     return [warning(Kind.MODEL, f"{sentence}moment channels, and the dimensions of the machine")]
 
 
+WARM_UP = "let the sensor warm up, and run hexcite tare shortly before its readings count"
 CHANCE = 1e-6  # probability of a false drift, in each channel
-LEAST_WARMING = 0.2  # [K] within a run, from which on its temperature says more than its time
 LEAST_FREEDOM = 4.0  # degrees of freedom of a channel, from which on a drift can be judged
 
 
 def drifting(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
-    """Channels whose offset changes within a run, with the rate and the change over the run."""
+    """The channel whose offset changes most within a run, with the change over the run."""
     samples, method = fitted.samples, fitted.method
     freedom = len(fitted.fit.residuals) - len(fitted.regression.names) / 6 - 1
     if method.name not in SANDWICHED or method.priors or freedom < LEAST_FREEDOM:
         return []
-    axis, warming = _axis(recording, samples.t)
-    if np.ptp(axis) == 0.0:
+    span = float(np.ptp(samples.t))
+    if span == 0.0:
         return []
-    line = (axis - axis.mean()) / np.ptp(axis) * samples.scale
+    line = (samples.t - samples.t.mean()) / span * samples.scale
     part = fair_part(len(line))
     weights = fitted.fit.weights if fitted.whitening is None else np.ones(6)
     free = freedom * len(part) / len(line)
@@ -302,22 +301,22 @@ def drifting(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
         return []
     worst = int(np.argmax(sure / most))
     channel, unit = channel_words(case, worst)
-    by, span = float(change[-6:][worst]), float(np.ptp(axis))
-    if warming:
-        rate, over = f"{by / span:+.2g} {unit}/K", f"the {span:.2g} K of this run"
-    elif recording.t is not None:
-        rate, over = f"{60.0 * by / span:+.2g} {unit} a minute", f"the {span:.3g} s of this run"
-    else:
-        rate, over = f"{by / span:+.2g} {unit} from standstill to standstill", f"these {round(span) + 1}"
+    by = float(change[-6:][worst])
+    over = f"these {round(span) + 1} standstills" if recording.t is None else f"the {span:.3g} s of this run"
     others = [channel_words(case, k)[0] for k in np.flatnonzero(sure > most).tolist() if k != worst]
     more = f"; {', '.join(others)} too" if others else ""
     sentence = (
-        f"the offset of {channel} drifts by {rate}, {by:+.2g} {unit} over {over} ({sure[worst]:.0f} standard "
+        f"the offset of {channel} drifts by {by:+.2g} {unit} over {over} ({sure[worst]:.0f} standard "
         f"deviations){more}: the result has the mean; {WARM_UP}"
     )
-    drift = {"channel": channel, "change": by, "standard_deviations": float(sure[worst]), "span": span, "unit": unit,
-             "with": "temperature" if warming else "time"}  # fmt: skip
+    drift = {"channel": channel, "change": by, "standard_deviations": float(sure[worst]), "span": span, "unit": unit}
     return [warning(Kind.OFFSETS, sentence, offset_drift=drift)]
+
+
+def channel_words(case: Case, k: int) -> tuple[str, str]:
+    """Name of a channel in the file, and its unit."""
+    name, _, unit = case.sensor_frame.channels[k].rpartition("_")
+    return case.recording.file_name(f"{name}_{unit}"), {"Nm": "N m"}.get(unit, unit)
 
 
 def _with_lines(fitted: Fitted, line: Array, rows: Indices) -> Regression:
@@ -334,15 +333,6 @@ def _solved(lines: Regression, weights: Array, freedom: float) -> tuple[Array, A
     half, change = inverse_root(top[:-1, :-1]), np.linalg.lstsq(top[:-1, :-1], top[:-1, -1], rcond=None)[0]
     covariance = half @ half.T * top[-1, -1] ** 2 / (6.0 * freedom)
     return np.asarray(change), np.diag(covariance)[-6:]
-
-
-def _axis(recording: Recording, t: Array) -> tuple[Array, bool]:
-    """Time or temperature at the evaluated samples, by which offsets may drift, and whether it is the temperature."""
-    if recording.temperature is None:
-        return t, False
-    own = np.arange(1.0, len(recording.temperature) + 1.0) if recording.t is None else recording.t
-    temperature = np.interp(t, own, recording.temperature)
-    return (temperature, True) if np.ptp(temperature) >= LEAST_WARMING else (t, False)
 
 
 CHECKS: tuple[Callable[[Recording, Case, Fitted], list[Finding]], ...] = (

@@ -135,10 +135,10 @@ def _at_clock(recording: Recording, clock: Stream, inside: Indices, hidden: Flag
     """The run at samples of a clock, without forces and struts; `what` is missing where a gap would hide it."""
     assert clock.t is not None
     t = clock.t[inside]
-    override, temperature = _latest(recording, "override", t), _latest(recording, "temperature", t)
+    override = _latest(recording, "override", t)
     trigger = _latest(recording, "trigger", t) if clock.trigger is None else clock.trigger[inside]
     return replace(
-        recording, source=clock.source, t=t, trigger=trigger, override=override, temperature=temperature,
+        recording, source=clock.source, t=t, trigger=trigger, override=override,
         rotations=None, poses=None, specific_forces=None, others=(), lines=clock.lines.later(int(inside[0])),
         missing=hidden | clock.bad[inside], missing_in=(*clock.missing_in, *((what,) if hidden.any() else ())),
     )  # fmt: skip

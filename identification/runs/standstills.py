@@ -91,10 +91,8 @@ def average(recording: Recording, windows: Sequence[slice]) -> Recording:
     variance = np.array([variance_of_mean(recording.forces[r]) for r in rows])
     usual = np.maximum(np.median(variance, axis=0), np.finfo(float).tiny)
     scatter = np.sqrt(np.maximum(np.mean(variance / usual, axis=1), 1e-6))
-    degrees = recording.temperature
     return replace(
-        recording, temperature=None if degrees is None else np.array([degrees[r].mean() for r in rows]),
-        t=None, struts=struts, forces=forces, trigger=None, poses=None,
+        recording, t=None, struts=struts, forces=forces, trigger=None, poses=None,
         rotations=None, specific_forces=None, others=(), lines=_COUNTED,
         weights=1.0 / scatter, missing=None, missing_in=(),
     )  # fmt: skip
@@ -149,9 +147,8 @@ def match(averages: Recording, case: Case, expected: Array, names: str) -> tuple
             "cut the recording at its end, or name the right plan",
         )
     part = slice(first, end)
-    degrees = None if averages.temperature is None else averages.temperature[part]
     struts, forces, weights = averages.struts[part], averages.forces[part], averages.weights[part]
-    return replace(averages, struts=struts, forces=forces, weights=weights, temperature=degrees), part
+    return replace(averages, struts=struts, forces=forces, weights=weights), part
 
 
 def standstills(recording: Recording, case: Case, model: Model) -> Standstills:

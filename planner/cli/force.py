@@ -118,7 +118,7 @@ def tare(
         ]
         for k, place in enumerate(offset_columns(saved.model), 1)
     ]
-    for remark in (*run.remarks, *saved.remarks, *tared.notes[len(saved.notes) :]):
+    for remark in (*run.remarks, *saved.remarks):
         print(f"warning: {remark}")
     print_table("Offsets", ("offset", "change", "std"), rows)
     print(f"result written: {folder}")

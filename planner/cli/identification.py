@@ -5,12 +5,11 @@ from pathlib import Path
 from typing import Any
 
 from cases.errors import HexciteError
-from cases.schema import Case
 from identification.estimation.estimators import Method, method
 from identification.estimation.fit import Value
 from identification.estimation.priors import Prior
 from identification.model import Model
-from identification.outcome import Result, biases_of
+from identification.outcome import Result
 from identification.parameters import physical_form, symmetric_platform
 from planner.cli.console import print_table
 from planner.precision import carries_rods, legible, value_cells
@@ -19,15 +18,12 @@ from planner.request import read_value
 
 def method_of(
     model: Model,
-    case: Case,
     estimator: str,
     fix: Sequence[str] | None = None,
     drop: Sequence[str] | None = None,
     symmetric: bool = False,
     prior: Sequence[str] | None = None,
     weights: str | None = None,
-    biases: Path | None = None,
-    stale: bool = False,
 ) -> Method:
     """The method that a user asks for by the options as typed; HexciteError where one of them is not understood."""
     units = {p.name: p.unit for p in (*model.parameters, *physical_form(model).parameters)}
@@ -41,14 +37,13 @@ def method_of(
         constants[typed.name] = typed.value
     if symmetric:
         constants = symmetric_platform(model) | constants
-    offsets = None if biases is None else biases_of(biases, case, stale)
     priors = []
     for text in prior or ():
         typed = read_value(text, units, "--prior", "m=33+-0.5kg", model.number)
         if typed.std is None:
             raise HexciteError(f"--prior {text}", "has no standard deviation; write it as --prior m=33+-0.5kg")
         priors.append(Prior(typed.name, typed.value, typed.std))
-    return method(estimator, constants, tuple(drop or ()), priors, weights, offsets)
+    return method(estimator, constants, tuple(drop or ()), priors, weights)
 
 
 PARAMETER_COLUMNS = ("parameter", "value", "+-", "std (28)", "std robust", "unit")
@@ -119,16 +114,6 @@ def show_result(answer: dict[str, Any]) -> None:
     show_noise(answer)
     for note in answer["notes"]:
         print(note)
-    sensor = answer["accelerometer"]
-    if sensor is not None:
-        values = ", ".join(f"{b:.4f} +- {s:.4f}" for b, s in zip(sensor["bias_m_s2"], sensor["std_m_s2"], strict=True))
-        turn = ", ".join(f"{1e3 * t:.1f}" for t in sensor["turn_rad"])
-        print(
-            f"accelerometer: biases {values} m/s^2, turned by {turn} mrad; residual {sensor['rms_m_s2']:.2g} m/s^2 rms"
-        )
-    if answer["biases"] is not None:
-        also = " and of the accelerometer" if answer["biases"]["accelerometer"] is not None else ""
-        print(f"offsets of the forces{also} are those of {answer['biases']['result']}, with their uncertainty")
     if "standstills" in answer:
         stops = answer["standstills"]
         source = "the poses of the program" if stops["matched_to_poses"] else "found where the machine stands"

@@ -38,10 +38,6 @@ def identify(
         bool, option("Symmetric platform: xC, yC and moments of deviation are zero.", "--symmetric")
     ] = False,
     prior: Annotated[list[str] | None, option("An uncertain value: m=33+-0.5kg. Repeatable.")] = None,
-    biases: Annotated[
-        Path | None,
-        option("Result of standstills: take the offsets of forces and accelerometer from it, with their uncertainty."),
-    ] = None,
     terms: Annotated[str | None, option("Error terms instead of the model's, of K1 to K5: K1,K4.")] = None,
     poses: Annotated[
         Path | None, option("Plan of poses: average the run's standstills, which must be those of this plan.")
@@ -87,7 +83,7 @@ def identify(
         result = hx.identify(
             run,
             model=model,
-            how=lambda m: method_of(m, own, estimator, fix, drop, symmetric, prior, weights, biases, stale),
+            how=lambda m: method_of(m, estimator, fix, drop, symmetric, prior, weights),
             terms=words,
             conditioning=hx.Conditioning(flexible, standstills),
             poses=plan,

@@ -70,7 +70,6 @@ def results(draw: st.DrawFn) -> Result:
         **entries_of_parameters(physical_values(model, u, white, robust), freedom, u, white, robust),
         names=tuple(model.names),
         delay_s=draw(st.none() | POSITIVE.map(lambda std: Value(2.5e-3, std, std, "s"))),
-        accelerometer=None,
         estimator="gauss-markov",
         weights="equal",
         s0=draw(POSITIVE),

@@ -42,7 +42,6 @@ def write_result(folder: Path, machine: Case, number: int, values: Array | None 
         "model": number,
         "error_terms": [],
         "estimator": "gauss-markov",
-        "accelerometer": None,
         "s0": 1.0,
         "s0_N": 1.0,
         "residual_rms": [1.0] * 6,
