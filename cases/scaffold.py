@@ -33,7 +33,7 @@ _ADVICE = {
     "sensor_frame.bars": "From the drawing of the frame: both ends of each bar in {P}, in the order of the channels.",
     "sensor_frame": 'How the sensor reads: sense = "load_on_sensor" or "sensor_on_load".',
     "sensors": "From the sensors' data sheet. Noise may be stated: force_noise_N,\n"
-    "# encoder_resolution_um, strut_noise_um, and of vibration acceleration_noise_m_s2 and\n"
+    "# and of vibration acceleration_noise_m_s2 and\n"
     "# angular_acceleration_noise_rad_s2: hexcite identify says what the residuals look like. So it does of errors\n"
     "# that depend on the pose: pose_error_N and pose_error_length_mm, which plans then count on.",
     "recording": "How recordings are written: `hexcite look RECORDING --case CASE` proposes this table. By example:\n"

@@ -99,23 +99,18 @@ class Result:
         return str(self.record.recording if self.file is None else self.file)
 
     @property
-    def terms(self) -> tuple[str, ...]:
-        """Forms of the error compensation other than the model's."""
-        return self.record.error_terms
-
-    @property
     def model(self) -> Model:
         """The model of the parameters.
 
         Raises:
-            FileProblem: they belong to another case, or no model of it has that number and these terms.
+            FileProblem: they belong to another case, or no model of it has that number.
         """
         name = self.record.case
         if self.case.name != name:
             problem = f"parameters of case {name}, not {self.case.name}"
             raise FileProblem(self.source, problem, f"identify them for {self.case.name}")
         try:
-            return identification_model(self.case, self.record.model, self.terms)
+            return identification_model(self.case, self.record.model)
         except HexciteError as error:
             raise FileProblem(self.source, error.typed, AGAIN) from error
 

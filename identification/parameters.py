@@ -139,8 +139,8 @@ MODELS: dict[int, tuple[Block, ...]] = {
     9: (*_DYNAMIC, K2, K5),
 }
 
-ERROR_TERMS: dict[str, Block] = {"K1": K1, "K2": K2, "K3": K3, "K4": K4, "K5": K5}
-"""Forms of the error compensation, (10) to (15), that may be combined freely."""
+ERROR_TERMS = (K1, K2, K3, K4, K5)
+"""Forms of the error compensation, (10) to (15)."""
 
 
 INERTIA_INDEX = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))  # of the six components of an inertia
@@ -239,15 +239,6 @@ def require_names(given: Iterable[str], valid: Sequence[str]) -> None:
     for name in given:
         if name not in valid:
             raise IdentificationError(f"{name!r} is not a parameter here; choose from {', '.join(valid)}")
-
-
-def symmetric_platform(model: "Model") -> dict[str, float]:
-    """The reduction of section 5 for a symmetric platform: five parameters fewer, two where there is no inertia.
-
-    hx.identify(recording, how=lambda model: hx.method(known=hx.symmetric_platform(model)))
-    """
-    names = [p.name for p in physical_form(model).parameters]
-    return {name: 0.0 for name in (*names, *model.names) if name in ("xC", "yC", "I12", "I13", "I23")}
 
 
 def select(model: "Model", known: Mapping[str, float], dropped: Iterable[str] = ()) -> Selection:

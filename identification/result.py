@@ -15,9 +15,8 @@ from identification.criteria import Identifiability, analyse
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, Value
 from identification.finding import AS_OBJECT, FROZEN, SEVERITIES, Entries, Finding, sentences
-from identification.model import Model, identification_model
-from identification.parameters import ERROR_TERMS, physical_form
-from identification.runs.noise_sources import NoiseSources, attenuation_of
+from identification.model import Model
+from identification.parameters import physical_form
 from identification.samples import Fitted, Samples
 
 
@@ -34,10 +33,7 @@ class Estimate:
     evaluated: Samples  # samples that it was made from
     residuals: Array  # recorded forces less the model, shape (n, 6) [N, or N and N m]
     delay: Value | None  # delay of the forces [s], where it was estimated
-    noise: NoiseSources | None  # what s0 consists of, where the case states noise
     physical: dict[str, Value]  # physical parameters by name
-    # attenuation of physical parameters by name, where the case states noise of the struts
-    attenuation: dict[str, dict[str, float | None]] | None
     findings: tuple[Finding, ...]  # what speaks against it, and what is good to know
 
     @property
@@ -92,7 +88,6 @@ def estimate_of(
     fitted: Fitted,
     source: str,
     case: Case,
-    noise: NoiseSources | None,
     findings: tuple[Finding, ...],
 ) -> Estimate:
     """The estimate of a fit; columns of the fit beyond the model's parameters are nuisances, which it leaves out."""
@@ -101,13 +96,8 @@ def estimate_of(
     u, white, robust = fit.values[own], fit.covariance[own, own], fit.covariance_robust[own, own]
     fit = replace(fit, values=u, covariance=white, covariance_robust=robust)
     physical = physical_values(model, u, white, robust)
-    attenuation = None
-    if noise is not None and noise.bias is not None:
-        reported = np.array([value.reported for value in physical.values()])
-        attenuation = attenuation_of(physical_form(model), u, noise.bias, reported)
     return Estimate(
-        case, source, fitted.method, fit, fitted.samples, fitted.residuals, fitted.delay, noise,
-        physical, attenuation, findings,
+        case, source, fitted.method, fit, fitted.samples, fitted.residuals, fitted.delay, physical, findings,
     )  # fmt: skip
 
 
@@ -156,7 +146,6 @@ class Parameters(Origin):
     """Parameters in both forms [SI], and what was known of them."""
 
     model: int
-    error_terms: tuple[str, ...]
     known: Entries | None = None
     dropped: tuple[str, ...] = ()
     priors: Entries | None = None
@@ -167,13 +156,11 @@ class Parameters(Origin):
     covariance: tuple[Numbers, ...]  # covariance of the linear ones by (28)
     covariance_robust: tuple[Numbers, ...]
     delay_s: Delay | None
-    attenuation: Entries | None = None
 
 
 class ResultEntries(Parameters):
     """Entries of `result.json`."""
 
-    estimator: str
     weights: str
     s0: NonNegativeFloat
     s0_N: NonNegativeFloat
@@ -183,7 +170,6 @@ class ResultEntries(Parameters):
     rank: PositiveInt
     condition: NonNegativeFloat
     w_diagonal: Numbers = ()
-    noise_sources: Entries | None = None
     findings: tuple[Finding, ...]
 
     def replaced(self, **changes: Any) -> Self:
@@ -208,7 +194,6 @@ def entries_of(estimate: Estimate, files: Sequence[Path] = (), **origin: Any) ->
     """
     about = provenance(files)
     fit, how, model, case = estimate.fit, estimate.how, estimate.model, estimate.case
-    standard = identification_model(case, model.number).names == model.names
     return ResultEntries(
         case=case.name,
         case_hash=case.hash,
@@ -216,15 +201,12 @@ def entries_of(estimate: Estimate, files: Sequence[Path] = (), **origin: Any) ->
         inputs=tuple(about["inputs"]),
         versions=about["versions"],
         model=model.number,
-        error_terms=() if standard else tuple(n for n, b in ERROR_TERMS.items() if b in model.blocks),
         known=how.known,
         dropped=tuple(how.dropped),
         priors={p.name: {"value": p.value, "std": p.std} for p in how.priors},
         **entries_of_parameters(estimate.physical, fit.freedom, fit.values, fit.covariance, fit.covariance_robust),
         names=tuple(model.names),
         delay_s=estimate.delay,
-        attenuation=estimate.attenuation,
-        estimator=how.name,
         weights=how.weights or case.sensors.weights,
         s0=fit.s0,
         s0_N=estimate.s0_N,
@@ -234,7 +216,6 @@ def entries_of(estimate: Estimate, files: Sequence[Path] = (), **origin: Any) ->
         rank=fit.rank,
         condition=fit.condition,
         w_diagonal=tuple(fit.weights.tolist()),
-        noise_sources=None if estimate.noise is None else estimate.noise.to_json(),
         findings=estimate.findings,
         **origin,
     )

@@ -1,6 +1,6 @@
 """What an estimate is made from (times, forces, regressors at a delay, properties of the noise), and the fit to it.
 
-Averaged standstills are such samples, runs that move others. `Conditioning` is what a user asks to be done beforehand.
+Averaged standstills are such samples, runs that move others.
 The delay between forces and motion, where there is one, is estimated with the parameters.
 """
 
@@ -15,8 +15,7 @@ from scipy.linalg import block_diag
 from cases.errors import IdentificationError
 from cases.sensors import Sensors
 from cases.units import Array, Flags, Indices
-from identification.estimation.channel_weights import independent_poses
-from identification.estimation.estimators import ALIKE, Method, estimate_selected, gauss_markov_of, method
+from identification.estimation.estimators import ALIKE, Method, estimate_selected, gauss_markov_of, independent_poses
 from identification.estimation.fit import Filtered, Fit, Regression, Robust, Value, inverse_root, joint_triangle
 from identification.estimation.force_noise import long_run_covariance, scores
 from identification.finding import Finding
@@ -30,8 +29,7 @@ DELAY_TOLERANCE = 1e-9  # [s]; what remains of the delay is in the nuisance of t
 CLOSE = 1e-5  # [s] the same where the search began close to it: the square is a hundredth of the noise of the samples
 TURNS = 3  # of weights and parameters; the weights need the parameters to a percent only
 EXCERPTS = (1, 8)  # parts of a long run by which the search begins, see `fair_part`
-SANDWICHED = ("gauss-markov", "consistent")  # whose robust covariance is the sandwich of the weights alone
-GAUSS_MARKOV = method()
+GAUSS_MARKOV = Method()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -106,11 +104,6 @@ class Samples(ABC):
         """
         del fit, basis, w, delay
         return self
-
-    def regressor_noise(self, w: Array, delay: float, sensors: Sensors) -> Array | None:
-        """Expected sum of dA^T W dA by stated noise, shape (u, u); None where A does not come from struts."""
-        del w, delay, sensors
-        return None
 
     def findings(self, fit: Fit) -> tuple[Finding, ...]:
         """What there is to say of how they were evaluated, after their fit."""
@@ -191,18 +184,6 @@ class Standstills(Samples):
         return Residuals(self.t, self.recorded, self.matrices @ values, None)
 
 
-@dataclass(frozen=True, slots=True)
-class Conditioning:
-    """What a user asks to be done to a run."""
-
-    # estimate the lowest structural mode of a moving run with the parameters, behind a low-pass at half its frequency
-    flexible: bool = False
-    standstills: bool = False  # average the run's standstills, wherever they are
-
-
-USUAL = Conditioning()
-
-
 class Fitted(NamedTuple):
     """Samples with their fit."""
 
@@ -252,7 +233,7 @@ def fit_samples(
     columns, white = regression.regressors, regression.whitened(whitening)
     basis = block_diag(how.selection(model).basis, np.eye(beside))
     fit = how.estimate(white, model)
-    if how.name in SANDWICHED and not how.priors:
+    if not how.priors:
         free = white.regressors if np.array_equal(basis, np.eye(len(basis))) else white.regressors @ basis
         robust = samples.robust_covariance(free, fit.residuals, fit.weights, whitening)
         if robust is not None:

@@ -185,7 +185,7 @@ class BothLaws:
         )
         if self.steps == (self.better == LIMITED_JERK):
             text += ": plan --family spline, which needs no steps" if self.steps else ": plan --for linuxcnc"
-        return text + ("; identify --flexible estimates the mode" if self.own.times > LARGE else "")
+        return text
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json`."""

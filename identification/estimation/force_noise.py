@@ -21,7 +21,6 @@ shown by likelihood (twice its gain is 0.6 a channel, by white noise 1.2), and w
 must call for them, 95 % intervals hold such a truth in 88 to 92 % of the cases instead of 94 %.
 """
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -29,7 +28,7 @@ from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
 from cases.units import Array, Indices
-from identification.estimation.fit import Filtered, Fit, Regression, orthonormal
+from identification.estimation.fit import Filtered, Fit, orthonormal
 from identification.finding import Finding, Kind, note
 from identification.model import Model, acceleration_to_force, whitening_of
 
@@ -227,13 +226,6 @@ def long_run_covariance(scores: Array) -> Array:
     return np.asarray(moving.T @ moving / width)
 
 
-def with_kernel(fit: Fit, regression: Regression) -> Fit:
-    """A fit of `gauss_markov` that allows for noise with memory by Bartlett's kernel, `long_run_covariance`."""
-    inverse = fit.covariance * regression.filtered.stride / max(fit.s0**2, np.finfo(float).tiny)
-    long_run = long_run_covariance(scores(regression.regressors, fit.residuals, fit.weights))
-    return replace(fit, covariance_robust=inverse @ long_run @ inverse)
-
-
 METRIC_ROUNDS = 10  # of covariance and metric
 LEAST_INDEPENDENT = 100  # independent samples; with fewer the covariance is too uncertain to be taken apart
 TELLING = 0.1  # share of the residuals' variance from which noise of accelerations is worth a word
@@ -258,7 +250,7 @@ def noise_components(fit: Fit, model: Model, filtered: Filtered, wrench: bool, w
         f"the residuals look like noise of {force:.3g} N{moments} in the channels and of {acceleration:.3g} m/s^2 and "
         f"{angular:.3g} rad/s^2 in the accelerations: if that is the machine's, state it in [sensors] of the case "
         "(force_noise_N, acceleration_noise_m_s2, angular_acceleration_noise_rad_s2), for smaller deviations with "
-        "--weights stated; the vibration of a structure looks alike, and identify --flexible estimates its mode"
+        "--weights stated; the vibration of a structure looks alike"
     )
     entries = {
         "force_noise_N": force,

@@ -21,7 +21,7 @@ from identification.model import Model
 from identification.parameters import INERTIA, INERTIA_INDEX, MASS, physical_form, pseudo_inertia
 from identification.recording import Recording
 from identification.runs.sample_checks import cut_off, shorter_than_planned
-from identification.samples import SANDWICHED, Fitted
+from identification.samples import Fitted
 from identification.signals import fair_part
 
 NOISIER = 3.0  # times the stated noise of a force sensor, from which residuals say more than noise
@@ -278,7 +278,7 @@ def drifting(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """The channel whose offset changes most within a run, with the change over the run."""
     samples, method = fitted.samples, fitted.method
     freedom = len(fitted.fit.residuals) - len(fitted.regression.names) / 6 - 1
-    if method.name not in SANDWICHED or method.priors or freedom < LEAST_FREEDOM:
+    if method.priors or freedom < LEAST_FREEDOM:
         return []
     span = float(np.ptp(samples.t))
     if span == 0.0:

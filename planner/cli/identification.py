@@ -5,23 +5,21 @@ from pathlib import Path
 from typing import Any
 
 from cases.errors import HexciteError
-from identification.estimation.estimators import Method, method
+from identification.estimation.estimators import Method
 from identification.estimation.fit import Value
 from identification.estimation.priors import Prior
 from identification.model import Model
 from identification.outcome import Result
-from identification.parameters import physical_form, symmetric_platform
+from identification.parameters import physical_form
 from planner.cli.console import print_table
-from planner.precision import carries_rods, legible, value_cells
+from planner.precision import carries_rods, value_cells
 from planner.request import read_value
 
 
 def method_of(
     model: Model,
-    estimator: str,
     fix: Sequence[str] | None = None,
     drop: Sequence[str] | None = None,
-    symmetric: bool = False,
     prior: Sequence[str] | None = None,
     weights: str | None = None,
 ) -> Method:
@@ -35,15 +33,13 @@ def method_of(
         if typed.name in constants:
             raise HexciteError(f"--fix {text}", f"{typed.name} is given twice; give it once")
         constants[typed.name] = typed.value
-    if symmetric:
-        constants = symmetric_platform(model) | constants
     priors = []
     for text in prior or ():
         typed = read_value(text, units, "--prior", "m=33+-0.5kg", model.number)
         if typed.std is None:
             raise HexciteError(f"--prior {text}", "has no standard deviation; write it as --prior m=33+-0.5kg")
         priors.append(Prior(typed.name, typed.value, typed.std))
-    return method(estimator, constants, tuple(drop or ()), priors, weights)
+    return Method(constants, tuple(drop or ()), tuple(priors), weights)
 
 
 PARAMETER_COLUMNS = ("parameter", "value", "+-", "std (28)", "std robust", "unit")
@@ -70,31 +66,10 @@ def show_residuals(answer: dict[str, Any]) -> None:
     print(f"s0 = {answer['s0']:.3g}{' N' if equal else ''}, weights {answer['weights']}; {sentence}")
 
 
-def show_noise(answer: dict[str, Any]) -> None:
-    """Prints the parts of s0 and the bias of the parameters by noise, where the case states noise."""
-    sources = answer["noise_sources"]
-    if sources is None:
-        return
-    shares = {"force sensors": sources["force_sensors"], "accelerations": sources["accelerations"]}
-    parts = [f"{name} {100 * share:.3g} %" for name, share in shares.items() if share is not None]
-    rest = "unexplained" if len(parts) == 2 else "anything else"
-    print(f"s0^2 consists of: noise of {', of '.join(parts)}, {rest} {100 * sources['unexplained']:.3g} %")
-    attenuations = {n: a for n, a in (answer["attenuation"] or {}).items() if a["of_std"] is not None}
-    if attenuations:
-        worst = max(attenuations, key=lambda name: abs(attenuations[name]["of_std"]))
-        bias, unit = attenuations[worst], answer["parameters"][worst]["unit"]
-        scale, unit = legible(unit)
-        print(
-            f"noise of the accelerations biases parameters by at most {abs(bias['of_std']):.2g} of their +- "
-            f"(attenuation, not taken out; vibration biases none): {worst} by {bias['bias'] * scale:+.2g} {unit}"
-        )
-
-
 def show_result(answer: dict[str, Any]) -> None:
     """Prints a result for people."""
     rows = parameter_rows({name: Value(**p) for name, p in answer["parameters"].items()})
-    terms = f" with {', '.join(answer['error_terms'])}" if answer["error_terms"] else ""
-    title = f"Model {answer['model']}{terms}, {answer['estimator']}: {answer['samples']} samples"
+    title = f"Model {answer['model']}: {answer['samples']} samples"
     print_table(title, PARAMETER_COLUMNS, rows)
     print(
         "+- is the larger of std by (28), right for white noise, and of std robust, which allows for noise that is not"
@@ -111,7 +86,6 @@ def show_result(answer: dict[str, Any]) -> None:
             f"forces lag the motion by {delay['value'] * 1e3:.3f} +- {delay['std'] * 1e3:.3f} ms "
             "(estimated and compensated)"
         )
-    show_noise(answer)
     for note in answer["notes"]:
         print(note)
     if "standstills" in answer:

@@ -7,7 +7,7 @@ import pytest
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import load_case
-from identification.estimation.estimators import method
+from identification.estimation.estimators import Method
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
 from identification.motion import Joined, Standstill, Trajectory
@@ -107,13 +107,13 @@ def test_inertia_that_is_known_or_left_out_is_not_asked_of_standstills() -> None
     """At rest its columns are zero: with model 9 the rest comes out as with model 5."""
     many, inertia = measured(poses(20)), [p.name for p in INERTIA.parameters]
     averages = average(many, find_standstills(many, SETTLE))
-    plain = estimate_parameters(averages, CASE, 5, method(dropped=["k2"]))
-    for how in (method(dropped=[*inertia, "k2"]), method(known=dict.fromkeys(inertia, 1.0), dropped=["k2"])):
+    plain = estimate_parameters(averages, CASE, 5, Method(dropped=("k2",)))
+    for how in (Method(dropped=(*inertia, "k2")), Method(dict.fromkeys(inertia, 1.0), ("k2",))):
         found = estimate_parameters(averages, CASE, 9, how)
         for name in ("m", "zC", "k0", "k3"):
             assert found.physical[name].value == pytest.approx(plain.physical[name].value)
     with pytest.raises(IdentificationError, match="contains inertia, which standstills cannot excite"):
-        estimate_parameters(averages, CASE, 9, method(dropped=inertia[1:]))
+        estimate_parameters(averages, CASE, 9, Method(dropped=tuple(inertia[1:])))
 
 
 def test_a_restless_standstill_counts_less() -> None:
