@@ -168,7 +168,7 @@ def tare(recording: Recording, result: Result) -> Result:
         together[:, offsets] = own
         square[offsets, :], square[:, offsets] = together, together.T
     physical, stale = physical_values(model, values, covariance, robust), recording.remarks + result.remarks
-    parameters = entries_of_parameters(physical, result.record.degrees_of_freedom, values, covariance, robust)
+    parameters = entries_of_parameters(physical, values, covariance, robust)
     record = result.record.replaced(
         **parameters,
         findings=(*result.findings, *changed_cases(stale)),

@@ -22,9 +22,8 @@ from identification.estimation.fit import require_alive
 from identification.finding import Kind, changed_cases, warning
 from identification.findings.contact import contact_findings, free_of_contact, touched
 from identification.findings.fit_checks import fit_findings, leaves_much
-from identification.findings.wiring import fitting_case, other_wiring
+from identification.findings.wiring import other_wiring
 from identification.formats.reading import files_of
-from identification.hexapod import StrutsDoNotClose
 from identification.model import Model, full_model, identification_model
 from identification.outcome import RUN_ENTRIES, Result
 from identification.parameters import INERTIA, RIGID
@@ -85,8 +84,6 @@ def identify(
     except (IdentificationError, RecordingError) as error:
         if own not in (None, case.name):
             raise IdentificationError(f"{error.typed}; it was recorded with the case {own}, not {case.name}") from error
-        if isinstance(error, StrutsDoNotClose) and (other := fitting_case(error.lengths, case)):
-            raise IdentificationError(f"{error.typed}; they fit the case {other}, name it with --case") from error
         raise
     changed = changed_cases(recording.remarks)
     differences = changes_since(recording.record, recording_basis(case), case.hash)

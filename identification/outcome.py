@@ -1,62 +1,49 @@
 """The result of an identification as users hold it: parameters by name, saved and loaded as a folder."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
 from cases.basis import case_of, require_unchanged, result_basis
 from cases.errors import FileProblem, HexciteError
-from cases.files import DAMAGED, RESULT, atomic_folder, check_folder, json_text, read_json
+from cases.files import RESULT, atomic_folder, check_folder, json_text, read_json
 from cases.schema import Case
 from cases.units import Array, as_html
 from identification.criteria import Identifiability
 from identification.estimation.fit import Value
 from identification.finding import Finding, sentences
 from identification.model import Model, identification_model
-from identification.result import Estimate, ResultEntries, identifiability_of
-from identification.saved_result import AGAIN, read_entries, require_agreement
+from identification.result import SCHEMA_VERSION, Estimate, ResultEntries, identifiability_of, physical_values
 from identification.signals import Residuals
 
 # Entries of recording.json that a result takes over.
 RUN_ENTRIES = ("controller", "program", "program_hash", "plan_hash", "seed", "payload", "simulation_source")
 PROMINENT = ("m", "xC", "yC", "zC")  # shown first
+AGAIN = "identify again"
+ALIKE = 1e-9  # of numbers that are computed anew: another computer rounds otherwise
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, repr=False)
 class Result:
-    """Identified parameters.
+    """Identified parameters; two are equal where they say the same.
 
     Args:
-        case: case of the recording.
         record: entries of result.json.
+        case: case of the recording.
         estimate: estimate with everything that is not saved; None where it was loaded.
-        determined: what the run determined, as loaded; None where no file says it.
         file: file that it was loaded from.
         remarks: what has changed in the case since, where it was loaded nevertheless.
     """
 
-    case: Case
+    case: Case = field(compare=False)
     record: ResultEntries
-    estimate: Estimate | None = None
-    determined: Identifiability | None = None
-    file: Path | None = None
-    remarks: tuple[str, ...] = ()
-
-    def __eq__(self, other: object) -> bool:
-        """Whether both say the same: entries, what the run determined, and the case."""
-        return isinstance(other, Result) and self._data == other._data
-
-    def __hash__(self) -> int:
-        return hash((self.record.case_hash, self.record.values))
-
-    @property
-    def _data(self) -> tuple[str, ResultEntries, dict[str, Any] | None]:
-        determined = self.identifiability
-        return self.case.hash, self.record, None if determined is None else determined.to_json()
+    estimate: Estimate | None = field(default=None, compare=False)
+    file: Path | None = field(default=None, compare=False)
+    remarks: tuple[str, ...] = field(default=(), compare=False)
 
     def __getitem__(self, name: str) -> Value:
         """A physical parameter [SI]: `result["m"].value`, `.std` by (28), `.std_robust`, `.unit`."""
@@ -69,8 +56,8 @@ class Result:
 
     @cached_property
     def identifiability(self) -> Identifiability | None:
-        """What the run determined; None where no file says it."""
-        return self.determined if self.estimate is None else identifiability_of(self.estimate)
+        """What the run determined; None where it was loaded."""
+        return None if self.estimate is None else identifiability_of(self.estimate)
 
     @cached_property
     def residuals(self) -> Residuals | None:
@@ -140,14 +127,11 @@ class Result:
         return frozenset(entry["sha256"] for entry in self.record.inputs)
 
     def write(self, folder: Path) -> None:
-        """Writes result.json and identifiability.json into a folder that is there."""
+        """Writes result.json into a folder that is there."""
         (folder / "result.json").write_text(json_text(self.record.to_json()), encoding="utf-8")
-        if self.identifiability is not None:
-            text = json_text(self.identifiability.to_json())
-            (folder / "identifiability.json").write_text(text, encoding="utf-8")
 
     def save(self, folder: Path | str, overwrite: bool = False) -> None:
-        """Makes a folder with the same files; residuals are not saved.
+        """Makes a folder with the same file; residuals are not saved.
 
         Raises:
             FileProblem: the folder holds something else, or cannot be written.
@@ -168,19 +152,11 @@ class Result:
         Raises:
             FileProblem: missing, damaged, changed by hand or of another version; or its case has changed since.
         """
-        file, record = read_entries(Path(folder))
-        about = record.to_json()
-        own = case_of(file, about, AGAIN) if case is None else case
-        result = cls(own, record, file=file)
-        require_agreement(result.source, record, result.model, own.sensor_frame.has_moments)
-        remarks = require_unchanged(file, about, result_basis(own), own, stale, AGAIN)
-        beside, determined = file.parent / "identifiability.json", None
-        if beside.is_file():
-            try:
-                determined = Identifiability.of_json(read_json(beside, "hexcite identify"))
-            except DAMAGED as error:
-                raise FileProblem(beside, f"entry {error} is missing or damaged", AGAIN) from error
-        return replace(result, determined=determined, remarks=remarks)
+        file, record = _read(Path(folder))
+        own = case_of(file, record.to_json(), AGAIN) if case is None else case
+        _require_agreement(cls(own, record, file=file))
+        remarks = require_unchanged(file, record.to_json(), result_basis(own), own, stale, AGAIN)
+        return cls(own, record, file=file, remarks=remarks)
 
     def __repr__(self) -> str:
         """A few lines: model, the body, s0, and warnings."""
@@ -201,5 +177,41 @@ def case_of_result(path: Path) -> Case:
         FileProblem: no such result, or it names no case.
         CaseError: its case cannot be read.
     """
-    file, record = read_entries(path)
+    file, record = _read(path)
     return case_of(file, record.to_json(), AGAIN)
+
+
+def _read(path: Path) -> tuple[Path, ResultEntries]:
+    """`result.json`, or that of the folder that holds it, and its entries."""
+    file = path / "result.json" if path.is_dir() else path
+    data = read_json(file, "hexcite identify")
+    version = data.get("schema_version")
+    if version != SCHEMA_VERSION:
+        raise FileProblem(file, f"schema_version {version!r}, expected {SCHEMA_VERSION}", AGAIN)
+    try:
+        return file, ResultEntries.model_validate_json(json_text(data))
+    except ValidationError as error:
+        place = ".".join(map(str, error.errors()[0]["loc"]))
+        raise FileProblem(file, f"entry {place} is missing or damaged", AGAIN) from error
+
+
+def _require_agreement(result: Result) -> None:
+    """Refuses physical parameters that do not follow from the linear ones: changed by hand, or of another model."""
+    record, model = result.record, result.model
+    lengths = {len(row) for square in (record.covariance, record.covariance_robust) for row in (square, *square)}
+    other = FileProblem(result.source, f"its parameters are not those of model {model.number}", AGAIN)
+    if record.names != tuple(model.names) or lengths | {len(record.values)} != {len(model.names)}:
+        raise other
+    squares = result.covariance, result.covariance_robust
+    physical = physical_values(model, result.values, *squares)
+    if physical.keys() != record.parameters.keys():
+        raise other
+    for name, computed in physical.items():
+        stated, size = record.parameters[name], max(abs(computed.value), computed.reported)
+        if stated.unit != computed.unit or not np.allclose(stated[:3], computed[:3], rtol=0.0, atol=ALIKE * size):
+            problem = f"{name} is {stated.value:.6g} {stated.unit}, by the linear parameters {computed.value:.6g} "
+            raise FileProblem(result.source, f"{problem}{computed.unit}: value or deviation changed by hand", AGAIN)
+    for square in squares:
+        scale = np.sqrt(np.outer(np.diag(square), np.diag(square)).clip(0.0))
+        if np.any(np.abs(square - square.T) > ALIKE * scale):
+            raise FileProblem(result.source, "a covariance is not symmetric: changed by hand", AGAIN)

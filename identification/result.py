@@ -14,7 +14,7 @@ from cases.units import Array
 from identification.criteria import Identifiability, analyse
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, Value
-from identification.finding import AS_OBJECT, FROZEN, SEVERITIES, Entries, Finding, sentences
+from identification.finding import SEVERITIES, Finding, sentences
 from identification.model import Model
 from identification.parameters import physical_form
 from identification.samples import Fitted, Samples
@@ -104,24 +104,19 @@ def estimate_of(
 SCHEMA_VERSION = 1
 
 
-def _named(entry: Any) -> Any:
-    if isinstance(entry, list):  # it would do for pydantic
-        raise ValueError("is not an object")
-    return entry
-
-
 def _in_seconds(entry: Any) -> Any:
-    return {**_named(entry), "std_robust": entry.get("std"), "unit": "s"} if isinstance(entry, dict) else _named(entry)
+    return {"std_robust": entry.get("std"), "unit": "s"} | entry if isinstance(entry, dict) else entry
 
 
 Numbers = tuple[float, ...]
-Physical = Annotated[Value, BeforeValidator(_named), PlainSerializer(Value._asdict)]
+Entries = Mapping[str, Any]  # an object of a JSON file
+Physical = Annotated[Value, PlainSerializer(Value._asdict)]
 Delay = Annotated[
     Value,
     BeforeValidator(_in_seconds),
     PlainSerializer(lambda delay: {"value": delay.value, "std": delay.std}),
 ]
-Input = Annotated[Mapping[Literal["file", "sha256"], str], Field(min_length=2), FROZEN, AS_OBJECT]
+Input = Annotated[Mapping[Literal["file", "sha256"], str], Field(min_length=2)]
 
 
 class Origin(BaseModel, strict=True, frozen=True, allow_inf_nan=False, populate_by_name=True):
@@ -132,7 +127,7 @@ class Origin(BaseModel, strict=True, frozen=True, allow_inf_nan=False, populate_
     case_file: str | None = None
     recording: str
     inputs: tuple[Input, ...]
-    versions: Annotated[Mapping[str, str], FROZEN, AS_OBJECT]
+    versions: Mapping[str, str]
     computed_from: Entries | None = None  # values of the case by dotted key
     measuring_s: NonNegativeFloat | None = None
     plan_hash: str | None = None
@@ -149,8 +144,7 @@ class Parameters(Origin):
     known: Entries | None = None
     dropped: tuple[str, ...] = ()
     priors: Entries | None = None
-    parameters: Annotated[Mapping[str, Physical], FROZEN, AS_OBJECT]
-    intervals_95: Annotated[Mapping[str, tuple[float, float]], FROZEN, AS_OBJECT]
+    parameters: Mapping[str, Physical]
     names: tuple[str, ...] = Field(validation_alias=AliasPath("linear", "names"))
     values: Numbers = Field(validation_alias=AliasPath("linear", "values"))
     covariance: tuple[Numbers, ...]  # covariance of the linear ones by (28)
@@ -169,7 +163,6 @@ class ResultEntries(Parameters):
     degrees_of_freedom: float
     rank: PositiveInt
     condition: NonNegativeFloat
-    w_diagonal: Numbers = ()
     findings: tuple[Finding, ...]
 
     def replaced(self, **changes: Any) -> Self:
@@ -177,12 +170,13 @@ class ResultEntries(Parameters):
         return type(self)(**{name: getattr(self, name) for name in self.model_fields_set} | changes)
 
     def to_json(self) -> dict[str, Any]:
-        """The object of the file: `notes`, `warnings` and what findings say in numbers stand beside them."""
+        """The object of the file: intervals, `notes`, `warnings` and what findings say in numbers stand beside them."""
         entries = self.model_dump(mode="json", exclude_unset=True)
         entries["linear"] = {key: entries.pop(key) for key in ("names", "values")}
+        intervals = {name: list(p.interval(self.degrees_of_freedom)) for name, p in self.parameters.items()}
         texts = {f"{severity}s": list(sentences(self.findings, severity)) for severity in SEVERITIES}
         quantities = {key: value for finding in entries["findings"] for key, value in finding["quantity"].items()}
-        return {"schema_version": SCHEMA_VERSION, **entries, **texts, **quantities}
+        return {"schema_version": SCHEMA_VERSION, **entries, "intervals_95": intervals, **texts, **quantities}
 
 
 def entries_of(estimate: Estimate, files: Sequence[Path] = (), **origin: Any) -> ResultEntries:
@@ -204,7 +198,7 @@ def entries_of(estimate: Estimate, files: Sequence[Path] = (), **origin: Any) ->
         known=how.known,
         dropped=tuple(how.dropped),
         priors={p.name: {"value": p.value, "std": p.std} for p in how.priors},
-        **entries_of_parameters(estimate.physical, fit.freedom, fit.values, fit.covariance, fit.covariance_robust),
+        **entries_of_parameters(estimate.physical, fit.values, fit.covariance, fit.covariance_robust),
         names=tuple(model.names),
         delay_s=estimate.delay,
         weights=how.weights or case.sensors.weights,
@@ -215,19 +209,15 @@ def entries_of(estimate: Estimate, files: Sequence[Path] = (), **origin: Any) ->
         degrees_of_freedom=fit.freedom,
         rank=fit.rank,
         condition=fit.condition,
-        w_diagonal=tuple(fit.weights.tolist()),
         findings=estimate.findings,
         **origin,
     )
 
 
-def entries_of_parameters(
-    physical: Mapping[str, Value], freedom: float, u: Array, covariance: Array, robust: Array
-) -> dict[str, Any]:
+def entries_of_parameters(physical: Mapping[str, Value], u: Array, covariance: Array, robust: Array) -> dict[str, Any]:
     """Entries on parameters: physical ones by name, and the linear ones u with both covariances."""
     return {
         "parameters": physical,
-        "intervals_95": {name: value.interval(freedom) for name, value in physical.items()},
         "values": tuple(u.tolist()),
         "covariance": tuple(map(tuple, covariance.tolist())),
         "covariance_robust": tuple(map(tuple, robust.tolist())),

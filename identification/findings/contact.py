@@ -18,7 +18,6 @@ from cases.units import Array, Flags
 from identification.estimation.estimators import EACH, huber
 from identification.estimation.fit import Regression
 from identification.finding import Finding, Kind, warning
-from identification.model import Model
 from identification.recording import Recording
 from identification.runs.sample_checks import MOST_NAMED, places
 from identification.samples import Fitted
@@ -131,26 +130,20 @@ def free_of_contact(recording: Recording, fitted: Fitted) -> tuple[Fitted, tuple
         if contacts == before:
             break
         rows = touched(run.t, contacts)
-        _require_free(recording, float(rows.mean()), contacts, run.model)
+        _require_free(recording, float(rows.mean()), contacts)
         moving = moving.again(run.without(rows))
         matrices = run.regressors(moving.at)
     return moving, contacts
 
 
-def _require_free(recording: Recording, share: float, contacts: Sequence[Contact], model: Model) -> None:
+def _require_free(recording: Recording, share: float, contacts: Sequence[Contact]) -> None:
     """Raises IdentificationError where contacts take too large a share of a run."""
-    if share <= MOST_TOUCHED:
-        return
-    if model.needs_position and not model.needs_motion:
+    if share > MOST_TOUCHED:
         raise IdentificationError(
-            f"the forces leave model {model.number} in {100 * share:.0f} % of the samples: it has no inertia, "
-            "which moves them in a motion; choose a model from 6 to 9, or identify standstills"
+            f"the forces leave the model in {100 * share:.0f} % of the samples, as in contact "
+            f"({contact_sentence(recording, contacts[0])}); an identification run must be free: check columns, struts, "
+            "model (6 to 9 in motion) and the case's dimensions, or record again"
         )
-    raise IdentificationError(
-        f"the forces leave the model in {100 * share:.0f} % of the samples, as in contact "
-        f"({contact_sentence(recording, contacts[0])}); an identification run must be free: check columns, struts, "
-        "model and the case's dimensions, or record again"
-    )
 
 
 def _without_pull(matrices: Array, fitted: Fitted) -> Array:

@@ -50,7 +50,7 @@ def systematic(recording: Recording, case: Case, fitted: Fitted) -> list[Finding
     sentence = (
         f"residuals follow each other (correlation {alike:.2f}, of noise {fitted.samples.noise_correlation:.2f}): "
         "a long contact, a dimension in the case that is not the machine's, a model without what moves the forces, "
-        "or coloured noise; look at their figure in the report"
+        "a compensated wrench, or coloured noise; look at their figure in the report"
     )
     return [warning(Kind.MODEL, sentence)]
 
@@ -243,8 +243,11 @@ def _other_mass(mass: float, case: Case) -> list[Finding]:
     if abs(mass - expected) <= OTHER_MASS * expected:
         return []
     key = f"nominal.mass_kg{with_rods}" if expected == nominal else f"nominal.mass_kg{with_rods} with payloads"
-    sentence = f"the mass comes out as {mass:.3g} kg where {key} is {expected:.3g} kg, more than a third off: correct "
-    return [warning(Kind.CASE, f"{sentence}nominal, or check gravity, units and what is mounted")]
+    sentence = (
+        f"the mass comes out as {mass:.3g} kg where {key} is {expected:.3g} kg, more than a third off: correct "
+        "nominal, or check gravity, units, what is mounted, and that forces are recorded raw, not compensated"
+    )
+    return [warning(Kind.CASE, sentence)]
 
 
 def _no_body(model: Model, fit: Fit) -> list[Finding]:

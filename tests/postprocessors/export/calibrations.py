@@ -50,12 +50,12 @@ def write_result(folder: Path, machine: Case, number: int, values: Array | None 
         "weights": "equal",
         "delay_s": {"value": 2.5e-3, "std": 1e-4},
         "parameters": {name: value._asdict() for name, value in physical.items()},
-        "intervals_95": {name: value.interval(3380) for name, value in physical.items()},
         "linear": {"names": model.names, "values": u.tolist()},
         "covariance": covariance.tolist(),
         "covariance_robust": (4.0 * covariance).tolist(),
-        "notes": [],
-        "warnings": [],
+        "findings": [
+            {"kind": "model", "severity": "warning", "sentence": text} for text in changes.pop("warnings", [])
+        ],
     }
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "result.json").write_text(json.dumps(data | changes), encoding="utf-8")
