@@ -183,27 +183,19 @@ class Verification(NamedTuple):
 
     recording: str  # where the run is from
     samples: int
-    force_3s: Array  # three standard deviations of the residual force, shape (3,) [N]
-    moment_3s: Array  # of the residual moment, shape (3,) [N m]
-    mean_force: Array  # shape (3,) [N]
-    mean_moment: Array  # shape (3,) [N m]
+    force_3s_N: Array  # three standard deviations of the residual force, shape (3,)
+    moment_3s_Nm: Array  # of the residual moment, shape (3,)
+    mean_force_N: Array  # shape (3,)
+    mean_moment_Nm: Array  # shape (3,)
     channel_rms: Array  # rms of each sensor's residuals, shape (6,) [N, or N and N m]
 
     def to_json(self) -> dict[str, Any]:
         """Entries for programs."""
-        return {
-            "recording": self.recording,
-            "samples": self.samples,
-            "force_3s_N": self.force_3s.tolist(),
-            "moment_3s_Nm": self.moment_3s.tolist(),
-            "mean_force_N": self.mean_force.tolist(),
-            "mean_moment_Nm": self.mean_moment.tolist(),
-            "channel_rms": self.channel_rms.tolist(),
-        }
+        return {name: v.tolist() if isinstance(v, np.ndarray) else v for name, v in self._asdict().items()}
 
     def __repr__(self) -> str:
         """One line: residual force and moment."""
-        force, moment = (", ".join(f"{v:.3g}" for v in values) for values in (self.force_3s, self.moment_3s))
+        force, moment = (", ".join(f"{v:.3g}" for v in values) for values in (self.force_3s_N, self.moment_3s_Nm))
         return f"verified on {self.recording}: residual force +- {force} N (3 s), residual moment +- {moment} N m (3 s)"
 
     def _repr_html_(self) -> str:

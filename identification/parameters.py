@@ -3,9 +3,7 @@
 I_P = I_PC + m S(xC)^T S(xC), the parallel-axis theorem; the line under (5) prints it with the other sign.
 
 Partial identification (section 4): some parameters are known or left out, the rest is estimated. A known centre of
-gravity ties a first moment to the mass, and a known central inertia ties an inertia to the first moments by the
-parallel-axis theorem, so that u = u0 + B v with the remaining parameters v: the problem stays linear, and every
-estimator of stacked data serves it (`select`).
+gravity ties a first moment to the mass, so that u = u0 + B v with the remaining parameters v: the problem stays linear.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -222,7 +220,6 @@ def linear_parameters(model: "Model", truth: Truth) -> Array:
     return np.array([values[name] for name in model.names])
 
 
-_FIRST_MOMENTS = ("mxC", "myC", "mzC")
 _CENTRES = tuple(p.name for p in _CENTRE)
 
 
@@ -245,9 +242,8 @@ def select(model: "Model", known: Mapping[str, float], dropped: Iterable[str] = 
     """Chooses what is estimated.
 
     Args:
-        known: values of parameters by linear (m, mxC, I11..) or physical name (xC, IC11..) [SI]; they are taken as
-            exact (uncertain ones: `priors`). A central inertia needs a known centre of gravity with it, else the
-            problem is not linear (then: a prior).
+        known: values of parameters by linear name (m, mxC, I11..) or place of the centre of gravity (xC..) [SI], taken
+            as exact (uncertain ones, and inertia about the centre of gravity: `priors`).
         dropped: linear parameters whose columns are left out, as if their value were zero.
 
     Raises:
@@ -288,34 +284,11 @@ def _rows(pairs: Sequence[tuple[str, str]], constants: Mapping[str, float], name
         elif physical in _CENTRES:
             rows[linear] = constants[physical] * rows["m"]
         else:
-            rows[linear] = constants[physical] * one[0] + _parallel_axis(physical, constants, rows)
-    return np.array(list(rows.values()))
-
-
-def _parallel_axis(name: str, constants: Mapping[str, float], rows: Mapping[str, Array]) -> Array:
-    """The row of m S(xC)^T S(xC) for ICij, with one factor of each product xC m xC known."""
-    centre = [_known_centre(axis, constants) for axis in range(3)]
-    i, j = int(name[2]) - 1, int(name[3]) - 1
-    row = np.zeros_like(rows["m"])
-    for a, b in [(a, a) for a in range(3) if a != i] if i == j else [(i, j) if centre[i] is not None else (j, i)]:
-        factor = centre[a]
-        if factor is None:
-            others = [axis for axis in range(3) if axis != i] if i == j else [j]
             raise IdentificationError(
-                f"{name} can only be fixed together with {' and '.join(_CENTRES[k] for k in others)}, on which its "
-                f"parallel-axis term depends; fix these too, fix {name.replace('C', '')}, or give it as a prior"
+                f"{physical} about the centre of gravity cannot be fixed: the problem is not linear; fix {linear}, "
+                "about the origin of {P}, or give it as a prior"
             )
-        row += (factor if i == j else -factor) * rows[_FIRST_MOMENTS[b]]
-    return row
-
-
-def _known_centre(axis: int, constants: Mapping[str, float]) -> float | None:
-    moment, centre = _FIRST_MOMENTS[axis], _CENTRES[axis]
-    if centre in constants:
-        return constants[centre]
-    if constants.get(moment) == 0.0:
-        return 0.0
-    return constants[moment] / constants["m"] if moment in constants and "m" in constants else None
+    return np.array(list(rows.values()))
 
 
 def pseudo_inertia(body: Array) -> Array:

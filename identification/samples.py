@@ -20,14 +20,13 @@ from identification.estimation.fit import Filtered, Fit, Regression, Robust, Val
 from identification.estimation.force_noise import long_run_covariance, scores
 from identification.finding import Finding
 from identification.model import Model, noise_covariance, whitening_of
-from identification.parameters import MASS, Selection
+from identification.parameters import MASS
 from identification.signals import Filter, Residuals
 
 MOST_DELAY = 0.04  # [s] between forces and motion that is looked for, either way
 DELAY_STEPS = 8
 DELAY_TOLERANCE = 1e-9  # [s]; what remains of the delay is in the nuisance of the fit
 CLOSE = 1e-5  # [s] the same where the search began close to it: the square is a hundredth of the noise of the samples
-TURNS = 3  # of weights and parameters; the weights need the parameters to a percent only
 EXCERPTS = (1, 8)  # parts of a long run by which the search begins, see `fair_part`
 GAUSS_MARKOV = Method()
 
@@ -274,10 +273,9 @@ def _converged(
     names, alike = [*model.names, *run.nuisances[:beside]], ALIKE[weights]
     whitening, values, unknowns = None, near, len(model.names)
     if not run.nuisances:
-        still = run.regressors(delay)
-        if weights == "stated":
-            whitening = _whitening_from(still, forces, selection, model, sensors)
-        return delay, None, Regression(still, forces, names, beside, run.filtered, alike), whitening
+        if weights == "stated" and sensors.force_noise is not None:  # vibration averages out
+            whitening = np.diag(1.0 / sensors.force_noise)
+        return delay, None, Regression(run.regressors(delay), forces, names, beside, run.filtered, alike), whitening
     for _ in range(steps):
         regression = columns = None  # of a long run there is room for one
         if values is None:
@@ -315,18 +313,6 @@ def _gain(regressors: Array, w: Array, effect: Array) -> Array:
     weighted = (root @ regressors).reshape(-1, regressors.shape[2])
     half = inverse_root(weighted)
     return np.asarray(half @ ((weighted @ half).T @ (effect @ root.T).ravel()))
-
-
-def _whitening_from(matrices: Array, forces: Array, selection: Selection, model: Model, sensors: Sensors) -> Array:
-    """Root of W by stated noise, with u from the data themselves in turns with it, shape (6, 6)."""
-    assert sensors.force_noise is not None
-    whitening = np.diag(1.0 / sensors.force_noise)
-    for _ in range(TURNS):
-        target = (forces - matrices @ selection.offset) @ whitening.T
-        reduced = (whitening @ matrices @ selection.basis).reshape(-1, selection.basis.shape[1])
-        free = np.linalg.lstsq(reduced, target.ravel(), rcond=None)[0]
-        whitening = whitening_of(noise_covariance(model, sensors, selection.offset + selection.basis @ free))
-    return whitening
 
 
 def require_sense(model: Model, fit: Fit) -> None:

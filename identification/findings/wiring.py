@@ -107,8 +107,8 @@ def other_wiring(recording: Recording, case: Case, model: Model, negative: bool 
             return None
         remedy = _remedy(case, "force", OPPOSITE)
         return (
-            f"{words(OPPOSITE, 'force')}: the mass comes out negative; {remedy}, or correct gravity_m_s2; a wrench must "
-            "be raw and in the axes of the sensor"
+            f"{words(OPPOSITE, 'force')}: the mass comes out negative; {remedy}, or correct gravity_m_s2; "
+            "a wrench must be raw and in the axes of the sensor"
         )
     rivals = []
     for side in SIDES:  # of orders that leave the same, the one with the fewest mistakes

@@ -13,7 +13,7 @@ from cases.errors import IdentificationError
 from cases.schema import Case
 from cases.tables import built_in_cases
 from identification.identify import identify
-from identification.runs.sample_checks import cut_off, shorter_than_planned
+from identification.runs.sample_checks import cut_off
 from tests.helpers import tells
 from tests.identification.test_findings import CASE, run
 from tests.planner.command_line import refused
@@ -27,20 +27,6 @@ def test_a_recording_that_ends_with_its_trigger_on_is_told() -> None:
     assert any(re.match(r"line \d+: .*ends.*trigger", str(f)) for f in cut_off(cut))
     assert cut_off(whole) == []
     assert cut_off(replace(cut, trigger=np.ones(end, dtype=bool))) == []  # a column that says nothing
-
-
-@pytest.mark.parametrize(("duration", "told"), [(2.6, False), (2.65, False), (3.0, True), (8.0, True)])
-def test_a_run_shorter_than_its_program_is_told(duration: float, told: bool) -> None:
-    found = shorter_than_planned(replace(run(), record={"planned_s": duration}))
-    assert shorter_than_planned(replace(run(), record={"planned_s": duration, "poses_m_rad": [[0.0] * 6]})) == []
-    assert shorter_than_planned(replace(run(), record={"planned_s": {"x": duration}})) == []  # damaged by hand
-    assert bool(found) == told
-    assert all(tells(str(f), "trigger", "2.6 s", "program lasts ") for f in found)
-
-
-def test_an_override_that_was_recorded_explains_a_short_run() -> None:
-    fast = replace(run(), override=np.full(len(run().forces), 1.2))
-    assert shorter_than_planned(replace(fast, record={"planned_s": 3.0})) == []
 
 
 def test_a_recording_of_another_case_is_named_as_such() -> None:

@@ -96,7 +96,7 @@ WRONG = {
     "a prior without deviation": (("--prior", "m=3kg"), "write it as --prior m=33+-0.5kg"),
     "a prior that is certain": (("--prior", "m=3+-0kg"), "deviation above 0"),
     "a dropped name": (("--drop", "k7"), "'k7' is not a parameter"),
-    "a central inertia alone": (("--fix", "IC11=1kgm2"), "fixed together with yC and zC"),
+    "a central inertia alone": (("--fix", "IC11=1kgm2"), "cannot be fixed"),
 }
 
 

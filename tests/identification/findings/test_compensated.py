@@ -33,7 +33,8 @@ def weightless(q: np.ndarray, forces: np.ndarray) -> np.ndarray:
 def recorded(run: str, change: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Recording:
     q, t, forces = RUNS[run]
     noise = np.random.default_rng(3).normal(size=forces.shape) * ([0.3] * 3 + [0.01] * 3)
-    return Recording("run.csv", t, q, None, change(q, forces) + noise / (1.0 if t is not None else 20), None, case=ROBOT)
+    forces = change(q, forces) + noise / (1.0 if t is not None else 20)
+    return Recording("run.csv", t, q, None, forces, None, case=ROBOT)
 
 
 @pytest.mark.parametrize("run", RUNS)

@@ -136,27 +136,27 @@ def test_a_restless_standstill_counts_less() -> None:
 def test_a_pose_that_was_not_measured_is_named() -> None:
     missing = measured(np.delete(poses(), 2, axis=0))
     standing = average(missing, find_standstills(missing, SETTLE))
-    with pytest.raises(RecordingError, match=r"pose 3 of 6 \(x .* deg\) .*not measured.*pose 4.*pose 2"):
+    with pytest.raises(RecordingError, match=r"standstill 3: x .* deg; pose 3 of the program's 6: x "):
         match(standing, CASE, poses(), "run.csv")
 
 
 def test_a_run_that_ends_early_names_the_first_pose_that_is_missing() -> None:
     standing = average(RUN, find_standstills(RUN, SETTLE)[:4])
-    with pytest.raises(RecordingError, match=r"pose 5 of 6 .*standstill 4; record"):
+    with pytest.raises(RecordingError, match=r"standstill 5: missing; pose 5 .* x .*; record"):
         match(standing, CASE, poses(), "run.csv")
 
 
 def test_a_standstill_elsewhere_is_named_with_both_places() -> None:
     moved = poses()
     moved[3, 0] += 0.01
-    with pytest.raises(RecordingError, match=r"standstill 4 .* x .*pose 4 .* x ") as error:
+    with pytest.raises(RecordingError, match=r"standstill 4: x .*; pose 4 .*: x ") as error:
         match(average(RUN, find_standstills(RUN, SETTLE)), CASE, moved, "run.csv")
     one_line(error.value)
 
 
 def test_one_standstill_too_many_is_named() -> None:
     standing = average(RUN, find_standstills(RUN, SETTLE))
-    with pytest.raises(RecordingError, match=r"standstill 6 .* x .*none.* 5 poses"):
+    with pytest.raises(RecordingError, match=r"standstill 6: x .*pose 6 of the program's 5: missing"):
         match(standing, CASE, poses()[:5], "run.csv")
 
 
