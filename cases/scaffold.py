@@ -34,8 +34,8 @@ _ADVICE = {
     "sensor_frame": 'How the sensor reads: sense = "load_on_sensor" or "sensor_on_load".',
     "sensors": "From the sensors' data sheet. Noise may be stated: force_noise_N,\n"
     "# and of vibration acceleration_noise_m_s2 and\n"
-    "# angular_acceleration_noise_rad_s2: hexcite identify says what the residuals look like. So it does of errors\n"
-    "# that depend on the pose: pose_error_N and pose_error_length_mm, which plans then count on.",
+    "# angular_acceleration_noise_rad_s2. hexcite identify says what errors look like that depend on the pose:\n"
+    "# pose_error_N and pose_error_length_mm, which plans then count on.",
     "recording": "How recordings are written: `hexcite look RECORDING --case CASE` proposes this table. By example:\n"
     "# delimiter = ';', decimal = ',', header_rows = 2, names_row = 1      # text that is not plain CSV\n"
     '# clock = { unit = "ms" }            # of the stamps; { period_ms = 1.0 } where a file has none\n'

@@ -46,7 +46,6 @@ class Samples(ABC):
     nuisances: tuple[str, ...] = ()
     # the run in a wider band, where its delay is found beforehand; None where none is, or it is estimated
     wide: "Samples | None" = None
-    noise_stated: ClassVar[bool] = False  # whether the noise that a case states explains the residuals
     each: ClassVar[tuple[str, ...]] = ("t", "recorded", "forces")  # fields with an entry for each sample
 
     @property

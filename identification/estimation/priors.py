@@ -96,7 +96,7 @@ def with_priors(regression: Regression, model: Model, weights: Array, priors: Se
     root, right = root / noise, right / noise
 
     def residual(u: Array) -> Array:
-        return np.r_[root @ u - right, (at(u)[0] - stated) / std]
+        return np.asarray(np.r_[root @ u - right, (at(u)[0] - stated) / std])
 
     def slopes(u: Array) -> Array:
         return np.vstack([root, at(u)[1] / std[:, None]])

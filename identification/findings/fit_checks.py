@@ -15,7 +15,6 @@ from cases.errors import IdentificationError
 from cases.schema import Case
 from cases.units import Array, Indices
 from identification.estimation.fit import Fit, Regression, inverse_root, joint_triangle
-from identification.estimation.force_noise import noise_components
 from identification.finding import Finding, Kind, note, warning
 from identification.model import Model
 from identification.parameters import INERTIA, INERTIA_INDEX, MASS, physical_form, pseudo_inertia
@@ -106,15 +105,6 @@ def late(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     if abs(fitted.at) < SUSPICIOUS_DELAY:
         return []
     return [warning(Kind.CLOCK, f"delay of {fitted.at * 1e3:.1f} ms: do the streams match?")]
-
-
-def like_noise(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
-    """Noise that would leave such residuals."""
-    samples = fitted.samples
-    if not samples.noise_stated or case.sensor_frame.struts is not None:
-        return []
-    wrench, weights = case.sensor_frame.has_moments, fitted.method.weights or case.sensors.weights
-    return noise_components(fitted.fit, samples.model, samples.filtered, wrench, weights)
 
 
 def averaged(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
@@ -275,7 +265,7 @@ def _solved(lines: Regression, weights: Array, freedom: float) -> tuple[Array, A
 
 
 CHECKS: tuple[Callable[[Recording, Case, Fitted], list[Finding]], ...] = (
-    placed, late, far_from_white, unexplained, systematic, like_noise, other_feed, averaged, drifting, doubtful_body,
+    placed, late, far_from_white, unexplained, systematic, other_feed, averaged, drifting, doubtful_body,
 )  # fmt: skip
 """The checks of every fit, in the order of their findings."""
 

@@ -49,7 +49,6 @@ class Run(Moving):
     nuisances: tuple[str, ...] = ("delay",)  # or `SMOOTHED`
     # filtered samples that damage or a gap disturbs, shape (samples of the recording less two margins,)
     spoilt: Flags | None = None
-    noise_stated: ClassVar[bool] = True
     each: ClassVar[tuple[str, ...]] = (*Moving.each, "rows")
 
     def at(self, rows: Indices) -> Self:

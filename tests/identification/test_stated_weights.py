@@ -5,9 +5,7 @@ import pytest
 
 from cases.errors import IdentificationError
 from cases.schema import Case, load_case
-from cases.sensors import Sensors
 from identification.estimation.estimators import Method
-from identification.estimation.force_noise import components_of
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
 from identification.model import acceleration_to_force, identification_model, noise_covariance, whitening_of
@@ -121,35 +119,3 @@ def test_weights_that_cannot_be_are_refused() -> None:
         estimate_parameters(recording, BARE, how=Method(weights="stated"))
     with pytest.raises(IdentificationError, match=r"weights 'best'.*choose equal, per_channel"):
         Method(weights="best")
-
-
-@pytest.mark.parametrize("noise", [(1.0, 0.05, 1.0), (0.5, 0.2, 0.0), (2.0, 0.0, 0.4), (1.0, 0.0, 0.0)])
-def test_residuals_are_taken_apart_into_the_noise_that_made_them(noise: tuple[float, float, float]) -> None:
-    """From one run of two seconds, without any statement of the case."""
-    mute = BARE.model_copy(update={"simulation": shaken(*noise).simulation})
-    recording = simulate_recording(mute, PoseExecution(Hexapod.of(mute), MOTION), np.array([[0.1, 1.9]]), 0)
-    found = estimate_parameters(recording, mute)
-    parts = found.quantities["noise_components"]
-    keys = ("force_noise_N", "acceleration_noise_m_s2", "angular_acceleration_noise_rad_s2")
-    felt = np.linalg.norm(acceleration_to_force(MODEL, TRUTH), axis=0)
-    smallest = (
-        0.35 * noise[0] / np.array([1.0, felt[:3].max(), felt[3:].max()])
-    )  # below, the forces' own noise hides it
-    for key, value, least in zip(keys, noise, smallest, strict=True):
-        assert parts[key] == pytest.approx(value, rel=0.15, abs=least)
-    told = [n for n in found.notes if "the residuals look like noise of" in n]
-    assert len(told) == (parts["share_of_accelerations"] > 0.1)
-    assert (parts["share_of_accelerations"] > 0.1) == (max(noise[1:]) > 0.0)
-
-
-def test_the_noise_of_a_wrist_sensor_is_taken_apart_by_unit() -> None:
-    draw = np.random.default_rng(4)
-    model = identification_model(load_case("ft_wrist"), 6)
-    values = np.array([{"m": 3.0, "mzC": 0.2, "I11": 0.05, "I22": 0.05, "I33": 0.02}.get(n, 0.0) for n in model.names])
-    keys = ("force_noise_N", "moment_noise_Nm", "acceleration_noise_m_s2", "angular_acceleration_noise_rad_s2")
-    stated = dict(zip(keys, (0.2, 0.01, 0.05, 0.3), strict=True))
-    noise = Sensors.model_validate({"weights": "per_unit", **stated})
-    sample = draw.normal(size=(20_000, 6)) @ np.linalg.cholesky(noise_covariance(model, noise, values)).T
-    found, _ = components_of(np.cov(sample.T), model, values, True)
-    assert found[:2] == pytest.approx((0.2, 0.01), rel=0.05)
-    assert found[2:] == pytest.approx((0.05, 0.3), rel=0.1)
