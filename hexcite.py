@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from cases import load_case as load_case
     from cases import new_arm as new_arm
     from cases import new_case as new_case
-    from identification import Conditioning as Conditioning
     from identification import Finding as Finding
     from identification import Look as Look
     from identification import Method as Method
@@ -32,13 +31,10 @@ if TYPE_CHECKING:
     from identification import Prior as Prior
     from identification import Recording as Recording
     from identification import Result as Result
-    from identification import biases_of as biases_of
     from identification import force as force
     from identification import look as look
-    from identification import method as method
     from identification import payload as payload
     from identification import read as read
-    from identification import symmetric_platform as symmetric_platform
     from identification import tare as tare
     from identification import verify as verify
     from identification.identify import identify as identify

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 from cases.machine import Joints, require_spanning
 from cases.recording_format import BAR_FORCES, WRENCH
 from cases.tables import NonNegative, Number, Part, Positive, Six, Vector, frozen, si, si_value
-from cases.units import DEG, MM, UM, Array
+from cases.units import DEG, MM, Array
 
 
 class Disturbances(Part):
@@ -165,10 +165,6 @@ class Sensors(Part):
     """Standard deviation of white noise on a force, of one recorded sample."""
     moment_noise_Nm: Positive | None = None
     """The same on the moments of a force/torque sensor; the two are given together."""
-    encoder_resolution_um: Positive | None = None
-    """Step of the recorded strut lengths."""
-    strut_noise_um: Positive | None = None
-    """Standard deviation of white noise on the recorded strut lengths, beside their steps."""
     acceleration_noise_m_s2: Positive | None = None
     """Standard deviation of white accelerations of the origin of {P} that the recorded struts do not show, of one
     recorded sample and in each direction: vibration of the structure."""
@@ -195,18 +191,6 @@ class Sensors(Part):
         return frozen([self.force_noise_N] * 3 + [others] * 3)
 
     @property
-    def strut_variance(self) -> float | None:
-        """Variance of white errors of a recorded strut length, q^2 / 12 for a step q [m^2]; None: none is stated."""
-        if self.encoder_resolution_um is None and self.strut_noise_um is None:
-            return None
-        return self.strut_step**2 / 12 + ((self.strut_noise_um or 0.0) * UM) ** 2
-
-    @property
-    def strut_step(self) -> float:
-        """Step of a recorded strut length [m]; 0 where none is stated."""
-        return (self.encoder_resolution_um or 0.0) * UM
-
-    @property
     def acceleration_noise(self) -> Array | None:
         """Standard deviation of each component of the twist rate, shape (6,) [m/s^2, rad/s^2]; None where none is."""
         if self.acceleration_noise_m_s2 is None and self.angular_acceleration_noise_rad_s2 is None:
@@ -219,11 +203,6 @@ class Sensors(Part):
         if self.pose_error_N is None or self.pose_error_length_mm is None:
             return None
         return PoseField(self.pose_error_N, self.pose_error_length_mm * MM)
-
-    @property
-    def state_noise(self) -> bool:
-        """Whether the case states any noise."""
-        return self.force_noise is not None or self.strut_variance is not None or self.acceleration_noise is not None
 
 
 class RigidBody(Part):

@@ -6,7 +6,6 @@ from cases import door
 
 if TYPE_CHECKING:
     from identification.estimation.estimators import Method as Method
-    from identification.estimation.estimators import method as method
     from identification.estimation.priors import Prior as Prior
     from identification.external import force as force
     from identification.external import tare as tare
@@ -16,11 +15,8 @@ if TYPE_CHECKING:
     from identification.formats.look import look as look
     from identification.model import Model as Model
     from identification.outcome import Result as Result
-    from identification.outcome import biases_of as biases_of
-    from identification.parameters import symmetric_platform as symmetric_platform
     from identification.payloads import payload as payload
     from identification.recording import Recording as Recording
     from identification.recording import read as read
-    from identification.samples import Conditioning as Conditioning
 
 __getattr__, __dir__ = door(__name__)

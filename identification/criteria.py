@@ -8,10 +8,10 @@ decomposition of the scaled regressor with the paper's numerical zero (Figure 3)
 that stay identifiable where parameters are not.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, NoReturn
+from typing import NoReturn
 
 import numpy as np
 
@@ -110,9 +110,6 @@ Group = tuple[tuple[str, ...], tuple[dict[str, float], ...]]
 parameter, by name. As many directions are hidden as there are fewer sums than parameters."""
 
 
-ARRAYS = ("singular_values", "correlation", "r")  # tables of `Identifiability` in its file
-
-
 @dataclass(frozen=True, slots=True)
 class Identifiability:
     """What a regressor says about the parameters of its columns."""
@@ -137,26 +134,6 @@ class Identifiability:
         order = np.argsort(-upper, axis=None)[:count]
         pairs = [np.unravel_index(int(k), upper.shape) for k in order]
         return [(self.names[i], self.names[j], float(self.correlation[i, j])) for i, j in pairs]
-
-    def to_json(self) -> dict[str, Any]:
-        """Tables for JSON."""
-        groups = [{"parameters": n, "hidden": len(n) - len(sums), "combinations": sums} for n, sums in self.groups]
-        arrays = {name: getattr(self, name).tolist() for name in ARRAYS}
-        return {
-            "names": self.names,
-            "rank": self.rank,
-            "numerical_zero": self.numerical_zero,
-            **arrays,
-            "groups": groups,
-        }
-
-    @classmethod
-    def of_json(cls, data: Mapping[str, Any]) -> "Identifiability":
-        """The tables that `to_json` made; raises KeyError, TypeError or ValueError where an entry is damaged."""
-        names, zero = tuple(str(name) for name in data["names"]), float(data["numerical_zero"])
-        singular, correlation, r = (np.array(data[name], dtype=float) for name in ARRAYS)
-        groups = tuple((tuple(g["parameters"]), tuple(dict(c) for c in g["combinations"])) for g in data["groups"])
-        return cls(names, int(data["rank"]), zero, singular, correlation, r, groups)
 
 
 def analyse(regressors: Array, names: Sequence[str]) -> Identifiability:

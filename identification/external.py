@@ -11,9 +11,10 @@ import numpy as np
 from cases.errors import IdentificationError
 from cases.files import atomic_file, check_file
 from cases.recording_format import CLOCK, WRENCH
+from cases.schema import Case
 from cases.units import Array, as_html
-from identification.estimation.biases import drifted_since, shifted_all_along
-from identification.finding import Finding, Kind, changed_cases, sentences
+from identification.finding import Finding, Kind, changed_cases, sentences, warning
+from identification.findings.fit_checks import WARM_UP, channel_words
 from identification.outcome import Result
 from identification.parameters import offset_columns
 from identification.recording import Recording
@@ -104,14 +105,37 @@ def force(recording: Recording, result: Result, whole: bool = True) -> ExternalF
     return ExternalForce(t, -model.wrenches(residuals, poses), residuals, findings)
 
 
+STRETCHES = 10  # of a recording, in each of which a channel reads too much
+DRIFTED = 3.0  # standard deviations by which it does
+
+
+def shifted_all_along(residuals: Array, variance: Array, case: Case) -> list[Finding]:
+    """A warning where a channel reads more, or less, than a result expects in every part of a recording.
+
+    By residuals, measured less expected, in the order of time, shape (n, 6) [N, or N and N m], and the variance of the
+    result's offsets, shape (6,).
+    """
+    if len(residuals) < STRETCHES:
+        return []
+    means = np.array([part.mean(axis=0) for part in np.array_split(residuals, STRETCHES)])
+    std = np.sqrt(variance + means.var(axis=0, ddof=1))
+    one_way = np.abs(np.sign(means).sum(axis=0)) == STRETCHES
+    least = np.where(one_way, np.abs(means).min(axis=0), 0.0) / np.maximum(std, np.finfo(float).tiny)
+    worst = int(np.argmax(least))
+    if not least[worst] > DRIFTED:
+        return []
+    channel, unit = channel_words(case, worst)
+    sentence = f"{channel} reads {means[:, worst].mean():+.2g} {unit} more than the result expects all along: its "
+    return [warning(Kind.OFFSETS, f"{sentence}offset has drifted, or something presses all along; {WARM_UP}")]
+
+
 STILL = 1e-4  # [m or rad] that drives may move in a standstill: encoder noise and drift, not motion
 
 
 def tare(recording: Recording, result: Result) -> Result:
     """The result with sensor offsets f_q0 (11) identified anew from a standstill without contact; all else stays.
 
-    The uncertainty of all else at the pose of the standstill is part of that of the offsets. Notes say which offsets
-    have drifted since the result.
+    The uncertainty of all else at the pose of the standstill is part of that of the offsets.
 
     Raises:
         IdentificationError: the machine moves, or there are fewer than two samples.
@@ -136,7 +160,6 @@ def tare(recording: Recording, result: Result) -> Result:
     variance = np.maximum(residuals.var(axis=0, ddof=1) / count, variance_of_mean(residuals))
     offsets = offset_columns(model)
     values, covariance, robust = result.values.copy(), result.covariance.copy(), result.covariance_robust.copy()
-    drift = drifted_since(change, np.sqrt(variance + np.diag(robust)[offsets]), case, result.source)
     values[offsets] += change
     others = still.matrices.mean(axis=0)
     others[:, offsets] = 0.0
@@ -145,10 +168,10 @@ def tare(recording: Recording, result: Result) -> Result:
         together[:, offsets] = own
         square[offsets, :], square[:, offsets] = together, together.T
     physical, stale = physical_values(model, values, covariance, robust), recording.remarks + result.remarks
-    parameters = entries_of_parameters(physical, result.record.degrees_of_freedom, values, covariance, robust)
+    parameters = entries_of_parameters(physical, values, covariance, robust)
     record = result.record.replaced(
         **parameters,
-        findings=(*result.findings, *drift, *changed_cases(stale)),
+        findings=(*result.findings, *changed_cases(stale)),
         tared_with=str(recording.paths[0]) if recording.paths else recording.source,
         **({"stale": stale} if stale else {}),
     )
@@ -160,27 +183,19 @@ class Verification(NamedTuple):
 
     recording: str  # where the run is from
     samples: int
-    force_3s: Array  # three standard deviations of the residual force, shape (3,) [N]
-    moment_3s: Array  # of the residual moment, shape (3,) [N m]
-    mean_force: Array  # shape (3,) [N]
-    mean_moment: Array  # shape (3,) [N m]
+    force_3s_N: Array  # three standard deviations of the residual force, shape (3,)
+    moment_3s_Nm: Array  # of the residual moment, shape (3,)
+    mean_force_N: Array  # shape (3,)
+    mean_moment_Nm: Array  # shape (3,)
     channel_rms: Array  # rms of each sensor's residuals, shape (6,) [N, or N and N m]
 
     def to_json(self) -> dict[str, Any]:
         """Entries for programs."""
-        return {
-            "recording": self.recording,
-            "samples": self.samples,
-            "force_3s_N": self.force_3s.tolist(),
-            "moment_3s_Nm": self.moment_3s.tolist(),
-            "mean_force_N": self.mean_force.tolist(),
-            "mean_moment_Nm": self.mean_moment.tolist(),
-            "channel_rms": self.channel_rms.tolist(),
-        }
+        return {name: v.tolist() if isinstance(v, np.ndarray) else v for name, v in self._asdict().items()}
 
     def __repr__(self) -> str:
         """One line: residual force and moment."""
-        force, moment = (", ".join(f"{v:.3g}" for v in values) for values in (self.force_3s, self.moment_3s))
+        force, moment = (", ".join(f"{v:.3g}" for v in values) for values in (self.force_3s_N, self.moment_3s_Nm))
         return f"verified on {self.recording}: residual force +- {force} N (3 s), residual moment +- {moment} N m (3 s)"
 
     def _repr_html_(self) -> str:

@@ -3,10 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from types import MappingProxyType
-from typing import Annotated, Any, Literal
-
-from pydantic import AfterValidator, WrapSerializer
+from typing import Any, Literal
 
 from cases.units import as_html
 
@@ -22,27 +19,8 @@ class Kind(StrEnum):
     NOISE = "noise"  # what the residuals look like, beside what is stated
     MODEL = "model"  # what the model does not explain, or what is impossible
     ESTIMATOR = "estimator"  # what an estimator did, constraints and priors included
-    OFFSETS = "offsets"  # biases that were taken from another result
+    OFFSETS = "offsets"  # that drift
     CASE = "case"  # what has changed, or contradicts the case
-    UNSAID = "unsaid"  # of a result of version 0.1, which has sentences only
-
-
-def frozen(value: Any) -> Any:
-    """The same objects and lists, which nobody can change."""
-    if isinstance(value, Mapping):
-        return MappingProxyType({key: frozen(entry) for key, entry in value.items()})
-    return tuple(map(frozen, value)) if type(value) in (list, tuple) else value
-
-
-def _thawed(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {key: _thawed(entry) for key, entry in value.items()}
-    return tuple(map(_thawed, value)) if type(value) is tuple else value
-
-
-FROZEN = AfterValidator(frozen)
-AS_OBJECT = WrapSerializer(lambda value, plain: plain(_thawed(value)))
-Entries = Annotated[Mapping[str, Any], FROZEN, AS_OBJECT]  # an object of a JSON file
 
 
 Severity = Literal["note", "warning"]  # a warning is for people to act on
@@ -65,10 +43,7 @@ class Finding:
     severity: Severity
     sentence: str
     place: str = ""
-    quantity: Entries = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "quantity", frozen(self.quantity))
+    quantity: Mapping[str, Any] = field(default_factory=dict)
 
     def __str__(self) -> str:
         return self.sentence

@@ -5,7 +5,7 @@ the parameters. What speaks against a run is looked for before the estimate (`sa
 (`wiring`, `contact`).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Protocol, runtime_checkable
 
@@ -17,31 +17,25 @@ from cases.basis import changes_since, recording_basis, result_basis
 from cases.errors import FileProblem, IdentificationError, RecordingError
 from cases.schema import Case
 from cases.units import Array
-from identification.estimation.biases import accelerometer_bias, drift_findings
 from identification.estimation.estimators import Method
 from identification.estimation.fit import require_alive
 from identification.finding import Kind, changed_cases, warning
-from identification.findings.contact import contact_sentences, free_of_contact, touched
+from identification.findings.contact import contact_findings, free_of_contact, touched
 from identification.findings.fit_checks import fit_findings, leaves_much
-from identification.findings.wiring import fitting_case, other_wiring
+from identification.findings.wiring import other_wiring
 from identification.formats.reading import files_of
-from identification.hexapod import StrutsDoNotClose
 from identification.model import Model, full_model, identification_model
 from identification.outcome import RUN_ENTRIES, Result
 from identification.parameters import INERTIA, RIGID
 from identification.recording import Recording, poses_of_record
 from identification.result import Estimate, entries_of, estimate_of
-from identification.runs.evaluation import SMOOTHED
-from identification.runs.noise_sources import noise_sources
 from identification.runs.preparation import delimited, moving_run, on_one_clock, stands_only
 from identification.runs.sample_checks import scan
 from identification.runs.standstills import average, find_standstills, match, standstills
 from identification.runs.wrist import widest_band, wrist_run
-from identification.samples import GAUSS_MARKOV, SANDWICHED, USUAL, Conditioning, Samples, fit_samples
+from identification.samples import GAUSS_MARKOV, Samples, fit_samples
 
 RESTLESS = 3.0  # times the usual scatter of an averaged force
-NOT_COMPARED = "the noise that the case states is compared with s0 for gauss-markov and consistent without priors only"
-SHARE = 0.5  # share of the structural mode's frequency: there the first neglected term is a sixteenth
 
 
 @runtime_checkable
@@ -59,8 +53,7 @@ def identify(
     model: int | None = None,
     *,
     how: Method | Callable[[Model], Method] = GAUSS_MARKOV,
-    terms: Sequence[str] = (),
-    conditioning: Conditioning = USUAL,
+    average_standstills: bool = False,
     poses: PlanOfPoses | None = None,
 ) -> Result:
     """Parameters with standard deviations from a recorded run.
@@ -69,9 +62,8 @@ def identify(
         recording: the run.
         case: case of the machine; the recording's own unless given.
         model: number in Table 2; by default what the run can carry.
-        how: estimator, and what is known beforehand; or what gives it for a model.
-        terms: forms of the error compensation instead of the model's: K1 to K5.
-        conditioning: what is done to the run beforehand.
+        how: what is known beforehand, and how channels are weighted; or what gives it for a model.
+        average_standstills: average the run's standstills, wherever they are.
         poses: plan of poses whose standstills the run holds; a run of hexcite knows its own.
 
     Raises:
@@ -83,20 +75,17 @@ def identify(
     if case is None:
         raise RecordingError(recording.source, "does not say which machine it is from", "give its case")
     whole = on_one_clock(recording, case)
-    run, standing = standing_of(whole, case, None if poses is None else poses.poses, conditioning.standstills)
+    run, standing = standing_of(whole, case, None if poses is None else poses.poses, average_standstills)
     number = default_model(run, case) if model is None else model
     own = recording.record.get("case")
-    method = how if isinstance(how, Method) else how(identification_model(case, number, terms))
+    method = how if isinstance(how, Method) else how(identification_model(case, number))
     try:
-        estimate = estimate_parameters(run, case, number, method, terms, conditioning)
+        estimate = estimate_parameters(run, case, number, method)
     except (IdentificationError, RecordingError) as error:
         if own not in (None, case.name):
             raise IdentificationError(f"{error.typed}; it was recorded with the case {own}, not {case.name}") from error
-        if isinstance(error, StrutsDoNotClose) and (other := fitting_case(error.lengths, case)):
-            raise IdentificationError(f"{error.typed}; they fit the case {other}, name it with --case") from error
         raise
-    stale = recording.remarks + (() if method.biases is None else method.biases.stale)
-    changed = changed_cases(stale)
+    changed = changed_cases(recording.remarks)
     differences = changes_since(recording.record, recording_basis(case), case.hash)
     if own not in (None, case.name) and differences:
         sentence = f"it was recorded with the case {own}, not {case.name}: {differences[0]}"
@@ -107,7 +96,7 @@ def identify(
     if seconds is None and run.t is not None:
         seconds = estimate.evaluated.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter
     taken = {key: run.record[key] for key in ("simulated", *RUN_ENTRIES) if key in run.record}
-    optional = {"stale": stale or None, "run": taken if run.record else None, "standstills": standing}
+    optional = {"stale": recording.remarks or None, "run": taken if run.record else None, "standstills": standing}
     try:
         record = entries_of(
             estimate,
@@ -168,12 +157,7 @@ def standing_of(
 
 
 def estimate_parameters(
-    recording: Recording,
-    case: Case,
-    number: int | None = None,
-    how: Method = GAUSS_MARKOV,
-    terms: Sequence[str] = (),
-    conditioning: Conditioning = USUAL,
+    recording: Recording, case: Case, number: int | None = None, how: Method = GAUSS_MARKOV
 ) -> Estimate:
     """The estimate of a model's parameters from one recording, whose standstills are averaged already.
 
@@ -181,11 +165,11 @@ def estimate_parameters(
     therefore has one thread meanwhile; the caller's setting is restored at the end. Arguments and errors are those of
     `identify`.
     """
-    model = identification_model(case, default_model(recording, case) if number is None else number, terms)
+    model = identification_model(case, default_model(recording, case) if number is None else number)
     try:
         with threadpool_limits(limits=1, user_api="blas"):
             try:
-                estimate = _estimated(recording, case, model, how, conditioning)
+                estimate = _estimated(recording, case, model, how)
             except (IdentificationError, RecordingError) as error:
                 if said := other_wiring(recording, case, model, negative=error.quantity == "m"):
                     raise IdentificationError(said) from error
@@ -198,44 +182,29 @@ def estimate_parameters(
         raise error.at(recording.source) from error
 
 
-def _estimated(recording: Recording, case: Case, model: Model, method: Method, conditioning: Conditioning) -> Estimate:
+def _samples(recording: Recording, case: Case, model: Model) -> Samples:
+    """Samples of a recording, ready to be evaluated."""
+    if recording.t is None or case.setup == "1a":
+        return standstills(recording, case, model)
+    if recording.struts is None:
+        wide = wrist_run(recording, case, model, cutoff=widest_band(recording, *recording.others))
+        return replace(wrist_run(recording, case, model), wide=wide)
+    return moving_run(recording, case, model)
+
+
+def _estimated(recording: Recording, case: Case, model: Model, method: Method) -> Estimate:
     if len(recording.forces) > 1:
         require_alive(recording.forces)
     moves = recording.t is not None and case.setup != "1a"
-    if not moves and conditioning.flexible:
-        raise RecordingError("is not a moving run; --flexible is for moving runs")
     if not moves and {p.name for p in INERTIA.parameters} & {*method.selection(model).names}:
         raise IdentificationError(
             recording.source,
             f"model {model.number} contains inertia, which standstills cannot excite; choose a "
             "model from 0 to 5, or record a motion",
         )
-    estimate = _evaluated(recording, case, model, method, conditioning)
-    mode, cutoff = estimate.quantities.get("structural_mode_Hz"), case.recording.filter_cutoff_Hz
-    if mode is None or cutoff is None or cutoff <= SHARE * mode["value"]:
-        return estimate
-    below = case.recording.model_copy(update={"filter_cutoff_Hz": SHARE * float(mode["value"])})
-    softer = case.model_copy(update={"recording": below})
-    return replace(_evaluated(recording, softer, model, method, conditioning), case=case)
-
-
-def _samples(recording: Recording, case: Case, model: Model, conditioning: Conditioning, method: Method) -> Samples:
-    """Samples of a recording, ready to be evaluated."""
-    if recording.t is None or case.setup == "1a":
-        return standstills(recording, case, model)
-    if conditioning.flexible and (method.priors or recording.struts is None):
-        raise RecordingError("--flexible sees a mode in struts behind the low-pass, without --prior; leave it out")
-    if recording.struts is None:
-        wide = wrist_run(recording, case, model, cutoff=widest_band(recording, *recording.others))
-        return replace(wrist_run(recording, case, model, method.biases), wide=wide)
-    run = moving_run(recording, case, model)
-    return replace(run, nuisances=SMOOTHED, flexible=True) if conditioning.flexible else run
-
-
-def _evaluated(recording: Recording, case: Case, model: Model, method: Method, conditioning: Conditioning) -> Estimate:
     scanned, recording = scan(recording, case)
-    plain = replace(GAUSS_MARKOV, weights=method.weights_for(case.sensors))
-    samples = _samples(recording, case, model, conditioning, method)
+    plain = Method(weights=method.weights_for(case.sensors))
+    samples = _samples(recording, case, model)
     delay = None if samples.wide is None else fit_samples(samples.wide, plain, case.sensors).delay
     fitted, contacts = free_of_contact(recording, fit_samples(samples, method, case.sensors, fixed_delay=delay))
     if contacts and samples.wide is not None:
@@ -246,20 +215,6 @@ def _evaluated(recording: Recording, case: Case, model: Model, method: Method, c
         if rich is not fitted.samples:
             fitted = fitted.again(rich)
     findings = [*scanned, *fitted.samples.findings(fitted.fit)]
-    findings += [warning(Kind.CONTACT, f"{text}; left out") for text in contact_sentences(recording, contacts)]
-    noise = None
-    if case.sensors.state_noise and fitted.samples.noise_stated:
-        if method.name in SANDWICHED and not method.priors:
-            noise = noise_sources(fitted.samples, fitted.fit, fitted.w, fitted.at, case.sensors, recording.averaged)
-            findings += noise.findings
-        else:
-            findings.append(warning(Kind.NOISE, NOT_COMPARED))
-    if method.biases is not None:
-        free = fit_samples(fitted.samples, method.without_biases, case.sensors, fitted.at, delay)
-        findings += drift_findings(method.biases, model, free.fit)
+    findings += contact_findings(recording, contacts)
     findings += fit_findings(recording, case, fitted)
-    bias = None
-    if not samples.nuisances and recording.specific_forces is not None and recording.rotations is not None:
-        good = ~recording.bad
-        bias = accelerometer_bias(recording.specific_forces[good], recording.rotations[good], case.gravity)
-    return estimate_of(fitted, recording.source, case, noise, bias, tuple(findings))
+    return estimate_of(fitted, recording.source, case, tuple(findings))

@@ -3,7 +3,6 @@
 A model is a list of blocks; planner, estimator and simulation share it.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -203,32 +202,25 @@ def static_model(case: Case) -> int:
     return 5 if full_model(case) == 9 else 0
 
 
-def identification_model(case: Case, number: int, terms: Sequence[str] = ()) -> Model:
+def identification_model(case: Case, number: int) -> Model:
     """The model of Table 2 for the sensor frame of a case.
 
     Args:
         number: number in Table 2; in setup 1a, where nothing moves, model 0 is the offsets alone.
-        terms: names of other forms of the error compensation than the model's, `ERROR_TERMS`.
 
     Raises:
-        IdentificationError: no such model or form; the message lists what there is.
+        IdentificationError: no such model; the message lists what there is.
     """
     if number not in MODELS:
         raise IdentificationError(f"model {number} is not one of Table 2; choose {', '.join(map(str, MODELS))}")
     blocks = MODELS[number]
     if case.setup == "1a":
-        if number != 0 or terms:
+        if number != 0:
             raise IdentificationError(
                 "in setup 1a the sensor frame does not move: only its offsets f_q0 are identified, by model 0; weigh "
                 "what is put on it with hexcite payload, from a result without and one with it"
             )
         blocks = (OFFSETS,)
-    for name in terms:
-        if name not in ERROR_TERMS:
-            raise IdentificationError(f"error term {name!r} is unknown; choose among {', '.join(ERROR_TERMS)}")
-    if terms:
-        body = (b for b in blocks if b not in ERROR_TERMS.values())
-        blocks = (*body, *(block for name, block in ERROR_TERMS.items() if name in terms))
     if case.sensor_frame.has_moments:
         blocks = tuple(WRENCH_OFFSETS if b is OFFSETS else b for b in blocks)
     struts = None
@@ -238,7 +230,7 @@ def identification_model(case: Case, number: int, terms: Sequence[str] = ()) -> 
     frame = case.sensor_frame.structure if struts is None else struts.structure_at_home
     model = Model(number, blocks, frame, case.gravity, machine=machine_if_any(case), struts=struts)
     rigid = struts is not None or not (model.machine is None or model.machine.elastic)
-    if rigid and set(model.blocks) & set(ERROR_TERMS.values()):
+    if rigid and set(model.blocks) & set(ERROR_TERMS):
         raise IdentificationError(
             f"model {number} has error terms (K1 to K5) of sensors in a hexapod's platform; with other sensors choose "
             f"model {RIGID}, or 0 for standstills"

@@ -1,66 +1,50 @@
 """The result of an identification as users hold it: parameters by name, saved and loaded as a folder."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
-from cases.basis import KEPT, case_of, recording_basis, require_unchanged, result_basis
+from cases.basis import case_of, require_unchanged, result_basis
 from cases.errors import FileProblem, HexciteError
-from cases.files import DAMAGED, RESULT, atomic_folder, check_folder, json_text, read_json
+from cases.files import RESULT, atomic_folder, check_folder, json_text, read_json
 from cases.schema import Case
 from cases.units import Array, as_html
 from identification.criteria import Identifiability
-from identification.estimation.biases import Biases
 from identification.estimation.fit import Value
 from identification.finding import Finding, sentences
 from identification.model import Model, identification_model
-from identification.parameters import offset_columns
 from identification.precision import carries_rods, parameter_lines, value_cells
-from identification.result import Estimate, ResultEntries, identifiability_of
-from identification.saved_result import AGAIN, read_entries, require_agreement
+from identification.result import SCHEMA_VERSION, Estimate, ResultEntries, identifiability_of, physical_values
 from identification.signals import Residuals
 
 # Entries of recording.json that a result takes over.
 RUN_ENTRIES = ("controller", "program", "program_hash", "plan_hash", "seed", "payload", "simulation_source")
 PROMINENT = ("m", "xC", "yC", "zC")  # shown first
-_OF_A_RECORDING = ("recording.", "sensors.")  # keys that say how a run was read, not what offsets mean
+AGAIN = "identify again"
+ALIKE = 1e-9  # of numbers that are computed anew: another computer rounds otherwise
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, repr=False)
 class Result:
-    """Identified parameters.
+    """Identified parameters; two are equal where they say the same.
 
     Args:
-        case: case of the recording.
         record: entries of result.json.
+        case: case of the recording.
         estimate: estimate with everything that is not saved; None where it was loaded.
-        determined: what the run determined, as loaded; None where no file says it.
         file: file that it was loaded from.
         remarks: what has changed in the case since, where it was loaded nevertheless.
     """
 
-    case: Case
+    case: Case = field(compare=False)
     record: ResultEntries
-    estimate: Estimate | None = None
-    determined: Identifiability | None = None
-    file: Path | None = None
-    remarks: tuple[str, ...] = ()
-
-    def __eq__(self, other: object) -> bool:
-        """Whether both say the same: entries, what the run determined, and the case."""
-        return isinstance(other, Result) and self._data == other._data
-
-    def __hash__(self) -> int:
-        return hash((self.record.case_hash, self.record.values))
-
-    @property
-    def _data(self) -> tuple[str, ResultEntries, dict[str, Any] | None]:
-        determined = self.identifiability
-        return self.case.hash, self.record, None if determined is None else determined.to_json()
+    estimate: Estimate | None = field(default=None, compare=False)
+    file: Path | None = field(default=None, compare=False)
+    remarks: tuple[str, ...] = field(default=(), compare=False)
 
     def __getitem__(self, name: str) -> Value:
         """A physical parameter [SI]: `result["m"].value`, `.std` by (28), `.std_robust`, `.unit`."""
@@ -73,8 +57,8 @@ class Result:
 
     @cached_property
     def identifiability(self) -> Identifiability | None:
-        """What the run determined; None where no file says it."""
-        return self.determined if self.estimate is None else identifiability_of(self.estimate)
+        """What the run determined; None where it was loaded."""
+        return None if self.estimate is None else identifiability_of(self.estimate)
 
     @cached_property
     def residuals(self) -> Residuals | None:
@@ -103,23 +87,18 @@ class Result:
         return str(self.record.recording if self.file is None else self.file)
 
     @property
-    def terms(self) -> tuple[str, ...]:
-        """Forms of the error compensation other than the model's."""
-        return self.record.error_terms
-
-    @property
     def model(self) -> Model:
         """The model of the parameters.
 
         Raises:
-            FileProblem: they belong to another case, or no model of it has that number and these terms.
+            FileProblem: they belong to another case, or no model of it has that number.
         """
         name = self.record.case
         if self.case.name != name:
             problem = f"parameters of case {name}, not {self.case.name}"
             raise FileProblem(self.source, problem, f"identify them for {self.case.name}")
         try:
-            return identification_model(self.case, self.record.model, self.terms)
+            return identification_model(self.case, self.record.model)
         except HexciteError as error:
             raise FileProblem(self.source, error.typed, AGAIN) from error
 
@@ -149,14 +128,11 @@ class Result:
         return frozenset(entry["sha256"] for entry in self.record.inputs)
 
     def write(self, folder: Path) -> None:
-        """Writes result.json and identifiability.json into a folder that is there."""
+        """Writes result.json into a folder that is there."""
         (folder / "result.json").write_text(json_text(self.record.to_json()), encoding="utf-8")
-        if self.identifiability is not None:
-            text = json_text(self.identifiability.to_json())
-            (folder / "identifiability.json").write_text(text, encoding="utf-8")
 
     def save(self, folder: Path | str, overwrite: bool = False) -> None:
-        """Makes a folder with the same files; residuals are not saved.
+        """Makes a folder with the same file; residuals are not saved.
 
         Raises:
             FileProblem: the folder holds something else, or cannot be written.
@@ -177,19 +153,11 @@ class Result:
         Raises:
             FileProblem: missing, damaged, changed by hand or of another version; or its case has changed since.
         """
-        file, record = read_entries(Path(folder))
-        about = record.to_json()
-        own = case_of(file, about, AGAIN) if case is None else case
-        result = cls(own, record, file=file)
-        require_agreement(result.source, record, result.model, own.sensor_frame.has_moments)
-        remarks = require_unchanged(file, about, result_basis(own), own, stale, AGAIN)
-        beside, determined = file.parent / "identifiability.json", None
-        if beside.is_file():
-            try:
-                determined = Identifiability.of_json(read_json(beside, "hexcite identify"))
-            except DAMAGED as error:
-                raise FileProblem(beside, f"entry {error} is missing or damaged", AGAIN) from error
-        return replace(result, determined=determined, remarks=remarks)
+        file, record = _read(Path(folder))
+        own = case_of(file, record.to_json(), AGAIN) if case is None else case
+        _require_agreement(cls(own, record, file=file))
+        remarks = require_unchanged(file, record.to_json(), result_basis(own), own, stale, AGAIN)
+        return cls(own, record, file=file, remarks=remarks)
 
     def __repr__(self) -> str:
         """A few lines: model, warnings, residuals, the body."""
@@ -197,7 +165,7 @@ class Result:
         unit = " N" if record.weights == "equal" else ""
         residuals = f"s0 {record.s0:.3g}{unit}, recorded forces less the model {record.s0_N:.3g} N rms"
         samples = "averaged standstills" if record.delay_s is None else "samples"
-        lines = [f"Result for {self.case.name}: model {record.model}, {record.estimator}, {record.samples} {samples}"]
+        lines = [f"Result for {self.case.name}: model {record.model}, {record.samples} {samples}"]
         lines += [f"warning: {warning}" for warning in self.warnings]
         lines.append(f"weights {record.weights}, {residuals}")
         lines.append(f"{len(parameters)} parameters, rank {record.rank}, condition {record.condition:.3g}")
@@ -225,34 +193,41 @@ def case_of_result(path: Path) -> Case:
         FileProblem: no such result, or it names no case.
         CaseError: its case cannot be read.
     """
-    file, record = read_entries(path)
+    file, record = _read(path)
     return case_of(file, record.to_json(), AGAIN)
 
 
-def biases_of(path: Path | str, case: Case, stale: bool = False) -> Biases:
-    """Offsets of forces and accelerometer from a result of the same machine, for a run that is to take them as known.
+def _read(path: Path) -> tuple[Path, ResultEntries]:
+    """`result.json`, or that of the folder that holds it, and its entries."""
+    file = path / "result.json" if path.is_dir() else path
+    data = read_json(file, "hexcite identify")
+    version = data.get("schema_version")
+    if version != SCHEMA_VERSION:
+        raise FileProblem(file, f"schema_version {version!r}, expected {SCHEMA_VERSION}", AGAIN)
+    try:
+        return file, ResultEntries.model_validate_json(json_text(data))
+    except ValidationError as error:
+        place = ".".join(map(str, error.errors()[0]["loc"]))
+        raise FileProblem(file, f"entry {place} is missing or damaged", AGAIN) from error
 
-    How that result's recording was read and filtered may differ; machine, sensor frame and gravity may not.
 
-        hx.identify(recording, case, how=hx.method(biases=hx.biases_of("standstills", case)))
-
-    Args:
-        stale: go on although the machine has changed since.
-
-    Raises:
-        FileProblem: no such result, one of another case, or the machine has changed and `stale` is not set.
-    """
-    file, record = read_entries(Path(path))
-    now, about = recording_basis(case), record.to_json()
-    if about.get(KEPT):
-        kept = about[KEPT].items()
-        about[KEPT] = {key: value for key, value in kept if key in now or not key.startswith(_OF_A_RECORDING)}
-    remarks = require_unchanged(file, about, now, case, stale, "identify the standstills again")
-    result = Result(case, record, file=file)
-    require_agreement(result.source, record, result.model, case.sensor_frame.has_moments)
-    offsets = offset_columns(result.model)
-    white, robust = (c[np.ix_(offsets, offsets)] for c in (result.covariance, result.covariance_robust))
-    variance, larger = np.diag(white), np.maximum(np.diag(white), np.diag(robust))
-    growth = np.sqrt(larger / np.where(variance > 0.0, variance, 1.0))
-    covariance = white * np.outer(growth, growth)
-    return Biases(str(path), result.values[offsets], covariance, record.accelerometer, remarks)
+def _require_agreement(result: Result) -> None:
+    """Refuses physical parameters that do not follow from the linear ones: changed by hand, or of another model."""
+    record, model = result.record, result.model
+    lengths = {len(row) for square in (record.covariance, record.covariance_robust) for row in (square, *square)}
+    other = FileProblem(result.source, f"its parameters are not those of model {model.number}", AGAIN)
+    if record.names != tuple(model.names) or lengths | {len(record.values)} != {len(model.names)}:
+        raise other
+    squares = result.covariance, result.covariance_robust
+    physical = physical_values(model, result.values, *squares)
+    if physical.keys() != record.parameters.keys():
+        raise other
+    for name, computed in physical.items():
+        stated, size = record.parameters[name], max(abs(computed.value), computed.reported)
+        if stated.unit != computed.unit or not np.allclose(stated[:3], computed[:3], rtol=0.0, atol=ALIKE * size):
+            problem = f"{name} is {stated.value:.6g} {stated.unit}, by the linear parameters {computed.value:.6g} "
+            raise FileProblem(result.source, f"{problem}{computed.unit}: value or deviation changed by hand", AGAIN)
+    for square in squares:
+        scale = np.sqrt(np.outer(np.diag(square), np.diag(square)).clip(0.0))
+        if np.any(np.abs(square - square.T) > ALIKE * scale):
+            raise FileProblem(result.source, "a covariance is not symmetric: changed by hand", AGAIN)

@@ -3,9 +3,7 @@
 I_P = I_PC + m S(xC)^T S(xC), the parallel-axis theorem; the line under (5) prints it with the other sign.
 
 Partial identification (section 4): some parameters are known or left out, the rest is estimated. A known centre of
-gravity ties a first moment to the mass, and a known central inertia ties an inertia to the first moments by the
-parallel-axis theorem, so that u = u0 + B v with the remaining parameters v: the problem stays linear, and every
-estimator of stacked data serves it (`select`).
+gravity ties a first moment to the mass, so that u = u0 + B v with the remaining parameters v: the problem stays linear.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -139,8 +137,8 @@ MODELS: dict[int, tuple[Block, ...]] = {
     9: (*_DYNAMIC, K2, K5),
 }
 
-ERROR_TERMS: dict[str, Block] = {"K1": K1, "K2": K2, "K3": K3, "K4": K4, "K5": K5}
-"""Forms of the error compensation, (10) to (15), that may be combined freely."""
+ERROR_TERMS = (K1, K2, K3, K4, K5)
+"""Forms of the error compensation, (10) to (15)."""
 
 
 INERTIA_INDEX = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))  # of the six components of an inertia
@@ -222,7 +220,6 @@ def linear_parameters(model: "Model", truth: Truth) -> Array:
     return np.array([values[name] for name in model.names])
 
 
-_FIRST_MOMENTS = ("mxC", "myC", "mzC")
 _CENTRES = tuple(p.name for p in _CENTRE)
 
 
@@ -241,22 +238,12 @@ def require_names(given: Iterable[str], valid: Sequence[str]) -> None:
             raise IdentificationError(f"{name!r} is not a parameter here; choose from {', '.join(valid)}")
 
 
-def symmetric_platform(model: "Model") -> dict[str, float]:
-    """The reduction of section 5 for a symmetric platform: five parameters fewer, two where there is no inertia.
-
-    hx.identify(recording, how=lambda model: hx.method(known=hx.symmetric_platform(model)))
-    """
-    names = [p.name for p in physical_form(model).parameters]
-    return {name: 0.0 for name in (*names, *model.names) if name in ("xC", "yC", "I12", "I13", "I23")}
-
-
 def select(model: "Model", known: Mapping[str, float], dropped: Iterable[str] = ()) -> Selection:
     """Chooses what is estimated.
 
     Args:
-        known: values of parameters by linear (m, mxC, I11..) or physical name (xC, IC11..) [SI]; they are taken as
-            exact (uncertain ones: `priors`). A central inertia needs a known centre of gravity with it, else the
-            problem is not linear (then: a prior).
+        known: values of parameters by linear name (m, mxC, I11..) or place of the centre of gravity (xC..) [SI], taken
+            as exact (uncertain ones, and inertia about the centre of gravity: `priors`).
         dropped: linear parameters whose columns are left out, as if their value were zero.
 
     Raises:
@@ -297,34 +284,11 @@ def _rows(pairs: Sequence[tuple[str, str]], constants: Mapping[str, float], name
         elif physical in _CENTRES:
             rows[linear] = constants[physical] * rows["m"]
         else:
-            rows[linear] = constants[physical] * one[0] + _parallel_axis(physical, constants, rows)
-    return np.array(list(rows.values()))
-
-
-def _parallel_axis(name: str, constants: Mapping[str, float], rows: Mapping[str, Array]) -> Array:
-    """The row of m S(xC)^T S(xC) for ICij, with one factor of each product xC m xC known."""
-    centre = [_known_centre(axis, constants) for axis in range(3)]
-    i, j = int(name[2]) - 1, int(name[3]) - 1
-    row = np.zeros_like(rows["m"])
-    for a, b in [(a, a) for a in range(3) if a != i] if i == j else [(i, j) if centre[i] is not None else (j, i)]:
-        factor = centre[a]
-        if factor is None:
-            others = [axis for axis in range(3) if axis != i] if i == j else [j]
             raise IdentificationError(
-                f"{name} can only be fixed together with {' and '.join(_CENTRES[k] for k in others)}, on which its "
-                f"parallel-axis term depends; fix these too, fix {name.replace('C', '')}, or give it as a prior"
+                f"{physical} about the centre of gravity cannot be fixed: the problem is not linear; fix {linear}, "
+                "about the origin of {P}, or give it as a prior"
             )
-        row += (factor if i == j else -factor) * rows[_FIRST_MOMENTS[b]]
-    return row
-
-
-def _known_centre(axis: int, constants: Mapping[str, float]) -> float | None:
-    moment, centre = _FIRST_MOMENTS[axis], _CENTRES[axis]
-    if centre in constants:
-        return constants[centre]
-    if constants.get(moment) == 0.0:
-        return 0.0
-    return constants[moment] / constants["m"] if moment in constants and "m" in constants else None
+    return np.array(list(rows.values()))
 
 
 def pseudo_inertia(body: Array) -> Array:

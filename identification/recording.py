@@ -35,7 +35,6 @@ class Recording(Stream):
     # weights of averaged standstills: what forces and model of each are multiplied by in a fit, shape (n,)
     weights: Array | None = None
     averaged: float = 1.0  # samples of the forces that were averaged over an interval of the motion
-    sample_noise: Array | None = None  # noise of these, where they were averaged, shape (6,) [N, or N and N m]
     case: Case | None = None  # case that it is from; None where that is not known
     paths: tuple[Path, ...] = ()  # paths of the files that it was read from
     record: Mapping[str, Any] = field(default_factory=dict)  # what `recording.json` says; empty where there is none

@@ -12,13 +12,11 @@ from cases.files import provenance
 from cases.schema import Case
 from cases.units import Array
 from identification.criteria import Identifiability, analyse
-from identification.estimation.biases import AccelerometerBias
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, Value
-from identification.finding import AS_OBJECT, FROZEN, SEVERITIES, Entries, Finding, sentences
-from identification.model import Model, identification_model
-from identification.parameters import ERROR_TERMS, physical_form
-from identification.runs.noise_sources import NoiseSources, attenuation_of
+from identification.finding import SEVERITIES, Finding, sentences
+from identification.model import Model
+from identification.parameters import physical_form
 from identification.samples import Fitted, Samples
 
 
@@ -35,11 +33,7 @@ class Estimate:
     evaluated: Samples  # samples that it was made from
     residuals: Array  # recorded forces less the model, shape (n, 6) [N, or N and N m]
     delay: Value | None  # delay of the forces [s], where it was estimated
-    noise: NoiseSources | None  # what s0 consists of, where the case states noise
-    accelerometer: AccelerometerBias | None  # its biases, where standstills have its readings
     physical: dict[str, Value]  # physical parameters by name
-    # attenuation of physical parameters by name, where the case states noise of the struts
-    attenuation: dict[str, dict[str, float | None]] | None
     findings: tuple[Finding, ...]  # what speaks against it, and what is good to know
 
     @property
@@ -94,8 +88,6 @@ def estimate_of(
     fitted: Fitted,
     source: str,
     case: Case,
-    noise: NoiseSources | None,
-    accelerometer: AccelerometerBias | None,
     findings: tuple[Finding, ...],
 ) -> Estimate:
     """The estimate of a fit; columns of the fit beyond the model's parameters are nuisances, which it leaves out."""
@@ -104,37 +96,27 @@ def estimate_of(
     u, white, robust = fit.values[own], fit.covariance[own, own], fit.covariance_robust[own, own]
     fit = replace(fit, values=u, covariance=white, covariance_robust=robust)
     physical = physical_values(model, u, white, robust)
-    attenuation = None
-    if noise is not None and noise.bias is not None:
-        reported = np.array([value.reported for value in physical.values()])
-        attenuation = attenuation_of(physical_form(model), u, noise.bias, reported)
     return Estimate(
-        case, source, fitted.method, fit, fitted.samples, fitted.residuals, fitted.delay, noise, accelerometer,
-        physical, attenuation, findings,
+        case, source, fitted.method, fit, fitted.samples, fitted.residuals, fitted.delay, physical, findings,
     )  # fmt: skip
 
 
 SCHEMA_VERSION = 1
 
 
-def _named(entry: Any) -> Any:
-    if isinstance(entry, list):  # it would do for pydantic
-        raise ValueError("is not an object")
-    return entry
-
-
 def _in_seconds(entry: Any) -> Any:
-    return {**_named(entry), "std_robust": entry.get("std"), "unit": "s"} if isinstance(entry, dict) else _named(entry)
+    return {"std_robust": entry.get("std"), "unit": "s"} | entry if isinstance(entry, dict) else entry
 
 
 Numbers = tuple[float, ...]
-Physical = Annotated[Value, BeforeValidator(_named), PlainSerializer(Value._asdict)]
+Entries = Mapping[str, Any]  # an object of a JSON file
+Physical = Annotated[Value, PlainSerializer(Value._asdict)]
 Delay = Annotated[
     Value,
     BeforeValidator(_in_seconds),
     PlainSerializer(lambda delay: {"value": delay.value, "std": delay.std}),
 ]
-Input = Annotated[Mapping[Literal["file", "sha256"], str], Field(min_length=2), FROZEN, AS_OBJECT]
+Input = Annotated[Mapping[Literal["file", "sha256"], str], Field(min_length=2)]
 
 
 class Origin(BaseModel, strict=True, frozen=True, allow_inf_nan=False, populate_by_name=True):
@@ -145,7 +127,7 @@ class Origin(BaseModel, strict=True, frozen=True, allow_inf_nan=False, populate_
     case_file: str | None = None
     recording: str
     inputs: tuple[Input, ...]
-    versions: Annotated[Mapping[str, str], FROZEN, AS_OBJECT]
+    versions: Mapping[str, str]
     computed_from: Entries | None = None  # values of the case by dotted key
     measuring_s: NonNegativeFloat | None = None
     plan_hash: str | None = None
@@ -159,26 +141,20 @@ class Parameters(Origin):
     """Parameters in both forms [SI], and what was known of them."""
 
     model: int
-    error_terms: tuple[str, ...]
     known: Entries | None = None
     dropped: tuple[str, ...] = ()
     priors: Entries | None = None
-    parameters: Annotated[Mapping[str, Physical], FROZEN, AS_OBJECT]
-    intervals_95: Annotated[Mapping[str, tuple[float, float]], FROZEN, AS_OBJECT]
+    parameters: Mapping[str, Physical]
     names: tuple[str, ...] = Field(validation_alias=AliasPath("linear", "names"))
     values: Numbers = Field(validation_alias=AliasPath("linear", "values"))
     covariance: tuple[Numbers, ...]  # covariance of the linear ones by (28)
     covariance_robust: tuple[Numbers, ...]
     delay_s: Delay | None
-    accelerometer: AccelerometerBias | None
-    attenuation: Entries | None = None
 
 
 class ResultEntries(Parameters):
     """Entries of `result.json`."""
 
-    estimator: str
-    biases: Entries | None = None
     weights: str
     s0: NonNegativeFloat
     s0_N: NonNegativeFloat
@@ -187,8 +163,6 @@ class ResultEntries(Parameters):
     degrees_of_freedom: float
     rank: PositiveInt
     condition: NonNegativeFloat
-    w_diagonal: Numbers = ()
-    noise_sources: Entries | None = None
     findings: tuple[Finding, ...]
 
     def replaced(self, **changes: Any) -> Self:
@@ -196,12 +170,13 @@ class ResultEntries(Parameters):
         return type(self)(**{name: getattr(self, name) for name in self.model_fields_set} | changes)
 
     def to_json(self) -> dict[str, Any]:
-        """The object of the file: `notes`, `warnings` and what findings say in numbers stand beside them."""
+        """The object of the file: intervals, `notes`, `warnings` and what findings say in numbers stand beside them."""
         entries = self.model_dump(mode="json", exclude_unset=True)
         entries["linear"] = {key: entries.pop(key) for key in ("names", "values")}
+        intervals = {name: list(p.interval(self.degrees_of_freedom)) for name, p in self.parameters.items()}
         texts = {f"{severity}s": list(sentences(self.findings, severity)) for severity in SEVERITIES}
         quantities = {key: value for finding in entries["findings"] for key, value in finding["quantity"].items()}
-        return {"schema_version": SCHEMA_VERSION, **entries, **texts, **quantities}
+        return {"schema_version": SCHEMA_VERSION, **entries, "intervals_95": intervals, **texts, **quantities}
 
 
 def entries_of(estimate: Estimate, files: Sequence[Path] = (), **origin: Any) -> ResultEntries:
@@ -213,9 +188,6 @@ def entries_of(estimate: Estimate, files: Sequence[Path] = (), **origin: Any) ->
     """
     about = provenance(files)
     fit, how, model, case = estimate.fit, estimate.how, estimate.model, estimate.case
-    biases = how.biases
-    taken = biases.accelerometer.model_dump() if biases is not None and biases.accelerometer is not None else None
-    standard = identification_model(case, model.number).names == model.names
     return ResultEntries(
         case=case.name,
         case_hash=case.hash,
@@ -223,17 +195,12 @@ def entries_of(estimate: Estimate, files: Sequence[Path] = (), **origin: Any) ->
         inputs=tuple(about["inputs"]),
         versions=about["versions"],
         model=model.number,
-        error_terms=() if standard else tuple(n for n, b in ERROR_TERMS.items() if b in model.blocks),
         known=how.known,
         dropped=tuple(how.dropped),
         priors={p.name: {"value": p.value, "std": p.std} for p in how.priors},
-        **entries_of_parameters(estimate.physical, fit.freedom, fit.values, fit.covariance, fit.covariance_robust),
+        **entries_of_parameters(estimate.physical, fit.values, fit.covariance, fit.covariance_robust),
         names=tuple(model.names),
         delay_s=estimate.delay,
-        accelerometer=estimate.accelerometer,
-        attenuation=estimate.attenuation,
-        estimator=how.name,
-        biases=None if biases is None else {"result": biases.source, "accelerometer": taken},
         weights=how.weights or case.sensors.weights,
         s0=fit.s0,
         s0_N=estimate.s0_N,
@@ -242,20 +209,15 @@ def entries_of(estimate: Estimate, files: Sequence[Path] = (), **origin: Any) ->
         degrees_of_freedom=fit.freedom,
         rank=fit.rank,
         condition=fit.condition,
-        w_diagonal=tuple(fit.weights.tolist()),
-        noise_sources=None if estimate.noise is None else estimate.noise.to_json(),
         findings=estimate.findings,
         **origin,
     )
 
 
-def entries_of_parameters(
-    physical: Mapping[str, Value], freedom: float, u: Array, covariance: Array, robust: Array
-) -> dict[str, Any]:
+def entries_of_parameters(physical: Mapping[str, Value], u: Array, covariance: Array, robust: Array) -> dict[str, Any]:
     """Entries on parameters: physical ones by name, and the linear ones u with both covariances."""
     return {
         "parameters": physical,
-        "intervals_95": {name: value.interval(freedom) for name, value in physical.items()},
         "values": tuple(u.tolist()),
         "covariance": tuple(map(tuple, covariance.tolist())),
         "covariance_robust": tuple(map(tuple, robust.tolist())),

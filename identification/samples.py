@@ -1,6 +1,6 @@
 """What an estimate is made from (times, forces, regressors at a delay, properties of the noise), and the fit to it.
 
-Averaged standstills are such samples, runs that move others. `Conditioning` is what a user asks to be done beforehand.
+Averaged standstills are such samples, runs that move others.
 The delay between forces and motion, where there is one, is estimated with the parameters.
 """
 
@@ -15,23 +15,20 @@ from scipy.linalg import block_diag
 from cases.errors import IdentificationError
 from cases.sensors import Sensors
 from cases.units import Array, Flags, Indices
-from identification.estimation.channel_weights import independent_poses
-from identification.estimation.estimators import ALIKE, Method, estimate_selected, gauss_markov_of, method
+from identification.estimation.estimators import ALIKE, Method, estimate_selected, gauss_markov_of, independent_poses
 from identification.estimation.fit import Filtered, Fit, Regression, Robust, Value, inverse_root, joint_triangle
 from identification.estimation.force_noise import long_run_covariance, scores
 from identification.finding import Finding
 from identification.model import Model, noise_covariance, whitening_of
-from identification.parameters import MASS, Selection, offset_columns
+from identification.parameters import MASS
 from identification.signals import Filter, Residuals
 
 MOST_DELAY = 0.04  # [s] between forces and motion that is looked for, either way
 DELAY_STEPS = 8
 DELAY_TOLERANCE = 1e-9  # [s]; what remains of the delay is in the nuisance of the fit
 CLOSE = 1e-5  # [s] the same where the search began close to it: the square is a hundredth of the noise of the samples
-TURNS = 3  # of weights and parameters; the weights need the parameters to a percent only
 EXCERPTS = (1, 8)  # parts of a long run by which the search begins, see `fair_part`
-SANDWICHED = ("gauss-markov", "consistent")  # whose robust covariance is the sandwich of the weights alone
-GAUSS_MARKOV = method()
+GAUSS_MARKOV = Method()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,7 +46,6 @@ class Samples(ABC):
     nuisances: tuple[str, ...] = ()
     # the run in a wider band, where its delay is found beforehand; None where none is, or it is estimated
     wide: "Samples | None" = None
-    noise_stated: ClassVar[bool] = False  # whether the noise that a case states explains the residuals
     each: ClassVar[tuple[str, ...]] = ("t", "recorded", "forces")  # fields with an entry for each sample
 
     @property
@@ -95,11 +91,6 @@ class Samples(ABC):
         del times
         return self
 
-    def known_columns(self, delay: float, matrices: Array, values: Array) -> Array | None:
-        """How A u changes with what was measured beside: the delay and biases of an accelerometer, shape (n, 6, 4)."""
-        del delay, matrices, values
-        return None
-
     def refined(self, fit: Fit, basis: Array, w: Array, delay: float) -> Self:
         """The samples with further nuisances that a fit shows to be worth an estimate; as they are where none is.
 
@@ -111,11 +102,6 @@ class Samples(ABC):
         """
         del fit, basis, w, delay
         return self
-
-    def regressor_noise(self, w: Array, delay: float, sensors: Sensors) -> Array | None:
-        """Expected sum of dA^T W dA by stated noise, shape (u, u); None where A does not come from struts."""
-        del w, delay, sensors
-        return None
 
     def findings(self, fit: Fit) -> tuple[Finding, ...]:
         """What there is to say of how they were evaluated, after their fit."""
@@ -196,18 +182,6 @@ class Standstills(Samples):
         return Residuals(self.t, self.recorded, self.matrices @ values, None)
 
 
-@dataclass(frozen=True, slots=True)
-class Conditioning:
-    """What a user asks to be done to a run."""
-
-    # estimate the lowest structural mode of a moving run with the parameters, behind a low-pass at half its frequency
-    flexible: bool = False
-    standstills: bool = False  # average the run's standstills, wherever they are
-
-
-USUAL = Conditioning()
-
-
 class Fitted(NamedTuple):
     """Samples with their fit."""
 
@@ -257,7 +231,7 @@ def fit_samples(
     columns, white = regression.regressors, regression.whitened(whitening)
     basis = block_diag(how.selection(model).basis, np.eye(beside))
     fit = how.estimate(white, model)
-    if how.name in SANDWICHED and not how.priors:
+    if not how.priors:
         free = white.regressors if np.array_equal(basis, np.eye(len(basis))) else white.regressors @ basis
         robust = samples.robust_covariance(free, fit.residuals, fit.weights, whitening)
         if robust is not None:
@@ -272,23 +246,11 @@ def fit_samples(
     has_delay = bool(samples.nuisances) and fixed_delay is None  # the last of the values is a step of the delay
     own = len(regression.names) - has_delay
     residuals = samples.recorded - samples.predicted(columns[:, :, :own], fit.values[:own])
-    more = np.zeros_like(fit.covariance)
-    if how.biases is not None:
-        offsets = offset_columns(model)
-        moves = -basis @ _gain(columns @ basis, w, columns[:, :, offsets])
-        moves[offsets] += np.eye(6)
-        more += moves @ how.biases.covariance @ moves.T
-    unknowns, effects = len(model.names), None
-    if how.biases is not None or fixed_delay is not None:
-        effects = samples.known_columns(delay, columns[:, :, :unknowns], fit.values[:unknowns])
-    if effects is not None:
-        moves = basis @ _gain(columns @ basis, w, effects)
-        if how.biases is not None:
-            covariance = np.array(how.biases.require_accelerometer().covariance_m2_s4)
-            more += moves[:, 1:] @ covariance @ moves[:, 1:].T
-        if fixed_delay is not None:
-            more += fixed_delay.std**2 * np.outer(moves[:, 0], moves[:, 0])
-    fit = replace(fit, covariance=fit.covariance + more, covariance_robust=fit.covariance_robust + more)
+    if fixed_delay is not None:  # an error of it moves the estimate (Schmidt 1966, Adv. Control Syst. 3:293)
+        effect = samples.linearised(delay, fit.values[: len(model.names)])[:, :, -1]
+        moves = fixed_delay.std * basis @ _gain(columns @ basis, w, effect)
+        more = np.outer(moves, moves)
+        fit = replace(fit, covariance=fit.covariance + more, covariance_robust=fit.covariance_robust + more)
     if has_delay:
         value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < CLOSE else 0.0)
         std = float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1])))
@@ -310,10 +272,9 @@ def _converged(
     names, alike = [*model.names, *run.nuisances[:beside]], ALIKE[weights]
     whitening, values, unknowns = None, near, len(model.names)
     if not run.nuisances:
-        still = run.regressors(delay)
-        if weights == "stated":
-            whitening = _whitening_from(still, forces, selection, model, sensors)
-        return delay, None, Regression(still, forces, names, beside, run.filtered, alike), whitening
+        if weights == "stated" and sensors.force_noise is not None:  # vibration averages out
+            whitening = np.diag(1.0 / sensors.force_noise)
+        return delay, None, Regression(run.regressors(delay), forces, names, beside, run.filtered, alike), whitening
     for _ in range(steps):
         regression = columns = None  # of a long run there is room for one
         if values is None:
@@ -345,24 +306,12 @@ def _converged(
     return delay, values, regression, whitening
 
 
-def _gain(regressors: Array, w: Array, columns: Array) -> Array:
-    """How a fit weighted by W, shape (6, 6), changes with unit errors along columns, shape (n, 6, k), shape (v, k)."""
+def _gain(regressors: Array, w: Array, effect: Array) -> Array:
+    """How a fit weighted by W, shape (6, 6), changes with a unit error that has an effect, shape (n, 6), shape (v,)."""
     root = np.linalg.cholesky(w).T
     weighted = (root @ regressors).reshape(-1, regressors.shape[2])
     half = inverse_root(weighted)
-    return np.asarray(half @ ((weighted @ half).T @ (root @ columns).reshape(-1, columns.shape[2])))
-
-
-def _whitening_from(matrices: Array, forces: Array, selection: Selection, model: Model, sensors: Sensors) -> Array:
-    """Root of W by stated noise, with u from the data themselves in turns with it, shape (6, 6)."""
-    assert sensors.force_noise is not None
-    whitening = np.diag(1.0 / sensors.force_noise)
-    for _ in range(TURNS):
-        target = (forces - matrices @ selection.offset) @ whitening.T
-        reduced = (whitening @ matrices @ selection.basis).reshape(-1, selection.basis.shape[1])
-        free = np.linalg.lstsq(reduced, target.ravel(), rcond=None)[0]
-        whitening = whitening_of(noise_covariance(model, sensors, selection.offset + selection.basis @ free))
-    return whitening
+    return np.asarray(half @ ((weighted @ half).T @ (effect @ root.T).ravel()))
 
 
 def require_sense(model: Model, fit: Fit) -> None:

@@ -58,11 +58,6 @@ class Filter(NamedTuple):
         return float(np.sum(self.kernel(0, 0.0) ** 2))
 
     @property
-    def acceleration_noise_gain(self) -> float:
-        """Variance of the second derivative of filtered white noise over that of the noise [1/s^4]."""
-        return float(np.sum(self.kernel(2, 0.0) ** 2))
-
-    @property
     def noise_correlation(self) -> float:
         """Correlation of white noise behind the filter between samples that are `stride` apart."""
         kernel = self.kernel(0, 0.0)

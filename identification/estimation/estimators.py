@@ -1,66 +1,60 @@
-"""The estimators that a user can name, each as a function of a regression, and what they are made for.
+"""Estimators: Gauss-Markov with known values, priors and weights of the channels, and one that resists gross errors.
 
-Selections and consistency wrap an estimator, so that each combination that makes sense is a composition.
-
-Huber's M-estimate by iteratively reweighted least squares (IRLS): gross errors count less, none is removed.
-Huber & Ronchetti 2009, Robust Statistics, chapter 7. Only errors of the forces are resisted, not those of the
-regressor, and one-sided ones still bias: a share e of them by up to about 1.6 e of the noise's standard deviation.
+W (24) is 1, stated, or follows from the residuals of each channel in turns with the fit.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.linalg import block_diag, solve_triangular
+from scipy.linalg import block_diag
 
 from cases.errors import IdentificationError
 from cases.sensors import Sensors
-from cases.units import Array, Indices
-from identification.estimation.biases import OFFSET_NAMES, Biases
-from identification.estimation.channel_weights import EACH, full_weights, per_channel
-from identification.estimation.fit import Fit, Regression, column_scale, gauss_markov, settled
-from identification.estimation.force_noise import long_run_covariance
-from identification.estimation.physical import consistent_of
+from cases.units import Array
+from identification.estimation.fit import (
+    Fit,
+    Regression,
+    column_scale,
+    gauss_markov,
+    orthonormal,
+    require_alive,
+)
 from identification.estimation.priors import Prior, with_priors
-from identification.finding import Kind, note
 from identification.model import Model
 from identification.parameters import Selection, select
 
-WHITENED = ("gauss-markov", "consistent")  # which take forces whose noise is white in all channels
+EACH = (0, 1, 2, 3, 4, 5)  # `Regression.alike` where each channel has noise of its own
 ALIKE = {"equal": None, "per_channel": EACH, "per_unit": (0, 0, 0, 1, 1, 1), "stated": None}
 """Weights by name -> channels with the same noise, see `Regression`; stated noise is made white before."""
 
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """How parameters are estimated."""
+    """What is known beforehand, and how channels are weighted; IdentificationError where there are no such weights."""
 
-    name: str  # name of the estimator
-    known: Mapping[str, float]  # exact values by linear or physical name [SI]
-    dropped: tuple[str, ...]  # linear parameters without a column
-    priors: tuple[Prior, ...]
+    known: Mapping[str, float] = field(default_factory=dict)  # exact values by linear or physical name [SI]
+    dropped: tuple[str, ...] = ()  # linear parameters without a column
+    priors: tuple[Prior, ...] = ()
     # `equal`, `per_channel`, `per_unit` or `stated`, see `cases.sensors`; None for those of the case
     weights: str | None = None
-    # offsets from another result, which are among the known values; their uncertainty is propagated
-    biases: Biases | None = None
 
-    @property
-    def without_biases(self) -> "Method":
-        """The same with the offsets of the forces free."""
-        offsets = {} if self.biases is None else self.biases.known
-        return replace(self, known={n: v for n, v in self.known.items() if n not in offsets}, biases=None)
+    def __post_init__(self) -> None:
+        if self.weights is not None and self.weights not in ALIKE:
+            raise IdentificationError(f"weights {self.weights!r} are unknown; choose {', '.join(ALIKE)}")
+        if self.priors and (self.known or self.dropped):
+            raise IdentificationError(
+                "priors go with all parameters free; give what is known exactly as a prior with a small standard "
+                "deviation"
+            )
 
     def weights_for(self, sensors: Sensors) -> str:
         """The weights of the channels: its own, or those of the case.
 
         Raises:
-            IdentificationError: weights from stated noise where none is stated, or with an estimator of their own.
+            IdentificationError: weights from stated noise where none is stated.
         """
         weights = self.weights or sensors.weights
-        if weights == "stated" and self.name not in WHITENED:
-            raise IdentificationError(
-                f"the weights stated go with the estimators {', '.join(WHITENED)}; {self.name} finds its own"
-            )
         if weights == "stated" and sensors.force_noise is None:
             raise IdentificationError(
                 "weights stated: the case states no noise; give sensors.force_noise_N and acceleration_noise_m_s2, or "
@@ -80,19 +74,12 @@ class Method:
         """The estimate of all parameters of a model, from a regression whose first columns are its own.
 
         Raises:
-            IdentificationError: a combination that is not defined, names that the model does not have, or as the
-                estimator does.
+            IdentificationError: names that the model does not have, or as the estimator does.
         """
         if self.priors:
-            if self.name != "gauss-markov" or self.known or self.dropped:
-                raise IdentificationError(
-                    "priors go with the estimator gauss-markov and all parameters free; leave the other choice out, "
-                    "or give what is known exactly as a prior with a small standard deviation"
-                )
             weights = np.ones(6) if regression.alike is None else per_channel(regression).weights
             return with_priors(regression, model, weights, self.priors)
-        fit = estimate_selected(regression, self.selection(model), ESTIMATORS[self.name])
-        return consistent_of(regression, fit) if self.name == "consistent" else fit
+        return estimate_selected(regression, self.selection(model), gauss_markov_of)
 
 
 def estimate_selected(regression: Regression, selection: Selection, estimator: Callable[[Regression], Fit]) -> Fit:
@@ -121,134 +108,113 @@ def gauss_markov_of(regression: Regression) -> Fit:
     return gauss_markov(regression, np.ones(6)) if regression.alike is None else per_channel(regression)
 
 
-HUBER_K = 1.345  # residuals beyond so many standard deviations count less: 95 % efficiency where noise is Gaussian
-MAD_TO_STD = 1.482602218505602  # 1 / Phi^-1(3/4): makes the MAD of Gaussian noise its standard deviation
-MEAN_SQUARE_PSI = 0.710165  # E psi(z)^2 for Gaussian z and HUBER_K: makes s0 that of Gaussian noise
-HUBER_ROUNDS = 100
-HUBER_TOLERANCE = 1e-7  # of a standard deviation of each parameter: far below what matters, far above rounding
-SILENT = 1e-12  # of the largest force: smaller residuals of a channel are rounding, not noise
+WEIGHT_ROUNDS = 20
+WEIGHT_TOLERANCE = 1e-6
+LEAST_FREEDOM = 2.0  # forces of a channel beyond what the parameters take, to judge its variance by
 
 
-def huber(regression: Regression) -> tuple[Fit, Array]:
-    """Huber's M-estimate of u with the scale of the noise estimated in turns.
+def per_channel(regression: Regression) -> Fit:
+    """Gauss-Markov with W from the residual variance of each channel, or of those that are alike, in turns with u.
 
-    Its covariance is the sandwich of Huber 1967 and White 1980, right also where the spread of the forces changes over
-    the run; weights are one over the squared normalised MAD of the channels that are alike, or ones where all are. A
-    low-pass smears gross errors, so look for them before it.
-
-    Returns:
-        The fit, and the weight of each force, from 0 to 1, shape (n, 6): below 1 for 18 % of Gaussian noise.
+    Each channel pays for the unknowns by its own leverage, the trace of its block of the hat matrix: the fixed point is
+    the restricted maximum likelihood (Patterson & Thompson 1971, Biometrika 58:545). Equal shares instead would let
+    a channel that the parameters follow become ever more certain.
 
     Raises:
-        IdentificationError: as `gauss_markov`; or a channel fits without any residual.
+        IdentificationError: as `gauss_markov`; or too few samples to judge a channel's variance by.
     """
     regressors, forces, filtered = regression.regressors, regression.forces, regression.filtered
-    samples, sensors, unknowns = regressors.shape
-    pooled = regression.alike is None
+    if len(forces) < 2:
+        raise IdentificationError(f"{len(forces)} sample has no scatter to weigh the channels by; record more")
+    require_alive(forces)
+    alike = np.asarray(regression.alike or EACH)
+    same = np.equal.outer(alike, alike).astype(float)  # sums over channels of a kind
+    spread = np.sqrt(same @ _own_noise(regressors, forces) ** 2 / same.sum(axis=1))
+    weights = 1.0 / np.maximum(spread, 1e-12 * max(spread.max(), 1e-300)) ** 2
+    fit = gauss_markov(regression, weights)
+    independent = len(forces) * filtered.gain * filtered.stride
+    for _ in range(WEIGHT_ROUNDS):
+        leverage = channel_leverage(regressors, weights)
+        freedom = independent - leverage
+        if freedom.min() < LEAST_FREEDOM:
+            worst = int(np.argmin(freedom))
+            raise IdentificationError(
+                f"channel {worst + 1} has {independent:.0f} independent samples, of which the parameters take "
+                f"{leverage[worst]:.1f}; at least {LEAST_FREEDOM:g} more are needed to know its noise: record more, "
+                "or choose a model with fewer parameters"
+            )
+        variance = same @ np.sum(fit.residuals**2, axis=0) * filtered.stride / (same @ freedom)
+        if variance.min() <= (1e-12 * np.abs(forces).max()) ** 2 * np.finfo(float).eps:
+            raise IdentificationError("a channel fits without any residual; its variance cannot be estimated: check it")
+        before, weights = weights, 1.0 / variance
+        fit = gauss_markov(regression, weights)
+        if np.all(np.abs(weights / before - 1.0) < WEIGHT_TOLERANCE):
+            break
+    return fit
+
+
+def _own_noise(regressors: Array, forces: Array) -> Array:
+    """Noise of each channel to start from, shape (6,): what a fit to this channel alone leaves of it.
+
+    From the channels' spread, a channel whose forces vary much would begin with so little weight that the turns may end
+    where it is not fitted at all. Where samples are few, the spread has to do.
+    """
+    samples, _, unknowns = regressors.shape
+    if samples < 2 * unknowns:
+        return np.asarray(forces.std(axis=0))
+    residuals = [
+        forces[:, k] - regressors[:, k] @ np.linalg.lstsq(regressors[:, k], forces[:, k], rcond=None)[0]
+        for k in range(forces.shape[1])
+    ]
+    noise = np.std(residuals, axis=1)
+    return np.asarray(np.maximum(noise, 1e-6 * forces.std(axis=0)))
+
+
+def channel_leverage(regressors: Array, weights: Array) -> Array:
+    """How many unknowns each channel determines, shape (6,); they sum to u."""
+    return np.asarray(np.sum(orthonormal(regressors, weights)[0] ** 2, axis=(0, 2)))
+
+
+def independent_poses(regressors: Array, residuals: Array, weights: Array) -> Array:
+    """Covariance of u where poses are independent of each other, channels of a pose not, shape (u, u).
+
+    The cluster form of HC3 (CR3; MacKinnon & White 1985, Bell & McCaffrey 2002): residuals of a pose are replaced by
+    what they would be had the pose not been part of the fit, so that the covariance of a few poses is not too small.
+
+    From A_j, shape (n, 6, u), residuals of a fit to these, shape (n, 6), and the diagonal of W, shape (6,).
+    """
+    q, half = orthonormal(regressors, weights)
+    left_out = np.linalg.pinv(np.eye(6) - q @ q.transpose(0, 2, 1), rcond=1e-9, hermitian=True)
+    scores = np.einsum("nku,nkl,nl->nu", q, left_out, np.sqrt(weights) * residuals)
+    return np.asarray(half @ (scores.T @ scores) @ half.T)
+
+
+HUBER_K = 1.345  # residuals beyond so many standard deviations count less: 95 % efficiency where noise is Gaussian
+MAD_TO_STD = 1.482602218505602  # 1 / Phi^-1(3/4): makes the MAD of Gaussian noise its standard deviation
+HUBER_ROUNDS = 100
+HUBER_TOLERANCE = 1e-7  # of a standard deviation of each parameter: far below what matters, far above rounding
+
+
+def huber(regression: Regression) -> Array:
+    """Huber's M-estimate of u, shape (u,), by iteratively reweighted least squares: gross errors count less.
+
+    Huber & Ronchetti 2009, Robust Statistics, chapter 7. The scale of channels that are alike is their MAD, in turns.
+    """
+    regressors, forces = regression.regressors, regression.forces
+    samples, _, unknowns = regressors.shape
     kind = np.asarray(regression.alike or 6 * (0,))
-    std = np.array([np.sqrt(np.mean(forces.var(axis=0)[kind == k])) for k in kind])
-    spread = np.ones(6) if pooled else np.maximum(std, 1e-12 * max(float(std.max()), 1e-300))
-    least = np.zeros(6) if pooled else SILENT * np.abs(forces).max() / spread
-    start = gauss_markov(regression, spread**-2.0)
-    matrix = (regressors / spread[:, None]).reshape(-1, unknowns)
+    spread = np.array([np.sqrt(np.mean(forces.var(axis=0)[kind == k])) for k in kind])
+    spread = np.maximum(spread, 1e-12 * max(float(spread.max()), 1e-300))
+    matrix, right = (regressors / spread[:, None]).reshape(-1, unknowns), (forces / spread).ravel()
     scale = column_scale(matrix)
     q, r = np.linalg.qr(matrix * scale)  # in the coordinates v = R u the information is that of the weights alone
-    right = (forces / spread).ravel()
-    v, rows = q.T @ right, samples * sensors
-    # Residuals are smaller than the noise by what the unknowns took, see `gauss_markov` for filtered data.
-    shrunk = np.sqrt(rows * filtered.gain * filtered.stride / start.freedom)
-    floor = 1e-14 * float(np.linalg.norm(right))
-    converged, rounds = False, 0
-    while not converged and rounds < HUBER_ROUNDS:
-        residuals = right - q @ v
-        noise = _noise(residuals.reshape(-1, 6), kind, least) * shrunk
-        attention = _attention(residuals, noise)
-        weighted = q * (attention / noise**2)[:, None]
-        new = np.linalg.solve(q.T @ weighted, weighted.T @ right)
-        converged = bool(np.abs(new - v).max() <= HUBER_TOLERANCE * noise.min() + floor)
-        v, rounds = new, rounds + 1
-    residuals = right - q @ v
-    noise = _noise(residuals.reshape(-1, 6), kind, least) * shrunk
-    psi = np.clip(residuals / noise, -HUBER_K, HUBER_K)
-    back = scale[:, None] * solve_triangular(r, np.eye(unknowns))
-    spread_of_u = back @ _bread(q, residuals, noise)
-    meat = (q * (psi / noise)[:, None] ** 2).T @ q * (rows / start.freedom)
-    influence = (q * (psi / noise)[:, None]).reshape(samples, sensors, unknowns).sum(axis=1)
-    recorded = noise[:6] * spread / np.sqrt(filtered.gain)  # of the forces before the filter
-    values, covariance = back @ v, spread_of_u @ meat @ spread_of_u.T
-    robust = spread_of_u @ long_run_covariance(influence) @ spread_of_u.T
-    s0 = float(shrunk * np.sqrt(np.mean(psi**2) / MEAN_SQUARE_PSI))  # Huber's proposal 2, for a scale near it
-    s0, weights = (s0 * float(recorded[0]), np.ones(6)) if pooled else (s0, recorded**-2.0)
-    left, found = regression.residuals(values), settled("robust", converged, rounds)
-    fit = Fit(values, covariance, robust, s0, start.freedom, left, weights, start.rank, start.condition, found)
-    return fit, _attention(residuals, noise).reshape(samples, sensors)
-
-
-def _noise(residuals: Array, kind: Indices, least: Array) -> Array:
-    """Normalised MAD about zero, which the offsets make the centre, one value a force, shape (6 n,)."""
-    size = np.abs(residuals)
-    mad = np.array([np.median(size[:, kind == k]) for k in kind])
-    silent = mad <= least
-    if silent.any():
-        raise IdentificationError(
-            f"channel {int(np.argmax(silent)) + 1} fits without any residual; check it, record more, or pool the scales"
-        )
-    return np.tile(MAD_TO_STD * mad, len(residuals))
-
-
-def _attention(residuals: Array, noise: Array) -> Array:
-    """psi(z) / z of Huber's psi, shape (6 n,)."""
-    return np.minimum(1.0, HUBER_K * noise / np.maximum(np.abs(residuals), np.finfo(float).tiny))
-
-
-def _bread(q: Array, residuals: Array, noise: Array) -> Array:
-    """Inverse of the sum of psi' a a^T in the coordinates of q, shape (u, u)."""
-    inner = q[np.abs(residuals) <= HUBER_K * noise]
-    slope = noise[np.abs(residuals) <= HUBER_K * noise] ** -2.0
-    information = (inner * slope[:, None]).T @ inner
-    if np.linalg.cond(information) > 1.0 / np.finfo(float).eps:
-        raise IdentificationError("too few forces agree with each other for a covariance of the robust estimate")
-    return np.asarray(np.linalg.inv(information))
-
-
-def robust_of(regression: Regression) -> Fit:
-    """Huber's M-estimate: gross errors of the forces count less."""
-    fit, factors = huber(regression)
-    share = ", ".join(f"{100 * r:.0f}" for r in np.mean(factors < 1.0, axis=0))
-    sentence = f"robust: {share} % of the samples of channels 1 to 6 count less (18 % where noise is Gaussian)"
-    return replace(fit, findings=(note(Kind.ESTIMATOR, sentence), *fit.findings))
-
-
-ESTIMATORS: dict[str, Callable[[Regression], Fit]] = {
-    "gauss-markov": gauss_markov_of,
-    "robust": robust_of,
-    "full": lambda regression: full_weights(regression)[0],  # (24) with W from the channels' full covariance
-    "consistent": gauss_markov_of,  # then the nearest parameters that a body of positive density has
-}
-
-
-def method(
-    name: str = "gauss-markov",
-    known: Mapping[str, float] | None = None,
-    dropped: Sequence[str] = (),
-    priors: Sequence[Prior] = (),
-    weights: str | None = None,
-    biases: Biases | None = None,
-) -> Method:
-    """A method by the name of its estimator.
-
-    Raises:
-        IdentificationError: no such estimator or weights, with those that there are; biases given otherwise too.
-    """
-    if weights is not None and weights not in ALIKE:
-        raise IdentificationError(f"weights {weights!r} are unknown; choose {', '.join(ALIKE)}")
-    if name not in ESTIMATORS:
-        raise IdentificationError(f"estimator {name!r} is unknown; choose {', '.join(ESTIMATORS)}")
-    known = dict(known or {})
-    if biases is not None:
-        twice = [n for n in OFFSET_NAMES if n in known or n in dropped]
-        if name != "gauss-markov" or priors or twice:
-            other = f"{twice[0]} given otherwise" if twice else "priors" if priors else f"the estimator {name}"
-            raise IdentificationError(f"--biases {biases.source}", f"does not go with {other}; leave one of them out")
-        known |= biases.known
-    return Method(name, known, tuple(dropped), tuple(priors), weights, biases)
+    v, floor = q.T @ right, 1e-14 * float(np.linalg.norm(right))
+    for _ in range(HUBER_ROUNDS):
+        size = np.abs(right - q @ v)
+        mad = np.array([np.median(size.reshape(-1, 6)[:, kind == k]) for k in kind])
+        noise = np.tile(np.maximum(MAD_TO_STD * mad, 1e-12), samples)
+        weighted = q * (np.minimum(1.0, HUBER_K * noise / np.maximum(size, 1e-300)) / noise**2)[:, None]
+        before, v = v, np.linalg.solve(q.T @ weighted, weighted.T @ right)
+        if np.abs(v - before).max() <= HUBER_TOLERANCE * noise.min() + floor:
+            break
+    return np.asarray(scale * np.linalg.lstsq(r, v, rcond=None)[0])

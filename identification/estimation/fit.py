@@ -15,7 +15,7 @@ from scipy.special import stdtrit
 from cases.errors import IdentificationError
 from cases.sensors import PoseField
 from cases.units import Array, as_html
-from identification.finding import Finding, Kind, warning
+from identification.finding import Finding
 
 
 class Value(NamedTuple):
@@ -200,13 +200,6 @@ def degrees_of_freedom(rows: int, used: float, filtered: Filtered) -> float:
             "filter_cutoff_Hz"
         )
     return independent - used
-
-
-def settled(name: str, converged: bool, rounds: int) -> tuple[Finding, ...]:
-    """What to say of an estimator that finds its weights in turns."""
-    if converged:
-        return ()
-    return (warning(Kind.ESTIMATOR, f"{name}: W still changed after {rounds} rounds; compare with gauss-markov"),)
 
 
 def gauss_markov(regression: Regression, weights: Array) -> Fit:

@@ -21,7 +21,6 @@ shown by likelihood (twice its gain is 0.6 a channel, by white noise 1.2), and w
 must call for them, 95 % intervals hold such a truth in 88 to 92 % of the cases instead of 94 %.
 """
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -29,9 +28,7 @@ from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
 from cases.units import Array, Indices
-from identification.estimation.fit import Filtered, Fit, Regression, orthonormal
-from identification.finding import Finding, Kind, note
-from identification.model import Model, acceleration_to_force, whitening_of
+from identification.estimation.fit import orthonormal
 
 Spectra = NDArray[np.complex128]
 
@@ -225,75 +222,3 @@ def long_run_covariance(scores: Array) -> Array:
     upper = np.arange(1, count + width)
     moving = padded[upper] - padded[np.maximum(upper - width, 0)]
     return np.asarray(moving.T @ moving / width)
-
-
-def with_kernel(fit: Fit, regression: Regression) -> Fit:
-    """A fit of `gauss_markov` that allows for noise with memory by Bartlett's kernel, `long_run_covariance`."""
-    inverse = fit.covariance * regression.filtered.stride / max(fit.s0**2, np.finfo(float).tiny)
-    long_run = long_run_covariance(scores(regression.regressors, fit.residuals, fit.weights))
-    return replace(fit, covariance_robust=inverse @ long_run @ inverse)
-
-
-METRIC_ROUNDS = 10  # of covariance and metric
-LEAST_INDEPENDENT = 100  # independent samples; with fewer the covariance is too uncertain to be taken apart
-TELLING = 0.1  # share of the residuals' variance from which noise of accelerations is worth a word
-
-
-def noise_components(fit: Fit, model: Model, filtered: Filtered, wrench: bool, weights: str) -> list[Finding]:
-    """Takes the residuals of a run apart: noise that would leave such ones; nothing where they are too few.
-
-    The values of the fit begin with u; `wrench`: whether the channels are three forces and three moments.
-    """
-    freedom = len(fit.residuals) * filtered.gain * filtered.stride - len(fit.values) / 6
-    if freedom < LEAST_INDEPENDENT:
-        return []
-    covariance = fit.residuals.T @ fit.residuals * filtered.stride / freedom
-    if np.linalg.matrix_rank(covariance) < len(covariance):
-        return []
-    (force, *moment, acceleration, angular), share = components_of(
-        covariance, model, fit.values[: len(model.parameters)], wrench
-    )
-    moments = f" and {moment[0]:.3g} N m" if wrench else ""
-    sentence = (
-        f"the residuals look like noise of {force:.3g} N{moments} in the channels and of {acceleration:.3g} m/s^2 and "
-        f"{angular:.3g} rad/s^2 in the accelerations: if that is the machine's, state it in [sensors] of the case "
-        "(force_noise_N, acceleration_noise_m_s2, angular_acceleration_noise_rad_s2), for smaller deviations with "
-        "--weights stated; the vibration of a structure looks alike, and identify --flexible estimates its mode"
-    )
-    entries = {
-        "force_noise_N": force,
-        **({"moment_noise_Nm": moment[0]} if wrench else {}),
-        "acceleration_noise_m_s2": acceleration,
-        "angular_acceleration_noise_rad_s2": angular,
-        "share_of_accelerations": share,
-    }
-    silent = share < TELLING or weights == "stated"
-    return [note(Kind.NOISE, "" if silent else sentence, noise_components=entries)]
-
-
-def components_of(total: Array, model: Model, values: Array, wrench: bool) -> tuple[list[float], float]:
-    """White noise of one recorded sample that makes a covariance of the channels, shape (6, 6).
-
-    Returns:
-        Standard deviations of a force channel [N], of a moment channel where there are such [N m], of the acceleration
-        of the origin of {P} in each direction [m/s^2] and of the angular acceleration [rad/s^2]; and the share of the
-        variance, in units of the channels' own, that the accelerations explain.
-    """
-    from scipy.optimize import nnls  # half a second, which those that simulate or weigh can do without
-
-    effects = acceleration_to_force(model, values)
-    kinds = [np.r_[np.ones(3), np.zeros(3)], np.r_[np.zeros(3), np.ones(3)]] if wrench else [np.ones(6)]
-    parts = [np.diag(k) for k in kinds] + [effects[:, k] @ effects[:, k].T for k in (slice(0, 3), slice(3, 6))]
-    covariance = total
-    theta = np.zeros(len(parts))
-    for _ in range(METRIC_ROUNDS):
-        root = whitening_of(covariance)
-        columns = np.stack([(root @ part @ root.T).ravel() for part in parts], axis=1)
-        size = np.linalg.norm(columns, axis=0)
-        theta = nnls(columns / size, (root @ total @ root.T).ravel())[0] / size
-        covariance = sum((t * part for t, part in zip(theta, parts, strict=True)), np.zeros((6, 6)))
-        covariance = covariance + 1e-9 * np.diag(np.diag(total))  # positive definite also without noise of a channel
-    remainder = np.diag(
-        covariance - sum((t * np.diag(k) for t, k in zip(theta, kinds, strict=False)), np.zeros((6, 6)))
-    )
-    return np.sqrt(theta).tolist(), float(np.mean(remainder / np.diag(covariance)))

@@ -1,9 +1,7 @@
 """What is known beforehand, and how well: Gaussian priors on linear or physical parameters.
 
-Estimation from data and priors together: priors are pseudo-measurements beside those of (23). Least squares of the
-residuals, which are not linear in u, by Gauss-Newton steps with halving (Nocedal & Wright 2006, section 10.3).
-
-The noise is judged by the data alone, so that a wrong prior shows as a conflict and does not hide in s0.
+Priors are pseudo-measurements beside those of (23), some not linear in u; the estimate is from both together. The noise
+is judged by the data alone, so that a wrong prior shows as a conflict and does not hide in s0.
 """
 
 from collections.abc import Callable, Sequence
@@ -65,14 +63,14 @@ def as_measurements(priors: Sequence[Prior], model: Model) -> Callable[[Array], 
     return at
 
 
-TOLERANCE = 1e-9  # of a standard deviation of each parameter
+EVALUATIONS = 2000  # at most, of the residuals; a few are usual
 ROUNDING = 1e-14  # of the forces: what rounding leaves of data without noise
 CONFLICT = 3.0  # standard deviations between data and a prior from which it is reported
 SILENT = 1e-9  # below this share of the information the data count as silent about a parameter
 
 
 def with_priors(regression: Regression, model: Model, weights: Array, priors: Sequence[Prior]) -> Fit:
-    """The most probable u, by Gauss-Newton since a prior on a physical parameter is not linear in u.
+    """The most probable u.
 
     Covariances, rank and condition are those of data and priors together, s0 and its degrees of freedom of the data.
     The findings say what each prior did.
@@ -97,12 +95,20 @@ def with_priors(regression: Regression, model: Model, weights: Array, priors: Se
     noise = float(np.sqrt(least / freedom))  # s0 / sqrt(stride), the noise of (28)
     root, right = root / noise, right / noise
 
-    def residual(u: Array) -> tuple[Array, Array]:
-        values, slopes = at(u)
-        return np.r_[root @ u - right, (values - stated) / std], np.vstack([root, slopes / std[:, None]])
+    def residual(u: Array) -> Array:
+        return np.asarray(np.r_[root @ u - right, (at(u)[0] - stated) / std])
 
-    values, _ = gauss_newton(residual, _start(root, right, priors, model), TOLERANCE + floor / noise)
-    jacobian = residual(values)[1]
+    def slopes(u: Array) -> Array:
+        return np.vstack([root, at(u)[1] / std[:, None]])
+
+    from scipy.optimize import least_squares  # half a second, which estimates without priors can do without
+
+    start, precision = _start(root, right, priors, model), {"xtol": 1e-14, "ftol": 1e-14, "gtol": 1e-14}
+    found = least_squares(residual, start, slopes, method="lm", x_scale="jac", max_nfev=EVALUATIONS, **precision)
+    if not found.success or not np.isfinite(found.cost):
+        raise IdentificationError("no minimum was found with these priors: check them, or give more known values")
+    values = np.asarray(found.x)
+    jacobian = slopes(values)
     rank, condition = determined(jacobian, regression.names, rows, regression.nuisance)
     spread = inverse_root(jacobian)
     covariance = spread @ spread.T
@@ -161,53 +167,3 @@ def _effect_findings(prior: Prior, moved: float, conflict: float, share: float) 
         sentence = f"prior {prior.name} disagrees with the data by {abs(conflict):.1f} standard deviations; doubt "
         findings.append(warning(Kind.ESTIMATOR, f"{sentence}one of them"))
     return findings
-
-
-Residual = Callable[[Array], tuple[Array, Array]]
-"""theta, shape (p,) -> residuals, shape (k,), and their Jacobian, shape (k, p)."""
-
-STEPS = 50
-HALVINGS = 30
-RESOLVED = 1e-10  # of |r|^2: less of it than a step promises may drown in rounding, and the step is taken unseen
-
-
-def gauss_newton(residual: Residual, start: Array, tolerance: float) -> tuple[Array, int]:
-    """The theta of least |r(theta)|^2, shape (p,), and the steps to it.
-
-    Directions that nothing determines stay where they started: rank is the caller's to judge at the end.
-
-    Args:
-        start: theta, shape (p,).
-        tolerance: length of a step, as the change of r that it predicts, below which it is the last. Where r is in
-            standard deviations of the noise no parameter is then further from the minimum than so many of its own.
-
-    Raises:
-        IdentificationError: where the search ended is not a minimum.
-    """
-    at = np.asarray(start, dtype=float)
-    r, jacobian = residual(at)
-    if not np.isfinite(r).all() or not np.isfinite(jacobian).all():
-        raise IdentificationError(
-            "no minimum was found: the model has no finite value at the start; start from a mass above zero"
-        )
-    for steps in range(1, STEPS + 1):
-        scale = column_scale(jacobian)
-        step = scale * np.linalg.lstsq(jacobian * scale, -r, rcond=None)[0]
-        predicted = float(np.linalg.norm(jacobian @ step))
-        cost, share = float(r @ r), 1.0
-        for _ in range(HALVINGS):
-            new, new_jacobian = residual(at + share * step)
-            finite = bool(np.isfinite(new).all() and np.isfinite(new_jacobian).all())
-            if finite and (float(new @ new) < cost or predicted**2 <= max(tolerance**2, RESOLVED * cost)):
-                break
-            share /= 2.0
-        else:
-            raise IdentificationError(
-                "no minimum was found: no step lowers chi^2 any more, yet the gradient is not zero; start nearer"
-            )
-        at, r, jacobian = at + share * step, new, new_jacobian
-        if predicted <= tolerance:
-            return at, steps
-    raise IdentificationError(
-        f"no minimum was found: the steps did not become small within {STEPS}; start nearer or give more known values"
-    )

@@ -3,8 +3,7 @@
 The squared residual of a sample, in the metric of the channels' own robust covariance, is chi^2 with six degrees of
 freedom where nothing touches; a contact is a stretch of samples that noise does not explain.
 
-A contact that lasts for a large part of a run biases the fit so much that residuals no longer show where it is: least
-trimmed squares resist up to half of the samples (`least_trimmed_squares`).
+A contact that lasts for a large part of a run biases the fit so much that residuals no longer show where it is.
 """
 
 from collections.abc import Sequence
@@ -16,15 +15,13 @@ from scipy.special import chdtri, ndtri
 
 from cases.errors import IdentificationError
 from cases.units import Array, Flags
-from identification.estimation.channel_weights import EACH, least_trimmed_squares
-from identification.estimation.estimators import robust_of
+from identification.estimation.estimators import EACH, huber
 from identification.estimation.fit import Regression
-from identification.findings.fit_checks import following
-from identification.model import Model
+from identification.finding import Finding, Kind, warning
 from identification.recording import Recording
 from identification.runs.sample_checks import MOST_NAMED, places
-from identification.samples import Fitted, Samples
-from identification.signals import FAIR_PART, fair_part, stretches
+from identification.samples import Fitted
+from identification.signals import fair_part, stretches
 
 CHANCE = 1e-7  # for a sample by noise alone; two neighbours are needed, so that a run of an hour has no false contact
 CLEAR = 3.0  # times the limit that a contact reaches somewhere; residuals of a wrong model creep over it here and there
@@ -72,9 +69,7 @@ def _calm(residuals: Array) -> tuple[Array, Array, Array]:
     return centre, inverse / np.outer(scale, scale) / spread / float(chdtri(6, CHANCE)), noise
 
 
-def find_contacts(
-    t: Array, residuals: Array, structure: Array, expected: Array, calm: Array | None = None
-) -> tuple[Contact, ...]:
+def find_contacts(t: Array, residuals: Array, structure: Array, expected: Array) -> tuple[Contact, ...]:
     """The contacts of a run, from its residuals.
 
     Args:
@@ -83,9 +78,8 @@ def find_contacts(
         structure: J^-T, shape (6, 6), for the external force.
         expected: forces of the model, shape (n, 6): where they change fast, a little error of time or of the model is
             not a contact.
-        calm: residuals from which the noise is estimated, shape (m, 6); by default these.
     """
-    centre, metric, noise = _calm(residuals if calm is None else calm)
+    centre, metric, noise = _calm(residuals)
     distance = np.sum(((residuals - centre) @ metric) * (residuals - centre), axis=1)
     # Where all channels but one leap, noise of the one that hardly changes is not contact.
     step = float(np.median(np.diff(t))) if len(t) > 1 else NEARBY
@@ -115,7 +109,6 @@ def touched(t: Array, contacts: tuple[Contact, ...]) -> Flags:
 
 
 SEARCHES = 4  # for contacts; each finds what the one before hid
-CALMER = 0.7  # of the residuals, that leaving a long contact out must at least take
 MOST_TOUCHED = 0.25  # of the samples in contact; more is not an identification run
 
 
@@ -137,76 +130,41 @@ def free_of_contact(recording: Recording, fitted: Fitted) -> tuple[Fitted, tuple
         if contacts == before:
             break
         rows = touched(run.t, contacts)
-        _require_free(recording, float(rows.mean()), contacts, run.model)
+        _require_free(recording, float(rows.mean()), contacts)
         moving = moving.again(run.without(rows))
         matrices = run.regressors(moving.at)
-    if following(moving) is not None:
-        longer = _long_contacts(run, moving)
-        rows = touched(run.t, longer)
-        candidate = moving.again(run.without(rows)) if 0 < rows.mean() < 1 else moving
-        if _spread(candidate) < CALMER * _spread(moving) and following(candidate) is None:
-            _require_free(recording, float(rows.mean()), longer, run.model)
-            moving, contacts = candidate, longer
     return moving, contacts
 
 
-def _long_contacts(run: Samples, moving: Fitted) -> tuple[Contact, ...]:
-    """Contacts of up to half a run, by what the half of the samples that agree best says of all."""
-    matrices, forces = run.regressors(moving.at), run.forces
-    every = slice(None, None, -(-len(forces) // FAIR_PART))  # of a long run some say where, on the scale of a search
-    step = float(np.median(np.diff(run.t[every])))
-    half = least_trimmed_squares(matrices[every], forces[every], moving.w, step)
-    if half is None:
-        return ()
-    values, explained = half
-    residuals = forces - matrices @ values
-    return find_contacts(run.t, residuals, run.model.structure, forces - residuals, residuals[every][explained])
-
-
-def _spread(moving: Fitted) -> float:
-    """Rms of the weighted residuals."""
-    residuals = moving.fit.residuals
-    return float(np.sqrt(np.mean(np.einsum("ni,ij,nj->n", residuals, moving.w, residuals))))
-
-
-def _require_free(recording: Recording, share: float, contacts: Sequence[Contact], model: Model) -> None:
+def _require_free(recording: Recording, share: float, contacts: Sequence[Contact]) -> None:
     """Raises IdentificationError where contacts take too large a share of a run."""
-    if share <= MOST_TOUCHED:
-        return
-    if model.needs_position and not model.needs_motion:
+    if share > MOST_TOUCHED:
         raise IdentificationError(
-            f"the forces leave model {model.number} in {100 * share:.0f} % of the samples: it has no inertia, "
-            "which moves them in a motion; choose a model from 6 to 9, or identify standstills"
+            f"the forces leave the model in {100 * share:.0f} % of the samples, as in contact "
+            f"({contact_sentence(recording, contacts[0])}); an identification run must be free: check columns, struts, "
+            "model (6 to 9 in motion) and the case's dimensions, or record again"
         )
-    raise IdentificationError(
-        f"the forces leave the model in {100 * share:.0f} % of the samples, as in contact "
-        f"({contact_sentence(recording, contacts[0])}); an identification run must be free: check columns, struts, "
-        "model and the case's dimensions, or record again"
-    )
 
 
 def _without_pull(matrices: Array, fitted: Fitted) -> Array:
     """U of a robust fit, shape (u,), of a long run to a part of it: gross deviations do not bias it."""
-    selection, noise = fitted.method.selection(fitted.samples.model), fitted.sensors.force_noise
-    part = fair_part(len(matrices))
-    matrices, forces = matrices[part], fitted.regression.forces[part]
-    right = forces - matrices @ selection.offset
-    uneven = fitted.whitening is not None and noise is not None and np.ptp(noise) > 0.0  # by what is stated
-    alike = EACH if uneven else fitted.regression.alike
-    free = robust_of(
-        Regression(matrices @ selection.basis, right, selection.names, 0, fitted.samples.filtered, alike)
-    ).values
+    selection, part = fitted.method.selection(fitted.samples.model), fair_part(len(matrices))
+    alike = fitted.regression.alike if fitted.whitening is None else EACH
+    right = fitted.regression.forces[part] - matrices[part] @ selection.offset
+    free = huber(Regression(matrices[part] @ selection.basis, right, selection.names, alike=alike))
     return np.asarray(selection.offset + selection.basis @ free)
 
 
-def contact_sentences(recording: Recording, contacts: Sequence[Contact]) -> list[str]:
-    """Sentences about contacts: a single one, with a count and the longest places, where there are several."""
-    if len(contacts) < 2:
-        return [contact_sentence(recording, contact) for contact in contacts]
+def contact_findings(recording: Recording, contacts: Sequence[Contact]) -> list[Finding]:
+    """A warning about contacts, with a count and the longest places where there are several."""
+    if not contacts:
+        return []
     longest = sorted(contacts, key=lambda contact: contact.start - contact.end)[:MOST_NAMED]
-    total, peak = sum(c.end - c.start for c in contacts), max(c.peak for c in contacts)
     text = "; ".join(contact_sentence(recording, contact) for contact in longest)
-    return [f"{len(contacts)} external contacts, {total:.2g} s in all, up to {peak:.3g} N; the longest: {text}"]
+    if len(contacts) > 1:
+        total, peak = sum(c.end - c.start for c in contacts), max(c.peak for c in contacts)
+        text = f"{len(contacts)} external contacts, {total:.2g} s in all, up to {peak:.3g} N; the longest: {text}"
+    return [warning(Kind.CONTACT, f"{text}; left out")]
 
 
 def contact_sentence(recording: Recording, contact: Contact) -> str:

@@ -14,24 +14,20 @@ from scipy.special import stdtrit
 from cases.errors import IdentificationError
 from cases.schema import Case
 from cases.units import Array, Indices
-from identification.estimation.biases import WARM_UP, channel_words
 from identification.estimation.fit import Fit, Regression, inverse_root, joint_triangle
-from identification.estimation.force_noise import noise_components
 from identification.finding import Finding, Kind, note, warning
 from identification.model import Model
 from identification.parameters import INERTIA, INERTIA_INDEX, MASS, physical_form, pseudo_inertia
 from identification.recording import Recording
-from identification.runs.sample_checks import cut_off, shorter_than_planned
-from identification.samples import SANDWICHED, Fitted
+from identification.runs.sample_checks import cut_off, places
+from identification.samples import Fitted
 from identification.signals import fair_part
 
-NOISIER = 3.0  # times the stated noise of a force sensor, from which residuals say more than noise
 SUSPICIOUS_RATIO = 1.5  # of robust to white standard deviations: the residuals are far from white
 SYSTEMATIC = 0.35  # lag-one autocorrelation of residuals beyond that of filtered white noise
 LEAST_SERIES = 50  # samples from which on an autocorrelation is estimated
 MUCH = 0.1  # rms of the residuals over that of what varies
 LEAST_EXPLAINED = 0.5  # of the forces' variance; a model that explains less does not belong to the run
-RATE_TOLERANCE = 0.02  # of the rate of a recording
 SUSPICIOUS_DELAY = 0.02  # [s]; more than any filter of a force channel, and a sign of unrelated streams
 
 
@@ -51,7 +47,7 @@ def systematic(recording: Recording, case: Case, fitted: Fitted) -> list[Finding
     sentence = (
         f"residuals follow each other (correlation {alike:.2f}, of noise {fitted.samples.noise_correlation:.2f}): "
         "a long contact, a dimension in the case that is not the machine's, a model without what moves the forces, "
-        "or coloured noise; look at their figure in the report"
+        "a compensated wrench, or coloured noise; look at their figure in the report"
     )
     return [warning(Kind.MODEL, sentence)]
 
@@ -88,54 +84,20 @@ def unexplained(recording: Recording, case: Case, fitted: Fitted) -> list[Findin
     return [warning(Kind.MODEL, f"the model explains only {share}; {remedy}")]
 
 
-STEP = 0.07  # of the feed, by which neighbouring stretches differ
-MOST_NAMED, OVERRIDE = 3, "the recorded override"
-CONSEQUENCE = (
-    "the parameters are valid, for they come from the measured motion; figures of the plan (duration, predicted "
-    "standard deviations, efficiency) are not of this run, whose accelerations go with the square of its feed"
-)
-
-
-def recorded_overrides(recording: Recording) -> tuple[tuple[slice, float], ...]:
-    """Rows that the recording's own column says went at another feed than 100 %, and that feed over the programmed."""
-    if recording.override is None or recording.t is None:
-        return ()
-    on = np.ones(len(recording.forces), dtype=bool) if recording.trigger is None else recording.trigger
-    rows = np.flatnonzero(on & (np.abs(recording.override - 1.0) > 1e-6))
-    apart = (np.diff(rows) > 1) | (np.abs(np.diff(recording.override[rows])) > STEP)
-    parts = np.split(rows, 1 + np.flatnonzero(apart)) if len(rows) else []
-    return tuple((slice(int(p[0]), int(p[-1]) + 1), float(np.median(recording.override[p]))) for p in parts)
-
-
 def other_feed(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
-    """Findings on parts that ran at another feed than 100 %."""
-    stretches = recorded_overrides(recording) if fitted.samples.nuisances else ()
-    if not stretches:
+    """Rows that the recording's own column says went at another feed than 100 %."""
+    if recording.override is None or not fitted.samples.nuisances:
         return []
-    assert recording.t is not None
-    entries, texts = [], []
-    for rows, scale in stretches:
-        first, last = (recording.lines.number(k) for k in (rows.start, rows.stop - 1))
-        word = recording.lines.word
-        place = f"{word} {first}" if first == last else f"{word}s {first} to {last}"
-        start, end = float(recording.t[rows.start]), float(recording.t[rows.stop - 1])
-        entries.append({"from_s": start, "to_s": end, "feed": scale, "where": place})
-        texts.append(f"{place} ({start:.3f} to {end:.3f} s) at {100 * scale:.3g} %")
-    more = f" and {len(texts) - MOST_NAMED} more stretches" if len(texts) > MOST_NAMED else ""
-    sentence = f"feed other than 100 %, by {OVERRIDE}: {', '.join(texts[:MOST_NAMED])}{more}; {CONSEQUENCE}"
-    return [warning(Kind.FEED, sentence, feed={"found_by": OVERRIDE, "stretches": entries})]
-
-
-def other_rate(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
-    """A rate that is not the one that predictions assume."""
-    if recording.t is None or recording.struts is None or not fitted.samples.nuisances:
+    on = np.ones(len(recording.forces), dtype=bool) if recording.trigger is None else recording.trigger
+    rows = on & (np.abs(recording.override - 1.0) > 1e-6)
+    if not rows.any():
         return []
-    rate, assumed = 1.0 / float(np.median(np.diff(recording.t))), case.recording.rate_Hz
-    if recording.averaged > 1.0 or abs(rate / assumed - 1.0) <= RATE_TOLERANCE:
-        return []
-    sentence = f"recorded at {rate:.4g} Hz; predictions assume {assumed:g} Hz, and standard deviations of this run are "
-    sentence += f"{np.sqrt(assumed / rate):.3g} times as large for it; set recording.rate_Hz = {rate:.4g}"
-    return [note(Kind.CLOCK, sentence)]
+    low, high = float(recording.override[rows].min()), float(recording.override[rows].max())
+    sentence = (
+        f"the recorded override is {100 * low:.3g} to {100 * high:.3g} %: the parameters are valid, for they come from "
+        "the measured motion; figures of the plan are not of this run: accelerations go with the square of the feed"
+    )
+    return [warning(Kind.FEED, sentence, places(recording.lines, rows), feed={"lowest": low, "highest": high})]
 
 
 def late(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
@@ -145,35 +107,12 @@ def late(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     return [warning(Kind.CLOCK, f"delay of {fitted.at * 1e3:.1f} ms: do the streams match?")]
 
 
-def like_noise(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
-    """Noise that would leave such residuals."""
-    samples = fitted.samples
-    if not samples.noise_stated or case.sensor_frame.struts is not None:
-        return []
-    wrench, weights = case.sensor_frame.has_moments, fitted.method.weights or case.sensors.weights
-    return noise_components(fitted.fit, samples.model, samples.filtered, wrench, weights)
-
-
 def averaged(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
-    """Noise of forces averaged over the motion's interval, beside that which white samples would leave."""
-    ratio, noise = recording.averaged, recording.sample_noise
-    if noise is None or recording.t is None or not fitted.samples.nuisances:
+    """How many samples of the forces were averaged for one of the motion."""
+    if recording.averaged == 1.0:
         return []
-    interval = float(np.median(np.diff(recording.t)))
-    white = noise / np.sqrt(ratio)  # below the motion's Nyquist frequency
-    expected = float(np.sqrt(np.trace(fitted.w @ np.diag(white**2)) / 6.0))
-    entries = {
-        "ratio": ratio,
-        "interval_s": interval,
-        "sample_noise": noise.tolist(),
-        "expected_noise": white.tolist(),
-    }
-    sentence = (
-        f"forces: {ratio:.4g} samples averaged for each of the motion ({interval * 1e3:.4g} ms, centred: "
-        f"no group delay); noise of a sample {float(np.median(noise)):.3g} N; were it white, s0 would be "
-        f"{expected:.3g}, it is {fitted.fit.s0:.3g}"
-    )
-    return [note(Kind.CLOCK, sentence, averaged=entries)]
+    sentence = f"forces: {recording.averaged:.4g} samples averaged for each of the motion, centred: no group delay"
+    return [note(Kind.CLOCK, sentence, averaged={"ratio": recording.averaged})]
 
 
 def placed(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
@@ -184,20 +123,6 @@ def placed(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     settings = ", ".join(f"{key} = {value:g}" for key, value in field.keys.items())
     sentence = f"[sensors] {settings}: with this in the case, plans count on the errors that depend on the pose"
     return [note(Kind.NOISE, "" if case.sensors.pose_error_N else sentence, pose_errors=field.keys)]
-
-
-def noisier(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
-    """Residuals far above the noise that the case states for its force sensors, where it states no other."""
-    stated, others = case.sensors.force_noise_N, (case.sensors.acceleration_noise_m_s2, case.sensors.pose_error_N)
-    if stated is None or any(others) or case.sensor_frame.has_moments or not fitted.samples.nuisances:
-        return []
-    if fitted.fit.s0 <= NOISIER * stated:
-        return []
-    sentence = (
-        f"residuals of {fitted.fit.s0:.3g} N where sensors.force_noise_N states {stated:g} N: compare the dimensions "
-        "in [machine] and [sensor_frame] with the drawing; vibration and errors that depend on the pose look alike"
-    )
-    return [warning(Kind.MODEL, sentence)]
 
 
 THOUSANDTH = (3e-4, 1e-2)  # of the nominal mass, with weights of up to some times it
@@ -244,8 +169,11 @@ def _other_mass(mass: float, case: Case) -> list[Finding]:
     if abs(mass - expected) <= OTHER_MASS * expected:
         return []
     key = f"nominal.mass_kg{with_rods}" if expected == nominal else f"nominal.mass_kg{with_rods} with payloads"
-    sentence = f"the mass comes out as {mass:.3g} kg where {key} is {expected:.3g} kg, more than a third off: correct "
-    return [warning(Kind.CASE, f"{sentence}nominal, or check gravity, units and what is mounted")]
+    sentence = (
+        f"the mass comes out as {mass:.3g} kg where {key} is {expected:.3g} kg, more than a third off: correct "
+        "nominal, or check gravity, units, what is mounted, and that forces are recorded raw, not compensated"
+    )
+    return [warning(Kind.CASE, sentence)]
 
 
 def _no_body(model: Model, fit: Fit) -> list[Finding]:
@@ -270,19 +198,21 @@ def _no_body(model: Model, fit: Fit) -> list[Finding]:
     return [warning(Kind.MODEL, f"{sentence}moment channels, and the dimensions of the machine")]
 
 
+WARM_UP = "let the sensor warm up, and run hexcite tare shortly before its readings count"
 CHANCE = 1e-6  # probability of a false drift, in each channel
 LEAST_FREEDOM = 4.0  # degrees of freedom of a channel, from which on a drift can be judged
 
 
 def drifting(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
-    """Channels whose offset changes within a run, with the rate and the change over the run."""
+    """The channel whose offset changes most within a run, with the change over the run."""
     samples, method = fitted.samples, fitted.method
     freedom = len(fitted.fit.residuals) - len(fitted.regression.names) / 6 - 1
-    if method.name not in SANDWICHED or method.priors or freedom < LEAST_FREEDOM:
+    if method.priors or freedom < LEAST_FREEDOM:
         return []
-    if np.ptp(samples.t) == 0.0:
+    span = float(np.ptp(samples.t))
+    if span == 0.0:
         return []
-    line = (samples.t - samples.t.mean()) / np.ptp(samples.t) * samples.scale
+    line = (samples.t - samples.t.mean()) / span * samples.scale
     part = fair_part(len(line))
     weights = fitted.fit.weights if fitted.whitening is None else np.ones(6)
     free = freedom * len(part) / len(line)
@@ -300,19 +230,22 @@ def drifting(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
         return []
     worst = int(np.argmax(sure / most))
     channel, unit = channel_words(case, worst)
-    by, span = float(change[-6:][worst]), float(np.ptp(samples.t))
-    if recording.t is not None:
-        rate, over = f"{60.0 * by / span:+.2g} {unit} a minute", f"the {span:.3g} s of this run"
-    else:
-        rate, over = f"{by / span:+.2g} {unit} from standstill to standstill", f"these {round(span) + 1}"
+    by = float(change[-6:][worst])
+    over = f"these {round(span) + 1} standstills" if recording.t is None else f"the {span:.3g} s of this run"
     others = [channel_words(case, k)[0] for k in np.flatnonzero(sure > most).tolist() if k != worst]
     more = f"; {', '.join(others)} too" if others else ""
     sentence = (
-        f"the offset of {channel} drifts by {rate}, {by:+.2g} {unit} over {over} ({sure[worst]:.0f} standard "
+        f"the offset of {channel} drifts by {by:+.2g} {unit} over {over} ({sure[worst]:.0f} standard "
         f"deviations){more}: the result has the mean; {WARM_UP}"
     )
     drift = {"channel": channel, "change": by, "standard_deviations": float(sure[worst]), "span": span, "unit": unit}
     return [warning(Kind.OFFSETS, sentence, offset_drift=drift)]
+
+
+def channel_words(case: Case, k: int) -> tuple[str, str]:
+    """Name of a channel in the file, and its unit."""
+    name, _, unit = case.sensor_frame.channels[k].rpartition("_")
+    return case.recording.file_name(f"{name}_{unit}"), {"Nm": "N m"}.get(unit, unit)
 
 
 def _with_lines(fitted: Fitted, line: Array, rows: Indices) -> Regression:
@@ -332,14 +265,13 @@ def _solved(lines: Regression, weights: Array, freedom: float) -> tuple[Array, A
 
 
 CHECKS: tuple[Callable[[Recording, Case, Fitted], list[Finding]], ...] = (
-    placed, late, far_from_white, unexplained, systematic, noisier, like_noise, other_feed,
-    other_rate, averaged, drifting, doubtful_body,
+    placed, late, far_from_white, unexplained, systematic, other_feed, averaged, drifting, doubtful_body,
 )  # fmt: skip
 """The checks of every fit, in the order of their findings."""
 
 
 def fit_findings(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """Findings of recorder, estimator and window, and of all checks."""
-    cut = [*cut_off(recording), *shorter_than_planned(recording)] if fitted.samples.nuisances else []
+    cut = cut_off(recording) if fitted.samples.nuisances else []
     checked = [finding for check in CHECKS for finding in check(recording, case, fitted)]
     return [*cut, *fitted.fit.findings, *fitted.samples.window, *checked]

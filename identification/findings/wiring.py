@@ -2,73 +2,83 @@
 
 Every order that cables get into is tried on some instants of a run: exchanged pairs, one, two or three of them at once,
 shifts, and changed signs. An order that explains the run far better than the recorded one names what is wrong.
-
-Robots offer, beside the raw wrench of a wrist sensor, one without the tool's weight or in the axes of the base. Its
-force at rest does not turn with the wrist, and the mass comes out as zero, too small or negative: the
-residuals show this too.
 """
 
-from collections.abc import Sequence
-from pathlib import Path
+from collections.abc import Iterator, Sequence
+from itertools import permutations, product
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from cases.errors import HexciteError
-from cases.schema import Case, load_case
-from cases.tables import CASE_FILE, built_in_cases, find_case
+from cases.recording_format import STRUTS
+from cases.schema import Case
 from cases.units import Array
 from identification.estimation.fit import column_scale, joint_triangle
-from identification.findings.cable_orders import SIDES, STRAIGHT, Order, mistakes, orders_of, remedy, words
 from identification.hexapod import Hexapod
 from identification.model import Model, machine_of, regressors
-from identification.parameters import nominal_parameters, offset_columns
 from identification.recording import Recording
 from identification.runs.preparation import moving_run
 from identification.runs.sample_checks import scan
 from identification.runs.standstills import standstills
 from identification.runs.wrist import wrist_run
 from identification.signals import decimated
-from identification.symbolic import Kinematics
 
 FACTOR = 2.0  # by which another order must lower the residuals: chance does not, with so many forces to judge by
 SAME = 1.001  # ratio of residuals below which two orders count as equal
 ALIKE = 1.2  # ratio of residuals below which struts and force channels cannot be distinguished
 SMALL = 0.01  # share of what varies in forces and moments: a model that leaves less has its cables in order
 LEAST = 60  # forces beyond the unknowns
-INSTANTS = 90  # that are tried of a hexapod, with hundreds of orders
-OF_CHAINS = 300  # that are tried of a chain
-NOTHING = 0.1  # of what the nominal body makes the readings change by; a sensor that shows less is compensated
+INSTANTS = 90  # that are tried, with hundreds of orders
 DULL = 1e-12  # of the larger of what forces and moments change by, squared: channels that read one value all the time
-TURNS = 0.05  # of a unit vector: how much gravity must turn in the sensor's axes, rms
-RECORD_RAW = "record the raw wrench in the sensor's axes (of Universal Robots ft_raw_wrench)"
+
+Order = tuple[tuple[int, int], ...]
+"""For each of six columns the place in which it was recorded, counted from 0, and its sign there, 1 or -1."""
+
+STRAIGHT: Order = tuple((k, 1) for k in range(6))
+OPPOSITE: Order = tuple((k, -1) for k in range(6))
+SIDES = {"force": "force channels", "strut": "struts"}
 
 
-def fitting_case(lengths: Array, case: Case) -> str | None:
-    """A case whose machine has a pose with such strut lengths: built in, or in a folder beside this one's, or here.
+def orders_of(turned: bool) -> Iterator[Order]:
+    """Exchanged pairs, up to three at once, shifts, and signs where they may be `turned`."""
+    for places in permutations(range(6)):
+        exchanged = all(places[place] == k for k, place in enumerate(places))
+        shifted = len({(place - k) % 6 for k, place in enumerate(places)}) == 1
+        if (exchanged or shifted) and places != (0, 1, 2, 3, 4, 5):
+            yield tuple((place, 1) for place in places)
+    if turned:
+        yield from (tuple(enumerate(signs)) for signs in product((1, -1), repeat=6) if -1 in signs)
 
-    Args:
-        lengths: lengths of a sample that no pose of the case has, shape (6,) [m].
-    """
-    own = None if not case.origin or case.origin in built_in_cases() else find_case(case.origin)
-    places = [Path.cwd()] if own is None else [own.resolve().parent.parent, Path.cwd()]
-    around = dict.fromkeys(file for place in places for file in sorted(place.glob(f"*/{CASE_FILE}")))
-    for candidate in (*built_in_cases(), *map(str, around)):
-        try:
-            other = load_case(candidate)
-            if other.machine == case.machine or other.machine is None or other.workspace is None:
-                continue
-            low, high = other.workspace.strut_length
-            if np.all((lengths >= low) & (lengths <= high)):
-                Hexapod.of(other).poses(lengths[None])
-                return candidate
-        except HexciteError:
-            continue
-    return None
+
+def words(order: Order, side: str) -> str:
+    """What is wrong where an order of a side is the right one."""
+    what, negative = SIDES[side], [str(k + 1) for k, (_, sign) in enumerate(order) if sign < 0]
+    if negative:
+        return f"the signs of {what} {', '.join(negative)} are turned"
+    places = [place for place, _ in order]
+    pairs = [f"{k + 1} and {place + 1}" for k, place in enumerate(places) if k < place and places[place] == k]
+    if 2 * len(pairs) == sum(place != k for k, place in enumerate(places)):
+        return f"{what} {', '.join(pairs)} are exchanged"
+    return f"{what} are shifted by {places[0]}"
+
+
+def _remedy(case: Case, side: str, order: Order) -> str:
+    """What to write into the case where this order of a side is the right one."""
+    if any(sign < 0 for _, sign in order):
+        if side == "strut":
+            return "turn these entries of recording.drives.sign in the case"
+        return "turn the signs in the recorder, or the ends of bars or the sense of the sensor in [sensor_frame]"
+    if side == "strut" and case.recording.drives is not None:
+        return f"write recording.drives.order = {[case.recording.drives.order[place] for place, _ in order]}"
+    names = STRUTS if side == "strut" else case.sensor_frame.channels
+    entries = [
+        f'{names[k]} = "{case.recording.file_name(names[place])}"' for k, (place, _) in enumerate(order) if place != k
+    ]
+    return f"write in [recording.columns]: {', '.join(entries)}"
 
 
 def other_wiring(recording: Recording, case: Case, model: Model, negative: bool = False) -> str | None:
-    """How struts or force channels seem to be exchanged or compensated, with the remedy; None without such signs.
+    """How struts or force channels seem to be exchanged or turned, with the remedy; None without such signs.
 
     Args:
         recording: a run that something speaks against.
@@ -77,126 +87,77 @@ def other_wiring(recording: Recording, case: Case, model: Model, negative: bool 
     """
     try:
         signals, drives, matrices = _instants(recording, case, model)
-        if drives is not None and case.chain is not None:
-            motion = machine_of(case).kinematics(*drives)
-            if (explanation := _compensated(signals, motion, case, model)) is not None:
-                return explanation
-            matrices = regressors(model, motion)
-        elif drives is not None:
-            (matrices,) = _regressors_of(drives, case, model, [STRAIGHT])
     except HexciteError:
         return None
     if signals[0].size - len(model.names) < LEAST:
         return None
     mass = model.names.index("m") if "m" in model.names else None
-    weights = _weights(signals[0], case)
-    weighted, newtons = _rms(signals, weights, matrices)
-    if not negative and weighted <= SMALL * float(np.sqrt(np.mean(weights * signals[0].var(axis=0)))):
+    root = _root_weights(signals[0], case)
+    recorded = _rms(signals, root, matrices)
+    if not negative and recorded <= SMALL * float(np.sqrt(np.mean(root**2 * signals[0].var(axis=0)))):
         return None
-    candidates = [(_rms(signals, weights, matrices, order, mass), "force", order) for order in orders_of(turned=True)]
-    if drives is not None and case.chain is None:  # the order of a chain's joints is not looked at
+    candidates = [(_rms(signals, root, matrices, order, mass), "force", order) for order in orders_of(turned=True)]
+    if drives is not None:
         orders = list(orders_of(turned=case.recording.drives is not None))
         tried = zip(_regressors_of(drives, case, model, orders), orders, strict=True)
-        candidates += [(_rms(signals, weights, other, mass=mass), "strut", order) for other, order in tried]
-    least, *_ = min(candidates, key=lambda f: f[0])[0]
-    if not np.isfinite(least) or least * FACTOR > weighted:
+        candidates += [(_rms(signals, root, other, mass=mass), "strut", order) for other, order in tried]
+    least = min(residuals for residuals, *_ in candidates)
+    if not np.isfinite(least) or least * FACTOR > recorded:
         if not negative:
             return None
-        opposite = tuple((k, -1) for k in range(6))
+        remedy = _remedy(case, "force", OPPOSITE)
         return (
-            f"{words(opposite, SIDES['force'])}: the mass comes out negative, with residuals of {newtons:.2g} N; "
-            f"{remedy(case, 'force', opposite)}, or correct gravity_m_s2"
+            f"{words(OPPOSITE, 'force')}: the mass comes out negative; {remedy}, or correct gravity_m_s2; "
+            "a wrench must be raw and in the axes of the sensor"
         )
-    rivals = [_likeliest([f for f in candidates if f[1] == side]) for side in {f[1] for f in candidates}]
-    alike = sorted((r for r in rivals if r[0][0] <= ALIKE * least), key=lambda r: r[0])
-    names = " or ".join(words(order, SIDES[side]) for _, side, order in alike)
-    recorded = _in_words(weights, weighted, newtons)
-    instead = f" instead of {recorded}" if np.isfinite(newtons) else ", while no pose fits them as recorded"
-    remedies = " or ".join(remedy(case, side, order) for _, side, order in alike)
-    return f"{names}: residuals {_in_words(weights, *alike[0][0])}{instead}; {remedies}"
+    rivals = []
+    for side in SIDES:  # of orders that leave the same, the one with the fewest mistakes
+        own = [candidate for candidate in candidates if candidate[1] == side and candidate[0] <= ALIKE * least]
+        same = [candidate for candidate in own if candidate[0] <= SAME * min(own)[0]]
+        rivals += sorted(same, key=lambda candidate: _mistakes(candidate[2]))[:1]
+    rivals.sort()
+    names = " or ".join(words(order, side) for _, side, order in rivals)
+    smaller = f"{recorded / least:.3g} times smaller" if np.isfinite(recorded) else "small; no pose fits as recorded"
+    remedies = " or ".join(_remedy(case, side, order) for _, side, order in rivals)
+    return f"{names}: then residuals are {smaller}; {remedies}"
 
 
-_Candidate = tuple[tuple[float, float], str, Order]  # residuals as `_rms` has them, side, order that leaves them
-
-
-def _likeliest(candidates: Sequence[_Candidate]) -> _Candidate:
-    """The order that leaves least, and of those that leave the same, the one with the fewest mistakes."""
-    least = min(residuals for residuals, _, _ in candidates)[0]
-    same = [c for c in candidates if c[0][0] <= SAME * least]
-    return min(same or candidates, key=lambda c: mistakes(c[2]))
-
-
-def _in_words(weights: Array, weighted: float, newtons: float) -> str:
-    """Rms residuals of forces, and of the moments among the channels."""
-    if np.ptp(weights) == 0.0:
-        return f"{newtons:.2g} N"
-    of_forces, of_moments = weights[[0, 3]]
-    moments = np.sqrt(max(2.0 * weighted**2 - of_forces * newtons**2, 0.0) / of_moments)
-    return f"{newtons:.2g} N and {moments:.2g} N m"
+def _mistakes(order: Order) -> int:
+    """Number of columns that are exchanged or have the other sign."""
+    return sum(entry != straight for entry, straight in zip(order, STRAIGHT, strict=True))
 
 
 def _instants(recording: Recording, case: Case, model: Model) -> tuple[list[Array], list[Array] | None, Array | None]:
-    """Some instants of a run: forces, moving with their derivative, which a delay adds; drives with theirs, or A."""
+    """Some instants of a run: forces, moving with their derivative, which a delay adds; a hexapod's struts; and A."""
     _, recording = scan(recording, case)
-    most = INSTANTS if case.chain is None else OF_CHAINS
-    if recording.t is None or case.setup == "1a":
-        valid = np.flatnonzero(~recording.bad)
-        if recording.struts is None:
-            return [recording.forces[valid]], None, standstills(recording, case, model).matrices
-        valid = valid[:: max(1, -(-len(valid) // most))]
-        places = recording.struts[valid]
-        return [recording.forces[valid]], [places, np.zeros_like(places), np.zeros_like(places)], None
     if recording.struts is None:
+        if recording.t is None or case.setup == "1a":
+            still = standstills(recording, case, model)
+            return [still.recorded], None, still.matrices
         wrist = wrist_run(recording, case, model)
         return [wrist.forces], None, wrist.regressors(0.0)
-    run = moving_run(recording, case, model)
-    assert run.recording.struts is not None
-    rows = run.rows[:: max(1, -(-len(run.rows) // most))]
-    drives = decimated(run.filter, run.recording.struts, rows, [(0, 0.0), (1, 0.0), (2, 0.0)])
-    return decimated(run.filter, run.recording.forces, rows, [(0, 0.0), (1, 0.0)]), drives, None
+    if recording.t is None or case.setup == "1a":
+        valid = np.flatnonzero(~recording.bad)
+        valid = valid[:: -(-len(valid) // INSTANTS)]
+        places = recording.struts[valid]
+        drives, signals = [places, np.zeros_like(places), np.zeros_like(places)], [recording.forces[valid]]
+    else:
+        moving = moving_run(recording, case, model)
+        assert moving.recording.struts is not None
+        rows = moving.rows[:: -(-len(moving.rows) // INSTANTS)]
+        drives = decimated(moving.filter, moving.recording.struts, rows, [(0, 0.0), (1, 0.0), (2, 0.0)])
+        signals = decimated(moving.filter, moving.recording.forces, rows, [(0, 0.0), (1, 0.0)])
+    if case.chain is not None:  # the order of its joints is not looked at
+        return signals, None, regressors(model, machine_of(case).kinematics(*drives))
+    return signals, drives, _regressors_of(drives, case, model, [STRAIGHT])[0]
 
 
-def _weights(forces: Array, case: Case) -> Array:
-    """Weights of newtons beside newton metres: one over the squared change of forces and of moments, shape (6,)."""
+def _root_weights(forces: Array, case: Case) -> Array:
+    """Root of W for newtons beside newton metres: one over what forces and moments change by, shape (6,)."""
     if not case.sensor_frame.has_moments:
         return np.ones(6)
     spread = np.repeat(forces.var(axis=0).reshape(2, 3).mean(axis=1), 3)
-    return np.asarray(1.0 / np.maximum(spread, max(DULL * float(spread.max()), np.finfo(float).tiny)))
-
-
-def _compensated(signals: Sequence[Array], motion: Kinematics, case: Case, model: Model) -> str | None:
-    """What has been done to the readings of a chain's sensor, with the remedy; None where nothing speaks for it."""
-    turn = Rotation.from_euler("xyz", motion.pose[:, 3:]).as_matrix()
-    if case.nominal is None or "m" not in model.names or np.sqrt(turn[:, 2].var(axis=0).sum()) < TURNS:
-        return None
-    whole, still = regressors(model, motion), np.zeros_like(motion.twist)
-    weightless = whole - regressors(model, Kinematics(motion.pose, still, still))
-    offsets = offset_columns(model)
-    weightless[:, :, offsets] = whole[:, :, offsets]
-    expected = whole @ nominal_parameters(model, case.nominal)
-    changes = [np.sqrt(v.var(axis=0).reshape(2, 3).sum(axis=1)) for v in (signals[0], expected)]
-    if np.all(changes[0] < NOTHING * changes[1]):
-        return (
-            f"the force hardly changes, where that of the nominal load does: it is compensated, or none; {RECORD_RAW}"
-        )
-    in_base = [np.einsum("nji,nkj->nki", turn, s.reshape(-1, 2, 3)).reshape(-1, 6) for s in signals]
-    weights, weights_of_base = _weights(signals[0], case), _weights(in_base[0], case)
-    mass = model.names.index("m")
-    tried = (
-        (_rms(signals, weights, weightless, mass=mass), "the weight has been taken out of the readings"),
-        (
-            _rms(in_base, weights_of_base, whole, mass=mass),
-            "the readings are in the axes of the base, not in those of the sensor",
-        ),
-        (
-            _rms(in_base, weights_of_base, weightless, mass=mass),
-            "the weight has been taken out of the readings, which are in the axes of the base",
-        ),
-    )
-    recorded, ((least, _), reading) = _rms(signals, weights, whole)[0], min(tried)
-    if not least * FACTOR < recorded:
-        return None
-    return f"{reading}: as such they leave residuals {recorded / least:.1f} times smaller; {RECORD_RAW}"
+    return np.asarray(1.0 / np.sqrt(np.maximum(spread, max(DULL * float(spread.max()), np.finfo(float).tiny))))
 
 
 def _regressors_of(drives: Sequence[Array], case: Case, model: Model, orders: Sequence[Order]) -> list[Array | None]:
@@ -214,22 +175,16 @@ def _regressors_of(drives: Sequence[Array], case: Case, model: Model, orders: Se
 
 
 def _rms(
-    signals: Sequence[Array], weights: Array, matrices: Array | None, order: Order = STRAIGHT, mass: int | None = None
-) -> tuple[float, float]:
-    """Rms residuals in an order, weighted and in newtons; infinite where struts do not close or a mass is negative."""
-    nothing = float("inf"), float("inf")
+    signals: Sequence[Array], root: Array, matrices: Array | None, order: Order = STRAIGHT, mass: int | None = None
+) -> float:
+    """Weighted rms residuals in an order; infinite where struts do not close or a mass is negative."""
     if matrices is None:
-        return nothing
+        return float("inf")
     places, signs = np.array(order).T
     forces, *slopes = (signal[:, places] * signs for signal in signals)
-    root = np.sqrt(weights)
-    columns = np.dstack([matrices, *slopes])
-    top = joint_triangle(columns, forces, root)
+    top = joint_triangle(np.dstack([matrices, *slopes]), forces, root)
     scale = column_scale(top[:, :-1])
     values = scale * np.linalg.lstsq(top[:, :-1] * scale, top[:, -1], rcond=1e-9)[0]
     if mass is not None and values[mass] < 0.0:
-        return nothing
-    residuals = forces - columns @ values
-    channels = slice(0, 6) if np.ptp(weights) == 0.0 else slice(0, 3)
-    weighted, newtons = np.mean((residuals * root) ** 2), np.mean(residuals[:, channels] ** 2)
-    return float(np.sqrt(weighted)), float(np.sqrt(newtons))
+        return float("inf")
+    return float(np.linalg.norm(top[:, -1] - top[:, :-1] @ values)) / float(np.sqrt(forces.size))

@@ -11,10 +11,6 @@ first order f = A u + b d^2(A u)/dt^2: beside the delay, the first moment of the
 more unknown, estimated where the run determines it. Without it, the mass of a clean ten-second run is biased by two of
 its standard deviations.
 
-The lowest structural mode of a machine makes forces grow with frequency beyond what the motion asks for. A platform
-behind a spring of circular frequency w has its accelerations amplified by 1 / (1 - (f/w)^2), to first order
-f = A u - w^-2 d^2(A u)/dt^2: that smoothing with a negative sign. The series holds well below the mode alone, so that
-the low-pass is set to half of it.
 """
 
 import math
@@ -24,19 +20,17 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from cases.sensors import Sensors
 from cases.units import Array, Flags, Indices
 from identification.estimation.fit import Fit, Robust, joint_triangle
 from identification.estimation.force_noise import coloured_covariance, turned
 from identification.estimation.pose_noise import covariance_by_pose
 from identification.finding import Finding, Kind, note
-from identification.hexapod import Hexapod, StrutsDoNotClose
+from identification.hexapod import StrutsDoNotClose
 from identification.model import expected_forces, regressors
 from identification.recording import Recording
-from identification.runs.noise_sources import regressor_squares
 from identification.samples import MOST_DELAY, Moving
 from identification.signals import MOST_SAMPLES, Filter, Residuals, decimated, fair_part
-from identification.symbolic import Kinematics, Machine, over_samples
+from identification.symbolic import Kinematics, Machine
 
 SMOOTHING_STEP = 1e-3  # [s] for the second derivative: far below the periods that pass
 PIECE = 6_000  # samples that go from struts to regressors together: what lies between stays in the cache
@@ -53,10 +47,8 @@ class Run(Moving):
     machine: Machine
     rows: Indices  # samples that are evaluated, counted after the filter's margin, shape (n,)
     nuisances: tuple[str, ...] = ("delay",)  # or `SMOOTHED`
-    flexible: bool = False  # whether the smoothing is the lowest structural mode
     # filtered samples that damage or a gap disturbs, shape (samples of the recording less two margins,)
     spoilt: Flags | None = None
-    noise_stated: ClassVar[bool] = True
     each: ClassVar[tuple[str, ...]] = (*Moving.each, "rows")
 
     def at(self, rows: Indices) -> Self:
@@ -147,33 +139,22 @@ class Run(Moving):
 
     def refined(self, fit: Fit, basis: Array, w: Array, delay: float) -> Self:
         """The run with its smoothing to be estimated, where that is worth it; as it is elsewhere."""
-        if self.flexible or not worth_smoothing(self, fit, basis, w, delay):
-            return self
-        return replace(self, nuisances=SMOOTHED)
+        return replace(self, nuisances=SMOOTHED) if worth_smoothing(self, fit, basis, w, delay) else self
 
     def findings(self, fit: Fit) -> tuple[Finding, ...]:
-        """The smoothing, or the structural mode that it stands for, where it was estimated."""
+        """The smoothing, where it was estimated; a sentence only where it is clear."""
         if self.nuisances != SMOOTHED:
             return ()
         place = len(self.model.parameters)
         std = max(float(fit.covariance[place, place]), float(fit.covariance_robust[place, place])) ** 0.5
         b = float(fit.values[place])
-        return (mode_finding(b, std, self.filter.cutoff) if self.flexible else smoothing_finding(b, std),)
-
-    def regressor_noise(self, w: Array, delay: float, sensors: Sensors) -> Array:
-        """Expected sum of dA^T W dA by stated noise, shape (u, u), from a part of a long run."""
-        part = self.excerpt()
-        motion, variance = part.kinematics(delay), (sensors.strut_variance or 0.0) * self.filter.acceleration_noise_gain
-        directions = np.zeros((len(motion.pose), 6, 0))
-        if sensors.acceleration_noise is not None:
-            own = np.diag(sensors.acceleration_noise * np.sqrt(self.filtered.gain))
-            directions = np.tile(own, (len(motion.pose), 1, 1))
-        if variance:
-            assert isinstance(self.machine, Hexapod)  # only of struts a case states noise
-            of_struts = np.linalg.inv(over_samples(self.machine.inverse_jacobian, motion.pose)[1])
-            directions = np.dstack([directions, np.sqrt(variance) * of_struts])
-        squares = regressor_squares(self.model, motion, directions, w)
-        return squares * (len(self.rows) / len(part.rows))
+        sentence = (
+            f"forces are {'smoothed' if b > 0.0 else 'sharpened'} against the motion by {b * 1e6:+.3g} +- "
+            f"{std * 1e6:.2g} ms^2, half a second moment (leaps between samples, "
+            "averaging or a low-pass of the channels): estimated and compensated"
+        )
+        clear = abs(b) >= CLEAR * std
+        return (note(Kind.CLOCK, sentence if clear else "", smoothing_s2={"value": b, "std": std}),)
 
     def series(self, delay: float, values: Array) -> Residuals:
         """Recorded forces beside the model's at every sample of the window, decimated or not."""
@@ -196,29 +177,6 @@ CLEAR = 3.0  # standard deviations of b from which it is reported
 DIFFERENCES = 8  # repeated differences of the struts, which leave their noise, but nothing of a slow motion
 BLOCK = 100_000  # rows that are looked at for that noise, and to which it is added at a time: limits the memory
 NORMAL_MEDIAN = 0.6745  # median size of a normal variable in standard deviations
-
-
-def smoothing_finding(b: float, std: float) -> Finding:
-    """Finding about b, by which forces are smoothed more than the motion [s^2]; a sentence only where it is clear."""
-    sentence = (
-        f"forces are {'smoothed' if b > 0.0 else 'sharpened'} against the motion by {b * 1e6:+.3g} +- "
-        f"{std * 1e6:.2g} ms^2, half a second moment (leaps between samples, "
-        "averaging or a low-pass of the channels): estimated and compensated"
-    )
-    return note(Kind.CLOCK, sentence if abs(b) >= CLEAR * std else "", smoothing_s2={"value": b, "std": std})
-
-
-def mode_finding(b: float, std: float, cutoff: float) -> Finding:
-    """Finding about the structural mode that sharpens forces by b [s^2], behind a low-pass [Hz]."""
-    entries = {"smoothing_s2": {"value": b, "std": std}}
-    if -b < CLEAR * std:
-        sentence = "no structural mode is seen: the forces do not grow with frequency; identify without --flexible"
-        return note(Kind.MODEL, sentence, **entries)
-    frequency = 1.0 / (2.0 * math.pi * math.sqrt(-b))
-    deviation = frequency * std / (2.0 * -b)
-    sentence = f"a structural mode at {frequency:.3g} +- {deviation:.2g} Hz amplifies the forces: estimated and "
-    sentence += f"compensated, behind a low-pass at {cutoff:.3g} Hz"
-    return note(Kind.MODEL, sentence, **entries, structural_mode_Hz={"value": frequency, "std": deviation})
 
 
 def worth_smoothing(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> bool:

@@ -44,10 +44,8 @@ def at_the_motion(recording: Recording, motion: Stream, interval: float, step: f
     # The neighbours' averages are in the curvature.
     hidden = _reach_a_gap(t, max(GAP, 0.5 * interval / step) * step, at, 1.5 * interval)
     means = _at_full_range(means, t, forces, at, half, case)
-    # from the differences of neighbours
-    noise = np.median(np.abs(forces[2:] - 2.0 * forces[1:-1] + forces[:-2]), axis=0) / 0.6745 / np.sqrt(6.0)
     run = _at_clock(recording, motion, inside, hidden, "the forces averaged there")
-    return replace(run, struts=motion.struts[inside], forces=means, averaged=interval / step, sample_noise=noise)
+    return replace(run, struts=motion.struts[inside], forces=means, averaged=interval / step)
 
 
 def _reach_a_gap(t: Array, most: float, centres: Array, reach: float) -> Flags:

@@ -38,7 +38,6 @@ MOST_BAD = 0.3  # of the samples; a run that is worse is to be recorded again
 SMOOTH = 0.5  # second over first differences of poses, rms: standstills in any order have 1.7, samples of a motion less
 SMALL_STEP = 2.0 * MM  # of the struts between rows: standstills further apart are not samples of a motion
 SMALL_TURN = 0.01  # [rad] the same for orientations
-SHORTER, SHORTER_BY = 0.02, 0.1  # of a plan, and [s], by which a run may be shorter
 LEAST_ROWS = 50  # without a clock, from which on a smooth sequence is taken for a motion
 
 
@@ -279,23 +278,6 @@ def cut_off(recording: Recording) -> list[Finding]:
         return []
     sentence = "the recording ends while the trigger is on; its end is missing, record until the machine rests"
     return [warning(Kind.WINDOW, sentence, recording.lines.place(len(recording.trigger) - 1))]
-
-
-def shorter_than_planned(recording: Recording) -> list[Finding]:
-    """A trigger that was on for less than the program lasts, at the feed that was recorded, of a run of hexcite."""
-    planned = recording.record.get("planned_s")
-    if recording.record.get("poses_m_rad"):  # there it is on in the dwells only
-        return []
-    if not isinstance(planned, int | float) or recording.t is None or recording.trigger is None:
-        return []
-    if recording.trigger.all():
-        return []
-    feed = 1.0 if recording.override is None else recording.override[recording.trigger]
-    duration = float(np.sum(np.ones(int(recording.trigger.sum())) * feed) * recording.step)
-    if duration >= planned - max(SHORTER_BY, SHORTER * planned):
-        return []
-    sentence = f"the trigger is on for {duration:.3g} s, the program lasts {planned:.3g} s: the run or its recording "
-    return [warning(Kind.WINDOW, f"{sentence}was cut off; what the plan promises is not of this run")]
 
 
 def _require_standstills(recording: Recording) -> None:

@@ -124,28 +124,15 @@ def match(averages: Recording, case: Case, expected: Array, names: str) -> tuple
         first += 1
     while end - first > len(expected) and same(poses[end - 1], home) and not same(expected[-1], home):
         end -= 1
-    for k, pose in enumerate(expected):
-        words = f"pose {k + 1} of {len(expected)} ({case.words(pose)}) was not measured"
-        if first + k >= end:
-            reason = f"{words}, the recording ends with standstill {end - first}"
-            raise RecordingError(names, reason, "record the whole program")
-        actual = poses[first + k]
-        if same(actual, pose):
-            continue
-        if k + 1 < len(expected) and same(actual, expected[k + 1]):
-            raise RecordingError(names, f"{words}, pose {k + 2} follows pose {k}", "record the whole program")
-        raise RecordingError(
-            names,
-            f"standstill {k + 1} is at {case.words(actual)}, pose {k + 1} of the program at {case.words(pose)}",
-            "is the recording of this program?",
-        )
-    if end - first > len(expected):
-        raise RecordingError(
-            names,
-            f"standstill {len(expected) + 1} at {case.words(poses[first + len(expected)])} is none of the "
-            f"program's {len(expected)} poses",
-            "cut the recording at its end, or name the right plan",
-        )
+    measured = poses[first:end]
+    for k in range(max(len(expected), len(measured))):
+        if k >= min(len(expected), len(measured)) or not same(measured[k], expected[k]):
+            found, wanted = (case.words(rows[k]) if k < len(rows) else "missing" for rows in (measured, expected))
+            raise RecordingError(
+                names,
+                f"standstill {k + 1}: {found}; pose {k + 1} of the program's {len(expected)}: {wanted}",
+                "record the whole program and nothing else, or name the right plan",
+            )
     part = slice(first, end)
     struts, forces, weights = averages.struts[part], averages.forces[part], averages.weights[part]
     return replace(averages, struts=struts, forces=forces, weights=weights), part

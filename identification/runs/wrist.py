@@ -14,7 +14,6 @@ from scipy.spatial.transform import Rotation
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from cases.units import Array, Flags, Indices
-from identification.estimation.biases import Biases
 from identification.estimation.fit import Fit, Robust
 from identification.estimation.force_noise import coloured_covariance, turned
 from identification.finding import Finding, Kind, note
@@ -69,13 +68,6 @@ class WristRun(Moving):
         columns.append((self.regressors(delay + step) @ values - expected) / step)
         return np.dstack([matrices, np.stack(columns, axis=2)])
 
-    def known_columns(self, delay: float, matrices: Array, values: Array) -> Array:
-        """How A u changes with the delay and with biases of the accelerometer, shape (n, 6, 4)."""
-        delay_effect = self.linearised(delay, values)[:, :, -1:]
-        specific = self.specific_force(self.t - delay)
-        effects = [(self._matrices(delay, specific + axis) - matrices) @ values for axis in np.eye(3)]
-        return np.concatenate([delay_effect, np.stack(effects, axis=2)], axis=2)
-
     def robust_covariance(
         self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
     ) -> Robust | None:
@@ -97,18 +89,11 @@ class WristRun(Moving):
         return (note(Kind.CLOCK, sentence),)
 
 
-def wrist_run(
-    recording: Recording,
-    case: Case,
-    model: Model,
-    biases: Biases | None = None,
-    cutoff: float | None = None,
-) -> WristRun:
+def wrist_run(recording: Recording, case: Case, model: Model, cutoff: float | None = None) -> WristRun:
     """A moving run with its window: from the first turn out of rest to rest again.
 
     Args:
         recording: recording with forces, rotation matrices and an accelerometer.
-        biases: those of the accelerometer are taken from its readings.
         cutoff: cutoff of the filter [Hz]; by default the case's.
 
     Raises:
@@ -129,7 +114,6 @@ def wrist_run(
         raise RecordingError("a moving run needs a filter; set recording.filter_cutoff_Hz in the case")
     quaternions = Rotation.from_matrix(turning.rotations).as_quat()
     flips = np.cumprod(np.r_[1.0, np.sign(np.sum(quaternions[1:] * quaternions[:-1], axis=1))])
-    beside = np.zeros(3) if biases is None else np.array(biases.require_accelerometer().bias_m_s2)
     # Without inertia, orientations only say where the sensor turns: their own band is enough for that.
     band = cutoff if model.needs_motion else min(cutoff, widest_band(turning))
     t, low_pass = _filter(recording, cutoff)
@@ -138,7 +122,7 @@ def wrist_run(
     recorded = bridged(recording.forces, recording.bad)
     smooth = low_pass.apply(recorded)
     quaternion, without_turn = _smooth(turning, quaternions * flips[:, None], band, t)
-    specific, unmoved = _smooth(accelerometer, accelerometer.specific_forces - beside, cutoff, t)
+    specific, unmoved = _smooth(accelerometer, accelerometer.specific_forces, cutoff, t)
     invalid = spoilt_by(recording.bad, lost, low_pass) | without_turn | unmoved
     speed = 2.0 * np.linalg.norm(quaternion(np.clip(t, quaternion.x[0], quaternion.x[-1]), 1), axis=1)
     speed[invalid] = 0.0

@@ -121,7 +121,6 @@ def _show_validation(answer: dict[str, Any], validation: "Validation") -> None:
     if rows := off_rows(trials):
         title = "Off by more than 3 reported standard deviations; parts of the error in these"
         console.print_table(title, OFF_COLUMNS, rows)
-        print("where the structural mode is the cause, identify --flexible estimates it too")
     print(f"report written: {answer['report']}")
     for claim in validation.claims:
         print(claim.sentence())

@@ -5,26 +5,20 @@ from pathlib import Path
 from typing import Any
 
 from cases.errors import HexciteError
-from cases.schema import Case
-from identification.estimation.estimators import Method, method
+from identification.estimation.estimators import Method
 from identification.estimation.priors import Prior
 from identification.model import Model
-from identification.outcome import Result, biases_of
-from identification.parameters import physical_form, symmetric_platform
+from identification.outcome import Result
+from identification.parameters import physical_form
 from planner.request import read_value
 
 
 def method_of(
     model: Model,
-    case: Case,
-    estimator: str,
     fix: Sequence[str] | None = None,
     drop: Sequence[str] | None = None,
-    symmetric: bool = False,
     prior: Sequence[str] | None = None,
     weights: str | None = None,
-    biases: Path | None = None,
-    stale: bool = False,
 ) -> Method:
     """The method that a user asks for by the options as typed; HexciteError where one of them is not understood."""
     units = {p.name: p.unit for p in (*model.parameters, *physical_form(model).parameters)}
@@ -36,16 +30,13 @@ def method_of(
         if typed.name in constants:
             raise HexciteError(f"--fix {text}", f"{typed.name} is given twice; give it once")
         constants[typed.name] = typed.value
-    if symmetric:
-        constants = symmetric_platform(model) | constants
-    offsets = None if biases is None else biases_of(biases, case, stale)
     priors = []
     for text in prior or ():
         typed = read_value(text, units, "--prior", "m=33+-0.5kg", model.number)
         if typed.std is None:
             raise HexciteError(f"--prior {text}", "has no standard deviation; write it as --prior m=33+-0.5kg")
         priors.append(Prior(typed.name, typed.value, typed.std))
-    return method(estimator, constants, tuple(drop or ()), priors, weights, offsets)
+    return Method(constants, tuple(drop or ()), tuple(priors), weights)
 
 
 def answer_of_result(result: Result, folder: Path) -> dict[str, Any]:

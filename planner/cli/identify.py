@@ -18,13 +18,6 @@ def identify(
     ],
     case: console.OwnCase = None,
     model: Annotated[int | None, option("Identification model, 0 to 9; by default what the run can carry.")] = None,
-    estimator: Annotated[
-        str,
-        option(
-            "gauss-markov, robust (gross errors), full (covariance of the channels) or consistent (inertia of a real "
-            "body)."
-        ),
-    ] = "gauss-markov",
     weights: Annotated[
         str | None,
         option(
@@ -34,26 +27,11 @@ def identify(
     ] = None,
     fix: Annotated[list[str] | None, option("A known value, taken as exact: m=93.1kg, xC=0mm. Repeatable.")] = None,
     drop: Annotated[list[str] | None, option("A parameter to leave out, as if it were zero: k3. Repeatable.")] = None,
-    symmetric: Annotated[
-        bool, option("Symmetric platform: xC, yC and moments of deviation are zero.", "--symmetric")
-    ] = False,
     prior: Annotated[list[str] | None, option("An uncertain value: m=33+-0.5kg. Repeatable.")] = None,
-    biases: Annotated[
-        Path | None,
-        option("Result of standstills: take the offsets of forces and accelerometer from it, with their uncertainty."),
-    ] = None,
-    terms: Annotated[str | None, option("Error terms instead of the model's, of K1 to K5: K1,K4.")] = None,
     poses: Annotated[
         Path | None, option("Plan of poses: average the run's standstills, which must be those of this plan.")
     ] = None,
     standstills: Annotated[bool, option("Average the run's standstills, wherever they are.", "--standstills")] = False,
-    flexible: Annotated[
-        bool,
-        option(
-            "The structure yields: estimate its lowest mode with the parameters, behind a low-pass at half of it.",
-            "--flexible",
-        ),
-    ] = False,
     verify: Annotated[Path | None, option("Predict this second run with the parameters of the first.")] = None,
     output: Annotated[Path | None, out("Folder to write; RECORDING-result by default.")] = None,
     stale: console.Stale = False,
@@ -73,7 +51,6 @@ def identify(
         require_file(files_of([verify])[0])  # before a result is written
     folder = output_place(output, Path(f"{recordings[0].resolve().stem}-result"), overwrite)
     check_folder(folder, RESULT, recordings, overwrite)
-    words = tuple(t.strip() for t in terms.split(",")) if terms else ()
     with console.status("identifying", json):
         run = hx.Recording.load(recordings, None if case is None else hx.load_case(case), stale)
         assert run.case is not None  # it was read with one
@@ -87,9 +64,8 @@ def identify(
         result = hx.identify(
             run,
             model=model,
-            how=lambda m: method_of(m, own, estimator, fix, drop, symmetric, prior, weights, biases, stale),
-            terms=words,
-            conditioning=hx.Conditioning(flexible, standstills),
+            how=lambda m: method_of(m, fix, drop, prior, weights),
+            average_standstills=standstills,
             poses=plan,
         )
         console.save_with_page(result, RESULT, folder, overwrite)

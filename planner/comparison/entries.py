@@ -215,6 +215,6 @@ def _result(path: Path, user_case: Case | None, stale: bool) -> Entry:
             pass
     return Entry(
         str(path), "identified", conditions, model.number,
-        data.estimator, seconds, samples, criteria, saved.parameters, data.s0_N, {},
+        "Gauss-Markov", seconds, samples, criteria, saved.parameters, data.s0_N, {},
         tuple(dict.fromkeys((*saved.warnings, *saved.remarks))),
     )  # fmt: skip

@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
 from markupsafe import Markup
 
 from cases.schema import Case
@@ -11,7 +10,7 @@ from identification.outcome import RUN_ENTRIES, Result
 from identification.precision import carries_rods, legible, value_cells, value_text, with_deviation
 from identification.signals import Residuals
 from planner.reports.figures import identifiability_blocks, unit_of
-from planner.reports.page import COLOURS, GREY, Block, Chart, note, page, section, table, tiles
+from planner.reports.page import GREY, Block, Chart, note, page, section, table, tiles
 
 PARAMETER_COLUMNS = ("parameter", "value", "±", "unit", "95 % from", "to", "std (28)", "std robust")
 
@@ -89,7 +88,7 @@ def delay_words(result: Result) -> str | None:
 
 
 def residual_blocks(case: Case, residuals: Residuals) -> tuple[Block, ...]:
-    """Forces, residuals over time, their distribution and spectrum."""
+    """Forces, residuals over time and their spectrum."""
     channels = case.sensor_frame.channels
     at, unit = "time [s]" if residuals.step is not None else "standstill", unit_of(channels)
     source = "recorded" if residuals.filtered is None else "recorded, behind the evaluation's low-pass"
@@ -99,24 +98,15 @@ def residual_blocks(case: Case, residuals: Residuals) -> tuple[Block, ...]:
     caption = "What the model leaves of each channel. Noise without a pattern is good; waves and steps have a cause."
     rest = Chart("residuals", caption, at, f"recorded - model [{unit}]", height=320)
     rest.add_lines(residuals.t, residuals.evaluated, channels, 0.8)
-    charts = [forces, rest, distribution_chart(residuals)]
+    charts = [forces, rest]
     if residuals.step is not None:
         charts.append(spectrum_chart(residuals, channels, case.recording.filter_cutoff_Hz))
     else:
         for trace in (*forces.data, *rest.data):
             trace.update(mode="lines+markers", marker={"size": 4})
-    columns = [("residual, rms", residuals.evaluated)]
-    if residuals.filtered is not None:
-        columns = [
-            ("residual behind the filter, rms", residuals.evaluated),
-            ("of the forces as recorded", residuals.values),
-        ]
-    rms = [(values**2).mean(axis=0) ** 0.5 for _, values in columns]
-    rows = (
-        (*name.rsplit("_", 1)[:1], *(f"{r[k]:.3g}" for r in rms), name.rsplit("_", 1)[1].replace("Nm", "N m"))
-        for k, name in enumerate(channels)
-    )
-    return (*charts, table(("channel", *(words for words, _ in columns), "unit"), rows))
+    rms = [(values**2).mean(axis=0) ** 0.5 for values in (residuals.evaluated, residuals.values)]
+    rows = ((name, *(f"{r[k]:.3g}" for r in rms)) for k, name in enumerate(channels))
+    return (*charts, table(("channel", "residual as evaluated, rms", "of the forces as recorded"), rows))
 
 
 def run_inputs(about: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
@@ -129,21 +119,6 @@ def run_inputs(about: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
     return (("origin", simulated), *((key, words.get(key, str(value))) for key, value in known.items()))
 
 
-def distribution_chart(residuals: Residuals) -> Chart:
-    """Residuals over the rms of their channel, with the density of the normal distribution."""
-    values = residuals.evaluated
-    scaled = (values / np.maximum(np.sqrt(np.mean(values**2, axis=0)), 1e-300)).ravel()
-    density, edges = np.histogram(scaled, bins=81, range=(-5, 5), density=True)
-    x = (edges[1:] + edges[:-1]) / 2
-    caption = "Residuals in units of their rms: bars that follow the line are normal noise; wide feet are gross errors."
-    titles = "residual / rms of its channel", "density"
-    figure = Chart("distribution", caption, *titles, half=True, height=320, bargap=0.0)
-    figure.add("bar", x=x, y=density, marker={"color": GREY}, name="residuals")
-    normal = np.exp(-(x**2) / 2) / np.sqrt(2 * np.pi)
-    figure.add("scatter", x=x, y=normal, name="normal distribution", line={"color": COLOURS[1]})
-    return figure
-
-
 def spectrum_chart(residuals: Residuals, channels: Sequence[str], cutoff: float | None) -> Chart:
     """Amplitude spectral density of the residuals; the evaluation does not use frequencies above the cut-off."""
     frequency, density = residuals.spectrum()
@@ -154,7 +129,7 @@ def spectrum_chart(residuals: Residuals, channels: Sequence[str], cutoff: float 
             "estimate does not see."
         )
     titles = "frequency [Hz]", f"residual [{unit_of(channels)}/√Hz]"
-    figure = Chart("spectrum", caption, *titles, half=True, height=320)
+    figure = Chart("spectrum", caption, *titles, height=320)
     figure.add_lines(frequency[1:], density[1:], channels, 1.2)
     if cutoff is not None:
         figure.add_line({"x": cutoff}, GREY)

@@ -62,8 +62,7 @@ def validation_page(validation: Validation) -> str:
         words = (
             "Errors of more than 3 reported standard deviations, and what they consist of, in these: forces that each "
             "disturbance of the simulated machine added pass the evaluation of the run by themselves. The cause is the "
-            "one without which the error would be smallest. Where it is the structural mode, hexcite identify "
-            "--flexible estimates it too."
+            "one without which the error would be smallest."
         )
         sections.insert(3, section("What is off, and why", note(words), table(OFF_COLUMNS, off, left=3)))
     return page(

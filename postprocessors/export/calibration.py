@@ -71,7 +71,6 @@ def json_document(result: Result) -> str:
             },
             "warnings": (*result.warnings, *result.remarks),
             "model": model.number,
-            "error_terms": result.terms,
             "gravity_m_s2": case.gravity.tolist(),
             "structure": model.structure.tolist() if model.struts is None else None,
             "struts": model.struts and {"at": model.struts.sensors.at},
@@ -129,13 +128,12 @@ def comment_lines(result: Result) -> list[str]:
     The text is printable ASCII that cannot end a comment in C, Structured Text or NC programs.
     """
     case, model, record = result.case, result.model, result.record
-    terms = f" ({', '.join(result.terms)})" if result.terms else ""
     lines = []
     for line in (
         f"made by hexcite {version('hexcite')}",
         f"result {result.source} (sha256 {result_hash(result)}), from {_recording(result)}: {record.samples} samples"
         f", s0 {record.s0:.4g}",
-        f"case {case.name}, hash {case.hash}; model {model.number}{terms} with {len(model.names)} parameters",
+        f"case {case.name}, hash {case.hash}; model {model.number} with {len(model.names)} parameters",
         *(f"WARNING: {warning}" for warning in (*result.warnings, *result.remarks)),
     ):
         plain = " ".join(line.split()).encode("ascii", "backslashreplace").decode()

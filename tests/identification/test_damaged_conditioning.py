@@ -14,7 +14,6 @@ from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
 from identification.recording import Recording, read, write_recording
 from identification.runs.preparation import on_one_clock
-from identification.samples import Conditioning
 from identification.simulate import simulate_recording
 from tests.bench.reliability.recordings import stained
 from tests.helpers import Harmonic, answer
@@ -44,7 +43,7 @@ def test_a_damaged_run_ends_in_an_answer_or_in_one_line(seed: int, folder: Path)
 
     def evaluated() -> Recording:
         recording = on_one_clock(read(file, CASE), CASE)
-        estimate_parameters(recording, CASE, conditioning=Conditioning(flexible=True))
+        estimate_parameters(recording, CASE)
         return recording
 
     answer(evaluated, "damaged.csv")

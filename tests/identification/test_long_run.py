@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import lfilter
 
 from identification.estimation.fit import Regression, gauss_markov
-from identification.estimation.force_noise import long_run_covariance, with_kernel
+from identification.estimation.force_noise import long_run_covariance, scores
 
 
 def auto_regressive(phi: float, count: int, seed: int, columns: int = 1) -> np.ndarray:
@@ -44,8 +44,10 @@ def test_it_is_a_covariance() -> None:
 def robust_ratio(noise: np.ndarray) -> float:
     """Robust over plain standard deviation of the mean of six equal, constant forces."""
     ones = np.ones((len(noise), 6, 1))
-    fit = with_kernel(gauss_markov(regression := Regression(ones, noise, ["mean"]), np.ones(6)), regression)
-    return float(np.sqrt(fit.covariance_robust[0, 0] / fit.covariance[0, 0]))
+    fit = gauss_markov(Regression(ones, noise, ["mean"]), np.ones(6))
+    inverse = fit.covariance / fit.s0**2
+    robust = inverse @ long_run_covariance(scores(ones, fit.residuals, np.ones(6))) @ inverse
+    return float(np.sqrt(robust[0, 0] / fit.covariance[0, 0]))
 
 
 def test_for_white_noise_both_covariances_agree() -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cases.errors import IdentificationError
-from identification.estimation.channel_weights import channel_leverage, independent_poses, per_channel
+from identification.estimation.estimators import channel_leverage, independent_poses, per_channel
 from identification.estimation.fit import Regression, gauss_markov
 from tests.helpers import one_line
 

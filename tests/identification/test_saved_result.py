@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from cases.errors import FileProblem
 from cases.schema import load_case
 from identification.estimation.fit import Value
-from identification.finding import SEVERITIES, Finding, Kind, note
+from identification.finding import SEVERITIES, Finding, Kind
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model
@@ -55,7 +55,6 @@ def results(draw: st.DrawFn) -> Result:
                 "run": st.dictionaries(TEXT, JSON, max_size=2),
                 "measuring_s": POSITIVE,
                 "tared_with": TEXT,
-                "w_diagonal": st.just((1.0,) * 6),
             },
         )
     )
@@ -66,12 +65,9 @@ def results(draw: st.DrawFn) -> Result:
         inputs=({"file": draw(TEXT), "sha256": "5e6f"},),
         versions={"hexcite": draw(TEXT)},
         model=model.number,
-        error_terms=(),
-        **entries_of_parameters(physical_values(model, u, white, robust), freedom, u, white, robust),
+        **entries_of_parameters(physical_values(model, u, white, robust), u, white, robust),
         names=tuple(model.names),
         delay_s=draw(st.none() | POSITIVE.map(lambda std: Value(2.5e-3, std, std, "s"))),
-        accelerometer=None,
-        estimator="gauss-markov",
         weights="equal",
         s0=draw(POSITIVE),
         s0_N=rms,
@@ -92,7 +88,6 @@ def test_loading_undoes_saving(result: Result) -> None:
         result.save(Path(name) / "result")
         loaded = Result.load(Path(name) / "result", CASE)
     assert loaded == result
-    assert hash(loaded) == hash(result)
     assert loaded.findings == result.findings
     assert loaded != Result(CASE, result.record.replaced(samples=result.record.samples + 1))
 
@@ -103,13 +98,7 @@ def test_nobody_can_change_a_result(result: Result) -> None:
     with pytest.raises(ValidationError, match="frozen"):
         result.record.samples = 1
     with pytest.raises(TypeError):
-        result.record.parameters["m"] = 1
-    with pytest.raises(TypeError):
         result.record.covariance[0][0] = 1.0
-    with pytest.raises(TypeError):
-        result.record.inputs[0]["file"] = "another"
-    with pytest.raises(TypeError):
-        note(Kind.CASE, "x", series={"values": [1.0]}).quantity["series"]["values"] = ()
 
 
 def test_a_damaged_entry_of_the_recording_is_named() -> None:

@@ -49,9 +49,6 @@ WRONG: dict[str, tuple[Callable[[Case], Any], tuple[str, ...]]] = {
     "new_arm": (lambda case: hx.new_arm("arm", 3), ("urdf = 3", "Path")),
     "study": (lambda case: hx.study("hexapod", "paper"), ("case = 'hexapod'", "is not Case")),
     "validate_recordings": (lambda case: hx.validate_recordings(case, 3), ("recordings = 3", "Path")),
-    "biases_of": (lambda case: hx.biases_of("result", "hexapod"), ("case = 'hexapod'", "is not Case")),
-    "symmetric_platform": (lambda case: hx.symmetric_platform(9), ("model = 9", "Model")),
-    "method": (lambda case: hx.method(3), ("name = 3", "str")),
 }
 
 

@@ -8,23 +8,12 @@ import pytest
 from cases.recording_format import BAR_FORCES, STRUTS
 from cases.schema import load_case
 from identification.hexapod import Hexapod
-from identification.recording import write_recording
-from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, tells
-from tests.planner.command_line import call, refused
+from tests.planner.command_line import call
 from tests.simulated_machine import PoseExecution, true_forces
 
 CASE = load_case("hexapod")
 TRUTH = {"m": 31.83, "zC": 0.10505, "IC33": 0.91, "k3": 28.27}
-
-
-def test_a_mode_and_a_prior_together_are_refused(tmp_path: Path) -> None:
-    execution = PoseExecution(Hexapod.of(CASE), Harmonic(duration=2.0))
-    run, result = tmp_path / "run.csv", tmp_path / "result"
-    write_recording(run, simulate_recording(CASE, execution, np.array([[0.2, 1.8]]), 0), CASE)
-    words = ("identify", run, "--case", "hexapod", "-o", result, "--flexible", "--prior", "m=33+-0.5kg")
-    assert "--flexible sees a mode in struts behind the low-pass" in refused(*words)
-    assert not result.exists()
 
 
 def test_forces_and_struts_of_different_rates_are_one_run_of_several_files(tmp_path: Path) -> None:

@@ -12,10 +12,8 @@ from cases.basis import KEPT, recording_basis
 from cases.errors import IdentificationError
 from cases.schema import Case
 from cases.tables import built_in_cases
-from identification.findings.wiring import fitting_case
-from identification.hexapod import Hexapod
 from identification.identify import identify
-from identification.runs.sample_checks import cut_off, shorter_than_planned
+from identification.runs.sample_checks import cut_off
 from tests.helpers import tells
 from tests.identification.test_findings import CASE, run
 from tests.planner.command_line import refused
@@ -29,39 +27,6 @@ def test_a_recording_that_ends_with_its_trigger_on_is_told() -> None:
     assert any(re.match(r"line \d+: .*ends.*trigger", str(f)) for f in cut_off(cut))
     assert cut_off(whole) == []
     assert cut_off(replace(cut, trigger=np.ones(end, dtype=bool))) == []  # a column that says nothing
-
-
-@pytest.mark.parametrize(("duration", "told"), [(2.6, False), (2.65, False), (3.0, True), (8.0, True)])
-def test_a_run_shorter_than_its_program_is_told(duration: float, told: bool) -> None:
-    found = shorter_than_planned(replace(run(), record={"planned_s": duration}))
-    assert shorter_than_planned(replace(run(), record={"planned_s": duration, "poses_m_rad": [[0.0] * 6]})) == []
-    assert shorter_than_planned(replace(run(), record={"planned_s": {"x": duration}})) == []  # damaged by hand
-    assert bool(found) == told
-    assert all(tells(str(f), "trigger", "2.6 s", "program lasts ") for f in found)
-
-
-def test_an_override_that_was_recorded_explains_a_short_run() -> None:
-    fast = replace(run(), override=np.full(len(run().forces), 1.2))
-    assert shorter_than_planned(replace(fast, record={"planned_s": 3.0})) == []
-
-
-def test_a_machine_whose_struts_fit_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of the built-in cases, or of the folders beside the case that was named."""
-    data = tomllib.loads(built_in_cases()["hexapod"].read_text(encoding="utf-8"))
-    data["machine"]["base"]["ring"]["z_mm"] = 400.0
-    data["name"] = "raised"
-    raised = Case.model_validate(data)
-    far = Hexapod.of(CASE).strut_lengths(CASE.machine.home.vector[None])[0]
-    assert fitting_case(far, raised) == "hexapod"
-    text = built_in_cases()["hexapod"].read_text(encoding="utf-8")
-    for name, height in (("mine", 900.0), ("theirs", 900.5)):
-        (tmp_path / name).mkdir()
-        changed = text.replace('name = "hexapod"', f'name = "{name}"').replace("z_mm = 900.0", f"z_mm = {height}")
-        (tmp_path / name / "case.toml").write_text(changed, encoding="utf-8")
-    assert fitting_case(far, CASE) is None  # the case itself is no other
-    assert fitting_case(far, CASE.found_at(str(tmp_path / "mine"))) == str(tmp_path / "theirs" / "case.toml")
-    monkeypatch.chdir(tmp_path)  # a built-in case has no neighbours but those of the user's
-    assert fitting_case(far, CASE) == str(tmp_path / "theirs" / "case.toml")
 
 
 def test_a_recording_of_another_case_is_named_as_such() -> None:

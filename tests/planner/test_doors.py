@@ -71,7 +71,7 @@ def test_a_second_run_is_predicted_the_same_by_both(made: Path, tmp_path: Path):
     answer = call(*options).json()["verify"]
     assert answer.keys() == prediction.to_json().keys()
     assert (answer["recording"], answer["samples"]) == (str(made / "loaded"), prediction.samples)
-    np.testing.assert_allclose(answer["force_3s_N"], prediction.force_3s, rtol=1e-6)
+    np.testing.assert_allclose(answer["force_3s_N"], prediction.force_3s_N, rtol=1e-6)
     assert f"verified on {made / 'loaded'}: residual force" in repr(prediction)
 
 

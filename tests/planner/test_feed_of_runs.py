@@ -34,9 +34,9 @@ def test_the_column_of_the_override_is_read(folder: Path, tmp_path: Path) -> Non
     table = [f"{lines[0]},override_percent", *(f"{a},{b}" for a, b in zip(lines[1:], values, strict=True))]
     file = tmp_path / "o.csv"
     file.write_text("\n".join(table) + "\n")
-    (stretch,) = identified(file, tmp_path)["feed"]["stretches"]
-    assert stretch["feed"] == pytest.approx(0.8)
-    assert stretch["where"] == f"lines {middle - 98} to {middle + 100}"
+    answer = identified(file, tmp_path)
+    assert answer["feed"] == pytest.approx({"lowest": 0.8, "highest": 0.8})
+    assert any(tells(w, f"lines {middle - 98} to {middle + 100}", "override") for w in answer["warnings"])
     table[40] = table[40].rsplit(",", 1)[0] + ",-5"
     file.write_text("\n".join(table) + "\n")
     message = refused("identify", file, "--case", "hexapod", "-o", tmp_path / "s")

@@ -88,22 +88,6 @@ def test_a_tare_finds_the_case_of_its_result(mine: Path, standing: Path, tmp_pat
     assert "sensors.range_N was 5000, is 6000" in line
 
 
-def test_biases_are_taken_from_the_same_machine_only(
-    mine: Path, shared: Path, tmp_path: Path, hexapod_file: Path
-) -> None:
-    identify = ("identify", shared / "recording" / "recording.csv", "--case", hexapod_file, "--biases", mine, "--json")
-    text = hexapod_file.read_text()
-    hexapod_file.write_text(text.replace("filter_cutoff_Hz = ", "filter_cutoff_Hz = 1"), encoding="utf-8")
-    call(*identify, "-o", tmp_path / "a").json()  # how a recording is read and filtered may differ
-    assert "radius_mm = 146.0" in text
-    hexapod_file.write_text(text.replace("radius_mm = 146.0", "radius_mm = 147.0"), encoding="utf-8")
-    line = refused(*identify, "-o", tmp_path / "b")
-    assert "sensor_frame.bars.lower.ring.radius_mm was 146, is 147" in line
-    assert "--stale" in line
-    answer = call(*identify, "--stale", "-o", tmp_path / "b").json()
-    assert "radius_mm was 146, is 147" in json.dumps(answer["warnings"])
-
-
 def test_the_case_of_a_plan_can_be_named_and_is_compared(shared: Path, tmp_path: Path, hexapod_file: Path) -> None:
     plan = Path(shutil.copytree(shared / "plan", tmp_path / "plan"))
     data = json.loads((plan / "plan.json").read_text())

@@ -1,18 +1,14 @@
 """Predicted deviations go by the rate of recording that the case states; a recording of another rate says so."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from cases.schema import Case, load_case
 from identification.criteria import reference_scaling
-from identification.identify import estimate_parameters
 from identification.model import identification_model
 from planner.plan_figures import worst_std
 from planner.poses.planned_poses import noise_of_average
-from tests.helpers import Harmonic, tells
-from tests.identification.test_findings import CASE, run
+from tests.helpers import Harmonic
 
 
 def at_rate(rate: float) -> Case:
@@ -29,11 +25,3 @@ def test_half_the_rate_makes_deviations_the_root_of_two_times_as_large() -> None
     for name, std in usual.items():
         assert half[name] == pytest.approx(np.sqrt(2.0) * std)
     assert noise_of_average(at_rate(500.0)) == pytest.approx(np.sqrt(2.0) * noise_of_average(whole))
-
-
-def test_a_recording_of_another_rate_says_so() -> None:
-    recorded = run()
-    slow = replace(recorded, t=recorded.t[::2], struts=recorded.struts[::2], forces=recorded.forces[::2], trigger=None)
-    notes = estimate_parameters(slow, CASE).notes
-    assert any(tells(n, "500 Hz", "1000 Hz") and "1.41 times" in n for n in notes)
-    assert not any("predictions assume" in note for note in estimate_parameters(recorded, CASE).notes)

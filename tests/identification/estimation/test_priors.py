@@ -6,7 +6,6 @@ import pytest
 from cases.errors import IdentificationError
 from identification.estimation import priors as solver
 from identification.estimation.fit import Filtered, Fit, Regression, gauss_markov
-from identification.estimation.force_noise import with_kernel
 from identification.estimation.priors import Prior, as_measurements, effect_of, with_priors
 from tests.helpers import few, one_line, paper_poses, taylor_slope
 from tests.identification.moving_run import FORM, MODEL, NAMES, ONES, PHYSICAL, SAMPLES, A, U, coverage, forces
@@ -54,11 +53,10 @@ def test_linear_priors_give_the_mean_of_data_and_prior_weighted_by_their_informa
 
 
 def test_a_prior_that_says_nothing_changes_nothing() -> None:
-    free = with_kernel(gauss_markov(regression := Regression(A, forces(0), NAMES), ONES), regression)
+    free = gauss_markov(Regression(A, forces(0), NAMES), ONES)
     found, effects = estimated(0, [Prior("m", 0.0, 1e9), Prior("zC", 0.0, 1e9)])
     np.testing.assert_allclose(found.values, free.values, rtol=1e-8)
     np.testing.assert_allclose(found.covariance, free.covariance, rtol=1e-8, atol=1e-14)
-    np.testing.assert_allclose(np.diag(found.covariance_robust), np.diag(free.covariance_robust), rtol=1e-7)
     assert [share for *_, share in effects] == pytest.approx([1.0, 1.0])
     assert [moved for moved, *_ in effects] == pytest.approx([0.0, 0.0], abs=1e-6)
 
@@ -172,8 +170,8 @@ def test_without_priors_it_is_gauss_markov() -> None:
 
 
 def test_a_search_that_fails_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(solver, "STEPS", 1)
-    with pytest.raises(IdentificationError, match=r"not become small.*\b1\b"):
+    monkeypatch.setattr(solver, "EVALUATIONS", 1)
+    with pytest.raises(IdentificationError, match="no minimum was found with these priors"):
         with_priors(Regression(A, forces(0), NAMES), MODEL, ONES, CAD)
 
 

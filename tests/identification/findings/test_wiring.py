@@ -10,8 +10,7 @@ from scipy.spatial.transform import Rotation
 from cases.errors import IdentificationError
 from cases.recording_format import Drives
 from cases.schema import Case, load_case
-from identification.findings.cable_orders import Order, orders_of, words
-from identification.findings.wiring import other_wiring
+from identification.findings.wiring import Order, orders_of, other_wiring, words
 from identification.identify import estimate_parameters
 from identification.recording import read
 from identification.simulate import simulate_recording
@@ -37,13 +36,10 @@ def test_all_exchanges_of_pairs_are_tried() -> None:
 def test_an_exchange_is_named_with_its_residuals_and_columns(side: str, which: int) -> None:
     order, whole = ORDERS[which], run(which)
     mixed = replace(whole, **{side: recorded_in(order, getattr(whole, side))})
-    with pytest.raises(
-        IdentificationError, match=r"residuals 0\.\d+ N(, while no pose| instead of [\d.]+ N)"
-    ) as caught:
+    with pytest.raises(IdentificationError, match=r"residuals are (\d\S* times smaller|small; no pose)") as caught:
         estimate_parameters(mixed, CASE)
     line = one_line(caught.value)
-    what = "struts" if side == "struts" else "force channels"
-    assert words(order, what) in line
+    assert words(order, "strut" if side == "struts" else "force") in line
     if " or " not in line.split(";")[0]:  # a symmetric machine leaves some to either side
         for k, (place, _) in enumerate(order):
             ours, theirs = (
@@ -62,17 +58,17 @@ def test_every_exchange_is_named(side: str, which: int) -> None:
 @pytest.mark.parametrize("signs", few("+-++-+", "-+++++", "-+-+-+", "+----+"))
 def test_turned_signs_of_channels_are_named(signs: str) -> None:
     whole, turned = run(1), tuple(int(f"{sign}1") for sign in signs)
-    with pytest.raises(IdentificationError, match="turned: residuals") as caught:
+    with pytest.raises(IdentificationError, match="turned: then residuals") as caught:
         estimate_parameters(replace(whole, forces=whole.forces * np.array(turned)), CASE)
-    assert words(tuple(enumerate(turned)), "force channels") in str(caught.value)
+    assert words(tuple(enumerate(turned)), "force") in str(caught.value)
 
 
 def test_all_signs_turned_at_once_are_named_with_the_remedy() -> None:
     """The residuals are those of the right signs; only the mass tells."""
     whole = run(1)
-    with pytest.raises(IdentificationError, match=r"all force channels.*mass") as caught:
+    with pytest.raises(IdentificationError, match=r"force channels 1, 2, 3, 4, 5, 6 .*mass") as caught:
         estimate_parameters(replace(whole, forces=-whole.forces), CASE)
-    assert tells(one_line(caught.value), "exchange", "sensor_frame.bars")
+    assert tells(one_line(caught.value), "ends of bars", "sensor_frame")
 
 
 @pytest.mark.parametrize("channel", range(6))
@@ -90,7 +86,6 @@ def test_a_turned_sign_of_a_force_torque_sensor_does_not_pass_unnoticed(channel:
     except IdentificationError as error:
         said = str(error)
     assert "sign" in said
-    assert "transducer.sense" not in said  # which turns all
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -142,7 +137,7 @@ def test_the_turned_sign_of_one_channel_is_named_alone_by_standstills_of_a_wrist
     """All moments turned, with the centre of gravity, leave the same; a moment alone does not show in the newtons."""
     case = load_case("ft_wrist")
     file = standing_on_a_wrist(tmp_path / "run.csv", np.where(np.arange(6) == channel, -1.0, 1.0))
-    with pytest.raises(IdentificationError, match=rf"force channel {channel + 1}\b.*turned.* N m"):
+    with pytest.raises(IdentificationError, match=rf"force channels {channel + 1} are turned"):
         estimate_parameters(read(file, case), case)
 
 

@@ -28,7 +28,7 @@ def plausible(case: Case, model: Model, seed: int = 0) -> Array:
 
 def write_result(folder: Path, machine: Case, number: int, values: Array | None = None, **changes: Any) -> Path:
     """A result folder; `changes` replace entries of result.json."""
-    model = identification_model(machine, number, changes.get("error_terms", ()))
+    model = identification_model(machine, number)
     u = plausible(machine, model) if values is None else values
     covariance = np.diag((1e-3 * np.abs(u) + 1e-3) ** 2)
     physical = physical_values(model, u, covariance, 4.0 * covariance)
@@ -40,9 +40,6 @@ def write_result(folder: Path, machine: Case, number: int, values: Array | None 
         "inputs": [],
         "versions": {},
         "model": number,
-        "error_terms": [],
-        "estimator": "gauss-markov",
-        "accelerometer": None,
         "s0": 1.0,
         "s0_N": 1.0,
         "residual_rms": [1.0] * 6,
@@ -53,12 +50,12 @@ def write_result(folder: Path, machine: Case, number: int, values: Array | None 
         "weights": "equal",
         "delay_s": {"value": 2.5e-3, "std": 1e-4},
         "parameters": {name: value._asdict() for name, value in physical.items()},
-        "intervals_95": {name: value.interval(3380) for name, value in physical.items()},
         "linear": {"names": model.names, "values": u.tolist()},
         "covariance": covariance.tolist(),
         "covariance_robust": (4.0 * covariance).tolist(),
-        "notes": [],
-        "warnings": [],
+        "findings": [
+            {"kind": "model", "severity": "warning", "sentence": text} for text in changes.pop("warnings", [])
+        ],
     }
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "result.json").write_text(json.dumps(data | changes), encoding="utf-8")

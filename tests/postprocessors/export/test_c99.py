@@ -54,19 +54,6 @@ def test_the_model_is_the_papers_from_struts_and_from_poses(number: int, tmp_pat
         assert compiled.steps <= 6
 
 
-def test_error_terms_of_ones_own_choice_are_carried(tmp_path: Path) -> None:
-    made = calibration(tmp_path, "hexapod", 6, error_terms=["K1", "K5"])
-    compiled = Compiled(made, tmp_path)
-    u = dict(zip(made.model.names, made.values, strict=True))
-    assert {"K1_6y", "k3"} <= set(u)
-    s = states(CASE, 20, 7)
-    for k in range(len(s.pose)):
-        expected = external(CASE, u, s.pose[k], s.twist[k], s.twist_rate[k], s.forces[k])
-        found = compiled.wrench("from_pose", s.pose[k], s.rates[k], s.accelerations[k], s.forces[k])
-        assert np.abs(found - expected).max() <= ROUNDING * max(np.abs(expected).max(), np.abs(s.forces[k]).max())
-    assert "model 6 (K1, K5)" in c_sources(made, "x")[0]
-
-
 def test_struts_follow_from_drives_as_the_case_states(tmp_path: Path) -> None:
     compiled = Compiled(with_drives(calibration(tmp_path, "hexapod", 9)), tmp_path)
     q = np.arange(1.0, 7.0)

@@ -96,7 +96,7 @@ def test_a_wrong_argument_is_named_and_nothing_written(
     [
         ({"case_hash": "0" * 16}, ("case hexapod has changed since", "--stale")),
         ({"case": "my_machine"}, ("my_machine", "--case")),
-        ({"warnings": None}, ("missing or damaged", "identify again")),
+        ({"findings": None}, ("missing or damaged", "identify again")),
         ({"parameters": {}}, ("parameters are not those of model 9",)),
         ({"model": 8}, ("parameters are not those of model 8",)),
         ({"schema_version": 7}, ("schema_version 7",)),
