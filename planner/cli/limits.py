@@ -95,7 +95,7 @@ def retime(
     if console.answered(answer, json):
         return
     before, after = result.before, result.after
-    for line in (*limit_lines(after.limits.checks), *(f"note: {remark}" for remark in (*result.remarks, *plan.stale))):
+    for line in (*limit_lines(after.limits.checks), *(f"note: {remark}" for remark in plan.stale)):
         print(line)
     print(f"before: {before.duration:.4f} s, D-efficiency {before.d_efficiency:.4f}")
     print(f"after: {after.duration:.4f} s, D-efficiency {after.d_efficiency:.4f}")
