@@ -1,18 +1,16 @@
 """Pages of the reference that follow from the code: commands, Python names, keys of the case file."""
 
-import inspect
 import re
-from collections.abc import Callable, Iterator, Mapping
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, get_args, get_type_hints
-
-import typer
+from typing import Any
 
 import hexcite
 from cases.scaffold import explanations
 from cases.schema import Case
 from cases.tables import LARGEST, Part
-from planner.cli import app
 
 UNITS = {
     "kg_m2": "kg m^2", "rad_s3": "rad/s^3", "rad_s2": "rad/s^2", "mm_min": "mm/min", "deg_s": "deg/s", "mm_s": "mm/s",
@@ -32,49 +30,22 @@ def write_reference(folder: Path) -> None:
 
 
 def commands_page() -> str:
-    """Every command with its arguments and options."""
-    lines = [
-        "# Commands",
-        "",
-        "`hexcite COMMAND --help` shows the same on the terminal. Exit codes: 0 done; 1 refused,",
+    """Every command with its arguments and options, as typer writes them."""
+    command = [
+        sys.executable,
+        "-m",
+        "typer",
+        "planner.cli",
+        "utils",
+        "docs",
+        "--name",
+        "hexcite",
+        "--title",
+        "Commands",
     ]
-    lines += ["with one line that says why; 2 wrong usage; 130 interrupted.", ""]
-    for name, command in _commands(app, "hexcite"):
-        hints = get_type_hints(command, include_extras=True)
-        parameters = inspect.signature(command).parameters.items()
-        rows = [_option(key, hints[key], value) for key, value in parameters if get_args(hints[key])]
-        head = ("argument or option", "meaning", "default")
-        lines += [f"## {name}", "", _cell(inspect.getdoc(command) or ""), "", *_table(head, rows), ""]
-    return "\n".join(lines)
-
-
-def _commands(group: typer.Typer, path: str) -> Iterator[tuple[str, Callable[..., None]]]:
-    """The name of each command as it is typed, and its function."""
-    for command in group.registered_commands:
-        if command.callback is not None:
-            yield f"{path} {command.name or command.callback.__name__}", command.callback
-    for inner in group.registered_groups:
-        if inner.typer_instance is not None:
-            yield from _commands(inner.typer_instance, f"{path} {inner.name}")
-
-
-def _option(key: str, hint: Any, parameter: inspect.Parameter) -> tuple[str, str, str]:
-    kind, about = get_args(hint)[:2]
-    default = parameter.default
-    required = default is inspect.Parameter.empty
-    if isinstance(about, typer.models.ArgumentInfo):
-        name = key.upper()
-    else:
-        name = ", ".join(about.param_decls or (f"--{key.replace('_', '-')}",)) + ("" if kind is bool else _value(kind))
-    shown = "" if default is None or kind is bool else f"`{default}`"
-    return f"`{name}`", _cell(about.help or ""), "required" if required else shown
-
-
-def _value(kind: Any) -> str:
-    """What follows an option: the name of its type."""
-    inner = [value for value in get_args(kind) if value is not type(None)] or [kind]
-    names = {int: "NUMBER", float: "NUMBER", Path: "PATH", str: "TEXT"}
-    return f" {names[(get_args(inner[0]) or inner)[0]]}"
+    page = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    codes = "Exit codes: 0 done; 1 refused, with one line that says why; 2 wrong usage; 130 interrupted.\n"
+    return page.replace("**Usage**", f"{codes}\n**Usage**", 1)
 
 
 def python_page() -> str:
