@@ -94,15 +94,12 @@ def identify(
         )
         console.save_with_page(result, RESULT, folder, overwrite)
     answer = answer_of_result(result, folder)
-    if not json:
-        print(f"result written: {folder}, with its report {folder}/report.html")
-        print(result)
+    texts: list[object] = [f"result written: {folder}, with its report {folder}/report.html", result]
     if verify is not None:
         prediction = hx.verify(hx.read(verify, result.case), result)
         answer["verify"] = prediction.to_json()
-        if not json:
-            print(prediction)
-    console.answered(answer, json)
+        texts.append(prediction)
+    console.answered(answer, json, *texts)
 
 
 def look(
