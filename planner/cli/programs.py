@@ -114,12 +114,6 @@ def answer_of_proof(program: "hx.Program") -> dict[str, Any]:
     }
 
 
-ANSWERED = (
-    "controller", "samples", "planned_s", "path_error_mm", "d_efficiency", "d_efficiency_planned",
-    "peaks_of_limit", "exceeded", "remark", "payload", "disturbances",
-)  # fmt: skip
-
-
 def run(
     program: Annotated[Path, argument("Program file.")],
     case: Annotated[str, option("Built-in name, folder or case file.")],
@@ -151,5 +145,5 @@ def run(
 def answer_of_run(recording: "hx.Recording", folder: Path) -> dict[str, Any]:
     """The JSON answer of a run that was written."""
     about = recording.record
-    answer = {"recording": str(folder), "duration_s": about["executed_s"]} | {key: about[key] for key in ANSWERED}
-    return answer | {"poses": len(about["poses_m_rad"]), "simulated": True}
+    own = {"recording": str(folder), "duration_s": about["executed_s"], "poses": len(about["poses_m_rad"])}
+    return {**about, **own, "simulated": True}
