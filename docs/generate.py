@@ -12,13 +12,6 @@ from cases.scaffold import explanations
 from cases.schema import Case
 from cases.tables import LARGEST, Part
 
-UNITS = {
-    "kg_m2": "kg m^2", "rad_s3": "rad/s^3", "rad_s2": "rad/s^2", "mm_min": "mm/min", "deg_s": "deg/s", "mm_s": "mm/s",
-    "Nm_m": "N m/m", "m_s3": "m/s^3", "m_s2": "m/s^2", "m_s": "m/s", "N_m": "N/m", "Nm": "N m", "percent": "%",
-    "cycles": "cycles", "mm": "mm", "deg": "deg", "kg": "kg", "um": "um", "ms": "ms", "Hz": "Hz", "N": "N", "s": "s",
-}  # fmt: skip
-"""Endings of keys, the longest first, and the units that they mean."""
-
 
 def write_reference(folder: Path) -> None:
     """Writes commands.md, python.md and case.md, each only where it changes."""
@@ -31,18 +24,8 @@ def write_reference(folder: Path) -> None:
 
 def commands_page() -> str:
     """Every command with its arguments and options, as typer writes them."""
-    command = [
-        sys.executable,
-        "-m",
-        "typer",
-        "planner.cli",
-        "utils",
-        "docs",
-        "--name",
-        "hexcite",
-        "--title",
-        "Commands",
-    ]
+    words = "-m typer planner.cli utils docs --name hexcite --title Commands"
+    command = [sys.executable, *words.split()]
     page = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     codes = "Exit codes: 0 done; 1 refused, with one line that says why; 2 wrong usage; 130 interrupted.\n"
     return page.replace("**Usage**", f"{codes}\n**Usage**", 1)
@@ -60,7 +43,7 @@ def python_page() -> str:
 
 
 def case_page() -> str:
-    """Every table of the case file with key, unit, allowed values, default and meaning."""
+    """Every table of the case file with key, allowed values, default and meaning."""
     schema = Case.model_json_schema()
     classes = {part.__name__: part for part in _parts(Part)}
     places: dict[str, list[str]] = {}
@@ -71,13 +54,13 @@ def case_page() -> str:
         table = schema if name == "Case" else schema["$defs"][name]
         told, required = explanations(classes[name]), table.get("required", ())
         rows = [
-            (f"`{key}`", _unit(key), _allowed(value), _default(value, key in required), _cell(told.get(key, "")))
+            (f"`{key}`", _allowed(value), _default(value, key in required), _cell(told.get(key, "")))
             for key, value in table["properties"].items()
         ]
         also = f" Also: {', '.join(f'`{path}`' for path in paths[1:])}." if paths[1:] else ""
         lines += [f"({_anchor(name)})=", f"## {f'`[{paths[0]}]`' if paths[0] else 'Top level'}", ""]
         lines += [_cell(classes[name].__doc__ or "") + also, ""]
-        lines += [*_table(("key", "unit", "allowed", "default", "meaning"), rows), ""]
+        lines += [*_table(("key", "allowed", "default", "meaning"), rows), ""]
     return "\n".join(lines)
 
 
@@ -99,10 +82,6 @@ def _parts(part: type[Part]) -> Iterator[type[Part]]:
 
 def _anchor(name: str) -> str:
     return f"table-{name.lower()}"
-
-
-def _unit(key: str) -> str:
-    return next((unit for ending, unit in UNITS.items() if key.endswith(f"_{ending}")), "")
 
 
 def _default(value: Mapping[str, Any], required: bool) -> str:
