@@ -1,25 +1,16 @@
 """Pages of the reference that follow from the code: commands, Python names, keys of the case file."""
 
-import inspect
 import re
-from collections.abc import Callable, Iterator, Mapping
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, get_args, get_type_hints
-
-import typer
+from typing import Any
 
 import hexcite
 from cases.scaffold import explanations
 from cases.schema import Case
 from cases.tables import LARGEST, Part
-from planner.cli import app
-
-UNITS = {
-    "kg_m2": "kg m^2", "rad_s3": "rad/s^3", "rad_s2": "rad/s^2", "mm_min": "mm/min", "deg_s": "deg/s", "mm_s": "mm/s",
-    "Nm_m": "N m/m", "m_s3": "m/s^3", "m_s2": "m/s^2", "m_s": "m/s", "N_m": "N/m", "Nm": "N m", "percent": "%",
-    "cycles": "cycles", "mm": "mm", "deg": "deg", "kg": "kg", "um": "um", "ms": "ms", "Hz": "Hz", "N": "N", "s": "s",
-}  # fmt: skip
-"""Endings of keys, the longest first, and the units that they mean."""
 
 
 def write_reference(folder: Path) -> None:
@@ -32,49 +23,12 @@ def write_reference(folder: Path) -> None:
 
 
 def commands_page() -> str:
-    """Every command with its arguments and options."""
-    lines = [
-        "# Commands",
-        "",
-        "`hexcite COMMAND --help` shows the same on the terminal. Exit codes: 0 done; 1 refused,",
-    ]
-    lines += ["with one line that says why; 2 wrong usage; 130 interrupted.", ""]
-    for name, command in _commands(app, "hexcite"):
-        hints = get_type_hints(command, include_extras=True)
-        parameters = inspect.signature(command).parameters.items()
-        rows = [_option(key, hints[key], value) for key, value in parameters if get_args(hints[key])]
-        head = ("argument or option", "meaning", "default")
-        lines += [f"## {name}", "", _cell(inspect.getdoc(command) or ""), "", *_table(head, rows), ""]
-    return "\n".join(lines)
-
-
-def _commands(group: typer.Typer, path: str) -> Iterator[tuple[str, Callable[..., None]]]:
-    """The name of each command as it is typed, and its function."""
-    for command in group.registered_commands:
-        if command.callback is not None:
-            yield f"{path} {command.name or command.callback.__name__}", command.callback
-    for inner in group.registered_groups:
-        if inner.typer_instance is not None:
-            yield from _commands(inner.typer_instance, f"{path} {inner.name}")
-
-
-def _option(key: str, hint: Any, parameter: inspect.Parameter) -> tuple[str, str, str]:
-    kind, about = get_args(hint)[:2]
-    default = parameter.default
-    required = default is inspect.Parameter.empty
-    if isinstance(about, typer.models.ArgumentInfo):
-        name = key.upper()
-    else:
-        name = ", ".join(about.param_decls or (f"--{key.replace('_', '-')}",)) + ("" if kind is bool else _value(kind))
-    shown = "" if default is None or kind is bool else f"`{default}`"
-    return f"`{name}`", _cell(about.help or ""), "required" if required else shown
-
-
-def _value(kind: Any) -> str:
-    """What follows an option: the name of its type."""
-    inner = [value for value in get_args(kind) if value is not type(None)] or [kind]
-    names = {int: "NUMBER", float: "NUMBER", Path: "PATH", str: "TEXT"}
-    return f" {names[(get_args(inner[0]) or inner)[0]]}"
+    """Every command with its arguments and options, as typer writes them."""
+    words = "-m typer planner.cli utils docs --name hexcite --title Commands"
+    command = [sys.executable, *words.split()]
+    page = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    codes = "Exit codes: 0 done; 1 refused, with one line that says why; 2 wrong usage; 130 interrupted.\n"
+    return page.replace("**Usage**", f"{codes}\n**Usage**", 1)
 
 
 def python_page() -> str:
@@ -89,7 +43,7 @@ def python_page() -> str:
 
 
 def case_page() -> str:
-    """Every table of the case file with key, unit, allowed values, default and meaning."""
+    """Every table of the case file with key, allowed values, default and meaning."""
     schema = Case.model_json_schema()
     classes = {part.__name__: part for part in _parts(Part)}
     places: dict[str, list[str]] = {}
@@ -100,13 +54,13 @@ def case_page() -> str:
         table = schema if name == "Case" else schema["$defs"][name]
         told, required = explanations(classes[name]), table.get("required", ())
         rows = [
-            (f"`{key}`", _unit(key), _allowed(value), _default(value, key in required), _cell(told.get(key, "")))
+            (f"`{key}`", _allowed(value), _default(value, key in required), _cell(told.get(key, "")))
             for key, value in table["properties"].items()
         ]
         also = f" Also: {', '.join(f'`{path}`' for path in paths[1:])}." if paths[1:] else ""
         lines += [f"({_anchor(name)})=", f"## {f'`[{paths[0]}]`' if paths[0] else 'Top level'}", ""]
         lines += [_cell(classes[name].__doc__ or "") + also, ""]
-        lines += [*_table(("key", "unit", "allowed", "default", "meaning"), rows), ""]
+        lines += [*_table(("key", "allowed", "default", "meaning"), rows), ""]
     return "\n".join(lines)
 
 
@@ -128,10 +82,6 @@ def _parts(part: type[Part]) -> Iterator[type[Part]]:
 
 def _anchor(name: str) -> str:
     return f"table-{name.lower()}"
-
-
-def _unit(key: str) -> str:
-    return next((unit for ending, unit in UNITS.items() if key.endswith(f"_{ending}")), "")
 
 
 def _default(value: Mapping[str, Any], required: bool) -> str:

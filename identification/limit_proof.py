@@ -100,18 +100,6 @@ def of_mechanics(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]
         yield from sensor_loads(loads.forces(motion, *load), loads)
 
 
-def load_shares(motion: Motion, case: Case) -> Array:
-    """Largest share of 80 % of the sensors' range that a motion uses with each number of payloads, shape (bodies,).
-
-    Empty where nothing is limited.
-    """
-    loads = Loads.of(case)
-    if loads is None:
-        return np.zeros(0)
-    forces = loads.forces(motion, *limited_machine(case).mechanics(motion)[0])
-    return np.asarray((np.abs(forces).max(axis=0) / loads.limit).reshape(-1, 6).max(axis=1))
-
-
 def of_velocities(motion: Motion, case: Case) -> Iterable[Quantity]:
     """Rates of the coordinates, and of the drives where these are others."""
     limits = case.need_motion("the proof of limits")[1]

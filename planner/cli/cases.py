@@ -8,6 +8,7 @@ import typer
 import hexcite as hx
 from cases.errors import CaseError
 from cases.files import atomic_file, check_file, output_place
+from identification.precision import aligned
 from planner.cli import console
 from planner.cli.console import argument, option, out
 
@@ -23,11 +24,9 @@ def list_cases(json: console.Json = False) -> None:
         for name, file in built_in_cases().items()
         for c in [hx.load_case(name)]
     ]
-    if not console.answered({"cases": rows}, json):
-        columns = ("case", "setup", "what it is")
-        console.print_table("Built-in cases", columns, [[r["name"], r["setup"], r["title"]] for r in rows])
-        print("setup: the sensors' frame stands (1a), moves (1b), sensors in the struts (2x), a sensor at a flange (R)")
-        print("hexcite case new NAME --like CASE begins one of your own; hexcite case show CASE draws it")
+    table = aligned(("case", "setup", "what it is"), *([r["name"], r["setup"], r["title"]] for r in rows))
+    setups = "setup: the sensors' frame stands (1a), moves (1b), sensors in the struts (2x), a sensor at a flange (R)"
+    console.answered({"cases": rows}, json, *table, setups)
 
 
 @app.command("check")
@@ -91,13 +90,6 @@ def new(
     if urdf is None and flange is not None:
         raise typer.BadParameter("--flange names a link of a URDF file; give --urdf too")
     file = hx.new_case(name, like or "hexapod", output) if urdf is None else hx.new_arm(name, urdf, flange, output)
-    if console.answered({"ok": True, "case": str(file)}, json):
-        return
-    print(f"case written: {file}")
-    if urdf is not None:
-        print(f"Geometry and speeds are those of {urdf.name}; fill in what it does not say, from top to bottom, then")
-        print(f"    hexcite case check {file.parent}    # says what is missing, and what cannot be")
-        return
-    print("Its numbers are those of the built-in case: replace each table by your machine's, from top to bottom, then")
-    print(f"    hexcite case check {file.parent}    # says what cannot be, with key, value and remedy")
-    print(f"    hexcite case show {file.parent}     # draws the machine: compare with the drawing")
+    written = f"case written: {file}; fill it in from top to bottom with your machine's values"
+    check = f"hexcite case check {file.parent} says what is missing, and what cannot be"
+    console.answered({"ok": True, "case": str(file)}, json, written, check)

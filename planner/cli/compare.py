@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import hexcite as hx
 from cases.files import COMPARISON, VALIDATION, check_folder, output_place
+from identification.precision import aligned
 from planner.cli import console
 from planner.cli.console import argument, option, out
 from planner.comparison import METHOD_TABLES
 
 if TYPE_CHECKING:
-    from planner.comparison.comparison import Comparison
     from planner.comparison.validation import Validation
 
 
@@ -29,24 +29,16 @@ def compare(
     A result belongs to the run it was made of, a run to the plan that its program was written from.
     """
 
+    from planner.reports.compare import parameter_columns, parameter_rows
+
     place = output_place(output, Path("hexcite-comparison"), overwrite)
     check_folder(place, COMPARISON, folders, overwrite)
     with console.status("comparing", json):
         comparison = hx.compare(folders, None if case is None else hx.load_case(case), stale)
         console.save_with_page(comparison, COMPARISON, place, overwrite)
     answer = {"report": str(place / "report.html")} | comparison.to_json()
-    if not console.answered(answer, json):
-        _show(answer, comparison)
-
-
-def _show(answer: dict[str, Any], comparison: "Comparison") -> None:
-    from planner.reports.compare import parameter_columns, parameter_rows
-
-    entries = comparison.entries
-    title = "Parameters side by side; std of plans and runs is predicted"
-    console.print_table(title, parameter_columns(entries), parameter_rows(entries))
-    print(f"report written: {answer['report']}")
-    print(comparison)
+    table = aligned(parameter_columns(comparison.entries), *parameter_rows(comparison.entries))
+    console.answered(answer, json, *table, f"report written: {answer['report']}", comparison)
 
 
 def validate(

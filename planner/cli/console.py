@@ -48,10 +48,10 @@ def out(text: str) -> Any:
     return typer.Option("-o", "--output", help=text)
 
 
-def answered(answer: dict[str, Any], as_json: bool) -> bool:
-    """Prints the answer as one JSON object where that was requested; returns whether it was."""
-    if as_json:
-        print(json.dumps(answer, allow_nan=False))
+def answered(answer: dict[str, Any], as_json: bool, *texts: object) -> bool:
+    """Prints the answer as one JSON object where that was requested, texts for people else; returns whether it was."""
+    for text in [json.dumps(answer, allow_nan=False)] if as_json else texts:
+        print(text)
     return as_json
 
 

@@ -5,7 +5,8 @@ from typing import Annotated, Any
 
 import hexcite as hx
 from cases.files import DEMO, check_folder, output_place, write_text
-from planner.cli.console import Json, Overwrite, answered, option, out, print_table
+from identification.precision import aligned
+from planner.cli.console import Json, Overwrite, answered, option, out
 
 
 def demo(
@@ -42,8 +43,6 @@ def demo(
     file = place / "report.html"
     write_text(file, demo_page(chain))
     summary = {"report": str(file), "controller": answer["run"]["controller"], "worst_error_in_std": chain.worst}
-    if answered(summary | answer, json):
-        return
-    print_table("Identified, beside the truth", TRUTH_COLUMNS, list(map(truth_cells, chain.truth)))
-    print(f"largest error: {chain.worst:.2f} reported standard deviations")
-    print(f"report written: {file}")
+    table = aligned(TRUTH_COLUMNS, *map(truth_cells, chain.truth))
+    error = f"largest error: {chain.worst:.2f} reported standard deviations"
+    answered(summary | answer, json, *table, error, f"report written: {file}")

@@ -27,11 +27,8 @@ def export(
     warnings = [*identified.warnings, *identified.remarks]
     names, case_name, model = [str(file) for file in files], identified.case.name, identified.model.number
     answer = {"file": names[0], "files": names, "target": to, "case": case_name, "model": model, "warnings": warnings}
-    if answered(answer, json):
-        return
-    for warning in warnings:
-        print(f"warning, also in the file: {warning}")
-    print(f"model {model} of case {case_name} written: {', '.join(names)}")
+    told = (f"warning, also in the file: {warning}" for warning in warnings)
+    answered(answer, json, *told, f"model {model} of case {case_name} written: {', '.join(names)}")
 
 
 Parameters = Annotated[Path, option("Result folder of hexcite identify.", "--parameters")]
@@ -61,9 +58,7 @@ def force(
         "peak": {name: float(v) for name, v in zip(WRENCH, result.peak, strict=True)},
         "warnings": list(result.warnings),
     }
-    if not answered(answer, json):
-        print(f"written: {file}, behind the filter of the case")
-        print(result)
+    answered(answer, json, f"written: {file}, behind the filter of the case", result)
 
 
 def _read(recording: Path, parameters: Path, case: str | None, stale: bool) -> "tuple[hx.Recording, hx.Result]":
@@ -97,9 +92,7 @@ def tare(
     run, saved = _read(recording, parameters, case, stale)
     tared = hx.tare(run, saved)
     tared.save(folder, overwrite)
-    if not answered({"result": str(folder), **tared.record.to_json()}, json):
-        print(f"result written: {folder}")
-        print(tared)
+    answered({"result": str(folder), **tared.record.to_json()}, json, f"result written: {folder}", tared)
 
 
 def payload(
@@ -119,5 +112,4 @@ def payload(
         "parameters": {name: value._asdict() for name, value in found.parameters.items()},
         "warnings": list(found.warnings),
     }
-    if not answered(answer, json):
-        print(found)
+    answered(answer, json, found)

@@ -1,15 +1,13 @@
 """`hexcite identify`: parameters with error bars from a recording; `hexcite look`: what one of unknown format holds."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import hexcite as hx
 from cases.files import RESULT, atomic_file, check_file, check_folder, output_place
+from identification.precision import aligned
 from planner.cli import console
 from planner.cli.console import argument, option, out
-
-if TYPE_CHECKING:
-    from identification.formats.look import Column
 
 
 def identify(
@@ -70,15 +68,12 @@ def identify(
         )
         console.save_with_page(result, RESULT, folder, overwrite)
     answer = answer_of_result(result, folder)
-    if not json:
-        print(f"result written: {folder}, with its report {folder}/report.html")
-        print(result)
+    texts: list[object] = [f"result written: {folder}, with its report {folder}/report.html", result]
     if verify is not None:
         prediction = hx.verify(hx.read(verify, result.case), result)
         answer["verify"] = prediction.to_json()
-        if not json:
-            print(prediction)
-    console.answered(answer, json)
+        texts.append(prediction)
+    console.answered(answer, json, *texts)
 
 
 def look(
@@ -115,31 +110,9 @@ def look(
         "odd": list(report.odd),
         "picture": str(file) if report.columns else None,
     }
-    if not console.answered(answer, json):
-        _show(report, file)
-
-
-def _show(report: "hx.Look", file: Path) -> None:
-    if report.columns:
-        head = ("column", "meaning", "unit", "smallest", "largest", "taken from")
-        title = f"{report.file.name}: {report.rows} rows"
-        console.print_table(title, head, [_row(column) for column in report.columns])
-        print(f"rows per second: {'not known' if report.rate is None else f'{report.rate:.5g}'}")
-    for odd in report.odd:
-        print(f"look at: {odd}")
-    print(f"\n{report.toml}\n")
-    if report.columns:
-        print(f"picture written: {file}")
-    if report.reads:
-        print("the file is read with this table; paste it into case.toml in place of its [recording]")
-    else:
-        print("the file is not read with this table yet: complete it as said above, then identify, or look again")
-
-
-def _row(column: "Column") -> list[str]:
-    from numpy import nanmax, nanmin
-
-    values = column.values
-    ends = [f"{nanmin(values):.6g}", f"{nanmax(values):.6g}"] if len(values) else ["text", ""]
-    source = "" if column.ours is None else "name, unit guessed" if column.guessed else "name"
-    return [column.name, column.ours or "-", column.unit, *ends, source]
+    rows = ([c.name, c.ours or "-", c.unit, "values: a guess" if c.guessed else "name"] for c in report.columns)
+    table = aligned(("column", "meaning", "unit", "taken from"), *rows)
+    done = "paste the table into case.toml in place of its [recording]"
+    todo = "the file is not read with this table yet: complete it as said above, then identify, or look again"
+    end = done if report.reads else todo
+    console.answered(answer, json, *table, report, f"picture written: {file}", end)

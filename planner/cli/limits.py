@@ -54,8 +54,7 @@ def bound(
     }
     if output is not None:
         write_text(output, json_text(answer))
-    if not console.answered(answer, json):
-        print(limit)
+    console.answered(answer, json, limit)
 
 
 def retime(
@@ -92,15 +91,13 @@ def retime(
         "solve_s": result.seconds,
         "plan": str(output) if output is not None else None,
     }
-    if console.answered(answer, json):
-        return
-    before, after = result.before, result.after
-    for line in (*limit_lines(after.limits.checks), *(f"note: {remark}" for remark in plan.stale)):
-        print(line)
-    print(f"before: {before.duration:.4f} s, D-efficiency {before.d_efficiency:.4f}")
-    print(f"after: {after.duration:.4f} s, D-efficiency {after.d_efficiency:.4f}")
-    if output is not None:
-        print(f"plan written: {output}")
+    notes = (f"note: {remark}" for remark in plan.stale)
+    written = () if output is None else (f"plan written: {output}",)
+    paces = (
+        f"{name}: {rating.duration:.4f} s, D-efficiency {rating.d_efficiency:.4f}"
+        for name, rating in (("before", result.before), ("after", result.after))
+    )
+    console.answered(answer, json, *limit_lines(result.after.limits.checks), *notes, *paces, *written)
 
 
 def _rating(rating: "PaceRating") -> dict[str, Any]:

@@ -106,10 +106,8 @@ def plan(
         result = planned(request, loaded, remark)
     with console.status("writing", json), first_ctrl_c():  # this takes a short time
         console.save_with_page(result, PLAN, folder, overwrite)
-    answer = answer_of_plan(result, folder)
-    if not console.answered(answer, json):
-        print(f"plan written: {folder}, with its report {folder}/report.html")
-        print(result)
+    written = f"plan written: {folder}, with its report {folder}/report.html"
+    console.answered(answer_of_plan(result, folder), json, written, result)
 
 
 def read_payloads(text: str) -> tuple[int, int | None]:

@@ -54,6 +54,4 @@ def poses(
         console.save_with_page(plan, PLAN, folder, overwrite)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()
     answer.pop("moves")
-    if not console.answered(answer, json):
-        print(f"plan written: {folder}, with its report {folder}/report.html")
-        print(plan)
+    console.answered(answer, json, f"plan written: {folder}, with its report {folder}/report.html", plan)

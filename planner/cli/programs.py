@@ -51,12 +51,8 @@ def post(
         )
     program.save(file, overwrite)
     answer = answer_of_program(program)
-    if console.answered(answer, json):
-        return
-    for remark in answer["remarks"]:
-        print(f"note: {remark}")
-    print(f"program written: {program.path}, read back")
-    print(repr(program))
+    notes = (f"note: {remark}" for remark in answer["remarks"])
+    console.answered(answer, json, *notes, f"program written: {program.path}, read back", repr(program))
 
 
 def answer_of_program(program: "hx.Program") -> dict[str, Any]:
@@ -88,8 +84,7 @@ def check(
     with console.status(f"proving {program.name}", json):
         read = hx.check(program, loaded, dialect)
         answer = answer_of_proof(read)
-    if not console.answered(answer, json):
-        print("\n".join([*(f"note: {remark}" for remark in answer["remarks"]), str(read)]))
+    console.answered(answer, json, *(f"note: {remark}" for remark in answer["remarks"]), read)
     require_proven(read, loaded)
 
 
@@ -109,12 +104,6 @@ def answer_of_proof(program: "hx.Program") -> dict[str, Any]:
         "remarks": [*proof.remarks, *([other] if other else [])],
         "limits": proof.limits.to_json(),
     }
-
-
-ANSWERED = (
-    "controller", "samples", "planned_s", "path_error_mm", "d_efficiency", "d_efficiency_planned",
-    "peaks_of_limit", "exceeded", "remark", "payload", "disturbances",
-)  # fmt: skip
 
 
 def run(
@@ -142,14 +131,11 @@ def run(
     with console.status(f"running {program.name} on {on}", json):
         recording = hx.run(program, loaded, on, seed=seed, payload=payload, disturbed=disturbed)
         recording.save(folder, overwrite)
-    answer = answer_of_run(recording, folder)
-    if not console.answered(answer, json):
-        print(f"recording written: {folder}")
-        print(recording)
+    console.answered(answer_of_run(recording, folder), json, f"recording written: {folder}", recording)
 
 
 def answer_of_run(recording: "hx.Recording", folder: Path) -> dict[str, Any]:
     """The JSON answer of a run that was written."""
     about = recording.record
-    answer = {"recording": str(folder), "duration_s": about["executed_s"]} | {key: about[key] for key in ANSWERED}
-    return answer | {"poses": len(about["poses_m_rad"]), "simulated": True}
+    own = {"recording": str(folder), "duration_s": about["executed_s"], "poses": len(about["poses_m_rad"])}
+    return {**about, **own, "simulated": True}

@@ -12,7 +12,6 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from importlib import resources
-from itertools import starmap
 from typing import Any
 
 import numpy as np
@@ -30,14 +29,6 @@ TERMS = {
     "s0": "scatter of the residuals: what a force sample deviates from the model",
     "D-efficiency": "share of the information that no motion inside the limits can exceed, from 0 to 1",
     "reference scaling": "parameters scaled by their effect on the sensors in the motion box, so that motions compare",
-    "log det": "logarithm of the determinant of the information matrix: what criterion D maximises",
-    "{P}": "frame of the moving platform",
-    "{B}": "frame of the base",
-    "f_q0": "offset of a sensor",
-    "k0": "elastic deformation: force for each metre of displacement",
-    "k1": "elastic deformation: moment for each metre of displacement",
-    "k2": "elastic deformation: force for each radian of tilt",
-    "k3": "elastic deformation: moment for each radian of tilt",
     "regressor": "the matrix that turns parameters into forces",
     "condition": "largest over smallest singular value: 1 is best, large where parameters are hard to separate",
     "rms": "root of the mean square",
@@ -184,12 +175,8 @@ def table(columns: Sequence[str], rows: Iterable[Sequence[str]], left: int = 1) 
 
     head = row([explained(column) for column in columns], '<th scope="col"{}>{}</th>')
     body = (row([cell.replace("kg m^2", "kg m²") for cell in each], "<td{}>{}</td>") for each in rows)
-    return _scrolling("table", f"table: {', '.join(filter(None, columns))}", _joined((head, *body)))
-
-
-def _scrolling(tag: str, words: str, rows: Markup) -> Markup:
-    text = '<div class="scroll" tabindex="0" role="region" aria-label="{}"><{}>\n{}\n</table></div>'
-    return Markup(text).format(words, Markup(tag), rows)
+    text = '<div class="scroll" tabindex="0" role="region" aria-label="table: {}"><table>\n{}\n</table></div>'
+    return Markup(text).format(", ".join(filter(None, columns)), _joined((head, *body)))
 
 
 def player(scene: dict[str, Any]) -> Markup:
@@ -221,11 +208,9 @@ def page(title: str, lead: str, inputs: Iterable[tuple[str, str]], warnings: Seq
         inputs: what it was done with, versions too: names and values.
         warnings: stand first.
     """
-    row = Markup('<tr><td class="word">{}</td><td class="word">{}</td></tr>')
-    used = _scrolling('table class="wrap"', "inputs and versions: table", _joined(starmap(row.format, inputs)))
     given = [Markup("<li>{}</li>").format(explained(warning)) for warning in warnings]
     listed = Markup('<ul class="warnings" aria-label="warnings">\n{}\n</ul>').format(_joined(given)) if given else ""
-    last = Markup("<section>\n<h2>Inputs and versions</h2>\n{}\n</section>").format(used)
+    last = section("Inputs and versions", table(("input", "value"), inputs, left=2))
     files = resources.files("planner.reports") / "templates"
     parts = {name: Markup((files / f"page.{name}").read_text(encoding="utf-8")) for name in ("css", "js", "html")}
     return parts.pop("html").format(
@@ -247,9 +232,8 @@ def _plotly() -> str:
 
 def explained(text: str) -> Markup:
     """A text whose terms are explained by a tooltip, which a keyboard and a screen reader reach too."""
-    parts, end = [], 0
-    for match in _TERM.finditer(text):
-        parts.append(escape(text[end : match.start()]))
-        parts.append(Markup('<abbr title="{}" tabindex="0">{}</abbr>').format(TERMS[match[0]], match[0]))
-        end = match.end()
-    return Markup("").join([*parts, escape(text[end:])])
+    return Markup(_TERM.sub(_tooltip, escape(text)))
+
+
+def _tooltip(term: re.Match[str]) -> str:
+    return Markup('<abbr title="{}" tabindex="0">{}</abbr>').format(TERMS[term[0]], term[0])

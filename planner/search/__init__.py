@@ -5,37 +5,22 @@ from enum import StrEnum
 
 
 class SolverStatus(StrEnum):
-    """How a run of IPOPT ended: its own return statuses as CasADi names them, in small letters, and ours."""
+    """How a run of IPOPT ended: return statuses as CasADi names them, in small letters, and ours."""
 
     CONVERGED = "solve succeeded"
     ACCEPTABLE = "solved to acceptable level"
-    INFEASIBLE = "infeasible problem detected"
-    TINY_STEPS = "search direction becomes too small"
-    DIVERGING = "diverging iterates"
-    STOPPED = "user requested stop"
     FEASIBLE = "feasible point found"
+    STOPPED = "user requested stop"
     ITERATION_LIMIT = "maximum iterations exceeded"
-    RESTORATION_FAILED = "restoration failed"
-    STEP_FAILED = "error in step computation"
-    CPU_LIMIT = "maximum cputime exceeded"
-    TIME_LIMIT = "maximum walltime exceeded"
-    TOO_FEW_FREEDOMS = "not enough degrees of freedom"
-    INVALID_PROBLEM = "invalid problem definition"
-    INVALID_OPTION = "invalid option"
-    INVALID_NUMBER = "invalid number detected"
-    EXCEPTION = "unrecoverable exception"
-    FOREIGN_EXCEPTION = "nonipopt exception thrown"
-    NO_MEMORY = "insufficient memory"
-    INTERNAL_ERROR = "internal error"
     SETTLED = "no more gained"
     NOT_RUN = ""
-    UNKNOWN = "unknown"
+    FAILED = "failed"  # for whichever reason
 
     @classmethod
     def _missing_(cls, value: object) -> "SolverStatus":
         """The member of a status as IPOPT writes it, such as `Solve_Succeeded`."""
         plain = str(value).replace("_", " ").lower()
-        return next((status for status in cls if status.value == plain), cls.UNKNOWN)
+        return next((status for status in cls if status.value == plain), cls.FAILED)
 
     @property
     def converged(self) -> bool:

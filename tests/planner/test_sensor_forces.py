@@ -7,7 +7,7 @@ import planner.search.problem as problem_module
 from cases.schema import Case, load_case
 from identification.criteria import box_middle, reference_scaling
 from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, Status
-from identification.limit_proof import load_shares, prove
+from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import Motion, rotation_motion
 from identification.overload import SHARE, Loads
@@ -89,14 +89,6 @@ def test_a_load_that_binds_shapes_the_motion(name: str, weak: Case, monkeypatch:
     )
     shrunk = explored_and_refined(weak, name)
     assert shaped.record.logdet > shrunk.record.logdet + 0.5  # of ten parameters: each is known at least 2.5 % better
-
-
-def test_shares_grow_with_what_is_mounted(weak: Case):
-    some = family_of(weak, "fourier")
-    motion = some.motion(np.zeros(some.unknowns * 6)).at(np.zeros(1))
-    shares = load_shares(motion, weak)
-    assert len(shares) == 6
-    assert np.all(np.diff(shares) > 0.0)
 
 
 def test_the_plan_says_which_load_bound_it():

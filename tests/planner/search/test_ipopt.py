@@ -139,5 +139,5 @@ def test_a_search_that_ran_out_of_time_was_not_stopped_by_its_user_alone():
     assert "time limit" in SolverStatus.STOPPED.words
 
 
-def test_a_status_of_another_solver_is_unknown():
-    assert SolverStatus("Something_New") is SolverStatus.UNKNOWN
+def test_any_other_status_is_a_failure():
+    assert SolverStatus("Invalid_Number_Detected") is SolverStatus.FAILED
