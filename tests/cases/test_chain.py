@@ -62,7 +62,7 @@ MISTAKES = {
     "box beyond the joint": ("[-50.0, 40.0]", "[-50.0, 70.0]", "lift moves from -20 to 100.*-90, 90"),
     "box without home": ("[-50.0, 40.0]", "[10.0, 40.0]", "lift: position_deg = .10, 40. does not contain 0"),
     "negative speed": ("velocity_mm_s = 500.0", "velocity_mm_s = -5.0", "joints[1].velocity_mm_s: -5.0.*greater"),
-    "another setup": ('setup = "R"', 'setup = "1b"', "machine.chain carries a force/torque sensor"),
+    "another setup": ('setup = "R"', 'setup = "1b"', "machine.chain, go with a force/torque sensor"),
     "limits of a pose": ("[limits.motion]\njoints", "[limits.motion]\nbox", "limits.motion.box: is an unknown key"),
 }  # fmt: skip
 
