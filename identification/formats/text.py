@@ -15,13 +15,13 @@ import pyarrow.csv as pacsv
 from cases.errors import RecordingError
 from cases.recording_format import CLOCK, COLUMNS, RecordingFormat
 from identification.formats.table import (
+    MISSING,
     Block,
     ColumnTable,
     Lines,
     is_value,
     lines_of,
     listed,
-    missing_fields,
     require_file,
     require_room,
     shown,
@@ -140,8 +140,8 @@ def parse(
             convert_options=pacsv.ConvertOptions(
                 column_types={str(k): pa.float64() for k in numbers},
                 include_columns=[str(k) for k in positions],
-                null_values=list(missing_fields(form)),
-                strings_can_be_null=bool(missing_fields(form)),
+                null_values=list(MISSING),
+                strings_can_be_null=True,
                 decimal_point=form.decimal or ".",
             ),
         )
