@@ -10,7 +10,6 @@ import struct
 from array import array
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -19,15 +18,7 @@ import numpy as np
 from cases.errors import RecordingError
 from cases.recording_format import CLOCK, WRENCH, Clock, RecordingFormat
 from cases.schema import Case
-from cases.units import Array
-from identification.formats.table import (
-    ColumnTable,
-    Lines,
-    Stamps,
-    equal_steps,
-    listed,
-    shown,
-)
+from identification.formats.table import ColumnTable, Lines, equal_steps, listed, shown
 
 if TYPE_CHECKING:
     from rosbags.highlevel import AnyReader
@@ -55,12 +46,18 @@ def bag_format(case: Case) -> RecordingFormat:
 def bag_tables(bag: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     """Reads a bag in the format of `bag_format`: a table of each topic; raises RecordingError."""
     with opened(bag) as reader:
-        topics = {what: topic_of(bag, reader, what, form.ros.get(what)) for what in KINDS}
+        joints, wrench = (topic_of(bag, reader, what, form.ros.get(what)) for what in KINDS)
         theirs = [form.file_name(ours) for ours in form.columns if ours not in (*WRENCH, CLOCK)]
-        stamps, positions = joint_rows(bag, reader, topics["joints"], theirs)
-        yield _table(bag, topics["joints"], theirs, stamps, positions, form)
-        stamps, readings, _ = wrench_rows(bag, reader, topics["wrench"])
-        yield _table(bag, topics["wrench"], AXES, stamps, readings, form)
+        positions = _positions(reader, joints, theirs)
+        if (table := _table(f"{bag}, {joints}", theirs, positions, form)) is None:
+            raise RecordingError(
+                f"{bag}, {joints}",
+                f"no message has all of {listed(theirs)}; its joints are {listed(joint_names(reader, joints))}",
+                "map their names in [recording.columns] of the case, such as q1_deg",
+            )
+        yield table
+        if (table := _table(f"{bag}, {wrench}", AXES, _readings(bag, reader, wrench), form)) is not None:
+            yield table
 
 
 @contextmanager
@@ -102,42 +99,23 @@ def topic_of(bag: Path, reader: "AnyReader", what: Topic, stated: str | None) ->
     raise RecordingError(bag, reason, f'set recording.ros.{what} = "{shown(possible[0])}" in the case')
 
 
-def joint_rows(bag: Path, reader: "AnyReader", topic: str, joints: Sequence[str]) -> tuple[Stamps, Array]:
-    """Stamps, shape (n,) [ns], and positions of some joints, shape (n, k) [rad or m].
-
-    Raises RecordingError where no message has all of these joints.
-    """
-    stamps, rows, others = array("q"), array("d"), dict[str, None]()
+def _positions(reader: "AnyReader", topic: str, joints: Sequence[str]) -> Iterator[tuple[int, list[float]]]:
+    """Stamps [ns], and positions of some joints [rad or m], of messages that have all of them."""
     for stamp, message in _messages(reader, topic):
         place = {name: k for k, name in enumerate(message.name) if k < len(message.position)}
-        others |= dict.fromkeys(message.name)
-        if all(joint in place for joint in joints):
-            stamps.append(stamp)
-            rows.extend(message.position[place[joint]] for joint in joints)
-    if not stamps or not joints:
-        absent = ", ".join(joint for joint in joints if joint not in others) or "all joints at once"
-        raise RecordingError(
-            f"{bag}, {topic}",
-            f"no message has {absent}; its joints are {listed(others)}",
-            "map their names in [recording.columns] of the case, such as q1_deg",
-        )
-    return np.array(stamps), np.array(rows).reshape(-1, len(joints))
+        if joints and all(joint in place for joint in joints):
+            yield stamp, [message.position[place[joint]] for joint in joints]
 
 
-def wrench_rows(bag: Path, reader: "AnyReader", topic: str) -> tuple[Stamps, Array, str]:
-    """Stamps, shape (n,) [ns], forces and moments, shape (n, 6) [N, N m], and the frame that they are in.
-
-    Raises RecordingError where the frame changes.
-    """
-    stamps, rows, frames = array("q"), array("d"), dict[str, None]()
+def _readings(bag: Path, reader: "AnyReader", topic: str) -> Iterator[tuple[int, list[float]]]:
+    """Stamps [ns], and forces and moments [N, N m]; raises RecordingError where their frame changes."""
+    frame = None
     for stamp, message in _messages(reader, topic):
-        stamps.append(stamp)
-        rows.extend(getattr(vector, axis) for vector in (message.wrench.force, message.wrench.torque) for axis in "xyz")
-        frames[str(message.header.frame_id)] = None
-    if len(frames) > 1:
-        names = listed(frames)
-        raise RecordingError(f"{bag}, {topic}", f"is in several frames: {names}", "record the sensor's own topic")
-    return np.array(stamps), np.array(rows).reshape(-1, 6), next(iter(frames), "")
+        if (frame := frame or message.header.frame_id) != message.header.frame_id:
+            names = f"{frame}, {message.header.frame_id}"
+            raise RecordingError(f"{bag}, {topic}", f"is in several frames: {names}", "record the sensor's own topic")
+        vectors = message.wrench.force, message.wrench.torque
+        yield stamp, [getattr(vector, axis) for vector in vectors for axis in "xyz"]
 
 
 def joint_names(reader: "AnyReader", topic: str) -> tuple[str, ...]:
@@ -155,20 +133,24 @@ def _messages(reader: "AnyReader", topic: str) -> Iterator[tuple[int, Any]]:
 
 
 def _table(
-    bag: Path, topic: str, names: Sequence[str], stamps: Stamps, rows: Array, form: RecordingFormat
-) -> ColumnTable:
-    """The rows in the order of their stamps; what was recorded twice counts once."""
-    source = f"{bag}, {topic}"
-    order = np.argsort(stamps, kind="stable")
-    stamps, rows = stamps[order], rows[order]
+    source: str, names: Sequence[str], samples: Iterator[tuple[int, list[float]]], form: RecordingFormat
+) -> ColumnTable | None:
+    """The samples in the order of their stamps; what was recorded twice counts once. None: there are none."""
+    at, numbers = array("q"), array("d")
+    for stamp, values in samples:
+        at.append(stamp)
+        numbers.extend(values)
+    if not at:
+        return None
+    order = np.argsort(at, kind="stable")
+    stamps, rows = np.array(at)[order], np.array(numbers).reshape(-1, len(names))[order]
     again = np.r_[False, (np.diff(stamps) == 0) & np.all(rows[1:] == rows[:-1], axis=1)]
     stamps, rows = stamps[~again], rows[~again]
     if not stamps[-1]:
         raise RecordingError(source, "its headers have no stamps", "use a driver that stamps its messages")
     ours, lines = {form.file_name(column): column for column in form.columns}, Lines(1, word="message")
-    values = {ours[name]: np.ascontiguousarray(rows[:, k]) for k, name in enumerate(names)}
-    table = ColumnTable(source, form, (STAMP, *names), values, stamps, form.tick, lines)
-    if len(stamps) < 2 or np.any(np.diff(stamps) <= 0):
-        return table  # the reader says why that is not a run
-    instants, _ = equal_steps(source, (stamps - stamps[0]) * form.tick, lines)
-    return replace(table, stamps=stamps[0] + np.rint(instants / form.tick).astype(np.int64))
+    columns = {ours[name]: np.ascontiguousarray(rows[:, k]) for k, name in enumerate(names)}
+    if len(stamps) > 1 and np.all(np.diff(stamps) > 0):  # else the reader says why that is not a run
+        instants, _ = equal_steps(source, (stamps - stamps[0]) * form.tick, lines)
+        stamps = stamps[0] + np.rint(instants / form.tick).astype(np.int64)
+    return ColumnTable(source, form, (STAMP, *names), columns, stamps, form.tick, lines)
