@@ -1,8 +1,4 @@
-"""A machine that is a serial chain of joints with the sensor behind the last: a robot, a five-axis table.
-
-`[machine.chain]` has the geometry, `[limits.motion]` of such a machine the motion of each joint; both list the joints
-from the base to the sensor. Coordinates are the positions of the joints.
-"""
+"""A machine that is a serial chain of joints with the sensor behind the last: a robot, a five-axis table."""
 
 import math
 import re

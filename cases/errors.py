@@ -1,8 +1,4 @@
-"""The one family of errors that hexcite raises on purpose.
-
-Every message is one line that names the place (file, key, row, block), the value, the limit and the remedy; the command
-line prints it and exits with 1.
-"""
+"""The one family of errors that hexcite raises on purpose: one line with place, value, limit and remedy."""
 
 import re
 from copy import copy
@@ -106,7 +102,4 @@ class FileProblem(HexciteError, OSError):
 
 
 class Interrupted(BaseException):
-    """Ctrl-C. Not a KeyboardInterrupt: the command-line library prints its own word for those.
-
-    Its argument is what the user reads instead of "nothing was written".
-    """
+    """Ctrl-C, with what the user reads; the command-line library has a word of its own for KeyboardInterrupt."""

@@ -6,7 +6,7 @@ import os
 import re
 import shutil
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import chain, count
 from pathlib import Path
@@ -59,10 +59,7 @@ def _mask() -> int:
 
 @contextmanager
 def atomic_file(path: Path) -> Iterator[Path]:
-    """Yields a path to write to; what was written appears under `path` only when the block ends without an error.
-
-    Raises FileProblem where the place cannot be written.
-    """
+    """Yields a path to write to; it appears as `path` when the block ends without an error. Raises FileProblem."""
     with _writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
@@ -84,10 +81,7 @@ def free_name(path: Path, separator: str = "-") -> Path:
 
 
 def output_place(named: Path | None, usual: Path, overwrite: bool, separator: str = "-") -> Path:
-    """Where a command writes: the place that was named with -o, else the usual one, or a free name beside it.
-
-    `separator` stands between the usual name and the number of a free one.
-    """
+    """Where a command writes: the place that was named with -o, else the usual one, or a free name beside it."""
     if named is not None:
         return named
     return usual if overwrite else free_name(usual, separator)
@@ -208,16 +202,6 @@ def write_text(path: Path, text: str) -> None:
 
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")  # of TOML, which needs no quotes
-
-
-def toml_text(values: Mapping[str, Any], table: str = "") -> str:
-    """TOML of plain values: tables as sections, those in lists inline."""
-    tables = {key: value for key, value in values.items() if isinstance(value, dict)}
-    lines = [f"{_toml_key(key)} = {toml_value(value)}" for key, value in values.items() if key not in tables]
-    lines = [*([f"[{table}]"] if table and (lines or not tables) else []), *lines]
-    for key, value in tables.items():
-        lines += ["", toml_text(value, f"{table}.{_toml_key(key)}" if table else _toml_key(key))]
-    return "\n".join(lines)
 
 
 def toml_value(value: Any) -> str:

@@ -124,10 +124,7 @@ class HexapodMachine(Part):
 
 
 class KeepOut(Part):
-    """A box in {B} that neither platform nor struts nor tools may enter: a table, a clamped workpiece, a neighbour.
-
-    Of the sides at least one is stated; a box with `z_mm` alone is a floor or a ceiling, one with `x_mm` alone a wall.
-    """
+    """A box in {B} that neither platform, struts nor tools may enter; `z_mm` alone is a floor, `x_mm` alone a wall."""
 
     name: str
     """What stands there; messages use it."""

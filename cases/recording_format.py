@@ -1,7 +1,4 @@
-"""How the recordings of a machine are written down: file format, names, units, clock, drives, accelerometer.
-
-What a file does not say about itself is stated here; where a format leaves something open there is no default.
-"""
+"""How the recordings of a machine are written: file format, names, units, clock, drives, accelerometer."""
 
 from collections.abc import Iterable, Mapping
 from enum import StrEnum
@@ -185,10 +182,7 @@ class TextFile(Part):
 
 
 class RecordingFormat(TextFile):
-    """How recordings of this case are to be read.
-
-    Units are those of our column names unless `units` says otherwise.
-    """
+    """How recordings of this case are read; units are those of our column names unless `units` says otherwise."""
 
     filter_cutoff_Hz: Positive | None = None
     """Zero-phase low-pass on forces and struts alike; needed where accelerations are differentiated."""

@@ -1,7 +1,4 @@
-"""The validated case: everything that hexcite knows about one machine and its sensors.
-
-Keys of the file carry their unit; properties without a unit in their name are SI and radians.
-"""
+"""The validated case: all that hexcite knows about a machine and its sensors; properties without a unit are in SI."""
 
 import hashlib
 import json
@@ -9,7 +6,6 @@ import math
 from collections.abc import Iterable, Iterator
 from functools import cached_property
 from itertools import accumulate
-from pathlib import Path
 from typing import Annotated, Literal, NoReturn
 
 from pydantic import Field, PrivateAttr, field_validator, model_validator
@@ -17,7 +13,6 @@ from pydantic import Field, PrivateAttr, field_validator, model_validator
 from cases.chain import Chain, JointMotionLimits, Limits, SerialMachine, joint_problems
 from cases.controller import Controller, ControllerName, Settings, Sinumerik, TwinCat
 from cases.errors import CaseError
-from cases.files import atomic_file, check_file, toml_text
 from cases.machine import HexapodMachine, MotionLimits, Workspace, box_problems
 from cases.poses import Poses
 from cases.recording_format import STRUTS, RecordingFormat
@@ -93,21 +88,6 @@ class Case(Heading):
     def load(cls, name: str) -> "Case":
         """Loads and validates a case; see `load_case`."""
         return read_tables(cls, find_case(name), "hexcite case check").found_at(lasting_name(name))
-
-    def save(self, path: Path | str, overwrite: bool = False) -> Path:
-        """Writes the case as TOML, which `load` reads back; values at their defaults are left out.
-
-        Args:
-            path: file that ends in .toml.
-            overwrite: whether a file that is there is replaced.
-
-        Raises:
-            FileProblem: the file exists, or cannot be written.
-        """
-        check_file(file := Path(path), (".toml",), overwrite=overwrite)
-        with atomic_file(file) as part:
-            part.write_text(toml_text(self.model_dump(mode="json", exclude_defaults=True)) + "\n", encoding="utf-8")
-        return file
 
     def __repr__(self) -> str:
         """Two lines: what it is, and which parts it has."""
@@ -257,10 +237,7 @@ class Case(Heading):
         return self.chain, self.limits.motion
 
     def need_motion(self, purpose: str) -> tuple[Array, MotionLimits | JointMotionLimits]:
-        """Coordinates at home, shape (n,) [m or rad], and limits of motion, whatever the machine is.
-
-        Raises CaseError where the case lacks one of them.
-        """
+        """Coordinates at home, shape (n,) [m or rad], and limits of motion; raises CaseError where one is missing."""
         if self.chain is not None:
             chain, limits = self.need_chain(purpose)
             return chain.home, limits
@@ -306,10 +283,7 @@ class Case(Heading):
 
     @cached_property
     def bodies(self) -> tuple[RigidBody, ...]:
-        """What the sensors may have to carry: the nominal body alone, with the first weight, with two and so on.
-
-        Empty where the case has no nominal body.
-        """
+        """The nominal body alone, with the first weight, with two and so on; empty where the case has none."""
         if self.nominal is None:
             return ()
         weights = self.payloads.weights if self.payloads is not None else ()

@@ -1,7 +1,4 @@
-"""Tables of TOML files: what they are made of, and from a file to its tables or one line that says what is wrong.
-
-They are made of strict numbers, ranges and points, each with its unit in the key that holds it.
-"""
+"""Tables of TOML files: strict numbers, ranges and points, and one line for each thing that is wrong in a file."""
 
 import difflib
 import os
@@ -134,10 +131,7 @@ def built_in_cases() -> dict[str, Path]:
 
 
 def find_case(name: str) -> Path:
-    """The case file that `name` means: a built-in name, a folder that holds `case.toml`, or a file.
-
-    Raises CaseError, which lists the built-in names, where there is none.
-    """
+    """The case file that `name` means: a built-in name, a folder with `case.toml`, or a file. Raises CaseError."""
     cases = built_in_cases()
     if name in cases:
         return cases[name]
@@ -157,10 +151,7 @@ def lasting_name(name: str) -> str:
 
 
 def read_tables(model: type[Tables], path: Path, all_by: str = "") -> Tables:
-    """Reads a TOML file and validates it by the model of its tables; raises CaseError for what is wrong with it.
-
-    `all_by` is the command that lists all problems, for a file that has several.
-    """
+    """Reads a TOML file by the model of its tables; raises CaseError. `all_by`: the command that lists all problems."""
     try:
         data = tomllib.loads(text := path.read_text(encoding="utf-8-sig"))
     except (OSError, UnicodeDecodeError) as error:

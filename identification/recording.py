@@ -136,10 +136,7 @@ def read(paths: Path | str | Sequence[Path | str], case: Case) -> Recording:
 
 
 def record_of(path: Path) -> Mapping[str, Any]:
-    """Entries of recording.json in a folder; empty where `path` is not such a folder.
-
-    Raises RecordingError where nothing is there, FileProblem where recording.json is damaged.
-    """
+    """Entries of recording.json in a folder, or none; raises RecordingError, FileProblem where it is damaged."""
     try:
         path.stat()
     except (OSError, ValueError) as error:
@@ -149,10 +146,7 @@ def record_of(path: Path) -> Mapping[str, Any]:
 
 
 def poses_of_record(record: Mapping[str, Any], coordinates: int) -> Array | None:
-    """Poses that a program measured, shape (n, coordinates); None where it measured a motion, or unknown.
-
-    Raises FileProblem where the entry is damaged.
-    """
+    """Poses that a program measured, shape (n, coordinates); None where it measured none. Raises FileProblem."""
     if not (entry := record.get("poses_m_rad")):
         return None
     with suppress(TypeError, ValueError):

@@ -105,10 +105,7 @@ def _require(table: ColumnTable, ours: str, good: Flags, problem: str, remedy: s
 
 
 def start_of(table: ColumnTable) -> Fraction:
-    """Time of the first sample [s], exact: a double has too few digits for epochs in ns.
-
-    Raises RecordingError where columns of one clock are shifted by different times.
-    """
+    """Time of the first sample [s], exact: a double has too few digits for epochs in ns. Raises RecordingError."""
     assert table.stamps is not None
     shifts = {
         table.form.clock.offset_s.get(name, 0.0) for name, columns in SHIFTED.items() if {*columns} & {*table.values}

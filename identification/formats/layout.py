@@ -20,10 +20,7 @@ _NUMERIC = 0.7  # share of a column's fields, from which on it is numeric
 
 
 def look_at_text(file: Path) -> tuple[list[str], list[str], dict[int, Array], dict[str, Any]]:
-    """Names and units in the header, values of columns of numbers by position, settings for `[recording]` that read it.
-
-    Raises RecordingError where it holds no table of numbers that the readers know.
-    """
+    """Names, units, values of columns of numbers by position, settings that read the file; raises RecordingError."""
     raw = read_head(file)
     if len(raw) > 1 and file.stat().st_size >= LONGEST_LINE:
         raw = raw[:-1]  # what was read ends somewhere in this line

@@ -1,7 +1,4 @@
-"""From files to the streams of a run: each in its format, recognised by its columns, on one time axis.
-
-The case names the format; what stands in the folder of a bag is one.
-"""
+"""From files to the streams of a run: each in its format, recognised by its columns, on one time axis."""
 
 import os
 from collections.abc import Callable, Iterable, Sequence

@@ -1,8 +1,4 @@
-"""What readers share: how text writes numbers, and columns that share their rows, with the place of each in its file.
-
-From the columns of files come the streams of a run. Clocks are here too: where samples were lost, and what the step
-between the others is.
-"""
+"""What readers share: how text writes numbers, columns with the place of each row in its file, streams, and clocks."""
 
 import csv
 import re

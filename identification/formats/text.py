@@ -1,8 +1,4 @@
-"""Tables as text, one row a sample: lines of names, then lines of numbers, separated by one character each.
-
-The case states what differs from `csv` as hexcite writes it: commas, points, one line of names, UTF-8. pyarrow reads
-the numbers; the first line that it cannot read is named.
-"""
+"""Tables as text, one row a sample, read by pyarrow; the first line that it cannot read is named."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -37,10 +33,7 @@ _TYPICAL = ("t_s", "l1_mm", "q1_mm", "x_mm", "r11", "ax", "f1_N", "fx_N")
 
 
 def read_head(file: Path) -> list[bytes]:
-    """The first lines of a text file without line breaks and byte order mark: more than any header has.
-
-    Raises RecordingError where there is no such file, or it is not text.
-    """
+    """The first lines of a text file, more than any header has, without line breaks; raises RecordingError."""
     require_file(file)
     try:
         with file.open("rb") as stream:
@@ -72,11 +65,7 @@ class Section(NamedTuple):
 
 
 def section_of(file: Path, header_rows: int, trailing_rows: int, columns: int) -> Section:
-    """The lines of a text file below its header, without trailing rows and blank lines at the end.
-
-    Of `trailing_rows` blank lines do not count; `columns` of it are wanted. Raises RecordingError where it cannot be
-    read.
-    """
+    """The lines below a header, without trailing rows and blank lines at the end; raises RecordingError."""
     first = header_rows + 1
     try:
         with file.open("rb") as stream:
@@ -257,10 +246,7 @@ def without(names: Iterable[str], form: RecordingFormat, wanted: Sequence[str] =
 def _explained(
     file: Path, block: Block, names: Sequence[str], wanted: Sequence[int], form: RecordingFormat, cause: str
 ) -> RecordingError:
-    """The error for lines that could not be read: the first that is to blame.
-
-    `wanted` are positions of fields that must be numbers; `cause` is what the parser said of other damage.
-    """
+    """The error for lines that could not be read: the first to blame; `wanted` fields must be numbers."""
     first, data = block
     last = first + data.count(b"\n")
     for number, line in enumerate(data.split(b"\n"), first):
