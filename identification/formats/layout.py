@@ -78,7 +78,7 @@ def _dialect(file: Path, lines: Sequence[str], encoding: str, scope: str | None)
             count = Counter(map(len, rows)).most_common(1)[0][0] if rows else 0
             columns = list(zip(*(row for row in rows if len(row) == count), strict=True))
             numbers = [
-                any(map(str.strip, column)) and np.mean([is_value(field, form) for field in column]) >= _NUMERIC
+                any(map(str.strip, column)) and sum(is_value(field, form) for field in column) >= _NUMERIC * len(column)
                 for column in columns
             ]
             if sum(numbers) > sum(numeric):
