@@ -118,7 +118,6 @@ CASE_FILE = "case.toml"
 ALSO = "; also: "  # between problems that one rule of the case as a whole finds
 Tables = TypeVar("Tables", bound=BaseModel)
 
-_COMMA = r"[+-]?\d+,\d+"
 _UNIT = re.compile(
     r"_(mm|cm|m|um|in|deg|rad|mrad|kg|g|t|kg_m2|s|ms|us|min|N|kN|Nm|N_m|Nm_m|Hz|kHz|cycles|mm_min|((mm|m|deg|rad)_s[23]?))$"
 )
@@ -153,13 +152,11 @@ def lasting_name(name: str) -> str:
 def read_tables(model: type[Tables], path: Path, all_by: str = "") -> Tables:
     """Reads a TOML file by the model of its tables; raises CaseError. `all_by`: the command that lists all problems."""
     try:
-        data = tomllib.loads(text := path.read_text(encoding="utf-8-sig"))
+        data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, UnicodeDecodeError) as error:
         raise CaseError(path, "", f"cannot be read ({error}); give a readable UTF-8 file") from error
     except tomllib.TOMLDecodeError as error:
-        comma = re.search(rf"^\s*\w+\s*=\s*{_COMMA}\s*(#.*)?$", text, re.MULTILINE)
-        hint = "write decimal points, not commas, and " if comma else ""
-        raise CaseError(path, "", f"is not TOML: {error}; {hint}correct that line") from error
+        raise CaseError(path, "", f"is not TOML: {error}; correct that line, numbers have decimal points") from error
     try:
         return model.model_validate(data)
     except ValidationError as error:
@@ -190,7 +187,11 @@ def _tag(part: int | str) -> str:
     return part[1:-1] if isinstance(part, str) and part.startswith("<") else ""
 
 
-_SHAPES = {"float_type": "a number, without quotes", "tuple_type": "a list", "model_type": "a table, { key = value }"}
+_SHAPES = {
+    "float_type": "a number, without quotes and with a point",
+    "tuple_type": "a list",
+    "model_type": "a table, { key = value }",
+}
 
 
 def _words(model: type[BaseModel], problem: ErrorDetails) -> str:
@@ -202,8 +203,6 @@ def _words(model: type[BaseModel], problem: ErrorDetails) -> str:
         return "is missing; add it"
     if kind == "value_error":
         return str(problem["ctx"]["error"])
-    if isinstance(value, str) and re.fullmatch(_COMMA, value.strip()):
-        return f"{value!r}: is text with a decimal comma; write {value.strip().replace(',', '.')}, without quotes"
     if kind in _SHAPES:
         return f"{value!r}: is not {_SHAPES[kind]}; write one"
     if kind in ("too_short", "too_long"):
