@@ -23,7 +23,6 @@ from cases.recording_format import (
     WRENCH,
     RecordingFormat,
     Role,
-    units_of,
 )
 from cases.schema import Case
 from cases.units import Array, as_html
@@ -213,7 +212,7 @@ def _units_of_values(values: Mapping[str, Array], case: Case | None) -> Iterator
 
 def _usual_unit(ours: str) -> str:
     """The unit that the name of a column of ours has."""
-    return "s" if ours == CLOCK else next(iter(units_of(ours)), "")
+    return "s" if ours == CLOCK else next(iter(ROLE_UNITS[ROLE_OF[ours]]), "") if ours in ROLE_OF else ""
 
 
 def _add_meaning(

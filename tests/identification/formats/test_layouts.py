@@ -54,16 +54,6 @@ def test_any_layout_that_the_case_states_is_read(
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
 
 
-def test_a_column_may_have_a_unit_of_its_own(tmp_path: Path) -> None:
-    numbers = RUN.numbers()
-    numbers[:, 3] /= 1000.0
-    numbers[:, 8] /= 1000.0
-    case = case_with(units={"l3_mm": "m", "f2_N": "kN"})
-    recording = read(written(tmp_path, csv(numbers)), case)
-    np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-8)
-    np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
-
-
 def test_names_of_a_table_without_any_come_from_the_case(tmp_path: Path) -> None:
     file = written(tmp_path, "\n".join(rows(RUN.numbers())))
     recording = read(file, case_with(column_names=NAMES))
