@@ -27,8 +27,7 @@ from cases.recording_format import (
 from cases.schema import Case
 from cases.units import Array, as_html
 from identification.formats.bags import KINDS, joint_names, opened, topic_of, topics_of
-from identification.formats.layout import look_at_text
-from identification.formats.naming import matched
+from identification.formats.layout import look_at_text, matched
 from identification.formats.reading import bag_of, is_bag, read_run, read_tables
 from identification.formats.table import listed
 
