@@ -57,13 +57,7 @@ def _of_arguments(text: str) -> str:
 
 
 class CaseError(HexciteError, ValueError):
-    """A case file does not describe a usable machine.
-
-    Args:
-        key: dotted path of the offending key, empty where the file as a whole is meant.
-        problem: what is wrong with which value, and how to mend it.
-        problems: all that is wrong with the file, each with its key, where more than this is known.
-    """
+    """A case file does not describe a usable machine; `problems` are all that were found, each with its dotted key."""
 
     def __init__(self, file: Path | str, key: str, problem: str, problems: tuple[str, ...] = ()) -> None:
         super().__init__(f"{file}: {key}" if key else file, problem)
@@ -83,13 +77,7 @@ class InfeasiblePlan(HexciteError, ValueError):
 
 
 class ProgramError(HexciteError, ValueError):
-    """A CNC program cannot be read or is not proven inside the limits.
-
-    Args:
-        line: line number, counted from 1; 0 where the file as a whole is meant.
-        column: column, counted from 1; 0 where the line as a whole is meant.
-        problem: what is wrong with which word, and how to mend it.
-    """
+    """A CNC program cannot be read or is not proven inside the limits; line and column count from 1, 0: no one."""
 
     def __init__(self, file: Path | str, line: int, column: int, problem: str) -> None:
         self.file, self.line, self.column = file, line, column

@@ -1,4 +1,4 @@
-"""An unknown text file: its separator, decimal sign and header, and what its columns are likely to mean by their names."""
+"""An unknown text file: its separator, decimal sign and header, and what its columns mean by their names."""
 
 import re
 from collections import Counter

@@ -1,15 +1,12 @@
 """`hexcite identify`: parameters with error bars from a recording; `hexcite look`: what one of unknown format holds."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import hexcite as hx
 from cases.files import RESULT, atomic_file, check_file, check_folder, output_place
 from planner.cli import console
 from planner.cli.console import argument, option, out
-
-if TYPE_CHECKING:
-    from identification.formats.look import Column
 
 
 def identify(
@@ -144,9 +141,8 @@ def look(
 
 def _show(report: "hx.Look", file: Path) -> None:
     if report.columns:
-        head = ("column", "meaning", "unit", "smallest", "largest", "taken from")
-        title = f"{report.file.name}: {report.rows} rows"
-        console.print_table(title, head, [_row(column) for column in report.columns], False)
+        rows = [[c.name, c.ours or "-", f"{c.unit} (a guess)" if c.guessed else c.unit] for c in report.columns]
+        console.print_table(f"{report.file.name}: {report.rows} rows", ("column", "meaning", "unit"), rows, False)
         print(f"rows per second: {'not known' if report.rate is None else f'{report.rate:.5g}'}")
     for odd in report.odd:
         print(f"look at: {odd}")
@@ -157,12 +153,3 @@ def _show(report: "hx.Look", file: Path) -> None:
         print("the file is read with this table; paste it into case.toml in place of its [recording]")
     else:
         print("the file is not read with this table yet: complete it as said above, then identify, or look again")
-
-
-def _row(column: "Column") -> list[str]:
-    from numpy import nanmax, nanmin
-
-    values = column.values
-    ends = [f"{nanmin(values):.6g}", f"{nanmax(values):.6g}"] if len(values) else ["text", ""]
-    source = "" if column.ours is None else "name, unit guessed" if column.guessed else "name"
-    return [column.name, column.ours or "-", column.unit, *ends, source]
