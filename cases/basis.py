@@ -20,12 +20,7 @@ _SHOWN = 60  # characters of a value
 
 
 def plan_basis(case: Case, payload: int = 0, poses: bool = False) -> dict[str, Any]:
-    """Values behind a plan by dotted key: machine, limits, sensors, gravity, the body and the payloads that were used.
-
-    Args:
-        payload: number of payloads mounted on the body; a range of the sensors counts all of them.
-        poses: whether it is a plan of poses, which depends on `[poses]` too.
-    """
+    """Values behind a plan by dotted key; `payload` weights are mounted on the body, `poses`: it is a plan of poses."""
     keys = (*_PLAN, *(["poses"] if poses else []))
     if case.sensors.force_noise_N is None:  # predictions take that of the simulated machine
         keys = (*keys, "simulation.force_noise_N")
@@ -84,10 +79,7 @@ def _leaves(name: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 
 def case_of(file: Path, about: Mapping[str, Any], again: str) -> Case:
-    """The case that entries of an artefact's file name; `again` says what makes such an artefact anew.
-
-    Raises CaseError where it cannot be read, FileProblem where the artefact names none.
-    """
+    """The case that an artefact's file names; `again` says how to make one anew. Raises CaseError or FileProblem."""
     name = about.get("case_file", about.get("case"))
     if not isinstance(name, str) or not name:
         raise FileProblem(file, "names no case", f"{again}, or name it with --case")
@@ -97,11 +89,7 @@ def case_of(file: Path, about: Mapping[str, Any], again: str) -> Case:
 
 
 def changes_since(about: Mapping[str, Any], now: Mapping[str, Any], case_hash: str) -> list[str]:
-    """What the case had when an artefact was computed and has no longer: key, old value, new value.
-
-    `now` are the values of the case today by dotted key; the hash is for artefacts of earlier versions, which know no
-    more.
-    """
+    """What the case had when an artefact was computed and has no longer: key, old value, new value."""
     then = about.get(KEPT)
     if not isinstance(then, Mapping):
         return [] if about.get("case_hash") == case_hash else ["something (it says no more than a fingerprint)"]

@@ -1,18 +1,13 @@
-"""A machine that is a serial chain of joints with the sensor behind the last: a robot, a five-axis table.
-
-`[machine.chain]` has the geometry, `[limits.motion]` of such a machine the motion of each joint; both list the joints
-from the base to the sensor. Coordinates are the positions of the joints.
-"""
+"""A machine that is a serial chain of joints with the sensor behind the last: a robot, a five-axis table."""
 
 import math
-import re
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import Annotated, ClassVar, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import AfterValidator, field_validator, model_validator
+from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from cases.machine import KeepOut, MotionLimits, Tool
 from cases.sensors import RigidBody
@@ -21,7 +16,6 @@ from cases.units import DEG, MM, Array
 
 MOST_JOINTS = 12
 LEAST_AXIS = 1e-6  # length of an axis below which it has no direction
-_NAME = re.compile(r"[A-Za-z][\w./-]*")  # a name in ROS, and of columns
 
 
 class ChainFrame(Part):
@@ -33,7 +27,7 @@ class ChainFrame(Part):
     """Roll, pitch and yaw of its axes, about fixed axes, in this order."""
 
     origin: ClassVar = si("origin_mm")  # its origin in the frame before it, shape (3,) [m]
-    rpy: ClassVar = si("rpy_deg")  # Roll, pitch, yaw, shape (3,) [rad]
+    rpy: ClassVar = si("rpy_deg")  # roll, pitch, yaw, shape (3,) [rad]
 
 
 class Joint(ChainFrame):
@@ -43,8 +37,8 @@ class Joint(ChainFrame):
     `position_mm`.
     """
 
-    name: str
-    """Name of the joint; messages use it."""
+    name: Annotated[str, Field(pattern=r"^[A-Za-z][\w./-]*$")]
+    """Name of the joint, as in ROS; messages use it."""
     kind: Literal["revolute", "continuous", "prismatic"]
     """Turns between ends (revolute), turns without ends (continuous), or slides (prismatic)."""
     axis: Vector
@@ -64,15 +58,6 @@ class Joint(ChainFrame):
     bodies: tuple[Tool, ...] = ()
     """Round bodies that cover the link, in the same frame; they stay out of boxes, and of links farther on."""
 
-    @field_validator("name")
-    @classmethod
-    def _nameable(cls, value: str) -> str:
-        if not _NAME.fullmatch(value):
-            raise ValueError(
-                f"{value!r} names a column and a word of programs; use letters, digits, _, -, . and /, a letter first"
-            )
-        return value
-
     @field_validator("axis")
     @classmethod
     def _directed(cls, value: tuple[float, float, float]) -> tuple[float, float, float]:
@@ -85,20 +70,15 @@ class Joint(ChainFrame):
         own, other = ("deg", "mm") if self.turns else ("mm", "deg")
         position, home = f"position_{own}", f"home_{own}"
         foreign = [f"position_{other}", f"home_{other}", "force_N" if self.turns else "torque_Nm"]
+        needed = [home] if self.kind == "continuous" else [home, position]
         for key in (*foreign, position) if self.kind == "continuous" else foreign:
             if getattr(self, key) is not None:
                 raise ValueError(f"{self.name} is {self.kind} and has no {key}; remove it or change the kind")
-        if getattr(self, home) is None:
-            raise ValueError(f"{self.name}: {home} is missing; say where its programs begin and end")
-        if getattr(self, position) is None and self.kind != "continuous":
-            also = ', or write kind = "continuous"' if self.kind == "revolute" else ""
-            raise ValueError(f"{self.name}: {position} is missing; give the lower and upper end of the joint{also}")
+        if missing := [key for key in needed if getattr(self, key) is None]:
+            raise ValueError(f"{self.name}: {', '.join(missing)} is missing; a {self.kind} joint has it, add it")
         low, high = self.position
         if not low <= self.home <= high:
-            raise ValueError(
-                f"{self.name}: {home} = {getattr(self, home):g} is outside {position} = "
-                f"{_range(getattr(self, position))}; choose a home within"
-            )
+            raise ValueError(f"{self.name}: {home} = {getattr(self, home):g} is outside {position}; choose one within")
         return self
 
     @property
@@ -141,7 +121,7 @@ def _distinct(joints: Joints) -> Joints:
 class Chain(Part):
     """Joints from the base to the sensor."""
 
-    joints: Annotated[tuple[Joint, ...], AfterValidator(_distinct)]
+    joints: Annotated[tuple[Joint, ...], Field(min_length=1, max_length=MOST_JOINTS), AfterValidator(_distinct)]
     """Joints from the base to the sensor."""
     sensor: ChainFrame = ChainFrame()
     """The sensor frame {P} in the last joint's moved frame."""
@@ -151,13 +131,6 @@ class Chain(Part):
     """Round bodies behind the sensor, in {P}: tool and workpiece."""
     keep_out: tuple[KeepOut, ...] = ()
     """Boxes in {B} that neither links nor tool may enter: floor, table, neighbour."""
-
-    @field_validator("joints")
-    @classmethod
-    def _some(cls, value: tuple[Joint, ...]) -> tuple[Joint, ...]:
-        if not 1 <= len(value) <= MOST_JOINTS:
-            raise ValueError(f"are {len(value)}; list 1 to {MOST_JOINTS}, from the base to the sensor")
-        return value
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -218,19 +191,14 @@ class JointLimit(Part):
 
     @model_validator(mode="after")
     def _complete(self) -> "JointLimit":
-        turning, sliding = ([key for key in keys if getattr(self, key) is not None] for keys in (_TURNING, _SLIDING))
-        if turning and sliding:
-            both = f"{turning[0]} and {sliding[0]}"
-            raise ValueError(f"{self.name} has {both}; a joint either turns or slides, remove one of them")
-        if missing := [key for key in self.keys if key not in (*turning, *sliding)]:
-            raise ValueError(f"{self.name}: {', '.join(missing)} missing; add what an excitation may use of it")
-        position = self.keys[0]
-        low, high = getattr(self, position)
+        stated = [key for key in (*_TURNING, *_SLIDING) if getattr(self, key) is not None]
+        if set(stated) != set(self.keys):
+            turning, sliding = ", ".join(_TURNING), ", ".join(_SLIDING)
+            problem = f"{self.name} has {', '.join(stated) or 'no limits'}"
+            raise ValueError(f"{problem}; give {turning} where it turns, else {sliding}")
+        low, high = getattr(self, position := self.keys[0])
         if not low < 0.0 < high:
-            raise ValueError(
-                f"{self.name}: {position} = {_range((low, high))} does not contain 0; positions are relative to home, "
-                "widen it"
-            )
+            raise ValueError(f"{self.name}: {position} does not contain 0; it is relative to home, widen it")
         return self
 
     @property
@@ -314,25 +282,16 @@ def joint_problems(chain: Chain, limits: JointMotionLimits) -> Iterator[str]:
     """Limits of motion that do not fit the chain, in words that name the keys."""
     names = tuple(limit.name for limit in limits.joints)
     if names != chain.names:
-        yield (
-            f"limits.motion.joints are {', '.join(names)}, but those of machine.chain are {', '.join(chain.names)}; "
-            "list the same joints in the same order"
-        )
+        yield f"limits.motion.joints are {', '.join(names)}; list those of machine.chain: {', '.join(chain.names)}"
         return
     for joint, limit, (low, high) in zip(chain.joints, limits.joints, limits.pose.T + chain.home[:, None], strict=True):
-        key = "position_deg" if joint.turns else "position_mm"
         if joint.turns != limit.turns:
-            yield f"limits.motion.joints: {joint.name} is {joint.kind}; give {key} and the units that go with it"
+            yield f"limits.motion.joints: {joint.name} is {joint.kind}; give the keys of such a joint"
         elif low < joint.position[0] or high > joint.position[1]:
-            yield (
-                f"limits.motion.joints: {joint.name} moves from {low / joint.unit:g} to {high / joint.unit:g}, home "
-                f"included, beyond its {key} = {_range(getattr(joint, key))}; narrow the limit or move home"
-            )
+            ends = " to ".join(f"{end / joint.unit:g}" for end in (low, high))
+            own = " to ".join(f"{end / joint.unit:g}" for end in joint.position)
+            yield f"limits.motion.joints: {joint.name} moves from {ends}, beyond {own}; narrow the limit or move home"
 
 
 def _columns(joints: Sequence[Joint | JointLimit]) -> tuple[str, ...]:
     return tuple(f"q{k}_{'deg' if joint.turns else 'mm'}" for k, joint in enumerate(joints, 1))
-
-
-def _range(ends: Sequence[float]) -> str:
-    return f"[{ends[0]:g}, {ends[1]:g}]"

@@ -1,8 +1,4 @@
-"""The one family of errors that hexcite raises on purpose.
-
-Every message is one line that names the place (file, key, row, block), the value, the limit and the remedy; the command
-line prints it and exits with 1.
-"""
+"""The one family of errors that hexcite raises on purpose: one line with place, value, limit and remedy."""
 
 import re
 from copy import copy
@@ -61,13 +57,7 @@ def _of_arguments(text: str) -> str:
 
 
 class CaseError(HexciteError, ValueError):
-    """A case file does not describe a usable machine.
-
-    Args:
-        key: dotted path of the offending key, empty where the file as a whole is meant.
-        problem: what is wrong with which value, and how to mend it.
-        problems: all that is wrong with the file, each with its key, where more than this is known.
-    """
+    """A case file does not describe a usable machine; `problems` are all that were found, each with its dotted key."""
 
     def __init__(self, file: Path | str, key: str, problem: str, problems: tuple[str, ...] = ()) -> None:
         super().__init__(f"{file}: {key}" if key else file, problem)
@@ -87,13 +77,7 @@ class InfeasiblePlan(HexciteError, ValueError):
 
 
 class ProgramError(HexciteError, ValueError):
-    """A CNC program cannot be read or is not proven inside the limits.
-
-    Args:
-        line: line number, counted from 1; 0 where the file as a whole is meant.
-        column: column, counted from 1; 0 where the line as a whole is meant.
-        problem: what is wrong with which word, and how to mend it.
-    """
+    """A CNC program cannot be read or is not proven inside the limits; line and column count from 1, 0: no one."""
 
     def __init__(self, file: Path | str, line: int, column: int, problem: str) -> None:
         self.file, self.line, self.column = file, line, column
@@ -106,7 +90,4 @@ class FileProblem(HexciteError, OSError):
 
 
 class Interrupted(BaseException):
-    """Ctrl-C. Not a KeyboardInterrupt: the command-line library prints its own word for those.
-
-    Its argument is what the user reads instead of "nothing was written".
-    """
+    """Ctrl-C, with what the user reads; the command-line library has a word of its own for KeyboardInterrupt."""

@@ -1,14 +1,13 @@
 """Files and folders that are either whole or absent, also when the process is killed while it writes."""
 
-import errno
 import hashlib
 import json
 import os
 import re
 import shutil
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from itertools import chain, count
 from pathlib import Path
 from typing import Any, NoReturn
@@ -27,23 +26,6 @@ RESULT = "a result", frozenset({"result.json", "identifiability.json", "plots", 
 COMPARISON = "a comparison", frozenset({"comparison.json", "report.html", "plots"})
 VALIDATION = "a validation", frozenset({"validation.json", "report.html", "plots", "plans", "programs"})
 DEMO = "a demo", frozenset({"plan", "excitation.ngc", "recording", "result", "report.html"})
-
-
-COMMANDS = {  # what stands in a folder of each kind, and the commands that take such a folder
-    "plan.json": (PLAN, "hexcite post, retime or compare"),
-    "recording.json": (RUN, "hexcite identify, force or compare"),
-    "result.json": (RESULT, "hexcite export, force, payload or compare"),
-    "comparison.json": (COMPARISON, "a browser: its report.html"),
-    "validation.json": (VALIDATION, "a browser: its report.html"),
-}
-
-
-def another_kind(folder: Path, wanted: str) -> str | None:
-    """What a folder is, and which commands read it, where it is ours but not of the kind that holds `wanted`."""
-    for file, ((name, _), takers) in COMMANDS.items():
-        if file != wanted and (folder / file).is_file():
-            return f"is {name} (it holds {file}); give it to {takers}"
-    return None
 
 
 def _flush(path: Path) -> None:
@@ -77,10 +59,7 @@ def _mask() -> int:
 
 @contextmanager
 def atomic_file(path: Path) -> Iterator[Path]:
-    """Yields a path to write to; what was written appears under `path` only when the block ends without an error.
-
-    Raises FileProblem where the place cannot be written.
-    """
+    """Yields a path to write to; it appears as `path` when the block ends without an error. Raises FileProblem."""
     with _writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
@@ -102,10 +81,7 @@ def free_name(path: Path, separator: str = "-") -> Path:
 
 
 def output_place(named: Path | None, usual: Path, overwrite: bool, separator: str = "-") -> Path:
-    """Where a command writes: the place that was named with -o, else the usual one, or a free name beside it.
-
-    `separator` stands between the usual name and the number of a free one.
-    """
+    """Where a command writes: the place that was named with -o, else the usual one, or a free name beside it."""
     if named is not None:
         return named
     return usual if overwrite else free_name(usual, separator)
@@ -202,32 +178,21 @@ def atomic_folder(path: Path, kind: FolderKind, overwrite: bool = False) -> Iter
 
 
 def _put(part: Path, path: Path, overwrite: bool) -> Path:
-    """Renames a folder to `path`, or to a free name where another stands there and stays; returns where it is.
-
-    Other commands may write the same folder at the same time: whoever comes first or last, each finds a place.
-    """
-    place, aside = path, list[Path]()
+    """Renames a folder to `path`, or to a free name where another stands there and stays; returns where it is."""
+    aside = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".old", dir=path.parent))
+    old = aside / path.name
     try:
-        while True:
-            try:
-                os.rename(part, place)
-                return place
-            except OSError as error:
-                if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
-                    raise
-            with suppress(FileNotFoundError):  # another command has just set it aside
-                if overwrite or not any(path.iterdir()):
-                    aside.append(Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".old", dir=path.parent)))
-                    os.rename(path, aside[-1] / path.name)
-                else:
-                    place = free_name(path)
+        if path.exists() and (overwrite or not any(path.iterdir())):
+            os.rename(path, old)
+        place = free_name(path)
+        os.rename(part, place)
+        return place
     except OSError:
-        if aside and not path.exists():
-            os.rename(aside[-1] / path.name, path)
+        if old.exists() and not path.exists():
+            os.rename(old, path)
         raise
     finally:
-        for old in aside:
-            shutil.rmtree(old, ignore_errors=True)
+        shutil.rmtree(aside, ignore_errors=True)
 
 
 def write_text(path: Path, text: str) -> None:
@@ -237,16 +202,6 @@ def write_text(path: Path, text: str) -> None:
 
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")  # of TOML, which needs no quotes
-
-
-def toml_text(values: Mapping[str, Any], table: str = "") -> str:
-    """TOML of plain values: tables as sections, those in lists inline."""
-    tables = {key: value for key, value in values.items() if isinstance(value, dict)}
-    lines = [f"{_toml_key(key)} = {toml_value(value)}" for key, value in values.items() if key not in tables]
-    lines = [*([f"[{table}]"] if table and (lines or not tables) else []), *lines]
-    for key, value in tables.items():
-        lines += ["", toml_text(value, f"{table}.{_toml_key(key)}" if table else _toml_key(key))]
-    return "\n".join(lines)
 
 
 def toml_value(value: Any) -> str:
@@ -276,11 +231,6 @@ def read_json(path: Path, made_by: str) -> dict[str, Any]:
     try:
         value = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse)
     except OSError as error:
-        if isinstance(error, FileNotFoundError) and (other := another_kind(path.parent, path.name)):
-            raise FileProblem(path.parent, other, f"here a folder that {made_by} writes is wanted") from error
-        if isinstance(error, NotADirectoryError):
-            place = f"name the folder {path.parent.parent}" if path.parent.name == path.name else f"{made_by} writes it"
-            raise FileProblem(path.parent, "is a file, not a folder", place) from error
         raise FileProblem(path, f"cannot be read ({_reason(error)})", f"{made_by} writes it") from error
     except ValueError as error:
         raise FileProblem(path, f"is not JSON ({error})", f"write it again with {made_by}") from error

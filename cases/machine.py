@@ -124,10 +124,7 @@ class HexapodMachine(Part):
 
 
 class KeepOut(Part):
-    """A box in {B} that neither platform nor struts nor tools may enter: a table, a clamped workpiece, a neighbour.
-
-    Of the sides at least one is stated; a box with `z_mm` alone is a floor or a ceiling, one with `x_mm` alone a wall.
-    """
+    """A box in {B} that neither platform, struts nor tools may enter; `z_mm` alone is a floor, `x_mm` alone a wall."""
 
     name: str
     """What stands there; messages use it."""
@@ -243,9 +240,7 @@ class MotionLimits(StrutLengths):
         for name in POSE:
             low, high = getattr(self, name)
             if not low < 0.0 < high:
-                raise ValueError(
-                    f"{name} = [{low:g}, {high:g}] does not contain 0; pose limits are relative to home, widen them"
-                )
+                raise ValueError(f"{name} = [{low:g}, {high:g}] does not contain 0; it is relative to home, widen it")
         return self
 
     @cached_property
@@ -276,13 +271,7 @@ def box_problems(workspace: Workspace, motion: MotionLimits) -> Iterator[str]:
     for name in ("x_mm", "y_mm"):
         inner, outer = getattr(motion, name), getattr(workspace, name)
         if inner[0] < outer[0] or inner[1] > outer[1]:
-            yield (
-                f"limits.motion.{name} = [{inner[0]:g}, {inner[1]:g}] reaches beyond workspace.{name} = "
-                f"[{outer[0]:g}, {outer[1]:g}]; the motion box must lie inside, narrow it or widen the workspace"
-            )
+            yield f"limits.motion.{name} = {inner} reaches beyond workspace.{name} = {outer}; narrow it or widen that"
     inner, outer = motion.strut_length_mm, workspace.strut_length_mm
     if max(inner[0], outer[0]) >= min(inner[1], outer[1]):
-        yield (
-            f"limits.motion.strut_length_mm = [{inner[0]:g}, {inner[1]:g}] and workspace.strut_length_mm = "
-            f"[{outer[0]:g}, {outer[1]:g}] have no length in common; correct one of them"
-        )
+        yield "limits.motion.strut_length_mm and workspace.strut_length_mm have no length in common; correct one"

@@ -1,8 +1,4 @@
-"""Poses of a case: the table `[poses]` of quasi-static measurement.
-
-The grid of candidate poses, what counts as a valid pose, and how long it is measured; a chain has no grid: its poses
-are searched for in the box of `[limits.motion]`.
-"""
+"""Poses of a case: the table `[poses]` of quasi-static measurement, with the grid of candidate poses of a hexapod."""
 
 import math
 from functools import cached_property

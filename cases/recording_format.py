@@ -1,7 +1,4 @@
-"""How the recordings of a machine are written down: file format, names, units, clock, drives, accelerometer.
-
-What a file does not say about itself is stated here; where a format leaves something open there is no default.
-"""
+"""How the recordings of a machine are written: file format, names, units, clock, drives, accelerometer."""
 
 from collections.abc import Iterable, Mapping
 from enum import StrEnum
@@ -48,7 +45,7 @@ _FORCE, _MOMENT = {"N": 1.0, "kN": 1e3, "mN": 1e-3}, {"Nm": 1.0, "Nmm": 1e-3, "k
 
 
 class Role(StrEnum):
-    """What columns hold that have units: one entry of `units` covers all columns of a role."""
+    """What columns hold that have units: one entry of `units` covers all of them."""
 
     STRUTS = "struts"
     DRIVES = "drives"
@@ -71,13 +68,8 @@ _ROLES: tuple[tuple[Role, Iterable[str], Mapping[str, float]], ...] = (
     (Role.MOMENTS, WRENCH[3:], _MOMENT),
     (Role.OVERRIDE, (OVERRIDE,), {"%": 0.01, "1": 1.0}),
 )
-ROLE_UNITS: Mapping[str, Mapping[str, float]] = {role: units for role, _, units in _ROLES}
+ROLE_UNITS: Mapping[Role, Mapping[str, float]] = {role: units for role, _, units in _ROLES}
 ROLE_OF = {column: role for role, columns, _ in _ROLES for column in columns}
-
-
-def units_of(name: str) -> Mapping[str, float]:
-    """Units that a role or column may have in a file, with their SI values; empty where it has none."""
-    return ROLE_UNITS.get(ROLE_OF.get(name, name), {})
 
 
 _ORTHOGONALITY = 1e-3  # of a mounting matrix, which is typed by hand with a few digits: beyond this it is no rotation
@@ -159,7 +151,7 @@ class Accelerometer(Part):
 
 
 class TextFile(Part):
-    """How files of text are laid out; these keys do not apply to Parquet files and ROS 2 bags."""
+    """How files of text are laid out; these keys do not apply to ROS 2 bags."""
 
     format: Literal["csv", "halsampler", "twincat-scope", "sinumerik-trace"] = "csv"
     """What wrote the file; `csv` is any table of text."""
@@ -185,10 +177,7 @@ class TextFile(Part):
 
 
 class RecordingFormat(TextFile):
-    """How recordings of this case are to be read.
-
-    Units are those of our column names unless `units` says otherwise.
-    """
+    """How recordings of this case are read; units are those of our column names unless `units` says otherwise."""
 
     filter_cutoff_Hz: Positive | None = None
     """Zero-phase low-pass on forces and struts alike; needed where accelerations are differentiated."""
@@ -196,8 +185,8 @@ class RecordingFormat(TextFile):
     """Rows per second of the recordings, or averages of so many: what predicted standard deviations count on."""
     columns: dict[str, str] = Field(default_factory=dict)
     """Our column name -> the file's, for files that use other names."""
-    units: dict[str, str] = Field(default_factory=dict)
-    """Our column name, or `struts`, `forces` and the like -> the file's unit."""
+    units: dict[Role, str] = Field(default_factory=dict)
+    """What columns hold, `struts`, `forces` and the like -> the file's unit."""
     clock: Clock = Clock()
     """The time stamps."""
     drives: Drives | None = None
@@ -216,11 +205,9 @@ class RecordingFormat(TextFile):
         for theirs in self.columns.values():
             if list(self.columns.values()).count(theirs) > 1:
                 raise ValueError(f"columns maps {theirs!r} to two of our columns; give each column one meaning")
-        for name, unit in self.units.items():
-            if name not in COLUMNS and name not in ROLE_UNITS:
-                raise ValueError(f"units: {name!r} is not a column; give {', '.join(ROLE_UNITS)} or one of our columns")
-            if unit not in units_of(name):
-                raise ValueError(f"units.{name} = {unit!r} is not known; give {', '.join(units_of(name)) or 'none'}")
+        for role, unit in self.units.items():
+            if unit not in ROLE_UNITS[role]:
+                raise ValueError(f"units.{role} = {unit!r} is not known; give {', '.join(ROLE_UNITS[role])}")
         return self
 
     @model_validator(mode="after")
@@ -244,12 +231,11 @@ class RecordingFormat(TextFile):
         return self.columns.get(ours, ours)
 
     def factor(self, ours: str) -> float:
-        """SI value of a column's unit in the file, by its own entry in `units`, its role's, or that of its name."""
-        role = ROLE_OF.get(ours)
-        if role is None:
+        """SI value of a column's unit in the file, by its role in `units`, or that of its name."""
+        if (role := ROLE_OF.get(ours)) is None:
             return 1.0
         factors = ROLE_UNITS[role]
-        return factors[self.units.get(ours, self.units.get(role, next(iter(factors))))]
+        return factors[self.units.get(role, next(iter(factors)))]
 
     @property
     def clock_unit(self) -> str:

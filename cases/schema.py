@@ -1,7 +1,4 @@
-"""The validated case: everything that hexcite knows about one machine and its sensors.
-
-Keys of the file carry their unit; properties without a unit in their name are SI and radians.
-"""
+"""The validated case: all that hexcite knows about a machine and its sensors; properties without a unit are in SI."""
 
 import hashlib
 import json
@@ -9,7 +6,6 @@ import math
 from collections.abc import Iterable, Iterator
 from functools import cached_property
 from itertools import accumulate
-from pathlib import Path
 from typing import Annotated, Literal, NoReturn
 
 from pydantic import Field, PrivateAttr, field_validator, model_validator
@@ -17,7 +13,6 @@ from pydantic import Field, PrivateAttr, field_validator, model_validator
 from cases.chain import Chain, JointMotionLimits, Limits, SerialMachine, joint_problems
 from cases.controller import Controller, ControllerName, Settings, Sinumerik, TwinCat
 from cases.errors import CaseError
-from cases.files import atomic_file, check_file, toml_text
 from cases.machine import HexapodMachine, MotionLimits, Workspace, box_problems
 from cases.poses import Poses
 from cases.recording_format import STRUTS, RecordingFormat
@@ -94,21 +89,6 @@ class Case(Heading):
         """Loads and validates a case; see `load_case`."""
         return read_tables(cls, find_case(name), "hexcite case check").found_at(lasting_name(name))
 
-    def save(self, path: Path | str, overwrite: bool = False) -> Path:
-        """Writes the case as TOML, which `load` reads back; values at their defaults are left out.
-
-        Args:
-            path: file that ends in .toml.
-            overwrite: whether a file that is there is replaced.
-
-        Raises:
-            FileProblem: the file exists, or cannot be written.
-        """
-        check_file(file := Path(path), (".toml",), overwrite=overwrite)
-        with atomic_file(file) as part:
-            part.write_text(toml_text(self.model_dump(mode="json", exclude_defaults=True)) + "\n", encoding="utf-8")
-        return file
-
     def __repr__(self) -> str:
         """Two lines: what it is, and which parts it has."""
         optional = ("machine", "workspace", "limits", "poses", "controller", "nominal", "simulation", "payloads")
@@ -122,9 +102,7 @@ class Case(Heading):
 
     @model_validator(mode="after")
     def _consistent(self) -> "Case":
-        rules = (self._kind, self._feed, self._noise, self._pose_error, self._box)
-        problems = [problem for rule in rules for problem in rule()]
-        if problems:
+        if problems := [*self._of_its_machine(), *self._of_its_sensors()]:
             raise ValueError(ALSO.join(problems))
         return self
 
@@ -139,91 +117,68 @@ class Case(Heading):
             )
         return value
 
-    def _kind(self) -> Iterator[str]:
-        """Problems of keys of a hexapod in a case with a chain, and the other way round."""
-        motion = None if self.limits is None else self.limits.motion
+    def _of_its_machine(self) -> Iterator[str]:
+        """Problems of tables that are those of another kind of machine, and of limits that do not fit it."""
+        motion, chain = None if self.limits is None else self.limits.motion, self.chain
         grid = {} if self.poses is None else self.poses.model_dump(exclude={"settle_s", "average_s"})
-        if (self.setup == "2x") != (self.sensor_frame.struts is not None):
-            yield 'setup "2x" and [sensor_frame.struts] belong together: sensors in the struts; change one of the two'
-        if self.setup == "R" and self.sensor_frame.transducer is None and self.chain is None:
-            yield 'setup "R" is a force/torque sensor: add [sensor_frame.transducer], or write the setup of the bars'
-        if self.sensor_frame.struts is not None and self.hexapod is None:
-            yield "sensor_frame.struts are those of a hexapod; add [machine] with base, platform and home"
-        if self.sensor_frame.struts is not None and self.sensors.acceleration_noise is not None:
+        own_axes = {
+            name: isinstance(settings, full) == (chain is not None)
+            for name, full in ((ControllerName.SINUMERIK, Sinumerik), (ControllerName.TWINCAT, TwinCat))
+            if (settings := getattr(self.controller, name, None)) is not None
+        }
+        of, like = ("a chain", "hexapod, or add [machine.chain]") if chain is None else ("a hexapod", "five_axis_table")
+        for key, wrong in {
+            "workspace": chain is not None and self.workspace is not None,
+            "limits.motion": motion is not None and isinstance(motion, MotionLimits) == (chain is not None),
+            "poses": any((value is None) == (chain is None) for value in grid.values()),
+            **{f"controller.{name}": wrong for name, wrong in own_axes.items()},
+        }.items():
+            if wrong:
+                yield f"{key} is that of {of}, or incomplete; write it as in the case {like}"
+        if chain is not None and isinstance(motion, JointMotionLimits):
+            yield from joint_problems(chain, motion)
+        if chain is None and isinstance(motion, MotionLimits):
+            if self.workspace is not None:
+                yield from box_problems(self.workspace, motion)
+            fastest = float(motion.rate[:3].min()) / MM * MINUTE
+            if self.controller is not None and not 0.0 < (self.controller.safe_feed_mm_min or 0.0) <= fastest:
+                yield (
+                    "controller.safe_feed_mm_min is missing or faster than limits.motion.velocity_mm_s; give the feed "
+                    f"of the first move, at most {fastest:g} mm/min"
+                )
+
+    def _of_its_sensors(self) -> Iterator[str]:
+        """Problems of sensors that do not belong to the setup or the machine, or whose noise is half stated."""
+        sensors, frame = self.sensors, self.sensor_frame
+        if (self.setup == "2x") != (frame.struts is not None) or (frame.struts is not None and self.hexapod is None):
+            yield 'setup "2x" goes with [sensor_frame.struts] and a hexapod: sensors in its struts; change one of them'
+        if (self.setup == "R" and self.chain is None and not frame.has_moments) or (
+            self.chain is not None and (self.setup != "R" or not frame.has_moments)
+        ):
+            yield (
+                'setup "R", and machine.chain, go with a force/torque sensor: write setup = "R" and '
+                "[sensor_frame.transducer], or the setup of the bars"
+            )
+        if frame.struts is not None and sensors.acceleration_noise is not None:
             yield "sensors: noise of accelerations is not counted yet where sensors sit in struts; remove it"
-        for name, full in ((ControllerName.SINUMERIK, Sinumerik), (ControllerName.TWINCAT, TwinCat)):
-            settings = getattr(self.controller, name, None)
-            if settings is not None and isinstance(settings, full) == (self.chain is not None):
-                key = "transformation" if name == ControllerName.SINUMERIK else "kinematic_id"
-                yield (
-                    f"controller.{name}.{key} is of a hexapod: a chain's programs move its own axes; remove it and the "
-                    "keys of paths"
-                    if self.chain is not None
-                    else f"controller.{name}.{key} is missing; a hexapod's programs need it, see cases/hexapod"
-                )
-        if not isinstance(self.machine, SerialMachine):
-            if isinstance(motion, JointMotionLimits):
-                yield "limits.motion.joints are of a chain; add [machine.chain], or give the limits of a pose"
-            if lacking := [key for key, value in grid.items() if value is None]:
-                yield f"poses: {', '.join(lacking)} missing; add the grid of candidates, as in the case hexapod"
-            return
-        if self.setup != "R" or self.sensor_frame.transducer is None:
+        if (sensors.moment_noise_Nm is not None) != (frame.has_moments and sensors.force_noise_N is not None):
             yield (
-                'machine.chain carries a force/torque sensor: write setup = "R" and [sensor_frame.transducer]; bars '
-                "with sensors are those of a hexapod"
+                "sensors.moment_noise_Nm goes with force_noise_N of a force/torque sensor, and sensors of forces do "
+                "without it; add or remove one"
             )
-        if self.workspace is not None:
-            yield "workspace is of a hexapod; a chain has its limits in machine.chain and limits.motion: remove it"
-        if any(value is not None for value in grid.values()):
-            yield "poses of a chain have settle_s and average_s alone; its candidates lie in limits.motion"
-        if isinstance(motion, MotionLimits):
-            yield "limits.motion is that of a hexapod; of a chain it lists joints = [{ name = .., .. }, ..]"
-        elif motion is not None:
-            yield from joint_problems(self.machine.chain, motion)
-
-    def _feed(self) -> Iterator[str]:
-        if self.controller is not None and self.limits is not None and isinstance(self.limits.motion, MotionLimits):
-            fastest = float(self.limits.motion.rate[:3].min())
-            if self.controller.safe_feed_mm_min is None:
-                yield "controller.safe_feed_mm_min is missing; add the feed of the first move, from anywhere to home"
-            elif self.controller.safe_feed > fastest:
-                yield (
-                    f"controller.safe_feed_mm_min = {self.controller.safe_feed_mm_min:g} is faster than "
-                    f"limits.motion.velocity_mm_s allows ({fastest / MM * MINUTE:g} mm/min); choose a smaller one"
-                )
-
-    def _noise(self) -> Iterator[str]:
-        force, moment = self.sensors.force_noise_N, self.sensors.moment_noise_Nm
-        if not self.sensor_frame.has_moments and moment is not None:
-            yield (f"sensors.moment_noise_Nm = {moment:g}, but its sensors measure forces only; remove it")
-        if self.sensor_frame.has_moments and (force is None) != (moment is None):
-            missing = "force_noise_N" if force is None else "moment_noise_Nm"
-            yield (f"sensors.{missing} is missing; a transducer has noise of forces and of moments, give both")
-        if force is None and (self.sensors.weights == "stated" or self.sensors.acceleration_noise is not None):
-            entry = 'weights = "stated"' if self.sensors.weights == "stated" else "noise of accelerations"
-            yield (f"sensors.force_noise_N is missing; {entry} goes with it, from the sensors' data sheet")
-
-    def _pose_error(self) -> Iterator[str]:
-        size, length = self.sensors.pose_error_N, self.sensors.pose_error_length_mm
-        if (size is None) != (length is None):
-            missing = "pose_error_N" if size is None else "pose_error_length_mm"
+        if sensors.force_noise_N is None and (sensors.weights == "stated" or sensors.acceleration_noise is not None):
             yield (
-                f"sensors.{missing} is missing; errors that depend on the pose have a size and a length: give both, as "
-                "hexcite identify prints them, or neither"
+                'sensors.force_noise_N is missing; weights = "stated" and noise of accelerations go with it, from the '
+                "sensors' data sheet"
             )
-        elif size is not None and (self.sensor_frame.bars is None or self.machine is None or self.setup == "1a"):
+        size = sensors.pose_error_N
+        if (size is None) != (sensors.pose_error_length_mm is None):
+            yield "sensors: pose_error_N or pose_error_length_mm is missing; give both, as hexcite identify prints them"
+        elif size is not None and (frame.bars is None or self.machine is None or self.setup == "1a"):
             yield (
                 f"sensors.pose_error_N = {size:g} is for bars that struts move (setup 1b); remove it and "
                 "pose_error_length_mm"
             )
-        elif size is not None and self.sensors.range_N is not None and size > self.sensors.range_N:
-            yield (
-                f"sensors.pose_error_N = {size:g} is more than sensors.range_N = {self.sensors.range_N:g}; give newtons"
-            )
-
-    def _box(self) -> Iterator[str]:
-        if self.workspace is not None and self.limits is not None and isinstance(self.limits.motion, MotionLimits):
-            yield from box_problems(self.workspace, self.limits.motion)
 
     @cached_property
     def gravity(self) -> Array:
@@ -282,10 +237,7 @@ class Case(Heading):
         return self.chain, self.limits.motion
 
     def need_motion(self, purpose: str) -> tuple[Array, MotionLimits | JointMotionLimits]:
-        """Coordinates at home, shape (n,) [m or rad], and limits of motion, whatever the machine is.
-
-        Raises CaseError where the case lacks one of them.
-        """
+        """Coordinates at home, shape (n,) [m or rad], and limits of motion; raises CaseError where one is missing."""
         if self.chain is not None:
             chain, limits = self.need_chain(purpose)
             return chain.home, limits
@@ -331,10 +283,7 @@ class Case(Heading):
 
     @cached_property
     def bodies(self) -> tuple[RigidBody, ...]:
-        """What the sensors may have to carry: the nominal body alone, with the first weight, with two and so on.
-
-        Empty where the case has no nominal body.
-        """
+        """The nominal body alone, with the first weight, with two and so on; empty where the case has none."""
         if self.nominal is None:
             return ()
         weights = self.payloads.weights if self.payloads is not None else ()

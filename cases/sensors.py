@@ -13,11 +13,7 @@ from cases.units import DEG, MM, Array
 
 
 class Disturbances(Part):
-    """Imperfections of the simulated machine that no identification model contains.
-
-    One set of values holds for all loads and methods. They are effective values, set so that the residuals come out
-    as large as measured ones; the source says whose.
-    """
+    """Imperfections of the simulated machine that no identification model contains; effective values for all loads."""
 
     source: str
     """Where the values come from."""

@@ -1,7 +1,4 @@
-"""Tables of TOML files: what they are made of, and from a file to its tables or one line that says what is wrong.
-
-They are made of strict numbers, ranges and points, each with its unit in the key that holds it.
-"""
+"""Tables of TOML files: strict numbers, ranges and points, and one line for each thing that is wrong in a file."""
 
 import difflib
 import os
@@ -121,7 +118,6 @@ CASE_FILE = "case.toml"
 ALSO = "; also: "  # between problems that one rule of the case as a whole finds
 Tables = TypeVar("Tables", bound=BaseModel)
 
-_COMMA = r"[+-]?\d+,\d+"
 _UNIT = re.compile(
     r"_(mm|cm|m|um|in|deg|rad|mrad|kg|g|t|kg_m2|s|ms|us|min|N|kN|Nm|N_m|Nm_m|Hz|kHz|cycles|mm_min|((mm|m|deg|rad)_s[23]?))$"
 )
@@ -134,10 +130,7 @@ def built_in_cases() -> dict[str, Path]:
 
 
 def find_case(name: str) -> Path:
-    """The case file that `name` means: a built-in name, a folder that holds `case.toml`, or a file.
-
-    Raises CaseError, which lists the built-in names, where there is none.
-    """
+    """The case file that `name` means: a built-in name, a folder with `case.toml`, or a file. Raises CaseError."""
     cases = built_in_cases()
     if name in cases:
         return cases[name]
@@ -157,18 +150,13 @@ def lasting_name(name: str) -> str:
 
 
 def read_tables(model: type[Tables], path: Path, all_by: str = "") -> Tables:
-    """Reads a TOML file and validates it by the model of its tables; raises CaseError for what is wrong with it.
-
-    `all_by` is the command that lists all problems, for a file that has several.
-    """
+    """Reads a TOML file by the model of its tables; raises CaseError. `all_by`: the command that lists all problems."""
     try:
-        data = tomllib.loads(text := path.read_text(encoding="utf-8-sig"))
+        data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, UnicodeDecodeError) as error:
         raise CaseError(path, "", f"cannot be read ({error}); give a readable UTF-8 file") from error
     except tomllib.TOMLDecodeError as error:
-        comma = re.search(rf"^\s*\w+\s*=\s*{_COMMA}\s*(#.*)?$", text, re.MULTILINE)
-        hint = "write decimal points, not commas, and " if comma else ""
-        raise CaseError(path, "", f"is not TOML: {error}; {hint}correct that line") from error
+        raise CaseError(path, "", f"is not TOML: {error}; correct that line, numbers have decimal points") from error
     try:
         return model.model_validate(data)
     except ValidationError as error:
@@ -199,7 +187,11 @@ def _tag(part: int | str) -> str:
     return part[1:-1] if isinstance(part, str) and part.startswith("<") else ""
 
 
-_SHAPES = {"float_type": "a number, without quotes", "tuple_type": "a list", "model_type": "a table, { key = value }"}
+_SHAPES = {
+    "float_type": "a number, without quotes and with a point",
+    "tuple_type": "a list",
+    "model_type": "a table, { key = value }",
+}
 
 
 def _words(model: type[BaseModel], problem: ErrorDetails) -> str:
@@ -211,8 +203,6 @@ def _words(model: type[BaseModel], problem: ErrorDetails) -> str:
         return "is missing; add it"
     if kind == "value_error":
         return str(problem["ctx"]["error"])
-    if isinstance(value, str) and re.fullmatch(_COMMA, value.strip()):
-        return f"{value!r}: is text with a decimal comma; write {value.strip().replace(',', '.')}, without quotes"
     if kind in _SHAPES:
         return f"{value!r}: is not {_SHAPES[kind]}; write one"
     if kind in ("too_short", "too_long"):

@@ -1,7 +1,4 @@
-"""The constants that turn file units into SI and back, in one place.
-
-`value_SI = value_in_file * CONSTANT`.
-"""
+"""The constants that turn file units into SI and back: `value_SI = value_in_file * CONSTANT`."""
 
 import math
 from html import escape

@@ -9,9 +9,8 @@ import re
 from collections.abc import Iterator, Mapping
 from functools import reduce
 from pathlib import Path
-from typing import NoReturn
+from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
-from xml.parsers import expat
 
 import numpy as np
 from pydantic import ValidationError
@@ -25,8 +24,8 @@ from cases.units import DEG, MM, Array
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 _MOST = 1e6  # of any number, in units of SI: beyond any machine
 _MOVING = ("revolute", "continuous", "prismatic")
-_FILE, _LINE, _PARENT, _CHILD = "#file", "#line", "#parent", "#child"
-"""Keys of an element's place and of a joint's links, which no attribute can have."""
+_PARENT, _CHILD = "#parent", "#child"
+"""Keys of a joint's links, which no attribute can have."""
 
 
 def read_urdf(file: Path, flange: str | None) -> tuple[str, list[tuple[Joint, JointLimit]], ChainFrame]:
@@ -35,12 +34,28 @@ def read_urdf(file: Path, flange: str | None) -> tuple[str, list[tuple[Joint, Jo
     Joints and their limits are those of a case, as far as a URDF states them: some of their keys are missing. Raises
     CaseError where the file is not a sound tree, or not sound on the way to the link `flange` that carries the sensor.
     """
-    root = _parsed(file)
+    try:
+        text = file.read_bytes()
+        if b"<!DOCTYPE" in text:
+            raise ValueError("has a DOCTYPE, which a URDF does not need; remove it")
+        if b"xacro:" in text or b"${" in text:
+            raise ValueError("is xacro, not URDF; expand it first: xacro FILE.urdf.xacro > robot.urdf")
+        return _chain(ElementTree.fromstring(text), flange)
+    except OSError as error:
+        raise CaseError(file, "", f"cannot be read ({error.strerror}); name a readable URDF file") from error
+    except (ElementTree.ParseError, LookupError) as error:
+        raise CaseError(file, "", f"is not XML: {error}; correct that line") from error
+    except ValueError as error:
+        raise CaseError(file, "", str(error)) from error
+
+
+def _chain(root: Element, flange: str | None) -> tuple[str, list[tuple[Joint, JointLimit]], ChainFrame]:
+    """As `read_urdf`; raises ValueError."""
     links = _named(root, "link")
     carriers = _carriers(root, links)
     if flange not in links:
         problem = f"has no link {flange}" if flange else "does not say which link carries the sensor"
-        raise CaseError(file, "", f"{problem}; name one of {', '.join(links)} with --flange")
+        raise ValueError(f"{problem}; name one of {', '.join(links)} with --flange")
     way, base = list[Element](), flange
     while base in carriers:
         way.insert(0, carriers[base])
@@ -53,42 +68,8 @@ def read_urdf(file: Path, flange: str | None) -> tuple[str, list[tuple[Joint, Jo
             joints.append(_joint(element, place, reduce(together, bodies) if bodies else None))
             place = np.eye(4)
     if not joints:
-        raise CaseError(file, "", f"no joint moves link {flange}; name another one of {', '.join(links)} with --flange")
+        raise ValueError(f"no joint moves link {flange}; name another one of {', '.join(links)} with --flange")
     return base, joints, _frame(place)
-
-
-def _parsed(file: Path) -> Element:
-    """The root element, read by expat, which gives line numbers and can refuse a DOCTYPE before anything expands."""
-    parser = expat.ParserCreate()
-    document = Element("")
-    open_elements = [document]
-
-    def refuse(problem: str) -> NoReturn:
-        raise CaseError(file, f"line {parser.CurrentLineNumber}", problem)
-
-    def start(tag: str, attributes: dict[str, str]) -> None:
-        if tag.startswith("xacro:") or any("${" in value or "$(" in value for value in attributes.values()):
-            refuse("is xacro, not URDF; expand it first: xacro FILE.urdf.xacro > robot.urdf")
-        element = Element(tag, attributes | {_FILE: str(file), _LINE: str(parser.CurrentLineNumber)})
-        open_elements[-1].append(element)
-        open_elements.append(element)
-
-    parser.StartElementHandler = start
-    parser.EndElementHandler = lambda tag: open_elements.pop()
-    parser.StartDoctypeDeclHandler = lambda *_: refuse("has a DOCTYPE, which a URDF does not need; remove it")
-    try:
-        parser.Parse(file.read_bytes(), True)
-    except CaseError:
-        raise
-    except OSError as error:
-        raise CaseError(file, "", f"cannot be read ({error.strerror}); name a readable URDF file") from error
-    except (expat.ExpatError, ValueError, LookupError) as error:
-        refuse(f"is not XML: {error}; correct that line")
-    return document[0]
-
-
-def _refuse(element: Element, problem: str) -> NoReturn:
-    raise CaseError(element.attrib[_FILE], f"line {element.attrib[_LINE]}", problem)
 
 
 def _named(root: Element, tag: str) -> dict[str, Element]:
@@ -97,11 +78,11 @@ def _named(root: Element, tag: str) -> dict[str, Element]:
     for element in root.findall(tag):
         name = element.get("name", "").strip()
         if not name or name in elements:
-            _refuse(element, f"a {tag} has the name {name!r}; give each {tag} a name of its own")
+            raise ValueError(f"a {tag} has the name {name!r}; give each {tag} a name of its own")
         element.set("name", name)
         elements[name] = element
     if not elements:
-        _refuse(root, f"<{root.tag}> holds no {tag}; name a complete URDF file")
+        raise ValueError(f"<{root.tag}> holds no {tag}; name a complete URDF file")
     return elements
 
 
@@ -112,16 +93,16 @@ def _carriers(root: Element, links: Mapping[str, Element]) -> dict[str, Element]
         for side, key in (("parent", _PARENT), ("child", _CHILD)):
             link = next((end.get("link", "") for end in joint.findall(side)), "")
             if link not in links:
-                _refuse(joint, f"joint {name} has the {side} {link!r}, but there is no such link; correct the name")
+                raise ValueError(f"joint {name} has the {side} {link!r}, but there is no such link; correct the name")
             joint.set(key, link)
         if (other := carriers.setdefault(link, joint)) is not joint:
             both = f"joints {other.attrib['name']} and {name}"
-            _refuse(joint, f"link {link} has two parents, {both}; remove one of them")
+            raise ValueError(f"link {link} has two parents, {both}; remove one of them")
     reachable = {next((link for link in links if link not in carriers), "")}
     while more := {link for link, joint in carriers.items() if joint.attrib[_PARENT] in reachable} - reachable:
         reachable |= more
     if apart := [link for link in links if link not in reachable]:
-        _refuse(links[apart[0]], f"links {', '.join(apart)} are not joined to one root; a URDF is a tree, join them")
+        raise ValueError(f"links {', '.join(apart)} are not joined to one root; a URDF is a tree, join them")
     return carriers
 
 
@@ -129,7 +110,7 @@ def _moves(joint: Element) -> bool:
     kind = "mimic" if joint.find("mimic") is not None else joint.get("type", "")
     if kind not in (*_MOVING, "fixed"):
         problem = f"joint {joint.attrib['name']} is {kind}, which no program moves"
-        _refuse(joint, f"{problem}; choose a --flange before it, or {', '.join(_MOVING)} or fixed")
+        raise ValueError(f"{problem}; choose a --flange before it, or {', '.join(_MOVING)} or fixed")
     return kind != "fixed"
 
 
@@ -140,7 +121,7 @@ def _joint(joint: Element, place: Array, link: RigidBody | None) -> tuple[Joint,
     for element in joint.findall("axis"):
         axis = _numbers(element, "xyz", f"axis of joint {name}")
         if np.linalg.norm(axis) < LEAST_AXIS:
-            _refuse(element, f"the axis of joint {name} has no direction; give one, such as 0 0 1")
+            raise ValueError(f"the axis of joint {name} has no direction; give one, such as 0 0 1")
     unit, si, effort_key = ("mm", MM, "force_N") if kind == "prismatic" else ("deg", DEG, "torque_Nm")
     stated = _frame(place).model_dump() | {"name": name, "kind": kind, "axis": tuple(axis / np.linalg.norm(axis))}
     limits = JointLimit.model_construct(name=name)
@@ -152,14 +133,14 @@ def _joint(joint: Element, place: Array, link: RigidBody | None) -> tuple[Joint,
         )
         if velocity <= 0.0 or effort < 0.0 or lower >= upper:
             values = f"velocity {velocity:g}, effort {effort:g}, lower {lower:g}, upper {upper:g}"
-            _refuse(limit, f"joint {name} has {values}; give a speed, an effort from 0 on, and lower below upper")
+            raise ValueError(f"joint {name} has {values}; give a speed, an effort from 0 on, and lower below upper")
         limits = limits.model_copy(update={f"velocity_{unit}_s": velocity / si})
         if effort > 0.0:
             stated[effort_key] = effort
         if kind != "continuous":
             stated[f"position_{unit}"] = lower / si, upper / si
     elif kind != "continuous":
-        _refuse(joint, f"joint {name} has no limit; add <limit lower=.. upper=.. velocity=.. effort=.. />")
+        raise ValueError(f"joint {name} has no limit; add <limit lower=.. upper=.. velocity=.. effort=.. />")
     return Joint.model_construct(**stated, link=link), limits
 
 
@@ -181,7 +162,7 @@ def _bodies(
 def _body(link: str, inertial: Element, at: Array) -> RigidBody | None:
     mass_element, tensor = inertial.find("mass"), inertial.find("inertia")
     if mass_element is None or tensor is None:
-        _refuse(inertial, f"link {link} has an inertial without mass or inertia; add them or remove it")
+        raise ValueError(f"link {link} has an inertial without mass or inertia; add them or remove it")
     mass = float(_numbers(mass_element, "value", f"mass of link {link}")[0])
     ixx, ixy, ixz, iyy, iyz, izz = entries = [
         float(_numbers(tensor, key, f"inertia of link {link}")[0]) for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
@@ -195,7 +176,7 @@ def _body(link: str, inertial: Element, at: Array) -> RigidBody | None:
         return rigid_body(mass, place[:3, 3], inertia)
     except ValidationError as error:
         words = error.errors(include_url=False)[0]["msg"].removeprefix("Value error, ")
-        _refuse(inertial, f"link {link}: mass {mass:g}: {words}; correct the inertial or remove it")
+        raise ValueError(f"link {link}: mass {mass:g}: {words}; correct the inertial or remove it") from error
 
 
 def _frame(place: Array) -> ChainFrame:
@@ -224,5 +205,5 @@ def _numbers(element: Element, key: str, of: str, default: str | None = None) ->
     text, count = element.get(key, default), 3 if key in ("xyz", "rpy") else 1
     words = "" if text is None else text.split()
     if len(words) != count or any(not _NUMBER.fullmatch(word) or abs(float(word)) > _MOST for word in words):
-        _refuse(element, f"{key} of the {of} is {text!r}; it takes {count} of numbers up to {_MOST:g}, correct it")
+        raise ValueError(f"{key} of the {of} is {text!r}; it takes {count} of numbers up to {_MOST:g}, correct it")
     return np.array([float(word) for word in words])

@@ -17,7 +17,7 @@ import numpy as np
 
 from cases.basis import KEPT, case_of, recording_basis, require_unchanged
 from cases.errors import FileProblem, RecordingError
-from cases.files import RUN, another_kind, atomic_folder, check_folder, json_text, read_json
+from cases.files import RUN, atomic_folder, check_folder, json_text, read_json
 from cases.recording_format import ACCELEROMETER, CLOCK, OVERRIDE, ROLE_OF, ROTATION, TRIGGER, Role
 from cases.schema import Case
 from cases.tables import own_units
@@ -73,7 +73,6 @@ class Recording(Stream):
             FileProblem: its case has changed, and `stale` is not set.
         """
         place = Path(paths) if isinstance(paths, Path | str) else Path(paths[0])
-        require_recording(place)
         if case is not None:
             return read(paths, case)
         record = record_of(place)
@@ -150,18 +149,8 @@ def read(paths: Path | str | Sequence[Path | str], case: Case) -> Recording:
     return Recording(**own, others=tuple(others), case=case, paths=tuple(places), record=record)
 
 
-def require_recording(path: Path) -> None:
-    """Refuses a folder of another kind; raises RecordingError."""
-    recorded = any((path / f"recording.{suffix}").is_file() for suffix in ("json", "csv", "parquet"))
-    if not recorded and (other := another_kind(path, "recording.json")):
-        raise RecordingError(path, other, "here a recording is wanted, such as hexcite run writes")
-
-
 def record_of(path: Path) -> Mapping[str, Any]:
-    """Entries of recording.json in a folder; empty where `path` is not such a folder.
-
-    Raises RecordingError where nothing is there, FileProblem where recording.json is damaged.
-    """
+    """Entries of recording.json in a folder, or none; raises RecordingError, FileProblem where it is damaged."""
     try:
         path.stat()
     except (OSError, ValueError) as error:
@@ -171,10 +160,7 @@ def record_of(path: Path) -> Mapping[str, Any]:
 
 
 def poses_of_record(record: Mapping[str, Any], coordinates: int) -> Array | None:
-    """Poses that a program measured, shape (n, coordinates); None where it measured a motion, or unknown.
-
-    Raises FileProblem where the entry is damaged.
-    """
+    """Poses that a program measured, shape (n, coordinates); None where it measured none. Raises FileProblem."""
     if not (entry := record.get("poses_m_rad")):
         return None
     with suppress(TypeError, ValueError):

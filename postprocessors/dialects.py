@@ -8,7 +8,7 @@ from pathlib import Path
 
 from cases.controller import ControllerName
 from cases.errors import HexciteError, ProgramError
-from cases.files import another_kind, atomic_file, check_file
+from cases.files import atomic_file, check_file
 from cases.schema import Case
 from cases.units import as_html
 from identification.precision import limit_lines
@@ -209,8 +209,6 @@ def read_program(file: Path | str, case: Case, name: str | None = None) -> Progr
         CaseError: the case lacks what its dialect needs.
     """
     path = Path(file)
-    if other := another_kind(path, ""):
-        raise ProgramError(path, 0, 0, f"{other}; here a program file is wanted, such as hexcite post writes")
     spoken = dialect_of_file(str(path)) if name is None else dialect(name)
     try:
         content = path.read_bytes()

@@ -17,13 +17,13 @@ from cases.recording_format import (
     CLOCK,
     DRIVES,
     OVERRIDE,
+    ROLE_UNITS,
     ROTATION,
     SHIFTED,
     STRUTS,
     TRIGGER,
     RecordingFormat,
     Role,
-    units_of,
 )
 from cases.schema import Case
 from cases.units import MM, Array, Flags, Indices
@@ -105,10 +105,7 @@ def _require(table: ColumnTable, ours: str, good: Flags, problem: str, remedy: s
 
 
 def start_of(table: ColumnTable) -> Fraction:
-    """Time of the first sample [s], exact: a double has too few digits for epochs in ns.
-
-    Raises RecordingError where columns of one clock are shifted by different times.
-    """
+    """Time of the first sample [s], exact: a double has too few digits for epochs in ns. Raises RecordingError."""
     assert table.stamps is not None
     shifts = {
         table.form.clock.offset_s.get(name, 0.0) for name, columns in SHIFTED.items() if {*columns} & {*table.values}
@@ -209,16 +206,12 @@ def _require_reach(stream: Stream, case: Case, form: RecordingFormat) -> None:
         return
     low, high = case.workspace.strut_length
     middle = float(np.median(np.abs(stream.struts[:_FIRST])))
-    if low <= middle <= high:
-        return
     written = middle / form.factor(STRUTS[0])
-    for unit, factor in units_of(Role.STRUTS).items():
-        if low <= written * factor <= high:
-            raise RecordingError(
-                f"{stream.source}, {stream.lines.place(0)}",
-                f"struts of {middle / MM:.4g} mm where the workspace has {low / MM:g} to {high / MM:g} mm",
-                f"they seem to be in {unit}: set recording.units.struts = '{unit}'",
-            )
+    fitting = [unit for unit, factor in ROLE_UNITS[Role.STRUTS].items() if low <= written * factor <= high]
+    if fitting and not low <= middle <= high:
+        problem = f"struts of {middle / MM:.4g} mm where the workspace has {low / MM:g} to {high / MM:g} mm"
+        remedy = f"they seem to be in {fitting[0]}: set recording.units.struts = '{fitting[0]}'"
+        raise RecordingError(f"{stream.source}, {stream.lines.place(0)}", problem, remedy)
 
 
 MOST_MISSING = 0.3  # of a column's rows; one with more is sampled at another rate, or is broken

@@ -1,8 +1,4 @@
-"""What readers share: how text writes numbers, and columns that share their rows, with the place of each in its file.
-
-From the columns of files come the streams of a run. Clocks are here too: where samples were lost, and what the step
-between the others is.
-"""
+"""What readers share: how text writes numbers, columns with the place of each row in its file, streams, and clocks."""
 
 import csv
 import re
@@ -70,14 +66,12 @@ def split(line: str, separator: str) -> list[str]:
         return line.split(separator)
 
 
-def missing_fields(form: RecordingFormat) -> tuple[str, ...]:
-    """Fields that stand for no value; of a sampler, which measures every one, an empty field is an error."""
-    return () if form.format == "halsampler" else ("", " ")
+MISSING = ("", " ")  # fields that stand for no value
 
 
 def is_value(text: str, form: RecordingFormat) -> bool:
     """Whether a field can be read."""
-    if text in missing_fields(form):
+    if text in MISSING:
         return True
     if form.decimal == ",":
         return "." not in text and is_number(text.replace(",", ".", 1))
@@ -183,10 +177,9 @@ class Stream:
         changed = crowded(gaps)
         if changed is not None or np.any(off & ~gaps):
             row = int(np.argmax(off & ~gaps)) if changed is None else changed
-            more = f" (and {off.sum() - 1} more that differ)" if off.sum() > 1 else ""
             raise RecordingError(
                 f"{self.source}, {self.lines.place(row + 1)}, t_s",
-                f"step of {steps[row] * 1e3:.4g} ms{more}, not a gap, where the run has {usual * 1e3:.4g} ms",
+                f"step of {steps[row] * 1e3:.4g} ms that is not a gap, where the run has {usual * 1e3:.4g} ms",
                 "export the run at one rate",
             )
         return float(steps[~gaps].mean())
@@ -199,8 +192,7 @@ def require_file(file: Path) -> None:
     except (OSError, ValueError) as error:
         raise unreadable(file, error) from error
     if not stat.S_ISREG(about.st_mode):
-        reason = "it is a folder" if stat.S_ISDIR(about.st_mode) else "it is not a regular file"
-        raise RecordingError(file, f"cannot be read ({reason})", "give a recording's CSV or folder")
+        raise RecordingError(file, "cannot be read (it is not a regular file)", "give a recording's CSV or folder")
     if about.st_size == 0:
         raise RecordingError(file, "is empty", "record again")
 
@@ -212,11 +204,10 @@ def require_room(file: Path, rows: int, columns: int, others: int = 0) -> None:
     """Raises RecordingError where a run takes more than half of the free memory; `others` are its other numbers."""
     most = free_memory() // (2 * BYTES)
     if others + rows * columns > most:
-        size = sum(part.stat().st_size for part in (file.iterdir() if file.is_dir() else [file]))
         raise RecordingError(
-            f"{file}{' and the files before it' if others else ''}",
-            f"{size / 1e9:.3g} GB in the file hold more than {most:,} numbers, and to evaluate these takes more than "
-            f"half of the free memory ({2e-09 * BYTES * most:.3g} GB)",
+            file,
+            f"{others + rows * columns:,} numbers in this run take more than half of the free memory to be evaluated "
+            f"({2e-09 * BYTES * most:.3g} GB)",
             f"cut the run, at most {most // columns:,} rows of {columns} columns fit, or free memory",
         )
 

@@ -1,8 +1,4 @@
-"""Tables as text, one row a sample: lines of names, then lines of numbers, separated by one character each.
-
-The case states what differs from `csv` as hexcite writes it: commas, points, one line of names, UTF-8. pyarrow reads
-the numbers; the first line that it cannot read is named.
-"""
+"""Tables as text, one row a sample, read by pyarrow; the first line that it cannot read is named."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -15,13 +11,13 @@ import pyarrow.csv as pacsv
 from cases.errors import RecordingError
 from cases.recording_format import CLOCK, COLUMNS, RecordingFormat
 from identification.formats.table import (
+    MISSING,
     Block,
     ColumnTable,
     Lines,
     is_value,
     lines_of,
     listed,
-    missing_fields,
     require_file,
     require_room,
     shown,
@@ -32,15 +28,12 @@ from identification.formats.table import (
 PART = 1 << 22  # bytes that are read at a time
 LONGEST_LINE = 1 << 20  # bytes; a recording of a thousand channels stays far below
 _MARK = b"\xef\xbb\xbf"  # of UTF-8, as Windows editors write it
-_NOT_TEXT = (b"\xff\xfe", b"\xfe\xff", b"PK\x03\x04", b"\x1f\x8b")  # how UTF-16, ZIP (workbooks too) and gzip begin
+_NOT_TEXT = (b"\xff\xfe", b"\xfe\xff", b"PK\x03\x04", b"\x1f\x8b", b"PAR1")  # UTF-16, ZIP (workbooks), gzip, Parquet
 _TYPICAL = ("t_s", "l1_mm", "q1_mm", "x_mm", "r11", "ax", "f1_N", "fx_N")
 
 
 def read_head(file: Path) -> list[bytes]:
-    """The first lines of a text file without line breaks and byte order mark: more than any header has.
-
-    Raises RecordingError where there is no such file, or it is not text.
-    """
+    """The first lines of a text file, more than any header has, without line breaks; raises RecordingError."""
     require_file(file)
     try:
         with file.open("rb") as stream:
@@ -48,7 +41,7 @@ def read_head(file: Path) -> list[bytes]:
     except OSError as error:
         raise unreadable(file, error) from error
     if data.startswith(_NOT_TEXT):
-        raise RecordingError(file, "is UTF-16 text, a workbook, an archive or compressed", "save it as CSV in UTF-8")
+        raise RecordingError(file, "is UTF-16 text, a workbook, compressed or Parquet", "save it as CSV in UTF-8")
     lines = data.removeprefix(_MARK).split(b"\n")
     if not any(line.strip() for line in lines):
         raise RecordingError(file, "is empty, it has blank lines only", "record again")
@@ -72,11 +65,7 @@ class Section(NamedTuple):
 
 
 def section_of(file: Path, header_rows: int, trailing_rows: int, columns: int) -> Section:
-    """The lines of a text file below its header, without trailing rows and blank lines at the end.
-
-    Of `trailing_rows` blank lines do not count; `columns` of it are wanted. Raises RecordingError where it cannot be
-    read.
-    """
+    """The lines below a header, without trailing rows and blank lines at the end; raises RecordingError."""
     first = header_rows + 1
     try:
         with file.open("rb") as stream:
@@ -140,8 +129,8 @@ def parse(
             convert_options=pacsv.ConvertOptions(
                 column_types={str(k): pa.float64() for k in numbers},
                 include_columns=[str(k) for k in positions],
-                null_values=list(missing_fields(form)),
-                strings_can_be_null=bool(missing_fields(form)),
+                null_values=list(MISSING),
+                strings_can_be_null=True,
                 decimal_point=form.decimal or ".",
             ),
         )
@@ -257,10 +246,7 @@ def without(names: Iterable[str], form: RecordingFormat, wanted: Sequence[str] =
 def _explained(
     file: Path, block: Block, names: Sequence[str], wanted: Sequence[int], form: RecordingFormat, cause: str
 ) -> RecordingError:
-    """The error for lines that could not be read: the first that is to blame.
-
-    `wanted` are positions of fields that must be numbers; `cause` is what the parser said of other damage.
-    """
+    """The error for lines that could not be read: the first to blame; `wanted` fields must be numbers."""
     first, data = block
     last = first + data.count(b"\n")
     for number, line in enumerate(data.split(b"\n"), first):

@@ -64,9 +64,8 @@ def force(
 def _read(recording: Path, parameters: Path, case: str | None, stale: bool) -> "tuple[hx.Recording, hx.Result]":
     """The run, and the result whose parameters are used; its case stands in where no other is named."""
     from identification.outcome import case_of_result
-    from identification.recording import record_of, require_recording
+    from identification.recording import record_of
 
-    require_recording(recording)
     named = None if case is None else hx.load_case(case)
     if named is None and not record_of(recording):
         named = case_of_result(parameters)

@@ -77,7 +77,7 @@ def identify(
 
 
 def look(
-    recording: Annotated[Path, argument("File of unknown format: text or Parquet.")],
+    recording: Annotated[Path, argument("File of unknown format: text, or the folder of a ROS 2 bag.")],
     case: Annotated[
         str | None, option("Built-in name, folder or file: by its machine units are known, and what is missing.")
     ] = None,
@@ -110,9 +110,10 @@ def look(
         "odd": list(report.odd),
         "picture": str(file) if report.columns else None,
     }
-    rows = ([c.name, c.ours or "-", c.unit, "values: a guess" if c.guessed else "name"] for c in report.columns)
-    table = aligned(("column", "meaning", "unit", "taken from"), *rows)
+    rows = ([c.name, c.ours or "-", f"{c.unit} (a guess)" if c.guessed else c.unit] for c in report.columns)
+    table = aligned(("column", "meaning", "unit"), *rows)
+    picture = [f"picture written: {file}"] if report.columns else []
     done = "paste the table into case.toml in place of its [recording]"
     todo = "the file is not read with this table yet: complete it as said above, then identify, or look again"
     end = done if report.reads else todo
-    console.answered(answer, json, *table, report, f"picture written: {file}", end)
+    console.answered(answer, json, *table, report, *picture, end)

@@ -9,7 +9,7 @@ import numpy as np
 
 from cases.basis import case_of, recording_basis, require_unchanged
 from cases.errors import FileProblem, IdentificationError
-from cases.files import another_kind, read_json, sha256_of
+from cases.files import read_json, sha256_of
 from cases.schema import Case
 from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.estimation.fit import Value
@@ -102,7 +102,7 @@ def read_entry(path: Path, case: Case | None = None, stale: bool = False) -> Ent
         if (path / file).is_file():
             return reader(path, case, stale)
     words = "does not exist" if not path.exists() else "is a file" if not path.is_dir() else ""
-    words = words or another_kind(path, "plan.json") or "holds no plan, run or result"
+    words = words or "holds no plan, run or result"
     raise FileProblem(path, words, "name folders that plan, poses, run or identify wrote")
 
 

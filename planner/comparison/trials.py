@@ -163,10 +163,7 @@ def recorded_trials(case: Case, folder: Path) -> Iterator[Trial]:
         HexciteError: a run cannot be evaluated.
     """
     runs = {
-        k: p
-        for k in range(len(_weights(case, 99)) + 1)
-        for p in (folder / f"{k}.parquet", folder / f"{k}.csv", folder / str(k))
-        if p.exists()
+        k: p for k in range(len(_weights(case, 99)) + 1) for p in (folder / f"{k}.csv", folder / str(k)) if p.exists()
     }
     files = [runs[k] for k in sorted(runs)]
     for k in range(len(files)):

@@ -54,16 +54,6 @@ def test_any_layout_that_the_case_states_is_read(
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
 
 
-def test_a_column_may_have_a_unit_of_its_own(tmp_path: Path) -> None:
-    numbers = RUN.numbers()
-    numbers[:, 3] /= 1000.0
-    numbers[:, 8] /= 1000.0
-    case = case_with(units={"l3_mm": "m", "f2_N": "kN"})
-    recording = read(written(tmp_path, csv(numbers)), case)
-    np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-8)
-    np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
-
-
 def test_names_of_a_table_without_any_come_from_the_case(tmp_path: Path) -> None:
     file = written(tmp_path, "\n".join(rows(RUN.numbers())))
     recording = read(file, case_with(column_names=NAMES))
@@ -117,7 +107,7 @@ WRONG = {
     "cut off": (csv(RUN.numbers())[:-40].rstrip(), {}, r"line 41: expected 13.* cut off in its last line: remove"),
     "zeros at the end": (csv(RUN.numbers()) + "\0" * 3000, {}, r"line 42: is binary zero, as after a crash"),
     "a spreadsheet": (b"PK\x03\x04" + bytes(500), {}, r"a workbook.*save it as CSV"),
-    "compressed": (b"\x1f\x8b" + bytes(500), {}, r"compressed; save it as CSV"),
+    "compressed": (b"\x1f\x8b" + bytes(500), {}, r"compressed or Parquet; save it as CSV"),
     "a picture": (b"\x89PNG\r\n\x1a\n" + bytes(500), {}, r"is not UTF-8 text|none of the columns|binary"),
     "one endless line": (b"1" * 3_000_000, {}, r"line 1: is longer than a million|none of the columns"),
     "an endless line below": (csv(RUN.numbers()).encode() + b"1" * 6_000_000, {}, r"expected 13 columns, got 1"),

@@ -125,7 +125,7 @@ REFUSED = {
     ),
     "a joint": (
         lambda: [(t, r, m) for t, r, m in run() if t == WRENCH or m.name == ["finger"]],
-        r"/joint_states: no message has base, .*; its joints are finger; map their names in \[recording.columns\]",
+        r"/joint_states: no message has all of base, .*; its joints are finger; map .*recording.columns",
     ),
     "frames": (
         lambda: [*run(), (WRENCH, EPOCH, wrench(EPOCH, [0.0] * 6, "tool"))],

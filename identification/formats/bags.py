@@ -1,0 +1,156 @@
+"""ROS 2 bags.
+
+A bag has positions of joints and readings of a force/torque sensor in two topics, each with a clock of its own:
+`sensor_msgs/JointState` and `geometry_msgs/WrenchStamped`, in SI units (REP 103), by the stamps in their headers. A
+host gives these, so that they jitter: samples are taken to be at equal steps, on the straight line through the stamps.
+Joints go by name, for their order differs between messages; messages of other joints on the topic are skipped.
+"""
+
+import struct
+from array import array
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from cases.errors import RecordingError
+from cases.recording_format import CLOCK, WRENCH, Clock, RecordingFormat
+from cases.schema import Case
+from identification.formats.table import ColumnTable, Lines, equal_steps, listed, shown
+
+if TYPE_CHECKING:
+    from rosbags.highlevel import AnyReader
+
+STAMP = "header.stamp"
+AXES = tuple(f"{kind}.{axis}" for kind in ("force", "torque") for axis in "xyz")
+Topic = Literal["joints", "wrench"]
+KINDS: dict[Topic, str] = {
+    "joints": "sensor_msgs/msg/JointState",
+    "wrench": "geometry_msgs/msg/WrenchStamped",
+}
+
+
+def bag_format(case: Case) -> RecordingFormat:
+    """What the columns of a bag are called: joints as in the case, unless `recording.columns` has other names."""
+    stated = case.recording.columns
+    joints = {} if case.chain is None else dict(zip(case.chain.columns, case.chain.names, strict=True))
+    columns = {ours: stated.get(ours, name) for ours, name in joints.items()}
+    columns |= dict(zip(WRENCH, AXES, strict=True)) | {CLOCK: STAMP}
+    units = {"joints": "rad", "drives": "m"} | case.recording.units
+    clock = Clock(unit="ns", offset_s=case.recording.clock.offset_s)
+    return case.recording.model_copy(update={"format": "csv", "columns": columns, "units": units, "clock": clock})
+
+
+def bag_tables(bag: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
+    """Reads a bag in the format of `bag_format`: a table of each topic; raises RecordingError."""
+    with opened(bag) as reader:
+        joints, wrench = (topic_of(bag, reader, what, form.ros.get(what)) for what in KINDS)
+        theirs = [form.file_name(ours) for ours in form.columns if ours not in (*WRENCH, CLOCK)]
+        positions = _positions(reader, joints, theirs)
+        if (table := _table(f"{bag}, {joints}", theirs, positions, form)) is None:
+            raise RecordingError(
+                f"{bag}, {joints}",
+                f"no message has all of {listed(theirs)}; its joints are {listed(joint_names(reader, joints))}",
+                "map their names in [recording.columns] of the case, such as q1_deg",
+            )
+        yield table
+        if (table := _table(f"{bag}, {wrench}", AXES, _readings(bag, reader, wrench), form)) is not None:
+            yield table
+
+
+@contextmanager
+def opened(bag: Path) -> "Iterator[AnyReader]":
+    """The bag, whose damages become one line each."""
+    try:
+        from rosbags.highlevel import AnyReader, AnyReaderError
+        from rosbags.typesys import Stores, get_typestore
+    except ModuleNotFoundError:
+        raise RecordingError(bag, "is a ROS bag, which rosbags reads", "pip install 'hexcite[ros]'") from None
+    import sqlite3
+
+    damaged = (AnyReaderError, OSError, EOFError, ValueError, LookupError, AttributeError, TypeError, AssertionError)
+    try:
+        with AnyReader([bag], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
+            yield reader
+    except (*damaged, ArithmeticError, MemoryError, struct.error, sqlite3.Error) as error:
+        if isinstance(error, RecordingError):
+            raise
+        reason = shown(" ".join(str(error).split()) or type(error).__name__, 120)
+        raise RecordingError(bag, f"is a damaged bag ({reason})", "copy it again, or run ros2 bag reindex") from error
+
+
+def topics_of(reader: "AnyReader", what: Topic) -> list[str]:
+    """Topics that carry such messages, `joints` or `wrench`."""
+    return sorted({c.topic for c in reader.connections if c.msgtype == KINDS[what] and c.msgcount})
+
+
+def topic_of(bag: Path, reader: "AnyReader", what: Topic, stated: str | None) -> str:
+    """The topic that is stated, or the only one of its kind; raises RecordingError where there are none or several."""
+    possible = topics_of(reader, what)
+    if stated in possible or (stated is None and len(possible) == 1):
+        return stated or possible[0]
+    kind = KINDS[what].rpartition("/")[2]
+    if not possible:
+        every = listed(sorted({f"{c.topic} ({c.msgtype.rpartition('/')[2]})" for c in reader.connections}))
+        raise RecordingError(bag, f"has no messages {kind}; its topics are {every}", "record such a topic too")
+    reason = f"has no topic {stated} of {kind}" if stated else f"has several topics of {kind}: {listed(possible)}"
+    raise RecordingError(bag, reason, f'set recording.ros.{what} = "{shown(possible[0])}" in the case')
+
+
+def _positions(reader: "AnyReader", topic: str, joints: Sequence[str]) -> Iterator[tuple[int, list[float]]]:
+    """Stamps [ns], and positions of some joints [rad or m], of messages that have all of them."""
+    for stamp, message in _messages(reader, topic):
+        place = {name: k for k, name in enumerate(message.name) if k < len(message.position)}
+        if joints and all(joint in place for joint in joints):
+            yield stamp, [message.position[place[joint]] for joint in joints]
+
+
+def _readings(bag: Path, reader: "AnyReader", topic: str) -> Iterator[tuple[int, list[float]]]:
+    """Stamps [ns], and forces and moments [N, N m]; raises RecordingError where their frame changes."""
+    frame = None
+    for stamp, message in _messages(reader, topic):
+        if (frame := frame or message.header.frame_id) != message.header.frame_id:
+            names = f"{frame}, {message.header.frame_id}"
+            raise RecordingError(f"{bag}, {topic}", f"is in several frames: {names}", "record the sensor's own topic")
+        vectors = message.wrench.force, message.wrench.torque
+        yield stamp, [getattr(vector, axis) for vector in vectors for axis in "xyz"]
+
+
+def joint_names(reader: "AnyReader", topic: str) -> tuple[str, ...]:
+    """The joints of the message of a topic that has most."""
+    return max((tuple(map(str, message.name)) for _, message in _messages(reader, topic)), key=len, default=())
+
+
+def _messages(reader: "AnyReader", topic: str) -> Iterator[tuple[int, Any]]:
+    """Stamps in the headers [ns], and messages."""
+    connections = [c for c in reader.connections if c.topic == topic]
+    for connection, _, raw in reader.messages(connections=connections):
+        message: Any = reader.deserialize(raw, connection.msgtype)
+        stamp = message.header.stamp
+        yield int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec), message
+
+
+def _table(
+    source: str, names: Sequence[str], samples: Iterator[tuple[int, list[float]]], form: RecordingFormat
+) -> ColumnTable | None:
+    """The samples in the order of their stamps; what was recorded twice counts once. None: there are none."""
+    at, numbers = array("q"), array("d")
+    for stamp, values in samples:
+        at.append(stamp)
+        numbers.extend(values)
+    if not at:
+        return None
+    order = np.argsort(at, kind="stable")
+    stamps, rows = np.array(at)[order], np.array(numbers).reshape(-1, len(names))[order]
+    again = np.r_[False, (np.diff(stamps) == 0) & np.all(rows[1:] == rows[:-1], axis=1)]
+    stamps, rows = stamps[~again], rows[~again]
+    if not stamps[-1]:
+        raise RecordingError(source, "its headers have no stamps", "use a driver that stamps its messages")
+    ours, lines = {form.file_name(column): column for column in form.columns}, Lines(1, word="message")
+    columns = {ours[name]: np.ascontiguousarray(rows[:, k]) for k, name in enumerate(names)}
+    if len(stamps) > 1 and np.all(np.diff(stamps) > 0):  # else the reader says why that is not a run
+        instants, _ = equal_steps(source, (stamps - stamps[0]) * form.tick, lines)
+        stamps = stamps[0] + np.rint(instants / form.tick).astype(np.int64)
+    return ColumnTable(source, form, (STAMP, *names), columns, stamps, form.tick, lines)
