@@ -11,13 +11,10 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cases.machine import MotionLimits
-from cases.schema import Case
 from cases.sensors import Disturbances
 from cases.units import Array
-from identification.limit import LimitKind
 from identification.model import Model, regressors
-from identification.motion import Trajectory, sample
+from identification.motion import Motion, Trajectory, sample
 from identification.symbolic import Kinematics, Machine, over_samples, rate_matrix, twist_rate
 
 if TYPE_CHECKING:
@@ -70,9 +67,6 @@ class Execution:
         return self.machine.kinematics(self.spline(t), self.spline(t, nu=1), self.spline(t, nu=2))
 
 
-CHUNK = 20_000  # instants at once, bounds memory
-
-
 @lru_cache(maxsize=1)
 def coordinate_rates() -> ca.Function:
     """(pose, twist, twist rate) -> first and second time derivatives of the pose: (37), (38) solved for them."""
@@ -84,34 +78,14 @@ def coordinate_rates() -> ca.Function:
     return ca.Function("coordinate_rates", [pose, moving, changing], [rates, accelerations])
 
 
-def executed_peaks(execution: Execution, case: Case) -> dict[LimitKind, float]:
-    """Largest share of each kinetic limit over the whole run, at `execution.extremes`.
-
-    There, between two cycles of a controller that interpolates by cubic splines, are the largest accelerations.
-    """
-    limits = case.need_motion("the rating of a run")[1]
-    instants = execution.extremes
-    worst: dict[LimitKind, float] = {}
-    for first in range(0, len(instants), CHUNK):
-        t = instants[first : first + CHUNK]
-        rates, accelerations = drives = execution.struts(t, 1), execution.struts(t, 2)
-        if execution.machine.of_pose:
-            moving = execution.kinematics(t)
-            rates, accelerations = over_samples(coordinate_rates(), moving.pose, moving.twist, moving.twist_rate)
-        velocity, acceleration = np.abs(rates) / limits.rate, np.abs(accelerations) / limits.acceleration
-        ratios = {
-            LimitKind.VELOCITY: velocity[:, ~limits.turns],
-            LimitKind.ANGULAR_VELOCITY: velocity[:, limits.turns],
-            LimitKind.ACCELERATION: acceleration[:, ~limits.turns],
-            LimitKind.ANGULAR_ACCELERATION: acceleration[:, limits.turns],
-        }
-        if isinstance(limits, MotionLimits):  # the struts of a hexapod have limits of their own
-            ratios[LimitKind.STRUT_VELOCITY] = np.abs(drives[0]) / limits.strut_velocity_m_s
-            ratios[LimitKind.STRUT_ACCELERATION] = np.abs(drives[1]) / limits.strut_acceleration_m_s2
-        for kind, shares in ratios.items():
-            if shares.size:
-                worst[kind] = max(worst.get(kind, 0.0), float(shares.max()))
-    return worst
+def executed_motion(execution: Execution, t: Array) -> Motion:
+    """Coordinates with two derivatives at times t, shape (n,) [s]; jerks, which no log shows, are 0."""
+    if execution.machine.of_pose:
+        moving = execution.kinematics(t)
+        state = moving.pose, *over_samples(coordinate_rates(), moving.pose, moving.twist, moving.twist_rate)
+    else:
+        state = execution.struts(t), execution.struts(t, 1), execution.struts(t, 2)
+    return Motion(t, *state, np.zeros_like(state[0]))
 
 
 PLAN_RATE = 10_000.0  # [1/s]: at 0.6 m/s neighbours are 0.06 mm apart, so the error is exact to some micrometres
