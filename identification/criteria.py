@@ -3,9 +3,8 @@
 With mu_1 >= ... >= mu_u the singular values of the scaled regressor, F = A^T A has the eigenvalues mu^2. Values of
 different motions are comparable in one scaling only: the reference scaling (CONVENTIONS).
 
-Which parameters a regressor determines, alone or only together (section 5): Pearson correlation of the columns, QR
-decomposition of the scaled regressor with the paper's numerical zero (Figure 3), singular values, and the combinations
-that stay identifiable where parameters are not.
+Which parameters a regressor determines (section 5): Pearson correlation of the columns, QR decomposition of the scaled
+regressor with the paper's numerical zero (Figure 3), and singular values.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -102,14 +101,6 @@ def information(model: Model, scaling: Array, states: tuple[Array, Array, Array]
     return np.asarray(matrices.T @ matrices / len(states[0]))
 
 
-INVOLVED = 1e-3  # share of a unit direction from which a parameter counts as part of it
-
-
-Group = tuple[tuple[str, ...], tuple[dict[str, float], ...]]
-"""Names of parameters that can only be determined together, and what is determined instead: sums of factor times
-parameter, by name. As many directions are hidden as there are fewer sums than parameters."""
-
-
 ARRAYS = ("singular_values", "correlation", "r")  # tables of `Identifiability` in its file
 
 
@@ -123,7 +114,6 @@ class Identifiability:
     singular_values: Array  # singular values of the scaled regressor, descending, shape (u,)
     correlation: Array  # Pearson coefficients of the columns, shape (u, u); 0 for a column without variation
     r: Array  # R of the QR decomposition of the scaled regressor (26), shape (u, u), no negative diagonal elements
-    groups: tuple[Group, ...]
 
     @property
     def condition(self) -> float:
@@ -140,14 +130,12 @@ class Identifiability:
 
     def to_json(self) -> dict[str, Any]:
         """Tables for JSON."""
-        groups = [{"parameters": n, "hidden": len(n) - len(sums), "combinations": sums} for n, sums in self.groups]
         arrays = {name: getattr(self, name).tolist() for name in ARRAYS}
         return {
             "names": self.names,
             "rank": self.rank,
             "numerical_zero": self.numerical_zero,
             **arrays,
-            "groups": groups,
         }
 
     @classmethod
@@ -155,8 +143,7 @@ class Identifiability:
         """The tables that `to_json` made; raises KeyError, TypeError or ValueError where an entry is damaged."""
         names, zero = tuple(str(name) for name in data["names"]), float(data["numerical_zero"])
         singular, correlation, r = (np.array(data[name], dtype=float) for name in ARRAYS)
-        groups = tuple((tuple(g["parameters"]), tuple(dict(c) for c in g["combinations"])) for g in data["groups"])
-        return cls(names, int(data["rank"]), zero, singular, correlation, r, groups)
+        return cls(names, int(data["rank"]), zero, singular, correlation, r)
 
 
 def analyse(regressors: Array, names: Sequence[str]) -> Identifiability:
@@ -166,49 +153,9 @@ def analyse(regressors: Array, names: Sequence[str]) -> Identifiability:
     scaled = matrix / np.where(norms > 0.0, norms, 1.0)  # (26)
     r = np.asarray(np.linalg.qr(scaled, mode="r"))
     r = r * np.where(np.diag(r) < 0.0, -1.0, 1.0)[:, None]
-    _, singular, directions = np.linalg.svd(r)
+    singular = np.linalg.svd(r, compute_uv=False)
     zero = float(matrix.shape[0] * np.finfo(float).eps * np.abs(np.diag(r)).max())  # Figure 3
     rank = int(np.sum(singular > zero))
-    factors = np.where(norms > 0.0, norms, 1.0)
     with np.errstate(divide="ignore", invalid="ignore"):  # columns without variation
         correlation = np.nan_to_num(np.atleast_2d(np.corrcoef(matrix, rowvar=False)))
-    groups = tuple(_groups(directions[rank:], factors, names))
-    return Identifiability(tuple(names), rank, zero, singular, correlation, r, groups)
-
-
-def _groups(hidden: Array, factors: Array, names: Sequence[str]) -> list[Group]:
-    """Splits the directions that are not seen into groups of parameters that some hidden direction mixes.
-
-    The projector onto the hidden space does not depend on the basis that the decomposition chose for it.
-    """
-    projector = hidden.T @ hidden
-    involved = np.flatnonzero(np.diag(projector) > INVOLVED**2)
-    if not len(involved):
-        return []
-    from scipy.sparse.csgraph import connected_components  # loads slowly, and most runs determine all
-
-    count, labels = connected_components(np.abs(projector[np.ix_(involved, involved)]) > INVOLVED**2)
-    indices = (involved[labels == k] for k in range(count))
-    return [_group(hidden[:, index], factors[index], [names[k] for k in index]) for index in indices]
-
-
-def _group(hidden: Array, factors: Array, names: list[str]) -> Group:
-    """Base parameters of a group: one determined combination for each direction of its space that is seen.
-
-    In reduced form, as in Gautier (1991), "Numerical calculation of the base inertial parameters of robots": as many
-    parameters as there are directions stand with factor 1, each in one combination; the rest are added to them.
-    """
-    _, size, basis = np.linalg.svd(hidden)
-    count = int(np.sum(size > INVOLVED))
-    directions = basis[count:] * factors  # from scaled back to the parameters' own units
-    from scipy.linalg import qr  # only where parameters are not separable: SciPy takes long to load
-
-    pivots = qr(basis[count:], mode="r", pivoting=True)[1][: len(directions)]
-    combinations = []
-    for pivot, row in sorted(
-        zip(pivots, np.linalg.solve(directions[:, pivots], directions), strict=True), key=lambda pair: pair[0]
-    ):
-        negligible = np.abs(row) * factors[pivot] <= INVOLVED * factors
-        others = {names[k]: float(row[k]) for k in np.flatnonzero(~negligible) if k not in pivots}
-        combinations.append({names[pivot]: 1.0} | others)
-    return tuple(names), tuple(combinations)
+    return Identifiability(tuple(names), rank, zero, singular, correlation, r)
