@@ -162,6 +162,11 @@ def twist_rate(pose: ca.SX, rates: ca.SX, accelerations: ca.SX) -> ca.SX:
     return ca.vertcat(accelerations[:3], matrix @ accelerations[3:] + matrix_rate @ rates[3:])
 
 
+def pose_rates(pose: ca.SX, motion: ca.SX) -> ca.SX:
+    """Time derivatives of a pose from its twist, shape (6,) [m/s, rad/s]: (37) solved for them."""
+    return ca.vertcat(motion[:3], ca.solve(rate_matrix(pose[3:]), motion[3:]))
+
+
 def gibbs(turn: ca.SX) -> ca.SX:
     """Gibbs vector tan(angle/2) axis of a rotation matrix, shape (3,) [-].
 

@@ -15,7 +15,7 @@ from cases.sensors import Disturbances
 from cases.units import Array
 from identification.model import Model, regressors
 from identification.motion import Motion, Trajectory, sample
-from identification.symbolic import Kinematics, Machine, over_samples, rate_matrix, twist_rate
+from identification.symbolic import Kinematics, Machine, over_samples, pose_rates, twist_rate
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -71,10 +71,8 @@ class Execution:
 def coordinate_rates() -> ca.Function:
     """(pose, twist, twist rate) -> first and second time derivatives of the pose: (37), (38) solved for them."""
     pose, moving, changing = (ca.SX.sym(n, 6) for n in ("pose", "twist", "twist_rate"))
-    matrix = rate_matrix(pose[3:])
-    rates = ca.vertcat(moving[:3], ca.solve(matrix, moving[3:]))
-    drift = twist_rate(pose, rates, ca.SX.zeros(6))
-    accelerations = ca.vertcat(changing[:3], ca.solve(matrix, changing[3:] - drift[3:]))
+    rates = pose_rates(pose, moving)
+    accelerations = pose_rates(pose, changing - twist_rate(pose, rates, ca.SX.zeros(6)))
     return ca.Function("coordinate_rates", [pose, moving, changing], [rates, accelerations])
 
 
