@@ -27,7 +27,7 @@ from planner.poses.candidates import (
     grid_candidates,
     sampled_candidates,
 )
-from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, reduce_smallest_change, refine
+from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, refine
 from planner.poses.space import standing_report, valid_poses
 from planner.poses.travel import fastest_move, require_ways, shortest_order, travel_times
 from planner.request import METHODS, PoseRequest
@@ -174,15 +174,13 @@ def _choose(
     criterion = POSE_CRITERIA[request.criterion]
     if request.method == "all":
         return poses, METHODS["all"]
-    if request.method == "backward-change":
-        if len(poses) > MOST_EXHAUSTIVE:
-            raise HexciteError(
-                f"method backward-change evaluates every removal and is meant for {MOST_EXHAUSTIVE} candidates at "
-                f"most, here are {len(poses)}; choose backward"
-            )
-        indices, _ = reduce_smallest_change(regressors, criterion, count, done)
-    else:
-        indices, _ = reduce_best(regressors, criterion, count, done)
+    change = request.method == "backward-change"
+    if len(poses) > MOST_EXHAUSTIVE and (change or not criterion.losses_grow):
+        raise HexciteError(
+            f"every removal is evaluated for method backward-change and criteria A, K and N, of {MOST_EXHAUSTIVE} "
+            f"candidates at most, here are {len(poses)}; choose backward for criterion D, or fewer --candidates"
+        )
+    indices, _ = reduce_best(regressors, criterion, count, done, change)
     if len(indices) > count:
         raise InfeasiblePlan(
             f"{count} poses do not determine model {request.model}: Algorithm 1 ends at {len(indices)}, every further "
