@@ -83,15 +83,9 @@ class Filter(NamedTuple):
     def kernel(self, order: int, shift: float) -> Array:
         """The sampled kernel of a derivative, corrected to give constants, slopes and curvatures exactly.
 
-        Args:
-            order: 0, 1 or 2: of the time derivative.
-            shift: delay of the result [s].
-
-        Returns:
-            Shape (2 margin + 1,).
-
-        Sampling changes the response by nearly the same amount over the whole pass band, so the error at frequency
-        zero is removed in the shape of the lower-order kernels.
+        Of order 0, 1 or 2, shape (2 margin + 1,); `shift` is the delay of the result [s]. Sampling changes the response
+        by nearly the same amount over the whole pass band, so the error at frequency zero is removed in the shape of
+        the lower-order kernels.
         """
         t = np.arange(-self.margin, self.margin + 1) * self.step
         smooth = self._kernel(0, shift)
@@ -109,12 +103,7 @@ class Filter(NamedTuple):
         return np.asarray(curvature / (curvature @ t**2 / 2))
 
     def require(self, values: Array, delay: float) -> None:
-        """Refuses values, shape (n, ..), that cannot be filtered at a delay [s].
-
-        Raises:
-            RecordingError: fewer samples than the filter is long.
-            ValueError: the delay is beyond the filter's reach.
-        """
+        """Raises RecordingError for fewer values than the filter is long, ValueError for a delay [s] out of reach."""
         if abs(delay) > self.reach:
             raise ValueError(f"delay {delay:g} s is beyond the filter's reach of {self.reach:g} s")
         if len(values) <= 2 * self.margin + 1:
@@ -124,18 +113,14 @@ class Filter(NamedTuple):
             )
 
     def apply(self, values: Array, order: int = 0, delay: float = 0.0) -> Array:
-        """The filtered signal or its derivative, `delay` earlier than sampled.
+        """The filtered signal or its derivative, `delay` earlier than sampled, shape (n - 2 margin, channels).
 
         Args:
             values: shape (n, channels).
             order: 0, 1 or 2: of the time derivative.
             delay: the result at sample k belongs to the instant t_k - delay [s]; at most `reach` either way.
 
-        Returns:
-            Shape (n - 2 margin, channels).
-
-        Raises:
-            RecordingError: fewer samples than the filter is long.
+        Raises RecordingError for fewer samples than the filter is long.
         """
         return decimated(self, values, np.arange(len(values) - 2 * self.margin), [(order, delay)])[0]
 

@@ -16,17 +16,8 @@ from identification.motion import Array, Joined, Standstill, Trajectory
 from planner.noise import sensor_noise, standing_model
 from planner.plan_figures import PoseWorth, predicted_std_at_poses
 from planner.plans import Plan
-from planner.pose_criteria import (
-    POSE_CRITERIA,
-    candidate_scaling,
-    pose_regressors,
-    total_information,
-)
-from planner.poses.candidates import (
-    candidate_design,
-    grid_candidates,
-    sampled_candidates,
-)
+from planner.pose_criteria import POSE_CRITERIA, candidate_scaling, pose_regressors, total_information
+from planner.poses.candidates import candidate_design, grid_candidates, sampled_candidates
 from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, refine
 from planner.poses.space import standing_report, valid_poses
 from planner.poses.travel import fastest_move, require_ways, shortest_order, travel_times
@@ -162,13 +153,7 @@ def _choose(
     scaling: Array,
     done: Callable[[int], None],
 ) -> tuple[Array, str]:
-    """Chosen poses, shape (n, 6) [m, rad], and the result of the choice in one phrase.
-
-    Raises:
-        HexciteError: too many candidates for the method.
-        IdentificationError: all poses together do not determine the model.
-        InfeasiblePlan: the poses are too few to determine the model.
-    """
+    """Chosen poses, shape (n, 6) [m, rad], and the result of the choice in one phrase."""
     count = request.wanted(len(poses), regressors.shape[2])
     _require_rank(model, regressors)
     criterion = POSE_CRITERIA[request.criterion]
