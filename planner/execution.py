@@ -102,13 +102,7 @@ def executed_peaks(execution: Execution, case: Case) -> dict[LimitKind, float]:
 
 
 def exceeded(peaks: Mapping[LimitKind, float], guarantees: Guarantees, real: bool) -> Iterator[str]:
-    """A sentence on limits that the executing controller exceeded, which may not be the one that the program is for.
-
-    Args:
-        peaks: largest share of each limit, approach and return included.
-        guarantees: what the controller enforces that it is written for.
-        real: whether that one has run it, not the built-in one.
-    """
+    """A sentence on limits that the executing controller exceeded, the `real` one or one that stands in for it."""
     over = {kind for kind, share in peaks.items() if share > 1.01}
     if not real:  # it keeps these itself, as the case says, and takes longer than the built-in one
         over -= {kind for kind in over if kind.family in guarantees.enforced}

@@ -16,13 +16,9 @@ from identification.symbolic import over_samples
 
 
 def pose_regressors(model: Model, poses: Array) -> Array:
-    """Regressors A of (21) for standing still at each pose, shape (n, 6, u).
+    """Regressors A of (21) for standing still at coordinates, shape (n, k) [m or rad], shape (n, 6, u).
 
-    Args:
-        poses: coordinates of the machine, shape (n, k) [m or rad].
-
-    Raises:
-        IdentificationError: the model has parameters that standstills cannot excite.
+    Raises IdentificationError where the model has parameters that standstills cannot excite.
     """
     if model.needs_motion:
         raise IdentificationError(
@@ -32,10 +28,7 @@ def pose_regressors(model: Model, poses: Array) -> Array:
 
 
 def candidate_scaling(regressors: Array) -> Array:
-    """Reference scaling of pose sets: one over the RMS of each column over the candidates, shape (u,).
-
-    A column of zeros has the scale 1.
-    """
+    """Reference scaling of pose sets: one over the RMS of each column over the candidates, or 1, shape (u,)."""
     mean_square = np.mean(np.sum(regressors**2, axis=1), axis=0)
     return np.asarray(1.0 / np.sqrt(np.where(mean_square > 0.0, mean_square, 1.0)))
 

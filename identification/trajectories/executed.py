@@ -112,9 +112,8 @@ def path_error(planned: Trajectory, execution: Execution, windows: Array) -> flo
 def executed_information(model: Model, scaling: Array, execution: Execution, windows: Array, cutoff: float) -> Array:
     """Time average of H A^T A H over the executed excitation, behind the filter of the evaluation, shape (u, u); W = 1.
 
-    Controllers that run a path in short blocks add ripple above the limits; the evaluation filters it off, so that it
-    must not count as information. `scaling` is the diagonal of H; windows of the excitation have the shape (k, 2) [s],
-    `cutoff` is that of the low-pass [Hz].
+    Ripple that a controller adds is filtered off by the evaluation, and must not count as information. `scaling` is the
+    diagonal of H; windows of the excitation have the shape (k, 2) [s], `cutoff` is that of the low-pass [Hz].
     """
     from identification.signals import Filter  # SciPy, which programs that are only read do without
 
@@ -159,15 +158,10 @@ def mode_frequency(disturbances: Disturbances, mass: float, load: float) -> floa
 
 
 def vibrating(accelerations: Array, step: float, frequency: float, damping: float) -> Array:
-    """Accelerations of a platform behind a spring and a damper, driven by those of the drives.
+    """Accelerations of a platform behind spring and damper, driven by those of drives from rest, shape (n, k).
 
-    Transfer function (2 d w s + w^2) / (s^2 + 2 d w s + w^2), exact for accelerations that are linear between samples.
-
-    Args:
-        accelerations: accelerations of the drives, from rest, shape (n, k).
-        step: step between samples [s].
-        frequency: frequency of the undamped mode [Hz].
-        damping: share of the critical one.
+    Transfer function (2 d w s + w^2) / (s^2 + 2 d w s + w^2), w of the undamped mode [Hz], d the share of the critical
+    damping; exact for accelerations that are linear between samples, a step [s] apart.
     """
     from scipy.signal import cont2discrete, lfilter
 

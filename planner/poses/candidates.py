@@ -18,14 +18,7 @@ ROUNDING = 1e-9  # [m] poses on the very edge of the ring are in it
 
 
 def pose_of_tilt(position: Array, tilt: Array, azimuth: Array, torsion: Array) -> Array:
-    """Poses from tilt-and-torsion angles, R = Rz(azimuth) Ry(tilt) Rz(torsion - azimuth), shape (n, 6) [m, rad].
-
-    Args:
-        position: origin of {P} in {B}, shape (n, 3) [m].
-        tilt: shape (n,) [rad].
-        azimuth: direction of the tilt, shape (n,) [rad].
-        torsion: shape (n,) [rad].
-    """
+    """Poses of positions, (n, 3) [m], and angles, (n,) [rad]; R = Rz(azimuth) Ry(tilt) Rz(torsion - azimuth)."""
     turn = Rotation.from_euler("ZYZ", np.column_stack([azimuth, tilt, torsion - azimuth]))
     return np.column_stack([position, turn.as_euler("xyz")])
 
@@ -107,11 +100,7 @@ FIRST = 2000  # candidates that a design begins with, at most
 
 
 def candidate_design(regressors: Array) -> Design:
-    """The D-optimal design over candidates, with its certificate; its states are rows of the regressors.
-
-    Args:
-        regressors: regressors of all candidates, shape (n, 6, u); together of full rank.
-    """
+    """The D-optimal design over candidates, with its certificate, of regressors of full rank, shape (n, 6, u)."""
     size = regressors.shape[2]
 
     def largest(inverse: Array, _: Array) -> Maximum:

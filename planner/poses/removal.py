@@ -107,13 +107,9 @@ INSIDE = 1e-7  # distance from every edge, so that rounding of the solver cannot
 
 
 def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, poses: Array) -> tuple[Array, str]:
-    """Poses refined by IPOPT, or the start where nothing better was found, and the solver's status.
+    """Valid poses of full rank refined by IPOPT, or themselves where nothing better was found; the solver's status.
 
     K and N are optimised by a smooth p-norm of the eigenvalues and rated by their exact values.
-
-    Args:
-        scaling: scaling of the columns, shape (u,).
-        poses: valid, of full rank, shape (n, 6) [m, rad].
     """
     space = space_of(case)
     count = len(poses)
