@@ -46,6 +46,11 @@ class Loads:
         wrenches = np.array([body_wrench(body) for body in bodies])
         return cls(case, wrenches, SHARE * np.tile(most, len(bodies)), moments, labels)
 
+    @property
+    def coefficients(self) -> Array:
+        """Matrix from the `_state` of {P} to the forces of sensors in the platform, shape (channels, 15)."""
+        return np.asarray(np.linalg.solve(self.case.sensor_frame.structure, self.wrenches).reshape(-1, 15))
+
     def forces(self, motion: Motion, rotation: tuple[Array, Array, Array], acceleration: Array) -> Array:
         """Forces, shape (n, channels) [N or N m].
 
@@ -57,8 +62,7 @@ class Loads:
         state = _state(rotation, acceleration - self.case.gravity)
         if self.case.sensor_frame.struts is not None:
             return _in_struts(self.case, motion, rotation, state, self.wrenches)
-        from_state = np.linalg.solve(self.case.sensor_frame.structure, self.wrenches).reshape(-1, 15)
-        return np.asarray((from_state @ state.T).T)
+        return np.asarray((self.coefficients @ state.T).T)
 
 
 def body_wrench(body: RigidBody) -> Array:

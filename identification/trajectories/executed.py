@@ -80,10 +80,11 @@ def executed_motion(execution: Execution, t: Array) -> Motion:
     """Coordinates with two derivatives at times t, shape (n,) [s]; jerks, which no log shows, are 0."""
     if execution.machine.of_pose:
         moving = execution.kinematics(t)
-        state = moving.pose, *over_samples(coordinate_rates(), moving.pose, moving.twist, moving.twist_rate)
+        pose = moving.pose
+        rates, accelerations = over_samples(coordinate_rates(), pose, moving.twist, moving.twist_rate)
     else:
-        state = execution.struts(t), execution.struts(t, 1), execution.struts(t, 2)
-    return Motion(t, *state, np.zeros_like(state[0]))
+        pose, rates, accelerations = (execution.struts(t, order) for order in range(3))
+    return Motion(t, pose, rates, accelerations, np.zeros_like(pose))
 
 
 PLAN_RATE = 10_000.0  # [1/s]: at 0.6 m/s neighbours are 0.06 mm apart, so the error is exact to some micrometres
