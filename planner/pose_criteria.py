@@ -3,7 +3,6 @@
 With F the sum of A^T A over the set, all in one scaling, each criterion is a value that is better the larger it is.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,12 +43,24 @@ class PoseCriterion:
     """A criterion of pose sets."""
 
     letter: Criterion  # of Table 4
-    value: Callable[[Array], Array]  # of one or more informations, shape (..., u, u) -> (...); -inf where singular
 
     @property
     def losses_grow(self) -> bool:
         """Whether a pose costs the more, the fewer others are left."""
         return self.letter is Criterion.D
+
+    def value(self, information: Array) -> Array:
+        """Criterion (30) to (33) of one or more informations, shape (..., u, u) -> (...); -inf where singular."""
+        if self.letter is Criterion.D:
+            return _log_det(information)
+        values = np.maximum(np.linalg.eigvalsh(information), 0.0)  # mu^2, ascending
+        smallest, largest = values[..., 0], values[..., -1]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            if self.letter is Criterion.A:
+                found = -np.sum(1.0 / values, axis=-1)
+            else:
+                found = -np.sqrt(largest / smallest) if self.letter is Criterion.K else smallest / np.sqrt(largest)
+        return np.where(smallest > 0.0, found, -np.inf)
 
     def after_removal(self, information: Array, regressors: Array) -> Array:
         """Value without each pose, F - A_j^T A_j, shape (k,), of its regressors A_j, shape (k, 6, u)."""
@@ -57,43 +68,12 @@ class PoseCriterion:
             return self.value(information - regressors.transpose(0, 2, 1) @ regressors)
         weighted = (regressors.reshape(-1, len(information)) @ np.linalg.inv(information)).reshape(regressors.shape)
         left = np.eye(6) - weighted @ regressors.transpose(0, 2, 1)  # log det F + log det(1 - A F^-1 A^T)
-        return np.asarray(self.value(information) + _log_det(left))
+        return np.asarray(_log_det(information) + _log_det(left))
 
 
-def _log_det(information: Array) -> Array:
-    """Log det F (31), -inf where singular."""
-    sign, logdet = np.linalg.slogdet(information)
+def _log_det(matrices: Array) -> Array:
+    sign, logdet = np.linalg.slogdet(matrices)
     return np.where(sign > 0, logdet, -np.inf)
 
 
-def _eigenvalues(information: Array) -> Array:
-    """Eigenvalues, ascending; those that are negative by rounding are 0."""
-    return np.asarray(np.maximum(np.linalg.eigvalsh(information), 0.0))
-
-
-def _minus_trace(information: Array) -> Array:
-    """-trace F^-1 (30), minus the sum of the variances, -inf where singular."""
-    with np.errstate(divide="ignore"):
-        return np.asarray(-np.sum(1.0 / _eigenvalues(information), axis=-1))
-
-
-def _minus_condition(information: Array) -> Array:
-    """-mu_1 / mu_u (32)."""
-    values = _eigenvalues(information)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(values[..., 0] > 0.0, -np.sqrt(values[..., -1] / values[..., 0]), -np.inf)
-
-
-def _noise_amplification(information: Array) -> Array:
-    """mu_u^2 / mu_1 (33); -inf where the smallest eigenvalue is 0."""
-    values = _eigenvalues(information)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(values[..., 0] > 0.0, values[..., 0] / np.sqrt(values[..., -1]), -np.inf)
-
-
-POSE_CRITERIA: dict[str, PoseCriterion] = {
-    Criterion.A: PoseCriterion(Criterion.A, _minus_trace),
-    Criterion.D: PoseCriterion(Criterion.D, _log_det),
-    Criterion.K: PoseCriterion(Criterion.K, _minus_condition),
-    Criterion.N: PoseCriterion(Criterion.N, _noise_amplification),
-}
+POSE_CRITERIA: dict[str, PoseCriterion] = {letter: PoseCriterion(letter) for letter in Criterion}
