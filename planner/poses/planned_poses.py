@@ -8,7 +8,13 @@ from numpy.typing import NDArray
 
 from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
 from cases.schema import Case
-from identification.criteria import singular_values
+from identification.criteria import (
+    POSE_CRITERIA,
+    candidate_scaling,
+    pose_regressors,
+    singular_values,
+    total_information,
+)
 from identification.limit import LimitReport, worst_of
 from identification.limit_proof import prove
 from identification.model import Model
@@ -16,7 +22,6 @@ from identification.motion import Array, Joined, Standstill, Trajectory
 from planner.noise import sensor_noise, standing_model
 from planner.plan_figures import PoseWorth, predicted_std_at_poses
 from planner.plans import Plan
-from planner.pose_criteria import POSE_CRITERIA, candidate_scaling, pose_regressors, total_information
 from planner.poses.candidates import candidate_design, grid_candidates, sampled_candidates
 from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, refine
 from planner.poses.space import standing_report, valid_poses

@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.criteria import Criterion
+from identification.criteria import Criterion, PoseCriterion, pose_regressors, total_information
 from identification.model import Model
 from identification.motion import Array
-from planner.pose_criteria import PoseCriterion, pose_regressors, total_information
 from planner.poses.space import Space, space_of, valid_poses
 from planner.precision import SolverStatus
 from planner.search.ipopt import NumpyFunction

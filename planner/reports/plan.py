@@ -7,7 +7,7 @@ from markupsafe import Markup
 
 from cases.errors import HexciteError
 from cases.files import provenance
-from identification.criteria import analyse, reference_scaling
+from identification.criteria import analyse, pose_regressors, reference_scaling
 from identification.limit import Status
 from identification.model import Model, identification_model
 from identification.motion import sample
@@ -16,7 +16,6 @@ from planner.families.manual import manual_motion, sequence_file
 from planner.noise import mean_information, standing_model
 from planner.plan_figures import bound_by, worst_std
 from planner.plans import Plan
-from planner.pose_criteria import pose_regressors
 from planner.poses.planned_poses import candidates_of
 from planner.poses.space import places
 from planner.precision import SolverStatus, legible, parameter_words, std_text

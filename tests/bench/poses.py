@@ -6,9 +6,9 @@ import tracemalloc
 import numpy as np
 
 from cases.schema import load_case
+from identification.criteria import POSE_CRITERIA, candidate_scaling, pose_regressors
 from identification.model import identification_model
 from planner.cli.console import print_table
-from planner.pose_criteria import POSE_CRITERIA, candidate_scaling, pose_regressors
 from planner.poses.candidates import grid_candidates, sampled_candidates
 from planner.poses.planned_poses import poses_planned
 from planner.poses.removal import reduce_best

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
+from identification.criteria import POSE_CRITERIA, candidate_scaling, pose_regressors
 from identification.model import identification_model
 from identification.parameters import physical_form
-from planner.pose_criteria import POSE_CRITERIA, candidate_scaling, pose_regressors
 from planner.poses.candidates import grid_candidates
 from planner.poses.removal import reduce_best
 
