@@ -3,9 +3,10 @@
 With mu_1 >= ... >= mu_u the singular values of the scaled regressor, F = A^T A has the eigenvalues mu^2. Values of
 different motions are comparable in one scaling only: the reference scaling (CONVENTIONS).
 
-Which parameters a regressor determines, alone or only together (section 5): Pearson correlation of the columns, QR
-decomposition of the scaled regressor with the paper's numerical zero (Figure 3), singular values, and the combinations
-that stay identifiable where parameters are not.
+Of a set of poses to stand at, F is the sum of A^T A over the set.
+
+Which parameters a regressor determines (section 5): Pearson correlation of the columns, QR decomposition of the scaled
+regressor with the paper's numerical zero (Figure 3), and singular values.
 """
 
 from collections.abc import Callable, Sequence
@@ -102,14 +103,6 @@ def information(model: Model, scaling: Array, states: tuple[Array, Array, Array]
     return np.asarray(matrices.T @ matrices / len(states[0]))
 
 
-INVOLVED = 1e-3  # share of a unit direction from which a parameter counts as part of it
-
-
-Group = tuple[tuple[str, ...], tuple[dict[str, float], ...]]
-"""Names of parameters that can only be determined together, and what is determined instead: sums of factor times
-parameter, by name. As many directions are hidden as there are fewer sums than parameters."""
-
-
 @dataclass(frozen=True, slots=True)
 class Identifiability:
     """What a regressor says about the parameters of its columns."""
@@ -120,7 +113,6 @@ class Identifiability:
     singular_values: Array  # singular values of the scaled regressor, descending, shape (u,)
     correlation: Array  # Pearson coefficients of the columns, shape (u, u); 0 for a column without variation
     r: Array  # R of the QR decomposition of the scaled regressor (26), shape (u, u), no negative diagonal elements
-    groups: tuple[Group, ...]
 
     @property
     def condition(self) -> float:
@@ -143,49 +135,74 @@ def analyse(regressors: Array, names: Sequence[str]) -> Identifiability:
     scaled = matrix / np.where(norms > 0.0, norms, 1.0)  # (26)
     r = np.asarray(np.linalg.qr(scaled, mode="r"))
     r = r * np.where(np.diag(r) < 0.0, -1.0, 1.0)[:, None]
-    _, singular, directions = np.linalg.svd(r)
+    singular = np.linalg.svd(r, compute_uv=False)
     zero = float(matrix.shape[0] * np.finfo(float).eps * np.abs(np.diag(r)).max())  # Figure 3
     rank = int(np.sum(singular > zero))
-    factors = np.where(norms > 0.0, norms, 1.0)
     with np.errstate(divide="ignore", invalid="ignore"):  # columns without variation
         correlation = np.nan_to_num(np.atleast_2d(np.corrcoef(matrix, rowvar=False)))
-    groups = tuple(_groups(directions[rank:], factors, names))
-    return Identifiability(tuple(names), rank, zero, singular, correlation, r, groups)
+    return Identifiability(tuple(names), rank, zero, singular, correlation, r)
 
 
-def _groups(hidden: Array, factors: Array, names: Sequence[str]) -> list[Group]:
-    """Splits the directions that are not seen into groups of parameters that some hidden direction mixes.
+def pose_regressors(model: Model, poses: Array) -> Array:
+    """Regressors A of (21) for standing still at coordinates, shape (n, k) [m or rad], shape (n, 6, u).
 
-    The projector onto the hidden space does not depend on the basis that the decomposition chose for it.
+    Raises IdentificationError where the model has parameters that standstills cannot excite.
     """
-    projector = hidden.T @ hidden
-    involved = np.flatnonzero(np.diag(projector) > INVOLVED**2)
-    if not len(involved):
-        return []
-    from scipy.sparse.csgraph import connected_components  # loads slowly, and most runs determine all
-
-    count, labels = connected_components(np.abs(projector[np.ix_(involved, involved)]) > INVOLVED**2)
-    indices = (involved[labels == k] for k in range(count))
-    return [_group(hidden[:, index], factors[index], [names[k] for k in index]) for index in indices]
+    if model.needs_motion:
+        raise IdentificationError(
+            f"model {model.number} contains inertia, which standstills cannot excite; choose a model from 0 to 5"
+        )
+    return over_samples(model.coordinate_regressor, poses, 0.0 * poses, 0.0 * poses)[0]
 
 
-def _group(hidden: Array, factors: Array, names: list[str]) -> Group:
-    """Base parameters of a group: one determined combination for each direction of its space that is seen.
+def candidate_scaling(regressors: Array) -> Array:
+    """Reference scaling of pose sets: one over the RMS of each column over the candidates, or 1, shape (u,)."""
+    mean_square = np.mean(np.sum(regressors**2, axis=1), axis=0)
+    return np.asarray(1.0 / np.sqrt(np.where(mean_square > 0.0, mean_square, 1.0)))
 
-    In reduced form, as in Gautier (1991), "Numerical calculation of the base inertial parameters of robots": as many
-    parameters as there are directions stand with factor 1, each in one combination; the rest are added to them.
-    """
-    _, size, basis = np.linalg.svd(hidden)
-    count = int(np.sum(size > INVOLVED))
-    directions = basis[count:] * factors  # from scaled back to the parameters' own units
-    from scipy.linalg import qr  # only where parameters are not separable: SciPy takes long to load
 
-    pivots = qr(basis[count:], mode="r", pivoting=True)[1][: len(directions)]
-    combinations = []
-    for pivot, row in sorted(
-        zip(pivots, np.linalg.solve(directions[:, pivots], directions), strict=True), key=lambda pair: pair[0]
-    ):
-        negligible = np.abs(row) * factors[pivot] <= INVOLVED * factors
-        others = {names[k]: float(row[k]) for k in np.flatnonzero(~negligible) if k not in pivots}
-        combinations.append({names[pivot]: 1.0} | others)
-    return tuple(names), tuple(combinations)
+def total_information(regressors: Array) -> Array:
+    """Sum of A^T A over poses, shape (u, u)."""
+    rows = regressors.reshape(-1, regressors.shape[2])
+    return np.asarray(rows.T @ rows)
+
+
+@dataclass(frozen=True, slots=True)
+class PoseCriterion:
+    """A criterion of pose sets."""
+
+    letter: Criterion  # of Table 4
+
+    @property
+    def losses_grow(self) -> bool:
+        """Whether a pose costs the more, the fewer others are left."""
+        return self.letter is Criterion.D
+
+    def value(self, information: Array) -> Array:
+        """Criterion (30) to (33) of one or more informations, shape (..., u, u) -> (...); -inf where singular."""
+        if self.letter is Criterion.D:
+            return _log_det(information)
+        values = np.maximum(np.linalg.eigvalsh(information), 0.0)  # mu^2, ascending
+        smallest, largest = values[..., 0], values[..., -1]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            if self.letter is Criterion.A:
+                found = -np.sum(1.0 / values, axis=-1)
+            else:
+                found = -np.sqrt(largest / smallest) if self.letter is Criterion.K else smallest / np.sqrt(largest)
+        return np.where(smallest > 0.0, found, -np.inf)
+
+    def after_removal(self, information: Array, regressors: Array) -> Array:
+        """Value without each pose, F - A_j^T A_j, shape (k,), of its regressors A_j, shape (k, 6, u)."""
+        if self.letter is not Criterion.D:
+            return self.value(information - regressors.transpose(0, 2, 1) @ regressors)
+        weighted = (regressors.reshape(-1, len(information)) @ np.linalg.inv(information)).reshape(regressors.shape)
+        left = np.eye(6) - weighted @ regressors.transpose(0, 2, 1)  # log det F + log det(1 - A F^-1 A^T)
+        return np.asarray(_log_det(information) + _log_det(left))
+
+
+def _log_det(matrices: Array) -> Array:
+    sign, logdet = np.linalg.slogdet(matrices)
+    return np.where(sign > 0, logdet, -np.inf)
+
+
+POSE_CRITERIA: dict[str, PoseCriterion] = {letter: PoseCriterion(letter) for letter in Criterion}

@@ -15,7 +15,17 @@ from cases.errors import IdentificationError
 from cases.schema import Case
 from cases.units import Array, Flags
 from identification.machine_limits import hexapod_shares
-from identification.symbolic import FrameMotion, Kinematics, Share, over_samples, rotation, rpy, twist, twist_rate
+from identification.symbolic import (
+    FrameMotion,
+    Kinematics,
+    Share,
+    over_samples,
+    pose_rates,
+    rotation,
+    rpy,
+    twist,
+    twist_rate,
+)
 
 # Forward kinematics stops when the struts agree to a thousandth of a nanometre: far below any encoder, far above
 # rounding (1e-16 relative to 1 m).
@@ -125,17 +135,9 @@ class Hexapod:
     def jacobian_drift(self) -> ca.Function:
         """(pose, twist) -> d/dt(J_Hex^-1) twist, the part of l'' that is there without acceleration."""
         pose, motion = ca.SX.sym("pose", 6), ca.SX.sym("twist", 6)
-        struts, arms = self._struts(pose)
-        velocity, omega = motion[:3], motion[3:]
-        drift = []
-        for k in range(6):
-            length = ca.norm_2(struts[:, k])
-            direction = struts[:, k] / length
-            joint_velocity = velocity + ca.cross(omega, arms[:, k])
-            across = joint_velocity - direction * ca.dot(direction, joint_velocity)
-            centripetal = ca.cross(omega, ca.cross(omega, arms[:, k]))
-            drift.append(ca.dot(across, across) / length + ca.dot(direction, centripetal))
-        return ca.Function("jacobian_drift", [pose, motion], [ca.vertcat(*drift)])
+        velocity = self._inverse_jacobian(pose)[1] @ motion
+        drift = ca.jtimes(velocity, pose, pose_rates(pose, motion))
+        return ca.Function("jacobian_drift", [pose, motion], [drift], {"cse": True})
 
     @cached_property
     def newton_step(self) -> ca.Function:

@@ -188,33 +188,20 @@ class LimitCheck:
 
     def to_json(self) -> dict[str, Any]:
         """The object that `LimitReport.to_json` holds under the limit's name."""
-        return {
-            "at": self.name,
-            "worst": self.worst,
-            "limit": self.limit,
-            "unit": self.unit,
-            "ratio": self.ratio,
-            "time_s": self.time,
-            "status": str(self.status),
-            **({"bounds": list(self.bounds)} if self.bounds is not None else {}),
-        }
+        entry = {"at": self.name, "worst": self.worst, "limit": self.limit, "unit": self.unit, "ratio": self.ratio}
+        entry |= {"time_s": self.time, "status": str(self.status)}
+        return entry if self.bounds is None else entry | {"bounds": list(self.bounds)}
 
     @classmethod
     def of_json(cls, name: str, entry: Mapping[str, Any]) -> "LimitCheck":
         """The check from a limit's name and what `to_json` made; errors as `LimitReport.of_json`."""
         bounds, status, at = entry.get("bounds"), Status(entry["status"]), str(entry["at"])
+        place = at.removeprefix(name).removeprefix(" (").removesuffix(")")
+        worst, limit, ratio, time = (float(entry[key]) for key in ("worst", "limit", "ratio", "time_s"))
         return cls(
-            of=Limit.named(name),
-            place=at.removeprefix(name).removeprefix(" (").removesuffix(")"),
-            worst=float(entry["worst"]),
-            limit=float(entry["limit"]),
-            unit=str(entry["unit"]),
-            ratio=float(entry["ratio"]),
-            time=float(entry["time_s"]),
-            status=status,
-            binding=status is not Status.STEPS,
-            bounds=None if bounds is None else (float(bounds[0]), float(bounds[1])),
-        )
+            Limit.named(name), place, worst, limit, str(entry["unit"]), ratio, time, status, status is not Status.STEPS,
+            None if bounds is None else (float(bounds[0]), float(bounds[1])),
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,8 +19,8 @@ from cases.machine import Tool
 from cases.schema import Case
 from cases.sensors import RigidBody, payload_words
 from cases.units import MM, Array, Flags
-from identification.keep_out import distance_of_segments
 from identification.limit import Limit, LimitKind, Quantity
+from identification.limited_hexapod import distance_of_segments
 from identification.motion import LoadMotion, Motion, axis_rotation
 from identification.overload import SHARE
 

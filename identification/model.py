@@ -139,10 +139,9 @@ class Model:
         return ca.Function("wrench", [pose, forces], [self.structure_at(pose) @ forces])
 
     def wrenches(self, forces: Array, poses: Array | None) -> Array:
-        """Force and moment on the platform of sensor forces, about the origin of {P} and in its axes, shape (n, 6).
+        """Force and moment on the platform of sensor forces, about the origin of {P} and in its axes, shapes (n, 6).
 
-        Forces, shape (n, 6) [N, or N and N m], of sensors in struts need poses, shape (n, 6) [m, rad], else ValueError
-        is raised.
+        Raises ValueError for sensors in struts without poses [m, rad].
         """
         if self.struts is None:
             return np.asarray(forces @ self.structure.T)

@@ -22,7 +22,7 @@ from cases.units import Array
 from identification.limit import LimitKind
 from identification.machine_limits import clearance_shares
 from identification.overload import SHARE
-from identification.symbolic import FrameMotion, Kinematics, Share, over_samples, rpy
+from identification.symbolic import FrameMotion, Kinematics, Share, over_samples
 
 UPRIGHT = 1e-8  # cosine of a pitch below which only rounding separates roll and yaw
 ROUNDING = 1e-15  # entries of a rotation below which they are 0, above one minus which they are 1
@@ -78,7 +78,7 @@ class SerialChain:
 
     def positions(self, coordinates: Array) -> Array:
         """Positions of the sensor, shape (k, 3) [m]."""
-        return over_samples(self.pose, coordinates)[0][:, :3]
+        return self.kinematics(coordinates, 0.0 * coordinates, 0.0 * coordinates).pose[:, :3]
 
     def drives(self, coordinates: ArrayLike) -> Array:
         """Encoders measure the joints themselves, which are the coordinates, shape (k, n) [rad or m]."""
@@ -142,19 +142,8 @@ class SerialChain:
         """(q, q', q'') -> position [m], R column by column, twist [m/s, rad/s], twist rate [m/s^2, rad/s^2], in {B}."""
         q, rates, accelerations = (ca.SX.sym(name, self.count) for name in ("q", "rates", "accelerations"))
         position, turn, twist, twist_rate = self.frame(q, rates, accelerations)
-        outputs = [position, ca.vec(turn), twist, twist_rate]
-        outputs = [ca.densify(value) for value in outputs]
+        outputs = [ca.densify(value) for value in (position, ca.vec(turn), twist, twist_rate)]
         return ca.Function("chain_motion", [q, rates, accelerations], outputs, {"cse": True})
-
-    @cached_property
-    def pose(self) -> ca.Function:
-        """Positions of the joints -> pose (x, y, z, roll, pitch, yaw) of {P} [m, rad].
-
-        Where the pitch is a right angle, roll and yaw are not unique, see `kinematics`.
-        """
-        q, still = ca.SX.sym("q", self.count), ca.SX(self.count, 1)
-        position, turn, _, _ = self.frame(q, still, still)
-        return ca.Function("chain_pose", [q], [ca.densify(ca.vertcat(position, rpy(turn)))], {"cse": True})
 
     def kinematics(self, q: ArrayLike, rates: ArrayLike, accelerations: ArrayLike) -> Kinematics:
         """Pose, twist and twist rate of {P} from the motion of the joints, shapes (k, n), one row a sample.

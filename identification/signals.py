@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import fft, irfft, next_fast_len, rfft, rfftfreq
+from scipy.fft import fft, irfft, next_fast_len
 
 from cases.errors import RecordingError
 from cases.units import Array, Flags, Indices
@@ -78,15 +78,9 @@ class Filter(NamedTuple):
     def kernel(self, order: int, shift: float) -> Array:
         """The sampled kernel of a derivative, corrected to give constants, slopes and curvatures exactly.
 
-        Args:
-            order: 0, 1 or 2: of the time derivative.
-            shift: delay of the result [s].
-
-        Returns:
-            Shape (2 margin + 1,).
-
-        Sampling changes the response by nearly the same amount over the whole pass band, so the error at frequency
-        zero is removed in the shape of the lower-order kernels.
+        Of order 0, 1 or 2, shape (2 margin + 1,); `shift` is the delay of the result [s]. Sampling changes the response
+        by nearly the same amount over the whole pass band, so the error at frequency zero is removed in the shape of
+        the lower-order kernels.
         """
         t = np.arange(-self.margin, self.margin + 1) * self.step
         smooth = self._kernel(0, shift)
@@ -104,12 +98,7 @@ class Filter(NamedTuple):
         return np.asarray(curvature / (curvature @ t**2 / 2))
 
     def require(self, values: Array, delay: float) -> None:
-        """Refuses values, shape (n, ..), that cannot be filtered at a delay [s].
-
-        Raises:
-            RecordingError: fewer samples than the filter is long.
-            ValueError: the delay is beyond the filter's reach.
-        """
+        """Raises RecordingError for fewer values than the filter is long, ValueError for a delay [s] out of reach."""
         if abs(delay) > self.reach:
             raise ValueError(f"delay {delay:g} s is beyond the filter's reach of {self.reach:g} s")
         if len(values) <= 2 * self.margin + 1:
@@ -119,18 +108,14 @@ class Filter(NamedTuple):
             )
 
     def apply(self, values: Array, order: int = 0, delay: float = 0.0) -> Array:
-        """The filtered signal or its derivative, `delay` earlier than sampled.
+        """The filtered signal or its derivative, `delay` earlier than sampled, shape (n - 2 margin, channels).
 
         Args:
             values: shape (n, channels).
             order: 0, 1 or 2: of the time derivative.
             delay: the result at sample k belongs to the instant t_k - delay [s]; at most `reach` either way.
 
-        Returns:
-            Shape (n - 2 margin, channels).
-
-        Raises:
-            RecordingError: fewer samples than the filter is long.
+        Raises RecordingError for fewer samples than the filter is long.
         """
         return decimated(self, values, np.arange(len(values) - 2 * self.margin), [(order, delay)])[0]
 
@@ -259,19 +244,9 @@ class Residuals:
         return np.asarray(self.explained - self.predicted)
 
     def spectrum(self) -> tuple[Array, Array]:
-        """Amplitude spectral density of each channel, by Welch's method, shapes (k,) [Hz] and (k, 6) [N/sqrt(Hz)].
+        """Amplitude spectral density of each channel, by Welch's method, shapes (k,) [Hz] and (k, 6) [N/sqrt(Hz)]."""
+        from scipy.signal import welch  # slow to load, and pages alone need it
 
-        Periodograms of segments under a Hann window that overlap by half, each less its mean, are averaged.
-
-        Raises:
-            ValueError: standstills have no spectrum.
-        """
-        if self.step is None:
-            raise ValueError("standstills have no spectrum")
-        size = min(SEGMENT, len(self.t))
-        overlapping = np.lib.stride_tricks.sliding_window_view(self.values, size, axis=0)[:: size - size // 2]
-        window = np.hanning(size + 1)[:-1]
-        spectra = rfft((overlapping - overlapping.mean(axis=2, keepdims=True)) * window)
-        power = np.mean(np.abs(spectra) ** 2, axis=0).T * self.step / np.sum(window**2)
-        power[1 : (size + 1) // 2] *= 2.0  # of the frequencies below zero; those in the middle have no such twin
-        return rfftfreq(size, self.step), np.sqrt(power)
+        assert self.step is not None, "standstills have no spectrum"
+        frequencies, power = welch(self.values, 1.0 / self.step, nperseg=min(SEGMENT, len(self.t)), axis=0)
+        return frequencies, np.sqrt(power)

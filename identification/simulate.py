@@ -1,8 +1,7 @@
 """Simulates what sensors and encoders record of an executed motion, with weights mounted and what disturbs a machine.
 
-No inverse crime: forces follow from the continuous motion's own derivatives, not from the recorded samples, and by
-default the recording is delayed, sampled between encoder cycles, quantised and noisy. With disturbances the drives
-ripple, the structure vibrates and forces err with the pose: no identification model contains any of these.
+No inverse crime: forces follow from the continuous motion, and the recording is delayed, sampled between encoder
+cycles, quantised and noisy. Ripple, vibration and errors that depend on the pose are in no identification model.
 """
 
 from collections.abc import Sequence
@@ -98,8 +97,8 @@ def _lengths(disturbances: Disturbances) -> Array:
 
 
 Moved = tuple[Array, Array, Kinematics]
-"""A run as its encoders and sensors see it, whatever is mounted: times of the samples, shape (n,) [s], true lengths of
-the struts then, shape (n, 6) [m], and the motion of the sensors when they are sampled."""
+"""A run whatever is mounted: times of the samples, shape (n,) [s], the drives then, shape (n, k) [m or rad], and the
+motion of the sensors when they are sampled."""
 
 
 def force_parts(case: Case, motion: Kinematics, step: float, around: Circumstances) -> Array:
@@ -184,14 +183,13 @@ def truth_rows(case: Case, estimate: "Estimate") -> list[dict[str, Any]]:
     model = estimate.model
     u = linear_parameters(model, case.need_simulation("the comparison with the truth").parameters)
     truth, _ = physical_form(model).of(u, np.zeros((len(u), len(u))))
-    return [
-        {
-            "name": name,
-            "unit": value.unit,
+    rows = []
+    for true, (name, value) in zip(truth, estimate.physical.items(), strict=True):
+        found = {
             "truth": float(true),
             "estimate": value.value,
             "std": value.reported,
             "error": value.value - float(true),
         }
-        for true, (name, value) in zip(truth, estimate.physical.items(), strict=True)
-    ]
+        rows.append({"name": name, "unit": value.unit} | found)
+    return rows

@@ -70,15 +70,7 @@ class StrutLayout:
 def moving_struts(
     state: State, hexapod: Hexapod, position: ca.SX, turn: ca.SX, twist: ca.SX, twist_rate: ca.SX, gravity: Array
 ) -> State:
-    """A state with the motion of a hexapod's struts.
-
-    Args:
-        position: origin of {P} in {B}, shape (3,) [m].
-        turn: R, shape (3, 3).
-        twist: twist in {B}, shape (6,) [m/s, rad/s].
-        twist_rate: its time derivative, shape (6,) [m/s^2, rad/s^2].
-        gravity: gravity in {B}, shape (3,) [m/s^2].
-    """
+    """A state with the motion of a hexapod's struts; arguments as of `Model.expression`, all in {B}."""
     velocity, omega, acceleration, alpha = twist[:3], twist[3:], twist_rate[:3], twist_rate[3:]
     struts = []
     for base, joint in zip(hexapod.base, hexapod.platform, strict=True):
@@ -101,11 +93,7 @@ def structure(state: State) -> ca.SX:
 
 
 def strut_blocks(at_drive: bool) -> tuple[Block, ...]:
-    """What the struts, all alike, add to the regressor.
-
-    Args:
-        at_drive: whether sensors sit at the drive's end of the rods; at the platform's end otherwise.
-    """
+    """What the struts, all alike, add to the regressor of sensors at the drive's end of rods, or at the platform's."""
     kinds: list[tuple[str, str, _Wrench]] = [] if at_drive else [("mu", "kg", _rod_mass)]
     kinds += [("h", "kg m", _first_moment_at_drive if at_drive else _first_moment)]
     kinds += [("k", "kg m^2", _inertia), ("d", "kg m", _tube)]

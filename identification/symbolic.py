@@ -1,17 +1,13 @@
 """CasADi functions over many samples at once, orientations as CasADi expressions, and machines made of both.
 
-Equation numbers are those of Friedrich & Ihlenfeldt, Sensors 21 (2021) 3537. R = Rz(yaw) Ry(pitch) Rx(roll) turns
-vectors of {P} into {B}.
-
 Few samples go through CasADi's own interpreter: `Function.map` with `.full()` costs five times the evaluation itself, a
 FunctionBuffer costs nothing on top. Of many samples each instruction of the function is one NumPy operation on a few
 thousand of them, which is three to eight times as fast: the interpreter's overhead is paid once for all of them.
 CasADi is column-major: one column a sample, so that memory order equals NumPy's rows.
 
 A machine leads from its coordinates to the frame that carries the load. Coordinates are what motions are planned in,
-drives what encoders measure: the pose and the struts of a hexapod, for a chain both the positions of its joints. Code
-that needs no struts of a hexapod takes a machine from `model.machine_of`, and so depends on no kind of machine; a new
-kind is a class with the members of `Machine`, and a line there.
+drives what encoders measure: the pose and the struts of a hexapod, for a chain both the positions of its joints. A new
+kind of machine is a class with the members of `Machine`, and a line in `model.machine_of`.
 """
 
 from collections.abc import Callable, Sequence
@@ -160,6 +156,11 @@ def twist_rate(pose: ca.SX, rates: ca.SX, accelerations: ca.SX) -> ca.SX:
     matrix = rate_matrix(pose[3:])
     matrix_rate = ca.reshape(ca.jtimes(ca.vec(matrix), pose[3:], rates[3:]), 3, 3)
     return ca.vertcat(accelerations[:3], matrix @ accelerations[3:] + matrix_rate @ rates[3:])
+
+
+def pose_rates(pose: ca.SX, motion: ca.SX) -> ca.SX:
+    """Time derivatives of a pose from its twist, shape (6,) [m/s, rad/s]: (37) solved for them."""
+    return ca.vertcat(motion[:3], ca.solve(rate_matrix(pose[3:]), motion[3:]))
 
 
 def gibbs(turn: ca.SX) -> ca.SX:

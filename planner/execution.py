@@ -15,11 +15,12 @@ from cases.schema import Case
 from cases.units import MM
 from identification.criteria import reference_scaling
 from identification.limit import LimitKind
+from identification.limit_proof import CHUNK, everything
 from identification.model import full_model, identification_model, machine_of
 from identification.motion import Joined, Trajectory
 from identification.recording import Recording, about_case
 from identification.simulate import UNDISTURBED, Circumstances, circumstances, simulate_recording
-from identification.trajectories.executed import Execution, executed_information, executed_peaks, path_error
+from identification.trajectories.executed import Execution, executed_information, executed_motion, path_error
 from planner.bounds.information_limit import Bound, information_limit
 from planner.noise import mean_information
 from planner.plan_program import plan_of_program, read_for, require_proven, written_for_another
@@ -33,6 +34,7 @@ from postprocessors.proving.homing import motions, planned_excitation
 
 CONTROLLERS = (ControllerName.VIRTUAL, ControllerName.LINUXCNC)
 NOTICEABLE = 0.01  # share of a run from which a remark says so
+MEASURED = LimitKind.VELOCITY, LimitKind.ACCELERATION, LimitKind.STRUT_VELOCITY, LimitKind.STRUT_ACCELERATION
 
 
 def best_controller(dialect: str = ControllerName.LINUXCNC) -> tuple[ControllerName, str]:
@@ -84,26 +86,30 @@ def execute(
     return run, replace(recording, case=case, record=record)
 
 
-def exceeded(peaks: Mapping[LimitKind, float], guarantees: Guarantees, real: bool) -> Iterator[str]:
-    """Sentences on limits that the executing controller exceeded, which may not be the one that the program is for.
+def executed_peaks(execution: Execution, case: Case) -> dict[LimitKind, float]:
+    """Largest share of each limit of velocities and accelerations over the whole run, at `execution.extremes`.
 
-    Args:
-        peaks: largest share of each limit, approach and return included.
-        guarantees: what the controller enforces that it is written for.
-        real: whether that one has run it, not the built-in one.
+    There, between two cycles of a controller that interpolates by cubic splines, are the largest accelerations.
     """
+    instants = execution.extremes
+    worst: dict[LimitKind, float] = {}
+    for first in range(0, len(instants), CHUNK):
+        for quantity in everything(executed_motion(execution, instants[first : first + CHUNK]), case, False):
+            if quantity.of.kind.family in MEASURED:
+                worst[quantity.of.kind] = max(worst.get(quantity.of.kind, 0.0), float(quantity.ratio.max()))
+    return worst
+
+
+def exceeded(peaks: Mapping[LimitKind, float], guarantees: Guarantees, real: bool) -> Iterator[str]:
+    """A sentence on limits that the executing controller exceeded, the `real` one or one that stands in for it."""
     over = {kind for kind, share in peaks.items() if share > 1.01}
-    safe = set() if real else {kind for kind in over if kind.family in guarantees.enforced}
-    if over - safe:
+    if not real:  # it keeps these itself, as the case says, and takes longer than the built-in one
+        over -= {kind for kind in over if kind.family in guarantees.enforced}
+    if over:
         yield (
-            f"EXCEEDED BY THE CONTROLLER, which does not enforce them: {', '.join(sorted(over - safe))}; know what "
+            f"EXCEEDED BY THE CONTROLLER, which does not enforce them: {', '.join(sorted(over))}; know what "
             "the drives bear before a real machine runs this (what is above the evaluation's filter does not reach the "
             "estimate)"
-        )
-    if safe:
-        yield (
-            f"exceeded by the built-in controller only: {', '.join(sorted(safe))}; {guarantees.controller} "
-            "keeps it itself, as the case says (controller_keeps), and will take longer there"
         )
 
 

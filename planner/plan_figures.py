@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from cases.schema import Case
-from identification.criteria import CRITERIA, Criterion, reference_scaling, singular_values
+from identification.criteria import CRITERIA, Criterion, reference_scaling, singular_values, total_information
 from identification.hexapod import Hexapod
 from identification.limit import LimitReport
 from identification.model import Model, field_covariance
@@ -27,7 +27,6 @@ from planner.noise import (
     mean_information,
     seen_through,
 )
-from planner.pose_criteria import total_information
 from planner.search import Failed, StartRecord
 
 

@@ -17,7 +17,7 @@ from cases.files import DAMAGED, read_json
 from cases.schema import Case
 from cases.tables import LARGEST
 from cases.units import Array
-from identification.criteria import Criterion, reference_scaling, singular_values
+from identification.criteria import Criterion, pose_regressors, reference_scaling, singular_values, total_information
 from identification.limit import LimitReport
 from identification.model import identification_model
 from identification.motion import Joined, Standstill, Trajectory
@@ -25,7 +25,6 @@ from identification.trajectories.curves import FourierMotion, PolynomialMotion
 from identification.trajectories.moves import CircularMove, Plane, Profile, StraightMove, unit_profile
 from planner.noise import standing_model
 from planner.plan_figures import PoseWorth, Worth, figures_of, predicted_std_at_poses
-from planner.pose_criteria import pose_regressors, total_information
 from planner.request import LONGEST, PoseRequest, Request
 
 if TYPE_CHECKING:

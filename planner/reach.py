@@ -36,14 +36,9 @@ class Reach:
 
     def to_json(self) -> dict[str, Any]:
         """Shares and limits."""
-        return {
-            "share": self.share,
-            "share_std": self.share_std,
-            "poses": self.poses,
-            "whole": self.whole,
-            "worst": {"limit": self.worst_limit, "ratio": self.worst},
-            "exceeded": self.exceeded,
-        }
+        worst = {"limit": self.worst_limit, "ratio": self.worst}
+        shares = {"share": self.share, "share_std": self.share_std, "poses": self.poses, "whole": self.whole}
+        return shares | {"worst": worst, "exceeded": self.exceeded}
 
 
 def reach(case: Case, count: int = POSES) -> Reach:

@@ -11,14 +11,11 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cases.machine import MotionLimits
-from cases.schema import Case
 from cases.sensors import Disturbances
 from cases.units import Array
-from identification.limit import LimitKind
 from identification.model import Model, regressors
-from identification.motion import Trajectory, sample
-from identification.symbolic import Kinematics, Machine, over_samples, rate_matrix, twist_rate
+from identification.motion import Motion, Trajectory, sample
+from identification.symbolic import Kinematics, Machine, over_samples, pose_rates, twist_rate
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -70,48 +67,24 @@ class Execution:
         return self.machine.kinematics(self.spline(t), self.spline(t, nu=1), self.spline(t, nu=2))
 
 
-CHUNK = 20_000  # instants at once, bounds memory
-
-
 @lru_cache(maxsize=1)
 def coordinate_rates() -> ca.Function:
     """(pose, twist, twist rate) -> first and second time derivatives of the pose: (37), (38) solved for them."""
     pose, moving, changing = (ca.SX.sym(n, 6) for n in ("pose", "twist", "twist_rate"))
-    matrix = rate_matrix(pose[3:])
-    rates = ca.vertcat(moving[:3], ca.solve(matrix, moving[3:]))
-    drift = twist_rate(pose, rates, ca.SX.zeros(6))
-    accelerations = ca.vertcat(changing[:3], ca.solve(matrix, changing[3:] - drift[3:]))
+    rates = pose_rates(pose, moving)
+    accelerations = pose_rates(pose, changing - twist_rate(pose, rates, ca.SX.zeros(6)))
     return ca.Function("coordinate_rates", [pose, moving, changing], [rates, accelerations])
 
 
-def executed_peaks(execution: Execution, case: Case) -> dict[LimitKind, float]:
-    """Largest share of each kinetic limit over the whole run, at `execution.extremes`.
-
-    There, between two cycles of a controller that interpolates by cubic splines, are the largest accelerations.
-    """
-    limits = case.need_motion("the rating of a run")[1]
-    instants = execution.extremes
-    worst: dict[LimitKind, float] = {}
-    for first in range(0, len(instants), CHUNK):
-        t = instants[first : first + CHUNK]
-        rates, accelerations = drives = execution.struts(t, 1), execution.struts(t, 2)
-        if execution.machine.of_pose:
-            moving = execution.kinematics(t)
-            rates, accelerations = over_samples(coordinate_rates(), moving.pose, moving.twist, moving.twist_rate)
-        velocity, acceleration = np.abs(rates) / limits.rate, np.abs(accelerations) / limits.acceleration
-        ratios = {
-            LimitKind.VELOCITY: velocity[:, ~limits.turns],
-            LimitKind.ANGULAR_VELOCITY: velocity[:, limits.turns],
-            LimitKind.ACCELERATION: acceleration[:, ~limits.turns],
-            LimitKind.ANGULAR_ACCELERATION: acceleration[:, limits.turns],
-        }
-        if isinstance(limits, MotionLimits):  # the struts of a hexapod have limits of their own
-            ratios[LimitKind.STRUT_VELOCITY] = np.abs(drives[0]) / limits.strut_velocity_m_s
-            ratios[LimitKind.STRUT_ACCELERATION] = np.abs(drives[1]) / limits.strut_acceleration_m_s2
-        for kind, shares in ratios.items():
-            if shares.size:
-                worst[kind] = max(worst.get(kind, 0.0), float(shares.max()))
-    return worst
+def executed_motion(execution: Execution, t: Array) -> Motion:
+    """Coordinates with two derivatives at times t, shape (n,) [s]; jerks, which no log shows, are 0."""
+    if execution.machine.of_pose:
+        moving = execution.kinematics(t)
+        pose = moving.pose
+        rates, accelerations = over_samples(coordinate_rates(), pose, moving.twist, moving.twist_rate)
+    else:
+        pose, rates, accelerations = (execution.struts(t, order) for order in range(3))
+    return Motion(t, pose, rates, accelerations, np.zeros_like(pose))
 
 
 PLAN_RATE = 10_000.0  # [1/s]: at 0.6 m/s neighbours are 0.06 mm apart, so the error is exact to some micrometres
@@ -140,9 +113,8 @@ def path_error(planned: Trajectory, execution: Execution, windows: Array) -> flo
 def executed_information(model: Model, scaling: Array, execution: Execution, windows: Array, cutoff: float) -> Array:
     """Time average of H A^T A H over the executed excitation, behind the filter of the evaluation, shape (u, u); W = 1.
 
-    Controllers that run a path in short blocks add ripple above the limits; the evaluation filters it off, so that it
-    must not count as information. `scaling` is the diagonal of H; windows of the excitation have the shape (k, 2) [s],
-    `cutoff` is that of the low-pass [Hz].
+    Ripple that a controller adds is filtered off by the evaluation, and must not count as information. `scaling` is the
+    diagonal of H; windows of the excitation have the shape (k, 2) [s], `cutoff` is that of the low-pass [Hz].
     """
     from identification.signals import Filter  # SciPy, which programs that are only read do without
 
@@ -187,15 +159,10 @@ def mode_frequency(disturbances: Disturbances, mass: float, load: float) -> floa
 
 
 def vibrating(accelerations: Array, step: float, frequency: float, damping: float) -> Array:
-    """Accelerations of a platform behind a spring and a damper, driven by those of the drives.
+    """Accelerations of a platform behind spring and damper, driven by those of drives from rest, shape (n, k).
 
-    Transfer function (2 d w s + w^2) / (s^2 + 2 d w s + w^2), exact for accelerations that are linear between samples.
-
-    Args:
-        accelerations: accelerations of the drives, from rest, shape (n, k).
-        step: step between samples [s].
-        frequency: frequency of the undamped mode [Hz].
-        damping: share of the critical one.
+    Transfer function (2 d w s + w^2) / (s^2 + 2 d w s + w^2), w of the undamped mode [Hz], d the share of the critical
+    damping; exact for accelerations that are linear between samples, a step [s] apart.
     """
     from scipy.signal import cont2discrete, lfilter
 

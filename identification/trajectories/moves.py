@@ -1,9 +1,8 @@
 """Moves from rest to rest along straight lines in the coordinates or arcs, and the time laws of all moves.
 
-Time laws have seven segments in closed form, with or without a limit of jerk; controllers compute theirs online:
-jerk-limited, in whole controller cycles, here by ruckig. It is called for one move from rest to rest at a time, of one
-coordinate. Its other features are not used: intermediate waypoints are computed by a service in the network, and
-vectors of wrong length are read out of bounds; neither can be reached here.
+Time laws have seven segments in closed form, with or without a limit of jerk; controllers compute theirs online, in
+whole controller cycles, here by ruckig, for one move of one coordinate at a time. Intermediate waypoints, which a
+service in the network would compute, are never given to it.
 """
 
 import math
@@ -106,12 +105,7 @@ def fastest_profile(distance: float, velocity: float, acceleration: float, jerk:
 
 
 def limits_along(way: Array, *limits: ArrayLike) -> list[float]:
-    """Limits of the rates of the share of a straight way, from those of each coordinate.
-
-    Args:
-        way: how far each coordinate moves, at least one of them, shape (n,) [m or rad].
-        limits: limits of rates, accelerations or jerks, shapes (n,), or one number for all.
-    """
+    """Limits of the share of a straight way, shape (n,) [m or rad], from those of each coordinate, or one for all."""
     moves = way > 0.0
     return [float(np.min(np.broadcast_to(limit, way.shape)[moves] / way[moves])) for limit in limits]
 
@@ -127,8 +121,7 @@ def ruckig_profile(velocity: float, acceleration: float, jerk: float, cycle: flo
     """The fastest time law over a way of 1 that ruckig finds within three limits.
 
     Args:
-        velocity: limit [1/s].
-        acceleration: limit [1/s^2].
+        velocity, acceleration: limits [1/s, 1/s^2].
         jerk: limit [1/s^3]; infinite, without a cycle, where accelerations step.
         cycle: cycle of the controller [s], of which the law then lasts a whole number.
 
@@ -137,12 +130,8 @@ def ruckig_profile(velocity: float, acceleration: float, jerk: float, cycle: flo
     """
     from ruckig import DurationDiscretization, InputParameter, Result, Ruckig, RuckigError, Trajectory
 
-    numbers = {
-        "velocity": velocity,
-        "acceleration": acceleration,
-        "jerk": jerk,
-        "cycle": 1.0 if cycle is None else cycle,
-    }
+    whole = 1.0 if cycle is None else cycle
+    numbers = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk, "cycle": whole}
     for name, value in numbers.items():
         if not (value > 0.0 and (math.isfinite(value) or (name == "jerk" and cycle is None))):
             raise UntimedMotion(f"{name} {value:g} is not a finite number above 0")

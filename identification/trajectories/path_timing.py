@@ -100,8 +100,6 @@ def retime(path: Trajectory, case: Case) -> RetimedMotion:
         raise UntimedMotion(_NO_PACE)
     solver.compute_parameterization(start, end)
     code, paces = solver.problem_data.return_code, solver.problem_data.sd_vec
-    if code.name not in ("Ok", "FailUncontrollable"):
-        raise UntimedMotion(f"the path cannot be re-timed ({code.value}); change it slightly")
     lengths = np.full(steps, np.nan) if paces is None else 2.0 * np.diff(shares) / (paces[:-1] + paces[1:])
     if code.name != "Ok" or not np.isfinite(lengths).all():
         raise UntimedMotion(_NO_PACE)
@@ -152,10 +150,7 @@ def _constraint(path: Trajectory, case: Case, shares: Array) -> tuple[Any, Any]:
         raise UntimedMotion("the path holds values that are not finite")
     ends = np.abs(motion.rates[[0, -1]]) / limits.rate
     if ends.max() > AT_REST:
-        raise UntimedMotion(
-            f"the path {'begins' if ends[0].max() > AT_REST else 'ends'} at {100 * ends.max():.3g} % of a rate limit; "
-            "it must begin and end at rest"
-        )
+        raise UntimedMotion(f"the path has {100 * ends.max():.3g} % of a rate limit at an end; it must rest there")
     by_share = (motion.rates * path.duration, motion.accelerations * path.duration**2)
     struts, most = machine_of(case).further_drives(case, motion.pose, *by_share)
     first, second = (np.hstack([own, values]) for own, values in zip(by_share, struts, strict=True))

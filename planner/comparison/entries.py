@@ -11,7 +11,7 @@ from cases.basis import case_of, recording_basis, require_unchanged
 from cases.errors import FileProblem, IdentificationError
 from cases.files import read_json, sha256_of
 from cases.schema import Case
-from identification.criteria import CRITERIA, reference_scaling, singular_values
+from identification.criteria import CRITERIA, pose_regressors, reference_scaling, singular_values
 from identification.estimation.fit import Value
 from identification.formats.reading import files_of
 from identification.identify import default_model, standing_of
@@ -26,7 +26,6 @@ from identification.runs.standstills import standstills
 from planner.noise import PoseErrors, counted_information, expected_noise, mean_information
 from planner.plan_figures import predicted_std
 from planner.plans import Plan
-from planner.pose_criteria import pose_regressors
 
 Level = Literal["planned", "executed", "identified"]
 """Stage of an excitation."""

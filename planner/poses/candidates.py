@@ -9,7 +9,7 @@ from identification.limit import TOLERANCE
 from identification.motion import Array
 from planner.bounds.branch import Maximum
 from planner.bounds.design import EXCHANGED, Design, directional, exchanged
-from planner.poses.space import JointSpace, standing_report, standing_shares
+from planner.poses.space import space_of, standing_report, standing_shares
 from planner.search.feasibility import remedy
 
 MOST = 200_000  # candidates; 20 000 take seconds and half a GB, and more never had more information
@@ -18,14 +18,7 @@ ROUNDING = 1e-9  # [m] poses on the very edge of the ring are in it
 
 
 def pose_of_tilt(position: Array, tilt: Array, azimuth: Array, torsion: Array) -> Array:
-    """Poses from tilt-and-torsion angles, R = Rz(azimuth) Ry(tilt) Rz(torsion - azimuth), shape (n, 6) [m, rad].
-
-    Args:
-        position: origin of {P} in {B}, shape (n, 3) [m].
-        tilt: shape (n,) [rad].
-        azimuth: direction of the tilt, shape (n,) [rad].
-        torsion: shape (n,) [rad].
-    """
+    """Poses of positions, (n, 3) [m], and angles, (n,) [rad]; R = Rz(azimuth) Ry(tilt) Rz(torsion - azimuth)."""
     turn = Rotation.from_euler("ZYZ", np.column_stack([azimuth, tilt, torsion - azimuth]))
     return np.column_stack([position, turn.as_euler("xyz")])
 
@@ -55,11 +48,9 @@ def grid_candidates(case: Case) -> Array:
 
 
 def sampled_candidates(case: Case, count: int, seed: int) -> Array:
-    """Quasi-random poses (scrambled Sobol points) of the space that the grid spans, valid ones only.
+    """Quasi-random poses (scrambled Sobol points) of the space that refinement searches, valid ones only.
 
-    The space of a chain is its motion box. Of a hexapod it is the XY range inside the largest radius, every tilt up to
-    the largest, every azimuth, and the ranges of z and torsion: the grid leaves out its middle, where poses have
-    little information, the space does not.
+    The grid of a hexapod leaves out the middle of its space, where poses have little information, the space does not.
 
     Args:
         count: number of points that are checked.
@@ -72,22 +63,14 @@ def sampled_candidates(case: Case, count: int, seed: int) -> Array:
     _require_count(count)
     from scipy.stats import qmc  # a second to import, for this alone
 
-    if case.chain is not None:
-        joints = JointSpace.of(case)
-        points = qmc.Sobol(joints.size, seed=seed).random_base2(int(np.ceil(np.log2(count))))[:count]
-        return _valid(case, joints.poses(2.0 * points - 1.0, points))
-    machine, _, _ = case.need_machine("pose candidates")
-    grid = case.need_poses("pose candidates")
-    share = qmc.Sobol(6, seed=seed).random_base2(int(np.ceil(np.log2(count))))[:count]
-    low, high = (np.array([values[k] for values in grid.axes[:3]]) for k in (0, -1))
-    radius, azimuth = grid.radius[1] * np.sqrt(share[:, 0]), 2 * np.pi * share[:, 1]
-    position = np.column_stack([radius * np.cos(azimuth), radius * np.sin(azimuth), np.zeros(count)])
-    position[:, 2] = low[2] + share[:, 2] * (high[2] - low[2])
-    inside = np.all((position >= low - ROUNDING) & (position <= high + ROUNDING), axis=1)
-    tilt, torsion = grid.axes[3][-1] * np.sqrt(share[:, 3]), grid.axes[5]
-    angles = torsion[0] + share[:, 5] * (torsion[-1] - torsion[0])
-    poses = pose_of_tilt(machine.home.vector[:3] + position, tilt, 2 * np.pi * share[:, 4], angles)
-    return _valid(case, poses[inside])
+    space, home = space_of(case), case.need_motion("pose candidates")[0]
+    points = qmc.Sobol(space.size, seed=seed).random_base2(int(np.ceil(np.log2(count))))[:count]
+    shares = space.ends[0] + points * np.ptp(space.ends, axis=0)
+    for disc in space.discs:
+        radius, angle = np.sqrt(points[:, disc.start]), 2 * np.pi * points[:, disc.start + 1]
+        shares[:, disc] = np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
+    inside = np.all((shares >= space.ends[0]) & (shares <= space.ends[1]), axis=1)
+    return _valid(case, space.poses(shares[inside], home))
 
 
 def _valid(case: Case, poses: Array) -> Array:
@@ -117,11 +100,7 @@ FIRST = 2000  # candidates that a design begins with, at most
 
 
 def candidate_design(regressors: Array) -> Design:
-    """The D-optimal design over candidates, with its certificate; its states are rows of the regressors.
-
-    Args:
-        regressors: regressors of all candidates, shape (n, 6, u); together of full rank.
-    """
+    """The D-optimal design over candidates, with its certificate, of regressors of full rank, shape (n, 6, u)."""
     size = regressors.shape[2]
 
     def largest(inverse: Array, _: Array) -> Maximum:

@@ -8,7 +8,13 @@ from numpy.typing import NDArray
 
 from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
 from cases.schema import Case
-from identification.criteria import singular_values
+from identification.criteria import (
+    POSE_CRITERIA,
+    candidate_scaling,
+    pose_regressors,
+    singular_values,
+    total_information,
+)
 from identification.limit import LimitReport, worst_of
 from identification.limit_proof import prove
 from identification.model import Model
@@ -16,18 +22,8 @@ from identification.motion import Array, Joined, Standstill, Trajectory
 from planner.noise import sensor_noise, standing_model
 from planner.plan_figures import PoseWorth, predicted_std_at_poses
 from planner.plans import Plan
-from planner.pose_criteria import (
-    POSE_CRITERIA,
-    candidate_scaling,
-    pose_regressors,
-    total_information,
-)
-from planner.poses.candidates import (
-    candidate_design,
-    grid_candidates,
-    sampled_candidates,
-)
-from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, reduce_smallest_change, refine
+from planner.poses.candidates import candidate_design, grid_candidates, sampled_candidates
+from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, refine
 from planner.poses.space import standing_report, valid_poses
 from planner.poses.travel import fastest_move, require_ways, shortest_order, travel_times
 from planner.request import METHODS, PoseRequest
@@ -162,27 +158,19 @@ def _choose(
     scaling: Array,
     done: Callable[[int], None],
 ) -> tuple[Array, str]:
-    """Chosen poses, shape (n, 6) [m, rad], and the result of the choice in one phrase.
-
-    Raises:
-        HexciteError: too many candidates for the method.
-        IdentificationError: all poses together do not determine the model.
-        InfeasiblePlan: the poses are too few to determine the model.
-    """
+    """Chosen poses, shape (n, 6) [m, rad], and the result of the choice in one phrase."""
     count = request.wanted(len(poses), regressors.shape[2])
     _require_rank(model, regressors)
     criterion = POSE_CRITERIA[request.criterion]
     if request.method == "all":
         return poses, METHODS["all"]
-    if request.method == "backward-change":
-        if len(poses) > MOST_EXHAUSTIVE:
-            raise HexciteError(
-                f"method backward-change evaluates every removal and is meant for {MOST_EXHAUSTIVE} candidates at "
-                f"most, here are {len(poses)}; choose backward"
-            )
-        indices, _ = reduce_smallest_change(regressors, criterion, count, done)
-    else:
-        indices, _ = reduce_best(regressors, criterion, count, done)
+    change = request.method == "backward-change"
+    if len(poses) > MOST_EXHAUSTIVE and (change or not criterion.losses_grow):
+        raise HexciteError(
+            f"every removal is evaluated for method backward-change and criteria A, K and N, of {MOST_EXHAUSTIVE} "
+            f"candidates at most, here are {len(poses)}; choose backward for criterion D, or fewer --candidates"
+        )
+    indices, _ = reduce_best(regressors, criterion, count, done, change)
     if len(indices) > count:
         raise InfeasiblePlan(
             f"{count} poses do not determine model {request.model}: Algorithm 1 ends at {len(indices)}, every further "

@@ -1,8 +1,8 @@
 """Algorithm 1: from many poses to few; each step removes the pose that costs the criterion least.
 
 As printed, the last line removes for A and K, which are minimised, the most useful pose; the sign is corrected. For K
-the text can be read in two ways, both of which are here: the best value after the removal (`reduce_best`), or the
-smallest change in either direction (`reduce_smallest_change`), since the condition can improve by a removal.
+the text can be read in two ways, both of which are here: the best value after the removal, or the smallest change in
+either direction, since the condition can improve by a removal.
 
 Refinement then lets the poses of a set move freely through the pose space until the criterion is best.
 """
@@ -14,21 +14,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.criteria import Criterion
+from identification.criteria import Criterion, PoseCriterion, pose_regressors, total_information
 from identification.model import Model
 from identification.motion import Array
-from planner.pose_criteria import Index, PoseCriterion, Screen, pose_regressors, total_information
 from planner.poses.space import Space, space_of, valid_poses
 from planner.search import SolverStatus
 from planner.search.ipopt import NumpyFunction
 from planner.search.objective import Local, criterion_at
 
 TIE = 1e-10  # relative; the first of equally good removals is taken, so that symmetric grids give one answer anywhere
-CHUNK = 16  # number of poses that are evaluated together at first
-REFRESH = 48  # evaluations in one step after which new bounds are cheaper
+CHUNK = 64  # number of poses that are evaluated together
 EXACT = 500  # removals after which the information is summed anew: differences accumulate rounding
 FEW = 60  # poses from which on the information is summed anew and the rank is watched at every step
-MOST_EXHAUSTIVE = 2500  # poses that `reduce_smallest_change` starts from: it evaluates all of them at every step
+MOST_EXHAUSTIVE = 2500  # poses to start from where all are evaluated at every step
+
+Index = NDArray[np.int64]
 
 
 def full_rank(regressors: Array) -> bool:
@@ -41,105 +41,63 @@ def full_rank(regressors: Array) -> bool:
 
 
 def reduce_best(
-    regressors: Array, criterion: PoseCriterion, count: int, done: Callable[[int], None] = lambda _: None
+    regressors: Array,
+    criterion: PoseCriterion,
+    count: int,
+    done: Callable[[int], None] = lambda _: None,
+    smallest_change: bool = False,
 ) -> tuple[Index, Index]:
-    """Removes poses one by one, each time the one without which the criterion is best; evaluates as few as possible.
+    """Removes poses one by one, each time the one without which the criterion is best, or changes least.
 
     Stops early where every further removal would lose rank: what remains is the smallest set that the algorithm finds.
 
     Args:
         regressors: scaled regressors of all poses, shape (n, 6, u); together of full rank.
         done: called with the number of remaining poses after each removal.
+        smallest_change: whether the criterion shall change least, for better or worse.
 
     Returns:
         Indices of the remaining poses, ascending, shape (r,), and of the others in the order of removal, (n - r,).
     """
-    members: Index = np.arange(len(regressors))  # poses of the screen; `alive` are those that are not yet removed
-    alive = np.ones(len(members), dtype=bool)
-    information = total_information(regressors)
-    present, screen = regressors, criterion.screen(regressors, information)
-    removed, summed = [], EXACT
-    for size in range(len(regressors), count, -1):
-        removal = None
-        if size > FEW:
-            removal = _best_removal(present, criterion, screen, information, alive, REFRESH)
-        if removal is None:  # the bounds have become loose, or the sum must be exact
-            members = members[alive]
-            present, alive = regressors[members], np.ones(size, dtype=bool)
-            if size <= FEW or size < len(regressors) - summed:
-                information, summed = total_information(present), len(regressors) - size + EXACT
-            screen = criterion.screen(present, information)
-            removal = _best_removal(present, criterion, screen, information, alive, size)
-        assert removal is not None
-        position, value = removal
-        alive[position] = False
-        if not np.isfinite(value) or (size <= FEW and not full_rank(present[alive])):
-            alive[position] = True
-            break
-        removed.append(members[position])
-        information = information - present[position].T @ present[position]
-        done(size - 1)
-    return members[alive], np.array(removed, dtype=np.int64)
-
-
-def _best_removal(
-    regressors: Array, criterion: PoseCriterion, screen: Screen, information: Array, alive: NDArray[np.bool_], most: int
-) -> tuple[int, float] | None:
-    """Position and value of the best removal; None where more than `most` poses would have to be evaluated.
-
-    Poses are evaluated in the order of their bounds until no bound reaches the best value found.
-    """
-    upper, learn = screen
-    pending = np.where(alive, upper(information), -np.inf)
-    exact = np.full(len(alive), -np.inf)
-    best, evaluated, chunk = -np.inf, 0, CHUNK
-    while True:
-        rows = np.argpartition(-pending, chunk)[:chunk] if chunk < len(pending) else np.arange(len(pending))
-        rows = rows[(pending[rows] > -np.inf) & (pending[rows] >= _tied(best))]
-        if not len(rows):
-            break
-        if evaluated + len(rows) > max(most, CHUNK):
-            return None
-        exact[rows] = criterion.after_removal(information, regressors[rows])
-        learn(information, rows, exact[rows])
-        pending[rows] = -np.inf
-        best = max(best, float(exact[rows].max()))
-        evaluated += len(rows)
-        chunk *= 2
-    if not np.isfinite(best):
-        return int(np.argmax(alive)), -np.inf
-    first = int(np.argmax(exact >= _tied(best)))
-    return first, float(exact[first])
-
-
-def _tied(best: float) -> float:
-    """The value from which another counts as equally good."""
-    return best - TIE * abs(best) if np.isfinite(best) else best
-
-
-def reduce_smallest_change(
-    regressors: Array, criterion: PoseCriterion, count: int, done: Callable[[int], None] = lambda _: None
-) -> tuple[Index, Index]:
-    """Removes poses one by one, each time the one whose removal changes the criterion least, for better or worse.
-
-    Arguments and answer as of `reduce_best`; at most `MOST_EXHAUSTIVE` poses, since all are evaluated at every step.
-    """
     rest: Index = np.arange(len(regressors))
-    products = regressors.transpose(0, 2, 1) @ regressors
-    removed = []
+    # Lower bounds of what each pose costs: where losses grow, that in a larger set; else all poses are evaluated.
+    losses = np.zeros(len(rest)) if criterion.losses_grow and not smallest_change else np.full(len(rest), -np.inf)
+    information = total_information(regressors)
+    removed: list[int] = []
     while len(rest) > count:
-        information = products[rest].sum(axis=0)
-        now, after = float(criterion.value(information)), criterion.value(information - products[rest])
-        change = np.abs(after - now)
-        position = int(np.argmax(change <= change.min() + TIE * abs(now)))
-        if not np.isfinite(after[position]) or (
-            len(rest) <= FEW and not full_rank(regressors[np.delete(rest, position)])
-        ):
+        if len(rest) <= FEW or len(removed) % EXACT == 0:
+            information = total_information(regressors[rest])
+        now = float(criterion.value(information))
+        after = _after_removals(regressors, criterion, information, rest, losses)
+        wanted = -np.abs(after - now) if smallest_change else after
+        best = float(wanted.max())
+        position = int(np.argmax(wanted >= best - TIE * abs(now if smallest_change else best)))
+        if not np.isfinite(best) or (len(rest) <= FEW and not full_rank(regressors[np.delete(rest, position)])):
             break
-        removed.append(rest[position])
+        removed.append(int(rest[position]))
+        information = information - regressors[rest[position]].T @ regressors[rest[position]]
         rest = np.delete(rest, position)
         done(len(rest))
     return rest, np.array(removed, dtype=np.int64)
+
+
+def _after_removals(
+    regressors: Array, criterion: PoseCriterion, information: Array, rest: Index, losses: Array
+) -> Array:
+    """Value after the removal of each pose, shape (r,); -inf of those that cannot be the best.
+
+    Poses are evaluated in the order of what they cost at least, until no other can be better; `losses` are sharpened.
+    """
+    now, after = float(criterion.value(information)), np.full(len(rest), -np.inf)
+    order = np.argsort(losses[rest], kind="stable")
+    for rows in np.split(order, range(CHUNK, len(order), CHUNK)):
+        best = float(after.max())
+        if now - losses[rest[rows[0]]] < best - TIE * abs(best):
+            break
+        after[rows] = criterion.after_removal(information, regressors[rest[rows]])
+        if np.isfinite(losses[rest[rows[0]]]):
+            losses[rest[rows]] = now - after[rows]
+    return after
 
 
 STEPS = 300
@@ -148,13 +106,9 @@ INSIDE = 1e-7  # distance from every edge, so that rounding of the solver cannot
 
 
 def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, poses: Array) -> tuple[Array, str]:
-    """Poses refined by IPOPT, or the start where nothing better was found, and the solver's status.
+    """Valid poses of full rank refined by IPOPT, or themselves where nothing better was found; the solver's status.
 
     K and N are optimised by a smooth p-norm of the eigenvalues and rated by their exact values.
-
-    Args:
-        scaling: scaling of the columns, shape (u,).
-        poses: valid, of full rank, shape (n, 6) [m, rad].
     """
     space = space_of(case)
     count = len(poses)

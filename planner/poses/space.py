@@ -1,7 +1,4 @@
-"""Poses to stand still at: the space that a case's grid spans, or the box of a chain's joints, and which are valid.
-
-A chain's poses are positions of joints in the box of `[limits.motion]`, clear of everything.
-"""
+"""Poses to stand still at: the space that a case's grid spans, or the box of a chain's joints, and which are valid."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -26,20 +23,14 @@ class Space(Protocol):
     """Poses among which refinement searches, as functions of shares: coordinates of the order of one."""
 
     case: Case
+    ends: Array  # lower and upper bound of each share, shape (2, m)
     discs: ClassVar[tuple[slice, ...]] = ()  # pairs of shares that lie in a disc of radius 1
-
-    @property
-    def ends(self) -> Array:
-        """Lower and upper bound of each share, shape (2, m)."""
-        ...
 
     def shares(self, poses: Array) -> Array:
         """Shares of poses, shape (n, m)."""
-        ...
 
     def pose(self, share: ca.SX, like: ca.SX) -> ca.SX:
         """One pose; what no share determines is that of another, `like`, shape (k,)."""
-        ...
 
     def margins(self, share: ca.SX, like: ca.SX) -> ca.SX:
         """Margins at such a pose by the search's own limits, which must not be negative."""
@@ -72,12 +63,11 @@ class PoseSpace(Space):
     """
 
     case: Case  # case with a hexapod
+    ends: Array
     home: Array  # position of {P} at home, shape (3,) [m]
     radius: float  # radius of the disc [m]
-    low: Array  # lower end of the XY range relative to home, shape (2,) [m]
-    high: Array  # upper end, shape (2,) [m]
     tilt: float  # tangent of half the largest tilt
-    torsion: Array  # smallest and largest, shape (2,) [rad]
+    torsion: tuple[float, float]  # middle of the range and half of it, 1 where it is none [rad]
     discs = slice(0, 2), slice(2, 4)
 
     @classmethod
@@ -85,22 +75,11 @@ class PoseSpace(Space):
         """The space that the case's grid spans; raises CaseError where the case lacks machine or poses."""
         home = case.need_machine("pose candidates")[0].home.vector[:3]
         grid = case.need_poses("pose candidates")
-        x, y, _, tilt, _, torsions = grid.axes
-        torsion = torsions[[0, -1]]
-        low, high = np.array([x[0], y[0]]), np.array([x[-1], y[-1]])
-        return cls(case, home, float(grid.radius[1]), low, high, float(np.tan(tilt[-1] / 2)), torsion)
-
-    @property
-    def _torsion_middle(self) -> tuple[float, float]:
-        half = float(np.ptp(self.torsion)) / 2
-        return float(self.torsion.mean()), half if half > 0.0 else 1.0
-
-    @property
-    def ends(self) -> Array:
-        """Lower and upper bound of each share, shape (2, 5)."""
-        middle, half = self._torsion_middle
-        ends = np.clip(np.vstack([self.low, self.high]) / self.radius, -1.0, 1.0)
-        return np.column_stack([ends, [[-1.0, -1.0], [1.0, 1.0]], (self.torsion - middle) / half])
+        (x, y, _, tilt, _, torsion), radius = ([axis[[0, -1]] for axis in grid.axes], float(grid.radius[1]))
+        middle, half = float(torsion.mean()), float(np.ptp(torsion)) / 2 or 1.0
+        plane = np.clip(np.column_stack([x, y]) / radius, -1.0, 1.0)
+        ends = np.column_stack([plane, [[-1.0, -1.0], [1.0, 1.0]], (torsion - middle) / half])
+        return cls(case, ends, home, radius, float(np.tan(tilt[-1] / 2)), (middle, half))
 
     def shares(self, poses: Array) -> Array:
         """Shares of poses, shape (n, 5)."""
@@ -109,16 +88,14 @@ class PoseSpace(Space):
         tilt = np.column_stack([-normal[:, 1], normal[:, 0]]) / (1.0 + normal[:, 2])[:, None]
         tilted = Rotation.from_quat(np.column_stack([tilt, np.zeros(len(poses)), np.ones(len(poses))])).as_matrix()
         rotation = tilted.transpose(0, 2, 1) @ turn
-        middle, half = self._torsion_middle
-        torsion = (np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0]) - middle) / half
+        torsion = (np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0]) - self.torsion[0]) / self.torsion[1]
         return np.column_stack([(poses[:, :2] - self.home[:2]) / self.radius, tilt / self.tilt, torsion])
 
     def pose(self, share: ca.SX, like: ca.SX) -> ca.SX:
         """One pose of the height of another, `like`, shape (6,)."""
-        middle, half = self._torsion_middle
         cross = ca.skew(ca.vertcat(self.tilt * share[2:4], 0))  # of the tilt's Gibbs vector
         tilted = ca.DM.eye(3) + 2 * (cross + cross @ cross) / (1 + self.tilt**2 * ca.sumsqr(share[2:4]))
-        about_z = rotation(ca.vertcat(0, 0, middle + half * share[4]))
+        about_z = rotation(ca.vertcat(0, 0, self.torsion[0] + self.torsion[1] * share[4]))
         return ca.vertcat(ca.DM(self.home[:2]) + self.radius * share[:2], like[2], rpy(tilted @ about_z))
 
     def margins(self, share: ca.SX, like: ca.SX) -> ca.SX:
@@ -138,6 +115,7 @@ class JointSpace(Space):
     """The joints' part of the motion box; shares are those of the half sides from its middle."""
 
     case: Case  # case with a chain
+    ends: Array
     middle: Array  # middle of the box, shape (k,) [m or rad]
     half: Array  # half of its sides, shape (k,) [m or rad]
 
@@ -145,12 +123,8 @@ class JointSpace(Space):
     def of(cls, case: Case) -> "JointSpace":
         """The space of a case; raises CaseError where it has no chain or no limits."""
         chain, limits = case.need_chain("pose candidates")
-        return cls(case, chain.home + limits.pose.mean(axis=0), np.ptp(limits.pose, axis=0) / 2)
-
-    @property
-    def ends(self) -> Array:
-        """Lower and upper bound of each share, shape (2, k)."""
-        return np.vstack([-np.ones(len(self.middle)), np.ones(len(self.middle))])
+        ends = np.outer([-1.0, 1.0], np.ones(len(chain.home)))
+        return cls(case, ends, chain.home + limits.pose.mean(axis=0), np.ptp(limits.pose, axis=0) / 2)
 
     def shares(self, poses: Array) -> Array:
         """Shares of poses, shape (n, k)."""

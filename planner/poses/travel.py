@@ -25,12 +25,7 @@ CHUNK = 10_000  # pairs at once: limits the memory
 
 
 def fastest_move(case: Case, start: Array, end: Array) -> StraightMove:
-    """The fastest straight move within the limits, those of struts, sensors and torques of joints included.
-
-    Args:
-        start: coordinates, shape (n,) [m or rad].
-        end: different from start, shape (n,) [m or rad].
-    """
+    """The fastest straight move between two poses, shapes (n,), within all limits, those of forces included."""
     limits = case.need_motion("moves between poses")[1]
     box = (limit * MARGIN for limit in (limits.rate, limits.acceleration, limits.jerk))
     move = StraightMove.fastest(start, end, *box)
@@ -42,10 +37,7 @@ def fastest_move(case: Case, start: Array, end: Array) -> StraightMove:
 def travel_times(case: Case, poses: Array) -> Array:
     """Duration of the fastest move between each two poses, infinite without a valid way, shape (n, n) [s].
 
-    For more than a hundred poses struts are checked in few places: enough for an order, not for a proof.
-
-    Args:
-        poses: shape (n, 6) [m, rad].
+    For more than a hundred poses, shape (n, k), struts are checked in few places: enough for an order, not for a proof.
     """
     limits = case.need_motion("moves between poses")[1]
     pairs = np.array(list(combinations(range(len(poses)), 2)), dtype=int).reshape(-1, 2)
@@ -87,13 +79,7 @@ def _laws(profiles: list[Profile], instants: int) -> Array:
 
 
 def _slowness(case: Case, start: Array, end: Array, laws: Array) -> Array:
-    """Factor by which each move must be slowed for the struts; below 1 where it need not be, shape (n,).
-
-    Args:
-        start: shape (n, 6) [m, rad].
-        end: shape (n, 6) [m, rad].
-        laws: laws of `_laws`, for each move.
-    """
+    """Factor by which each move, with its law of `_laws`, must be slowed for the struts, else below 1, shape (n,)."""
     way = (end - start)[:, None, :]
     pose = start[:, None, :] + laws[:, 0, :, None] * way
     rates, accelerations = (laws[:, k, :, None] * way for k in (1, 2))
@@ -120,8 +106,7 @@ GAIN = 1e-9  # [s] smallest gain: below it rounding would reverse stretches with
 def shortest_order(times: Array) -> NDArray[np.int64]:
     """Order of visit, starting and ending with 0 (home), shape (n + 1,): tours of nearest neighbours, made 2-optimal.
 
-    Args:
-        times: symmetric, row and column 0 are home, shape (n, n), n >= 2 [s]; infinite without a valid way.
+    Of times, symmetric, shape (n, n), n >= 2 [s]; infinite without a valid way.
     """
     finite = np.where(np.isfinite(times), times, 1e6)
     count = len(times)

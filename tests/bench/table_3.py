@@ -4,13 +4,13 @@ import numpy as np
 
 from cases.errors import IdentificationError
 from cases.schema import Case
+from identification.criteria import pose_regressors
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
 from identification.model import identification_model
 from identification.parameters import linear_parameters
 from identification.recording import Recording
 from identification.result import Estimate
-from planner.pose_criteria import pose_regressors
 from planner.poses.candidates import grid_candidates
 
 TRUE_STATIC_MODEL = 5

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
+from identification.criteria import POSE_CRITERIA, candidate_scaling, pose_regressors
 from identification.model import identification_model
 from identification.parameters import physical_form
-from planner.pose_criteria import POSE_CRITERIA, candidate_scaling, pose_regressors
 from planner.poses.candidates import grid_candidates
-from planner.poses.removal import reduce_best, reduce_smallest_change
+from planner.poses.removal import reduce_best
 
 Array = NDArray[np.float64]
 
@@ -83,7 +83,7 @@ def table_5(case: Case) -> Table5:
     unscaled = pose_regressors(model, grid_candidates(case))
     scaled = unscaled * candidate_scaling(unscaled)
     reductions = {f"Q5{c}": reduce_best(scaled, POSE_CRITERIA[c], 1) for c in "ADKN"}
-    reductions["Q5K'"] = reduce_smallest_change(scaled, POSE_CRITERIA["K"], 1)
+    reductions["Q5K'"] = reduce_best(scaled, POSE_CRITERIA["K"], 1, smallest_change=True)
     deviations = {"Q5M": group_deviations(unscaled, case, PUBLISHED["Q5M"])}
     for name, (_, removed) in reductions.items():
         left = np.setdiff1d(np.arange(len(unscaled)), removed[: len(unscaled) - LEFT])

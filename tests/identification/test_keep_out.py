@@ -8,9 +8,9 @@ from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
 
 from cases.schema import Case, load_case
-from identification.keep_out import distance_of_points, distance_of_segments, distances, guarded
 from identification.limit import LimitReport
 from identification.limit_proof import prove
+from identification.limited_hexapod import distance_of_points, distance_of_segments, distances, guarded
 from identification.machine_limits import CLEARANCE, ROUNDING, VICINITY
 from identification.motion import Standstill
 from identification.trajectories.moves import StraightMove

@@ -11,7 +11,7 @@ from scipy.special import gamma, kv
 from cases.schema import load_case
 from cases.sensors import PoseField
 from cases.tables import find_case
-from identification.criteria import box_middle, reference_scaling
+from identification.criteria import box_middle, pose_regressors, reference_scaling
 from identification.hexapod import Hexapod
 from identification.model import identification_model
 from planner.families import Family
@@ -21,7 +21,6 @@ from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
 from planner.noise import PoseErrors, expected_noise, information_of, mean_information, of_estimate, without_pose_errors
 from planner.plan_figures import predicted_std_at_poses, predicted_std_of
-from planner.pose_criteria import pose_regressors
 from planner.search.problem import build_program
 from tests.bench.pose_errors import over_machines
 from tests.helpers import few, taylor_slope

@@ -7,8 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 from cases.schema import Case, load_case
+from identification.criteria import candidate_scaling, pose_regressors
 from identification.model import Model, identification_model
-from planner.pose_criteria import candidate_scaling, pose_regressors
 from planner.poses.candidates import grid_candidates, sampled_candidates
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from planner.pose_criteria import POSE_CRITERIA, total_information
-from planner.poses.removal import full_rank, reduce_best, reduce_smallest_change
+from identification.criteria import POSE_CRITERIA, total_information
+from planner.poses.removal import full_rank, reduce_best
 from tests.planner.poses.conftest import Setting
 
 LETTERS = tuple(POSE_CRITERIA)
@@ -58,19 +58,6 @@ def test_values_after_a_removal_are_those_of_the_smaller_set(sample: Setting, le
 
 
 @pytest.mark.parametrize("letter", LETTERS)
-def test_bounds_are_never_passed_while_poses_are_removed(sample: Setting, letter: str) -> None:
-    criterion, regressors = POSE_CRITERIA[letter], sample.regressors
-    bound, _ = criterion.screen(regressors, total_information(regressors))
-    left = np.arange(len(regressors))
-    for _ in range(60):
-        information = total_information(regressors[left])
-        exact = criterion.after_removal(information, regressors[left])
-        upper = bound(information)[left]
-        assert np.all(exact <= upper + 1e-9 * np.abs(exact))
-        left = np.delete(left, 0)
-
-
-@pytest.mark.parametrize("letter", LETTERS)
 def test_14_parameters_need_3_poses_of_6_sensors_and_the_algorithm_gets_there(grid: Setting, letter: str) -> None:
     """The paper's row "Min. poses" has 3 (A, N) and 4 (D, K); the theoretical minimum is 14 / 6, rounded up."""
     kept, _ = reduce_best(grid.regressors, POSE_CRITERIA[letter], 1)
@@ -89,7 +76,7 @@ def test_earlier_stages_of_a_reduction_are_kept(grid: Setting) -> None:
 
 def test_both_readings_of_k_reduce_and_differ(grid: Setting) -> None:
     best, _ = reduce_best(grid.regressors, POSE_CRITERIA["K"], 30)
-    change, removed = reduce_smallest_change(grid.regressors, POSE_CRITERIA["K"], 30)
+    change, removed = reduce_best(grid.regressors, POSE_CRITERIA["K"], 30, smallest_change=True)
     assert set(best) != set(change)
     by_best, by_change = (by_definition("K", grid.regressors[kept]) for kept in (best, change))
     assert by_best > by_change  # what looks for the best condition finds the better one

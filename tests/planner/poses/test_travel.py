@@ -40,7 +40,7 @@ def test_moves_are_slowed_where_a_strut_would_be_too_fast() -> None:
     assert CASE.limits is not None
     tight = CASE.limits.motion.model_copy(update={"strut_velocity_m_s": 0.2, "strut_acceleration_m_s2": 2.0})
     slow = CASE.model_copy(update={"limits": CASE.limits.model_copy(update={"motion": tight})})
-    assert np.all(travel_times(slow, STATIONS[:5])[np.triu_indices(5, 1)] > 1.3 * travel_times(CASE, STATIONS[:5])[
+    assert np.all(travel_times(slow, STATIONS[:5])[np.triu_indices(5, 1)] > 1.2 * travel_times(CASE, STATIONS[:5])[
         np.triu_indices(5, 1)
     ])  # fmt: skip
     for end in STATIONS[1:5]:

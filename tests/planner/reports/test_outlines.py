@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cases.machine import KeepOut, Tool
-from identification.keep_out import distance_of_points
+from identification.limited_hexapod import distance_of_points
 from planner.reach import standing_ratios
 from planner.reports.machine import box_outlines, room, tool_outlines
 from planner.reports.plots import case_figure

@@ -8,8 +8,9 @@ from identification.hexapod import Hexapod
 from identification.limit_proof import prove
 from identification.motion import Joined, Standstill
 from identification.symbolic import over_samples
-from identification.trajectories.executed import Execution, coordinate_rates, executed_peaks
+from identification.trajectories.executed import Execution, coordinate_rates
 from identification.trajectories.moves import StraightMove
+from planner.execution import executed_peaks
 from tests.simulated_machine import PoseExecution, kinematics_of_coordinates
 
 
