@@ -16,7 +16,7 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.motion import Array, Standstill
-from identification.trajectories.moves import CircularMove, Plane, StraightMove, limits_along
+from identification.trajectories.moves import CircularMove, Plane, Profile, StraightMove, limits_along
 from postprocessors.blocks import Block, Blocks, TimedPath, ToHome, Trigger
 from postprocessors.proving.guarantees import Guarantees
 
@@ -147,17 +147,17 @@ class BlockWriter(ABC):
             way[list(move.plane.axes[:2])] = move.length
         velocity, acceleration, jerk = limits_along(way, limits.rate, limits.acceleration, limits.jerk)
 
-        def duration(speed: float) -> float:
+        def law(speed: float) -> Profile:
             if isinstance(move, CircularMove):
-                return self.guarantees.arc_law(speed, acceleration, jerk, abs(move.angle)).duration
-            return self.guarantees.law(speed, acceleration, jerk).duration
+                return self.guarantees.arc_law(speed, acceleration, jerk, abs(move.angle))
+            return self.guarantees.law(speed, acceleration, jerk)
 
         low, high = min(velocity, 1.0 / move.duration), velocity  # below the mean speed it takes longer for certain
-        if duration(high) * (1.0 + NO_SLOWER) >= move.duration:
-            low = high  # the fastest move: the peak is a flat optimum, which no single feed defines
+        if law(high).duration * (1.0 + NO_SLOWER) >= move.duration:
+            low = high = law(high).peak_velocity  # the fastest move is a flat optimum, which bisection does not find
         for _ in range(HALVINGS):
             middle = (low + high) / 2
-            low, high = (middle, high) if duration(middle) > move.duration else (low, middle)
+            low, high = (middle, high) if law(middle).duration > move.duration else (low, middle)
         if isinstance(move, CircularMove):
             return high * move.length
         return high * float(np.linalg.norm(way[limits.turns != linear]))

@@ -134,19 +134,23 @@ def _trapezoid(velocity: float, acceleration: float, jerk: float, headroom: floa
     return fastest_profile(1.0, velocity, headroom * acceleration)
 
 
+ALONG, ACROSS = math.sqrt(0.75) / 2, 0.5  # shares of the acceleration that LinuxCNC uses in an arc; measured on 2.9
 SERVO_PERIOD = 1e-3  # cycle of LinuxCNC's motion controller [s]: its usual one, and the rate of the recordings
-ARC_ALONG, ARC_ACROSS = math.sqrt(0.75) / 2, 0.5  # shares of the acceleration that it uses in an arc; measured on 2.9
 
 
-def acceleration_headroom(reading: Reading, case: Case) -> float:
-    """Acceleration limits that LinuxCNC gets for a program, as a multiple of the case's."""
-    timed = any(isinstance(part, Timed) for part in reading.stretches)
+def acceleration_headroom(case: Case, timed: bool) -> float:
+    """Acceleration limits that LinuxCNC gets for a program with timed paths or without, as a multiple of the case's."""
     return case.need_settings(LinuxCnc, "running a program on LinuxCNC").acceleration_headroom if timed else 1.0
 
 
 def linuxcnc_guarantees(reading: Reading, case: Case) -> Guarantees:
     """Guarantees of LinuxCNC, which has no jerk limit; a timed block is a trapezoid to it, not the assumed curve."""
-    headroom = acceleration_headroom(reading, case)
+    return guarantees_of_linuxcnc(case, any(isinstance(part, Timed) for part in reading.stretches))
+
+
+def guarantees_of_linuxcnc(case: Case, timed: bool) -> Guarantees:
+    """The same of a program with timed paths or without."""
+    headroom = acceleration_headroom(case, timed)
     enforced = {LimitKind.VELOCITY, LimitKind.ACCELERATION} if headroom <= 1.0 else {LimitKind.VELOCITY}
     return Guarantees(
         case,
@@ -158,7 +162,7 @@ def linuxcnc_guarantees(reading: Reading, case: Case) -> Guarantees:
         jerk_time=SERVO_PERIOD,
         even_blocks=True,
         whole_cycles=True,
-        arc_shares=(ARC_ALONG, ARC_ACROSS * headroom),
+        arc_shares=(ALONG, ACROSS * headroom),
     )
 
 

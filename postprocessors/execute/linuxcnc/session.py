@@ -89,7 +89,7 @@ def run_linuxcnc(
         raise HexciteError(path, f"cannot be run: {missing}")
     lines = timing.with_dwells(path, program.content.decode("ascii").split("\n"), reading)
     timed = any(isinstance(part, Timed) for part in reading.stretches)
-    headroom = acceleration_headroom(reading, case)
+    headroom = acceleration_headroom(case, timed)
     standing = sum(part.duration for part in reading.stretches if isinstance(part, Still))
     speedup = min(speedup, timing.fastest(reading)) if preload_works() else 1.0
     for attempt in range(timing.ATTEMPTS):
