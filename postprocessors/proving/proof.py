@@ -24,7 +24,6 @@ class ProgramProof:
 
     file: str  # name of the program
     controller: str  # controller that would run it
-    blocks: int  # lines that hold words
     duration: float  # duration of everything whose duration is known [s]
     excitation: float  # duration of the motion with the trigger on [s]
     limits: LimitReport  # worst case of each limit
@@ -132,7 +131,6 @@ def prove_program(reading: Reading, guarantees: Guarantees) -> ProgramProof:
     return ProgramProof(
         reading.file,
         guarantees.controller,
-        reading.blocks,
         clock,
         excitation,
         worst_of(reports),

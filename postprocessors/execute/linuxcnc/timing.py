@@ -22,13 +22,8 @@ from cases.errors import HexciteError
 from postprocessors.execute import ControllerLog
 from postprocessors.reading import Reading, Still, Timed
 
-ATTEMPTS = 3
-"""Sessions for a program, each at half the speed-up of the one before, where cycles were lost, blocks came too late or
-dwells were not proven."""
-
-BLOCK = 1e-3
-"""Shortest block of a session [s of wall-clock time]. Down to half of it motion is the same at every speed-up, also
-with four other busy processes on two cores; at a quarter of it blocks are sometimes late."""
+ATTEMPTS = 3  # sessions for a program, each at half the speed-up of the one before
+BLOCK = 1e-3  # shortest block of a session [s of wall-clock time]; at a quarter of it blocks are sometimes late
 
 FEWEST_CYCLES = 10  # cycles that a standstill has at least: switches take LinuxCNC some cycles in real time too
 
