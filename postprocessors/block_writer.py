@@ -20,12 +20,9 @@ from identification.trajectories.moves import CircularMove, Plane, Profile, Stra
 from postprocessors.blocks import Block, Blocks, TimedPath, ToHome, Trigger
 from postprocessors.proving.guarantees import Guarantees
 
-# 1e-5 mm and 1e-6 degrees: differentiated three times over 10 ms blocks this rounding stays below 0.1 % of the jerk
-# limits.
-LENGTH_DECIMALS = 5
-ANGLE_DECIMALS = 6
-FEED_DECIMALS = 6
-FEED_DIGITS = 10
+# of mm and degrees: over 10 ms blocks this rounding stays below 0.1 % of the jerk limits
+LENGTH_DECIMALS, ANGLE_DECIMALS = 5, 6
+FEED_DECIMALS, FEED_DIGITS = 6, 10
 COMMENT_WIDTH = 120
 PLANE_WORDS = {Plane.XY: "G17", Plane.ZX: "G18", Plane.YZ: "G19"}
 
@@ -133,10 +130,6 @@ class BlockWriter(ABC):
         linear = bool(np.any(np.round(way / MM, LENGTH_DECIMALS) != 0.0))
         return linear, feed(self._feed_of(written, linear), linear)
 
-    def arc_feed(self, move: CircularMove) -> str:
-        """F of an arc."""
-        return feed(self._feed_of(move, True), True)
-
     def _feed_of(self, move: StraightMove | CircularMove, linear: bool) -> float:
         """Feed of a move along X, Y, Z [m/s] (`linear`), or along the angles [rad/s].
 
@@ -218,6 +211,7 @@ class BlockWriter(ABC):
                 raise HexciteError(f"{self.name} {self.no_paths}; plan with --family ptp")
             case CircularMove():
                 arc = f"{self.arcs[0] if block.angle > 0.0 else self.arcs[1]} {self.arc_words(block)}"
-                return [*self.group(False), f"{PLANE_WORDS[block.plane]} {arc} F{self.arc_feed(block)}", "G17"]
+                value = feed(self._feed_of(block, True), True)
+                return [*self.group(False), f"{PLANE_WORDS[block.plane]} {arc} F{value}", "G17"]
             case TimedPath():
                 return self.path(block)

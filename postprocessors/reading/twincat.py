@@ -77,7 +77,8 @@ class TwinCatInterpreter(ModalState):
 
     def read(self, block: dict[str, Word]) -> None:
         """Executes the words of one block, by their names."""
-        if self.curve and (other := next((w for n, w in block.items() if n not in self._of_a_path()), None)):
+        of_a_path = {"G93", "G1", "G60", "F", *self.axes, self.curve}
+        if self.curve and (other := next((w for n, w in block.items() if n not in of_a_path), None)):
             self.fail(other, f"{other.name} within a path of points; end it first with {self.curve}")
         for word in block.values():
             self._word(word, block)
@@ -90,10 +91,6 @@ class TwinCatInterpreter(ModalState):
             self._move(block)
         if "M30" in block:
             self.end(block["M30"], "#TRAFO OFF")
-
-    def _of_a_path(self) -> set[str]:
-        """Words that may stand in an open path."""
-        return {"G93", "G1", "G60", "F", *self.axes, self.curve}
 
     def _word(self, word: Word, block: dict[str, Word]) -> None:
         name = word.name
