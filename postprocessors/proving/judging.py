@@ -155,11 +155,11 @@ def _asked(part: Untimed, motion: StraightMove | CircularMove, by: Guarantees) -
         yield worst_case(quantity, t)
 
 
-FINE, ROUGH, ROUGH_RATE = 100, 10, 4000.0
-"""Most instants in a block, and in a second: few are enough for a polynomial of degree 5 but for some per cent."""
-
-NEAR_LIMIT, WORST_BLOCKS = 0.9, 30
-"""Share of a limit from which a block has a fine grid, and the number of blocks with the largest shares of each."""
+FINE, ROUGH, ROUGH_RATE = 100, 10, 4000.0  # most instants in a block, of both grids, and in a second of the rough one
+NEAR_LIMIT, WORST_BLOCKS = (
+    0.9,
+    30,
+)  # share of a limit from which a block has a fine grid, and how many of the worst have
 
 
 def prove_path(motion: TimedPoints | PolynomialMotion | Tabulated, case: Case, in_box: bool) -> LimitReport:
