@@ -16,16 +16,13 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.motion import Array, Standstill
-from identification.trajectories.moves import CircularMove, Plane, StraightMove, limits_along
+from identification.trajectories.moves import CircularMove, Plane, Profile, StraightMove, limits_along
 from postprocessors.blocks import Block, Blocks, TimedPath, ToHome, Trigger
 from postprocessors.proving.guarantees import Guarantees
 
-# 1e-5 mm and 1e-6 degrees: differentiated three times over 10 ms blocks this rounding stays below 0.1 % of the jerk
-# limits.
-LENGTH_DECIMALS = 5
-ANGLE_DECIMALS = 6
-FEED_DECIMALS = 6
-FEED_DIGITS = 10
+# of mm and degrees: over 10 ms blocks this rounding stays below 0.1 % of the jerk limits
+LENGTH_DECIMALS, ANGLE_DECIMALS = 5, 6
+FEED_DECIMALS, FEED_DIGITS = 6, 10
 COMMENT_WIDTH = 120
 PLANE_WORDS = {Plane.XY: "G17", Plane.ZX: "G18", Plane.YZ: "G19"}
 
@@ -133,10 +130,6 @@ class BlockWriter(ABC):
         linear = bool(np.any(np.round(way / MM, LENGTH_DECIMALS) != 0.0))
         return linear, feed(self._feed_of(written, linear), linear)
 
-    def arc_feed(self, move: CircularMove) -> str:
-        """F of an arc."""
-        return feed(self._feed_of(move, True), True)
-
     def _feed_of(self, move: StraightMove | CircularMove, linear: bool) -> float:
         """Feed of a move along X, Y, Z [m/s] (`linear`), or along the angles [rad/s].
 
@@ -147,17 +140,17 @@ class BlockWriter(ABC):
             way[list(move.plane.axes[:2])] = move.length
         velocity, acceleration, jerk = limits_along(way, limits.rate, limits.acceleration, limits.jerk)
 
-        def duration(speed: float) -> float:
+        def law(speed: float) -> Profile:
             if isinstance(move, CircularMove):
-                return self.guarantees.arc_law(speed, acceleration, jerk, abs(move.angle)).duration
-            return self.guarantees.law(speed, acceleration, jerk).duration
+                return self.guarantees.arc_law(speed, acceleration, jerk, abs(move.angle))
+            return self.guarantees.law(speed, acceleration, jerk)
 
         low, high = min(velocity, 1.0 / move.duration), velocity  # below the mean speed it takes longer for certain
-        if duration(high) * (1.0 + NO_SLOWER) >= move.duration:
-            low = high  # the fastest move: the peak is a flat optimum, which no single feed defines
+        if law(high).duration * (1.0 + NO_SLOWER) >= move.duration:
+            low = high = law(high).peak_velocity  # the fastest move is a flat optimum, which bisection does not find
         for _ in range(HALVINGS):
             middle = (low + high) / 2
-            low, high = (middle, high) if duration(middle) > move.duration else (low, middle)
+            low, high = (middle, high) if law(middle).duration > move.duration else (low, middle)
         if isinstance(move, CircularMove):
             return high * move.length
         return high * float(np.linalg.norm(way[limits.turns != linear]))
@@ -218,6 +211,7 @@ class BlockWriter(ABC):
                 raise HexciteError(f"{self.name} {self.no_paths}; plan with --family ptp")
             case CircularMove():
                 arc = f"{self.arcs[0] if block.angle > 0.0 else self.arcs[1]} {self.arc_words(block)}"
-                return [*self.group(False), f"{PLANE_WORDS[block.plane]} {arc} F{self.arc_feed(block)}", "G17"]
+                value = feed(self._feed_of(block, True), True)
+                return [*self.group(False), f"{PLANE_WORDS[block.plane]} {arc} F{value}", "G17"]
             case TimedPath():
                 return self.path(block)

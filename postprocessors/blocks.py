@@ -106,11 +106,6 @@ def pieces(motion: Trajectory, degree: int, longest: float, tolerance: tuple[flo
     """
     base = knots(motion)
     times = divided(base, longest)
-    if isinstance(motion, PolynomialMotion) and not motion.table[4:].any():
-        at = motion.at(times[:-1])  # a cubic is its Taylor polynomial anywhere
-        table = np.zeros((degree + 1, *at.pose.shape))
-        table[:4] = at.pose, at.rates, at.accelerations / 2, at.jerks / 6
-        return PolynomialMotion(table, np.diff(times))
     if isinstance(motion, PolynomialMotion) and not motion.table[degree + 1 :].any() and len(times) == len(base):
         return PolynomialMotion(motion.table[: degree + 1], motion.durations)
     finer = 1

@@ -48,11 +48,11 @@ class Dialect:
 
     name: ControllerName  # name on the command line
     suffixes: tuple[str, ...]  # suffixes of its files, in lower case, the usual one first
-    # program and case -> content of the file; raises CaseError where the case lacks the machine or the settings of this
-    # dialect, HexciteError where the dialect cannot express a block
+    # program and case -> content of the file; raises CaseError where the case lacks what it needs, HexciteError for a
+    # block that it cannot express
     write: Callable[[Blocks, Case], bytes]
-    # content, name for messages, case -> its reading; shares no code with `write`; raises ProgramError with line and
-    # column at anything that it does not understand, and where the end is missing, CaseError as `write`
+    # content, name for messages, case -> its reading; shares no code with `write`; raises ProgramError with line at
+    # anything that it does not understand, CaseError as `write`
     read: Callable[[bytes, str, Case], Reading]
     # guarantees of the controller when it runs a program that was read
     guarantees: Callable[[Reading, Case], Guarantees]

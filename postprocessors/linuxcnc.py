@@ -8,31 +8,26 @@ from dataclasses import replace
 
 import numpy as np
 
-from cases.controller import LinuxCnc
 from cases.schema import Case
 from identification.motion import Slowed
 from identification.trajectories.curves import PolynomialMotion
-from identification.trajectories.moves import CircularMove, StraightMove, limits_along
-from postprocessors.block_writer import BlockWriter, comment_lines, feed
+from postprocessors.block_writer import BlockWriter, comment_lines
 from postprocessors.blocks import Blocks, TimedPath, timed_path
-from postprocessors.proving.guarantees import ARC_ACROSS, ARC_ALONG, SERVO_PERIOD, Guarantees, linuxcnc_guarantees
-from postprocessors.reading import Reading, axis_letters
+from postprocessors.proving.guarantees import SERVO_PERIOD, guarantees_of_linuxcnc
+from postprocessors.reading import axis_letters
 
 EQUAL = 1e-9  # [s] tolerance of durations for rounding
 OFFSETS = "coordinate system G54 must be zero: all poses are the machine's own"
 
 
 class _LinuxCncWriter(BlockWriter):
-    """Feeds for the axis accelerations that the controller is set up with, `headroom` times those of the case."""
-
     name, straight, arcs, dwell = "LinuxCNC", "G1", ("G3", "G2"), "G4 P"
     full_ends = False
     no_paths = "cuts corners of paths by degrees where rotary axes turn round"
 
-    def __init__(self, case: Case, guarantees: Guarantees, headroom: float) -> None:
+    def __init__(self, case: Case, timed: bool) -> None:
         axes = axis_letters(case, self.name, "")
-        super().__init__(axes, axes, guarantees, case)
-        self.acceleration = headroom * self.limits.acceleration
+        super().__init__(axes, axes, guarantees_of_linuxcnc(case, timed), case)
 
     def comments(self, text: str) -> list[str]:
         """Comment lines: LinuxCNC does not know nesting, and reads (MSG, ..) as a command, hence the leading dash."""
@@ -50,33 +45,10 @@ class _LinuxCncWriter(BlockWriter):
             return "M62 P0" if moves_next else "M64 P0"
         return "M65 P0"
 
-    def move_feed(self, move: StraightMove) -> tuple[bool, str]:
-        """The feed that makes a trapezoid under the axis limits take as long as the planned move."""
-        way = np.abs(move.end - move.start)
-        (acceleration,) = limits_along(way, self.acceleration)
-        share = _trapezoid_speed(move.duration, acceleration)
-        linear = bool(way[~self.limits.turns].any())
-        length = float(np.linalg.norm(way[~self.limits.turns if linear else self.limits.turns]))
-        return linear, feed(share * length, linear)
-
-    def arc_feed(self, move: CircularMove) -> str:
-        way = np.abs(move.end - move.start)
-        way[list(move.plane.axes[:2])] = move.length
-        (acceleration,) = limits_along(way, self.acceleration)
-        turning = float(np.sqrt(ARC_ACROSS * acceleration / abs(move.angle)))
-        share = min(_trapezoid_speed(move.duration, ARC_ALONG * acceleration), turning)
-        return feed(share * move.length, linear=True)
-
     def path(self, path: TimedPath) -> list[str]:
         """Dense blocks in inverse time."""
         # Back to feed per minute; G61 makes whatever follows wait until the path has come to rest.
         return self.dense(path, ["G64 P1 Q0", "G93"], ["G94", "G61"])
-
-
-def _trapezoid_speed(duration: float, acceleration: float) -> float:
-    """Speed v of the trapezoid over the way 1 with 1 / v + v / a = T; without cruise where T is the shortest."""
-    root = max(0.0, (acceleration * duration) ** 2 - 4 * acceleration)
-    return float((acceleration * duration - np.sqrt(root)) / 2)
 
 
 def prepare_linuxcnc(program: Blocks, case: Case) -> Blocks:
@@ -112,9 +84,7 @@ def _share_of_cycles(duration: float) -> float:
 def write_linuxcnc(program: Blocks, case: Case) -> bytes:
     """The program's text, plain ASCII, with feeds for the limits of the controller's set-up; see `Dialect.write`."""
     of_pose = case.need_motion("a program")[1].of_pose
-    timed = of_pose and any(isinstance(block, TimedPath) for block in program)
-    headroom = case.need_settings(LinuxCnc, "a program").acceleration_headroom if timed else 1.0
-    writer = _LinuxCncWriter(case, linuxcnc_guarantees(Reading("", (), 0), case), headroom)
+    writer = _LinuxCncWriter(case, of_pose and any(isinstance(block, TimedPath) for block in program))
     # G92.1 cancels offsets of an operator; G54 itself must be zero, which a program cannot check.
     start = [*writer.comments(OFFSETS), "G17 G21 G40 G49 G54 G80 G90 G91.1 G94", "G92.1"]
     return writer.text(program, [], start, ["M2"])

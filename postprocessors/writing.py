@@ -99,17 +99,15 @@ def _require_same(program: Blocks, reading: Reading, tolerance: Array) -> None:
         raise ProgramError(reading.file, 0, 0, f"{len(read)} moves where {len(written)} were written; report this")
     for block, stretch in zip(written, read, strict=True):
         if isinstance(block, TimedPath):
-            name = f"path {block.name!r}"
             same = isinstance(stretch, Timed) and _same_path(block, stretch, tolerance)
         else:
-            name = "a move"
             same = (
                 isinstance(stretch, Untimed)
                 and (stretch.arc is not None) == isinstance(block, CircularMove)
                 and bool(np.all(np.abs(stretch.end - block.end) <= ROUNDING))
             )
         if not same:
-            raise ProgramError(reading.file, stretch.line, 0, f"{name} reads back differently; report this")
+            raise ProgramError(reading.file, stretch.line, 0, "the motion reads back differently; report this")
 
 
 def _same_path(path: TimedPath, stretch: Timed, tolerance: Array) -> bool:

@@ -90,8 +90,7 @@ def json_document(result: Result) -> str:
     )
 
 
-MOST_STEPS = 12
-"""Steps of the forward kinematics from one start; from home into a corner of the workspace it takes five."""
+MOST_STEPS = 12  # steps of the forward kinematics from one start; from home into a corner of the workspace five
 
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,30}")
 

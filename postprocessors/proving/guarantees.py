@@ -24,8 +24,10 @@ Law = Callable[[float, float, float], Profile]
 
 Limits of velocity, acceleration and jerk on the share of the way [1/s, 1/s^2, 1/s^3] -> time law of that share, 0 to 1.
 """
-ARC_SHARES = math.sqrt(0.75), 0.5
-"""Shares of the acceleration limit that an arc is assumed to use along its path and across it."""
+ARC_SHARES = (
+    math.sqrt(0.75),
+    0.5,
+)  # of the acceleration limit, that an arc is assumed to use along its path and across it
 
 
 def limits_jerk(law: Law) -> bool:
@@ -47,11 +49,9 @@ class Guarantees:
     # whether it passes timed points at their times along the assumed curve between them; then all limits of such paths
     # are proven from the text, else only their geometry and rates are
     follows_paths: bool = False
-    # whether it covers each timed block at that block's mean rates, or nearly so (a straight line in all coordinates,
-    # at one feed): then rates are proven also where it does not follow the assumed curve
+    # whether it covers each timed block in a straight line at one feed, in whole cycles: then rates are proven also
+    # where it does not follow the assumed curve
     even_blocks: bool = False
-    whole_cycles: bool = False  # whether it omits what a timed block lasts beyond whole cycles
-    block_key: str = "controller.block_ms"  # setting that the length of timed blocks comes from
     arc_shares: tuple[float, float] = ARC_SHARES  # shares of its acceleration limit, along an arc and across it
     # allowed deviation of its polynomials from a motion that is none, beside rounding, shape (6,) or (1,) [m, rad]
     tolerance: Array = field(default_factory=lambda: np.zeros(1))
@@ -122,11 +122,7 @@ class Guarantees:
 
 
 SHORTEST_POINTS = 1e-3  # least distance of points of a joint trajectory [s]: rounding of closer ones would add jerks
-
-LONGEST_POINTS = 0.25
-"""Largest distance of points of a path [s]: the curve between distant points may leave the assumed one."""
-
-
+LONGEST_POINTS = 0.25  # largest distance of points of a path [s]: the curve between them may leave the assumed one
 _SEVEN_SEGMENTS: Law = partial(fastest_profile, 1.0)
 
 
@@ -134,19 +130,23 @@ def _trapezoid(velocity: float, acceleration: float, jerk: float, headroom: floa
     return fastest_profile(1.0, velocity, headroom * acceleration)
 
 
+ALONG, ACROSS = math.sqrt(0.75) / 2, 0.5  # shares of the acceleration that LinuxCNC uses in an arc; measured on 2.9
 SERVO_PERIOD = 1e-3  # cycle of LinuxCNC's motion controller [s]: its usual one, and the rate of the recordings
-ARC_ALONG, ARC_ACROSS = math.sqrt(0.75) / 2, 0.5  # shares of the acceleration that it uses in an arc; measured on 2.9
 
 
-def acceleration_headroom(reading: Reading, case: Case) -> float:
-    """Acceleration limits that LinuxCNC gets for a program, as a multiple of the case's."""
-    timed = any(isinstance(part, Timed) for part in reading.stretches)
+def acceleration_headroom(case: Case, timed: bool) -> float:
+    """Acceleration limits that LinuxCNC gets for a program with timed paths or without, as a multiple of the case's."""
     return case.need_settings(LinuxCnc, "running a program on LinuxCNC").acceleration_headroom if timed else 1.0
 
 
 def linuxcnc_guarantees(reading: Reading, case: Case) -> Guarantees:
     """Guarantees of LinuxCNC, which has no jerk limit; a timed block is a trapezoid to it, not the assumed curve."""
-    headroom = acceleration_headroom(reading, case)
+    return guarantees_of_linuxcnc(case, any(isinstance(part, Timed) for part in reading.stretches))
+
+
+def guarantees_of_linuxcnc(case: Case, timed: bool) -> Guarantees:
+    """The same of a program with timed paths or without."""
+    headroom = acceleration_headroom(case, timed)
     enforced = {LimitKind.VELOCITY, LimitKind.ACCELERATION} if headroom <= 1.0 else {LimitKind.VELOCITY}
     return Guarantees(
         case,
@@ -157,15 +157,14 @@ def linuxcnc_guarantees(reading: Reading, case: Case) -> Guarantees:
         law=partial(_trapezoid, headroom=headroom),
         jerk_time=SERVO_PERIOD,
         even_blocks=True,
-        whole_cycles=True,
-        arc_shares=(ARC_ALONG, ARC_ACROSS * headroom),
+        arc_shares=(ALONG, ACROSS * headroom),
     )
 
 
 def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
     """Guarantees of SINUMERIK: SOFT limits jerk; the control times blocks by its law and must enforce other limits."""
     settings = case.need_settings(SinumerikAxes, "a SINUMERIK program")
-    polynomial = bool(_polynomials(reading))
+    polynomial = any(isinstance(s, Timed) and isinstance(s.points, PolynomialMotion) for s in reading.stretches)
     return Guarantees(
         case,
         controller="SINUMERIK",
@@ -173,15 +172,8 @@ def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
         longest_block=math.inf if polynomial else LONGEST_POINTS,
         enforced=frozenset(map(LimitKind, settings.controller_keeps)),
         law=_SEVEN_SEGMENTS,
-        block_key="controller.sinumerik.poly_block_ms" if polynomial else "controller.block_ms",
         tolerance=np.repeat(settings.poly_tolerance, 3) if isinstance(settings, Sinumerik) else np.zeros(1),
     )
-
-
-def _polynomials(reading: Reading) -> list[PolynomialMotion]:
-    """Paths of POLY blocks."""
-    paths = [part.points for part in reading.stretches if isinstance(part, Timed)]
-    return [path for path in paths if isinstance(path, PolynomialMotion)]
 
 
 def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:

@@ -13,7 +13,7 @@ from cases.errors import HexciteError
 from cases.units import DEG, MM
 from identification.limit import Limit, LimitCheck, LimitKind, OwnMove, Status
 from identification.limit_proof import limited_machine, prove
-from identification.motion import Array, Joined, Standstill, Trajectory
+from identification.motion import Joined, Standstill, Trajectory
 from identification.trajectories.moves import CircularMove, StraightMove, limits_along
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.reading import Reading, Stretch, Timed, Untimed
@@ -71,10 +71,11 @@ def planned_excitation(read: "Program") -> Trajectory:
     return excited[0] if len(excited) == 1 else Joined(tuple(excited))
 
 
-_COORDINATES = "xyzabc"
-_AT_MOST = "from anywhere, at most"
-_TRANSLATION = LimitKind.VELOCITY, LimitKind.ACCELERATION, LimitKind.JERK
-_ROTATION = LimitKind.ANGULAR_VELOCITY, LimitKind.ANGULAR_ACCELERATION, LimitKind.ANGULAR_JERK
+_OF_COORDINATES = (
+    (LimitKind.VELOCITY, LimitKind.ANGULAR_VELOCITY),
+    (LimitKind.ACCELERATION, LimitKind.ANGULAR_ACCELERATION),
+    (LimitKind.JERK, LimitKind.ANGULAR_JERK),
+)
 
 
 def way_home(part: Untimed, by: Guarantees) -> Iterable[LimitCheck]:
@@ -86,67 +87,39 @@ def way_home(part: Untimed, by: Guarantees) -> Iterable[LimitCheck]:
     for check in prove(Standstill(part.end, 0.0), by.case, 1.0, part.trigger).checks:
         if not check.kind.kinetic:
             yield check
-    if by.limits.of_pose:
-        yield from _of_a_pose(part, by)
-        share = 1.0
+    limits, controller = by.limits, by.case.need_controller("the check of a program")
+    feeds = np.full(len(limits.rate), np.inf if part.feed is None else part.feed)
+    if limits.of_pose:
+        feeds[3:] = np.inf
+        k, safe = 0, min(controller.safe_feed, float(limits.rate[:3].min()))
+        feed = float(limits.rate[:3].max()) if part.feed is None else part.feed
     else:
-        share = by.case.need_controller("the check of a program").safe_share if part.acceleration is not None else 1.0
-        yield from _of_own_axes(part, by)
-    for bound in by.force_bounds(share, stated=part.acceleration is not None):
-        of = bound.of._replace(move=OwnMove.WAY_HOME)
-        yield replace(bound, of=of, binding=bound.status is Status.PROVEN)
-
-
-def _of_own_axes(part: Untimed, by: Guarantees) -> Iterable[LimitCheck]:
-    """Limits of axes of the machine's own, whose ways are unknown."""
-    limits, share = by.limits, by.case.need_controller("the check of a program").safe_share
-    feed = np.inf if part.feed is None else part.feed
-    # a feed in mm/min along X, Y and Z is one in degrees where none of them moves
-    speeds = np.where(limits.turns & part.linear, feed / MM * DEG, feed)
-    k = int(np.argmax(speeds / limits.rate))
-    kind = LimitKind.ANGULAR_VELOCITY if limits.turns[k] else LimitKind.VELOCITY
-    yield _feed_to_home(float(speeds[k]), share * float(limits.rate[k]), kind)
-    cycle = by.jerk_time
-    for own, (velocity, acceleration, jerking) in ((~limits.turns, _TRANSLATION), (limits.turns, _ROTATION)):
-        if not own.any():
-            continue
-        rate, most, jerk = (float(v[own].min()) for v in (limits.rate, limits.acceleration, limits.jerk))
-        fastest = float(speeds[own].max())
-        status = Status.PROVEN if part.acceleration is not None else None
-        yield _row(velocity, min(fastest, rate), rate, by, status)
-        peak = part.acceleration if part.acceleration is not None else most
-        yield _row(acceleration, peak, most, by, status)
-        yield _row(jerking, 2.0 * peak / cycle if cycle > 0.0 else jerk, jerk, by)
-
-
-def _of_a_pose(part: Untimed, by: Guarantees) -> Iterable[LimitCheck]:
-    """Limits of the coordinates of a pose, and of the drives behind it."""
-    limits = by.limits
-    rate = limits.rate.copy()
-    safe = min(by.case.need_controller("the check of a program").safe_feed, float(rate[:3].min()))
-    feed = float(rate[:3].max()) if part.feed is None else part.feed
-    yield _feed_to_home(feed, safe, LimitKind.VELOCITY)
-    rate[:3] = np.minimum(rate[:3], feed)
-    k = int(np.argmax(rate[3:] / limits.rate[3:])) + 3
-    yield _row(LimitKind.ANGULAR_VELOCITY, float(rate[k]), float(limits.rate[k]), by)
-    # peaks by the controller's own law over a long way [m/s^2, rad/s^2]
-    laws = [by.law(*v) for v in zip(rate, limits.acceleration, limits.jerk, strict=True)]
-    peaks = np.array([np.abs(law.at(np.linspace(0.0, law.duration, 1001))[2]).max() for law in laws])
-    yield _largest(LimitKind.ACCELERATION, LimitKind.ANGULAR_ACCELERATION, peaks, limits.acceleration, by)
-    cycle = by.jerk_time
-    jerks = 2.0 * peaks / cycle if cycle > 0.0 else limits.jerk  # an acceleration that reverses within a cycle
-    yield _largest(LimitKind.JERK, LimitKind.ANGULAR_JERK, jerks, limits.jerk, by)
-    for kind, worst, most in limited_machine(by.case).from_anywhere(feed, rate, peaks):
+        if part.linear:  # a feed in mm/min along X, Y and Z is one in degrees where none of them moves
+            feeds[limits.turns] *= DEG / MM
+        k = int(np.argmax(feeds / limits.rate))
+        feed, safe = float(feeds[k]), controller.safe_share * float(limits.rate[k])
+    kind = _OF_COORDINATES[0][int(limits.turns[k])]
+    values = feed * kind.scale, safe * kind.scale, kind.unit, feed / safe
+    yield LimitCheck(Limit(LimitKind.FEED_TO_HOME), "", *values, 0.0, Status.PROVEN)
+    # rates, and peaks of accelerations by the controller's own law over a long way, or as the text states them
+    rates, stated = np.minimum(feeds, limits.rate), part.acceleration is not None
+    laws = zip(rates, limits.acceleration, limits.jerk, strict=True)
+    peaks = np.array([by.law(*v).acceleration if part.acceleration is None else part.acceleration for v in laws])
+    # an acceleration that reverses within a cycle, where no law limits the jerk
+    jerks = 2.0 * peaks / by.jerk_time if by.jerk_time > 0.0 else limits.jerk
+    most = limits.rate, limits.acceleration, limits.jerk
+    for kinds, found, limit in zip(_OF_COORDINATES, (rates, peaks, jerks), most, strict=True):
+        k = int(np.argmax(found / limit))
+        status = Status.PROVEN if stated and found is not jerks else None
+        yield _row(kinds[int(limits.turns[k])], float(found[k]), float(limit[k]), by, status)
+    for kind, worst, bound in limited_machine(by.case).from_anywhere(feed, rates, peaks):
         # rates of the drives follow from those of the pose, and so are enforced with these
-        follows = kind is LimitKind.STRUT_VELOCITY and worst <= most and LimitKind.VELOCITY in by.enforced
-        yield _row(kind, worst, most, by, Status.ENFORCED if follows else None)
-
-
-def _largest(kind: LimitKind, angular: LimitKind, values: Array, limits: Array, by: Guarantees) -> LimitCheck:
-    """The worst of all six coordinates, in its own unit, under the kind of translations."""
-    k = int(np.argmax(values / limits))
-    row = _row(kind, float(values[k]), float(limits[k]), by)
-    return replace(row, unit=(kind if k < 3 else angular).unit)
+        follows = kind is LimitKind.STRUT_VELOCITY and worst <= bound and LimitKind.VELOCITY in by.enforced
+        yield _row(kind, worst, bound, by, Status.ENFORCED if follows else None)
+    share = controller.safe_share if stated and not limits.of_pose else 1.0
+    for force in by.force_bounds(share, stated):
+        of = force.of._replace(move=OwnMove.WAY_HOME)
+        yield replace(force, of=of, binding=force.status is Status.PROVEN)
 
 
 def _row(kind: LimitKind, worst: float, limit: float, by: Guarantees, status: Status | None = None) -> LimitCheck:
@@ -154,13 +127,6 @@ def _row(kind: LimitKind, worst: float, limit: float, by: Guarantees, status: St
     answer = by.status_of(kind) if status is None else status
     if answer is Status.ENFORCED:
         worst = min(worst, limit)
-    check = LimitCheck(
-        Limit(kind), _AT_MOST, worst * kind.scale, limit * kind.scale, kind.unit, worst / limit, 0.0, answer
-    )
+    values = worst * kind.scale, limit * kind.scale, kind.unit, worst / limit
+    check = LimitCheck(Limit(kind), "from anywhere, at most", *values, 0.0, answer)
     return by.prediction(check, OwnMove.WAY_HOME, answer)
-
-
-def _feed_to_home(feed: float, safe: float, kind: LimitKind) -> LimitCheck:
-    """The programmed feed against the safe one [SI], in the unit of a kind of velocity."""
-    values = feed * kind.scale, safe * kind.scale, kind.unit
-    return LimitCheck(Limit(LimitKind.FEED_TO_HOME), "", *values, feed / safe, 0.0, Status.PROVEN)

@@ -57,29 +57,15 @@ PARTS = 1e-3  # share of a cycle by which a block may differ from whole ones: ro
 
 def require_timing(part: Timed, by: Guarantees, file: str) -> None:
     """Raises ProgramError for a block that is below a cycle, and would last longer, or too long for a known law."""
-    steps = np.diff(part.points.times)
-    cycles = steps / by.shortest_block if by.whole_cycles else np.zeros(1)
-    for mask, sentence in (
-        (
-            steps < by.shortest_block * (1 - 1e-6),
-            "the block takes {ms:.4g} ms, less than a cycle of {by.controller} ({cycle:g} ms); write longer blocks "
-            "({by.block_key})",
-        ),
-        (
-            steps > by.longest_block * (1 + 1e-6),
-            "the timed block takes {s:.4g} s; how {by.controller} moves within more than {by.longest_block:g} s is "
-            "not known: write shorter blocks ({by.block_key}), or a move at a feed (G94) with an exact stop",
-        ),
-        (
-            np.abs(cycles - np.round(cycles)) > PARTS,
-            "the block takes {ms:.6g} ms, not whole cycles of {by.controller} ({cycle:g} ms), which leaves out the "
-            "rest and is faster: write whole ones ({by.block_key})",
-        ),
-    ):
-        if mask.any():
-            k = int(np.argmax(mask))
-            words = sentence.format(by=by, ms=1e3 * steps[k], s=steps[k], cycle=1e3 * by.shortest_block)
-            raise ProgramError(file, part.lines[k], 0, words)
+    steps, shortest, longest = np.diff(part.points.times), by.shortest_block, by.longest_block
+    cycles = steps / shortest if by.even_blocks else np.ones(1)
+    known = (steps >= shortest * (1 - 1e-6)) & (steps <= longest * (1 + 1e-6))
+    if not (right := known & (np.abs(cycles - np.round(cycles)) <= PARTS)).all():
+        k = int(np.argmin(right))
+        times = f"{1e3 * shortest:g} to {1e3 * longest:g} ms" + (" in whole cycles" if by.even_blocks else "")
+        problem = f"the timed block takes {1e3 * steps[k]:.6g} ms; {by.controller} keeps times of {times}"
+        remedy = "write such blocks (controller.block_ms), or a move at a feed (G94) with an exact stop"
+        raise ProgramError(file, part.lines[k], 0, f"{problem}: {remedy}")
 
 
 def _timed(part: Timed, by: Guarantees) -> Iterable[LimitCheck]:
@@ -169,11 +155,11 @@ def _asked(part: Untimed, motion: StraightMove | CircularMove, by: Guarantees) -
         yield worst_case(quantity, t)
 
 
-FINE, ROUGH, ROUGH_RATE = 100, 10, 4000.0
-"""Most instants in a block, and in a second: few are enough for a polynomial of degree 5 but for some per cent."""
-
-NEAR_LIMIT, WORST_BLOCKS = 0.9, 30
-"""Share of a limit from which a block has a fine grid, and the number of blocks with the largest shares of each."""
+FINE, ROUGH, ROUGH_RATE = 100, 10, 4000.0  # most instants in a block, of both grids, and in a second of the rough one
+NEAR_LIMIT, WORST_BLOCKS = (
+    0.9,
+    30,
+)  # share of a limit from which a block has a fine grid, and how many of the worst have
 
 
 def prove_path(motion: TimedPoints | PolynomialMotion | Tabulated, case: Case, in_box: bool) -> LimitReport:

@@ -24,7 +24,6 @@ class ProgramProof:
 
     file: str  # name of the program
     controller: str  # controller that would run it
-    blocks: int  # lines that hold words
     duration: float  # duration of everything whose duration is known [s]
     excitation: float  # duration of the motion with the trigger on [s]
     limits: LimitReport  # worst case of each limit
@@ -102,13 +101,8 @@ class ProgramProof:
 
 
 def prove_program(reading: Reading, guarantees: Guarantees) -> ProgramProof:
-    """Proves a program that was read.
-
-    Timed paths are proven at 10 kHz, or at a hundred samples a block where blocks are longer than 10 ms, under the
-    assumption that the controller passes the points at their times along the quintic spline through them; of a
-    controller that is not known to do so, accelerations and jerks are `NOT enforced`. Moves whose time law is the
-    controller's are proven in their geometry and feed; the rest is predicted from that law,
-    with who guarantees it.
+    """Proves a program that was read: timed paths at up to 10 kHz, moves whose time law is the controller's in geometry
+    and feed, with the rest predicted.
 
     Raises:
         ProgramError: the motion is not defined, or a timed block is shorter or longer than the controller can time.
@@ -132,7 +126,6 @@ def prove_program(reading: Reading, guarantees: Guarantees) -> ProgramProof:
     return ProgramProof(
         reading.file,
         guarantees.controller,
-        reading.blocks,
         clock,
         excitation,
         worst_of(reports),

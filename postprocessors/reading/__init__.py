@@ -5,8 +5,6 @@ Their common functions for lines, words and axes are at the end.
 """
 
 import math
-import re
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -253,8 +251,6 @@ NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
 FLOAT = rf"((?>{NUMBER})(?:[eE][+-]?\d+)?)"
 """Pattern of a number that may have an exponent, as one group."""
 
-_INK = re.compile(r"\S")
-
 
 def program_lines(content: bytes, file: str, longest: int, most: float = math.inf) -> list[str]:
     """The lines of a program; only line feeds end one.
@@ -281,22 +277,6 @@ def program_lines(content: bytes, file: str, longest: int, most: float = math.in
             problem = f"more than {most} blocks, which is what the controller's memory holds (most_blocks)"
             raise ProgramError(file, number, 0, f"{problem}; make the program shorter")
     return lines
-
-
-def each_word(
-    text: str, position: int, pattern: re.Pattern[str], place: tuple[str, int], reads: str
-) -> Iterator[tuple[re.Match[str], int]]:
-    """Words of a line from a position on, one by one, with their columns; raises ProgramError for what is not a word.
-
-    `place` (file and line) and `reads` (all that is read in this language) are for messages.
-    """
-    while (ink := _INK.search(text, position)) is not None:
-        match = pattern.match(text, position)
-        if match is None:
-            bad = text[ink.start() : ink.start() + 12].rstrip()
-            raise ProgramError(*place, ink.start() + 1, f"cannot read {bad!r}; {reads}")
-        yield match, ink.start() + 1
-        position = match.end()
 
 
 def axis_letters(case: Case, controller: str, file: str, endless: bool = True) -> str:

@@ -13,13 +13,12 @@ import numpy as np
 
 from cases.errors import ProgramError
 from cases.schema import Case
-from postprocessors.reading import NUMBER, Reading, axis_letters, each_word, program_lines
-from postprocessors.reading.modal import ModalState, Word, letter_word
+from postprocessors.reading import NUMBER, Reading, axis_letters, program_lines
+from postprocessors.reading.modal import ModalState, Word
 
 LONGEST_LINE = 252  # measured with rs274: 253 characters are "Command too long"
 LOOSEST = 1.0  # [mm] largest tolerance of G64: on 10 ms blocks corners are cut by far less
 
-_WORD = re.compile(rf"\s*(?:(?P<comment>\([^()]*\)|;.*)|(?P<letter>[A-Za-z])\s*(?P<number>{NUMBER}))")
 _READS = (
     "LinuxCNC programs consist of G0 and G1 under G61 (of a platform also arcs, and G93 under G64 P1 Q0), G4 P, M62 to "
     "M65 P0, modal words as hexcite post writes them, and M2"
@@ -33,6 +32,7 @@ class _LinuxCncInterpreter(ModalState):
     """Meaning of the words."""
 
     name, last, reads = "LinuxCNC", "M2", _READS
+    word = re.compile(rf"(?P<comment>\([^()]*\)|;.*)|(?P<letter>[A-Za-z])\s*(?P<number>{NUMBER})")
     # those of groups of one change nothing that a program here relies on: no compensation, no offset; relative centres
     groups = (
         *("G0 G1 G2 G3 G80", "G17 G18 G19", "G93 G94", "G61 G64", "M62 M63 M64 M65"),
@@ -104,14 +104,8 @@ class _LinuxCncInterpreter(ModalState):
         self.straight(end, duration, feed, exact)
 
 
-def _words(text: str, line: int, file: str) -> list[Word]:
-    """Words of a line; a comment has none."""
-    found = each_word(text, 0, _WORD, (file, line), _READS)
-    return [letter_word(m["letter"], m["number"], column) for m, column in found if not m["comment"]]
-
-
 def read_linuxcnc(content: bytes, file: str, case: Case) -> Reading:
     """Reads a program, see `Dialect.read`, byte by byte: only a line feed ends a line, as for the controller."""
     interpreter = _LinuxCncInterpreter(file, case)
-    reading = interpreter.read_program(program_lines(content, file, LONGEST_LINE), _words)
+    reading = interpreter.read_program(program_lines(content, file, LONGEST_LINE))
     return replace(reading, unsaid=tuple(word for word in _OFFSETS_OFF if word not in interpreter.said))

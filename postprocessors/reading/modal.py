@@ -1,7 +1,8 @@
 """State of controllers with groups of modal words from block to block, whatever their language."""
 
+import re
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from typing import ClassVar, NamedTuple, NoReturn
 
 import numpy as np
@@ -17,6 +18,8 @@ STILL = 1e-7  # [mm] distance below which places are the same
 
 LARGEST = 1e6  # mm, degrees, seconds: no machine has such numbers
 LARGEST_FEED = 1e9  # per minute; 60 over a microsecond is 6e7
+_INK = re.compile(r"\S")
+_BLOCK_NUMBER = re.compile(r"\s*N\d+", re.IGNORECASE)
 PLANES = {"G17": Plane.XY, "G18": Plane.ZX, "G19": Plane.YZ}
 
 
@@ -36,12 +39,6 @@ class Word(NamedTuple):
         return f"{self.name}{number}" + (f"({','.join(self.arguments)})" if self.arguments else "")
 
 
-def letter_word(letter: str, number: str, column: int) -> Word:
-    """The word of a letter and a plain number."""
-    letter = letter.upper()
-    return Word(f"{letter}{float(number):g}", column) if letter in "GM" else Word(letter, column, float(number))
-
-
 class ModalState(ABC):
     """State of a controller while a program is read; subclasses define the words of their language.
 
@@ -51,6 +48,9 @@ class ModalState(ABC):
     """
 
     name: ClassVar[str]  # name of the language, for messages
+    title: ClassVar[re.Pattern[str] | None] = None  # the first line, with the program's name; then lines have numbers
+    # a word, with the groups `comment`, of a comment, and `letter` and `number`, of a letter with a plain number
+    word: ClassVar[re.Pattern[str]]
     groups: ClassVar[tuple[str, ...]]  # groups of words of which one is active, and one may be in a block
     reads: ClassVar[str]  # all that is read, for messages
     last: ClassVar[str]  # the word that ends a program
@@ -82,11 +82,34 @@ class ModalState(ABC):
     def read(self, block: dict[str, Word]) -> None:
         """Executes the words of one block, by their names; raises ProgramError for one that is not understood."""
 
-    def read_program(self, lines: Iterable[str], words_of: Callable[[str, int, str], list[Word]]) -> Reading:
-        """Reads all lines, whose words are `words_of(text, line, file)`; errors as `Dialect.read`."""
+    @classmethod
+    def words(cls, text: str, line: int, file: str) -> list[Word]:
+        """The words of a line without its comments; raises ProgramError for what is not a word of this language."""
+        if line == 1 and cls.title is not None and cls.title.match(text):
+            return [Word("%", 1)]
+        number = None if cls.title is None else _BLOCK_NUMBER.match(text)
+        position, words = 0 if number is None else number.end(), []
+        while (ink := _INK.search(text, position)) is not None:
+            match = cls.word.match(text, ink.start())
+            if match is None:
+                bad = text[ink.start() : ink.start() + 12].rstrip()
+                raise ProgramError(file, line, ink.start() + 1, f"cannot read {bad!r}; {cls.reads}")
+            if not match["comment"]:
+                words.append(cls.word_of(match, ink.start() + 1))
+            position = match.end()
+        return words
+
+    @classmethod
+    def word_of(cls, match: re.Match[str], column: int) -> Word:
+        """The word of a match of `word`, here of a letter and its number."""
+        letter, number = match["letter"].upper(), float(match["number"])
+        return Word(f"{letter}{number:g}", column) if letter in "GM" else Word(letter, column, number)
+
+    def read_program(self, lines: Iterable[str]) -> Reading:
+        """Reads all lines; errors as `Dialect.read`."""
         blocks = 0
         for number, text in enumerate(lines, start=1):
-            if words := words_of(text, number, self.file):
+            if words := self.words(text, number, self.file):
                 self.line = number
                 if self.ended:
                     self.fail(words[0], f"a word after the end of the program; {self.last} must be last")

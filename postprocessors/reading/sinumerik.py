@@ -11,8 +11,8 @@ import numpy as np
 from cases.controller import SINUMERIK_NAME, Sinumerik, SinumerikAxes
 from cases.schema import Case
 from cases.units import MINUTE
-from postprocessors.reading import NUMBER, Reading, TimedBlock, axis_letters, each_word, program_lines
-from postprocessors.reading.modal import LARGEST, ModalState, Word, letter_word
+from postprocessors.reading import NUMBER, Reading, TimedBlock, axis_letters, program_lines
+from postprocessors.reading.modal import LARGEST, ModalState, Word
 
 LONGEST_LINE = 512
 SAME_RADIUS = 1e-5  # [mm] tolerance of the radius of FGREF
@@ -23,46 +23,22 @@ _READS = (
 )
 _OF_OWN_AXES = {"G1", "G17", "G40", "G60", "G90", "G94", "G500", "G710", "COMPOF", "SOFT", "FFWON", "DYNNORM"}
 
-_COMMENT = re.compile(r'^((?:[^";]|"[^"]*+"?+)*+);.*$')  # from the first semicolon outside a string on
-_PROGRAM = re.compile(rf"%_N_(?:{SINUMERIK_NAME[1:-1]})_MPF\s*$", re.IGNORECASE)
-_BLOCK_NUMBER = re.compile(r"\s*(?:N\d+)?", re.IGNORECASE)
-_WORD = re.compile(
-    rf"""\s*(?:
-      (?P<action>DO)\s+(?P<assignment>\S.*?)\s*$
-    | (?P<piece>PO\[[A-Z0-9_]+\])\s*=\s*\(\s*(?P<items>{NUMBER}(?:\s*,\s*{NUMBER})*)\s*\)
-    | (?P<assigned>FGREF\[[A-Z]\]|[A-Z]+\d*)\s*=\s*(?P<value>{NUMBER})
-    | (?P<text>MSG)\s*\((?:"[^"]*")?\)
-    | (?P<keyword>[A-Z_]{{2,}}[A-Z0-9_]*)(?:\((?P<arguments>[A-Z0-9_,.\s]*)\))?
-    | (?P<letter>[A-Z])(?P<number>{NUMBER})
-    )""",
-    re.IGNORECASE | re.VERBOSE,
-)
 
-
-def sinumerik_words(text: str, line: int, file: str) -> list[Word]:
-    """The words of a line; raises ProgramError for anything that is not a word of this language."""
-    text = _COMMENT.sub(r"\1", text)
-    if line == 1 and _PROGRAM.match(text):
-        return [Word("%", 1)]
-    start = _BLOCK_NUMBER.match(text)
-    found = each_word(text, start.end() if start else 0, _WORD, (file, line), _READS)
-    return [_word(match, column) for match, column in found]
-
-
-def _word(match: re.Match[str], column: int) -> Word:
-    if match["letter"]:
-        return letter_word(match["letter"], match["number"], column)
-    if match["assigned"]:
-        return Word(match["assigned"].upper() + "=", column, float(match["value"]))
-    name = match["action"] or match["piece"] or match["text"] or match["keyword"]
-    arguments = match["assignment"] or match["items"] or match["arguments"] or ""
-    return Word(name.upper(), column, None, tuple("".join(arguments.upper().split()).split(",")) if arguments else ())
-
-
-class _SinumerikInterpreter(ModalState):
+class SinumerikInterpreter(ModalState):
     """Meaning of the words."""
 
     name, last, reads, feed_group = "SINUMERIK", "M30", _READS, "FGROUP({})"
+    title = re.compile(rf"%_N_(?:{SINUMERIK_NAME[1:-1]})_MPF\s*$", re.IGNORECASE)
+    word = re.compile(
+        rf"""(?P<comment>;.*)
+        | (?P<action>DO)\s+(?P<assignment>[^\s;][^;]*)
+        | (?P<piece>PO\[[A-Z0-9_]+\])\s*=\s*\(\s*(?P<items>{NUMBER}(?:\s*,\s*{NUMBER})*)\s*\)
+        | (?P<assigned>FGREF\[[A-Z]\]|[A-Z]+\d*)\s*=\s*(?P<value>{NUMBER})
+        | (?P<text>MSG)\s*\((?:"[^"]*")?\)
+        | (?P<keyword>[A-Z_]{{2,}}[A-Z0-9_]*)(?:\((?P<arguments>[A-Z0-9_,.\s]*)\))?
+        | (?P<letter>[A-Z])(?P<number>{NUMBER})""",
+        re.IGNORECASE | re.VERBOSE,
+    )
     groups = (
         *("G0 G1 G2 G3 POLY", "G17 G18 G19", "G93 G94", "G60 G64 G642", "COMPOF COMPCAD"),
         *("G90", "G710", "G40", "G500", "SOFT", "FFWON", "DYNNORM", "ORIWKS", "ORIRPY", "ORIAXES"),
@@ -85,7 +61,19 @@ class _SinumerikInterpreter(ModalState):
             self.angles = self.of_pose.orientation_axes
         self.needed |= {"G60": ("G60",)} if self.own_axes else {"G60 or G64": ("G60", "G64", "G642")}
 
+    @classmethod
+    def word_of(cls, match: re.Match[str], column: int) -> Word:
+        """The word of a match of `word`."""
+        if match["letter"]:
+            return super().word_of(match, column)
+        if match["assigned"]:
+            return Word(match["assigned"].upper() + "=", column, float(match["value"]))
+        name = match["action"] or match["piece"] or match["text"] or match["keyword"]
+        arguments = "".join((match["assignment"] or match["items"] or match["arguments"] or "").upper().split())
+        return Word(name.upper(), column, None, tuple(arguments.split(",")) if arguments else ())
+
     def read(self, block: dict[str, Word]) -> None:
+        """Executes the words of one block, by their names."""
         for word in block.values():
             self._word(word, block)
         if "G4" in block:
@@ -180,4 +168,4 @@ def read_sinumerik(content: bytes, file: str, case: Case) -> Reading:
     """Reads a program, see `Dialect.read`."""
     settings = case.need_settings(SinumerikAxes, "a SINUMERIK program")
     lines = program_lines(content, file, LONGEST_LINE, settings.most_blocks)
-    return _SinumerikInterpreter(file, settings, case).read_program(lines, sinumerik_words)
+    return SinumerikInterpreter(file, settings, case).read_program(lines)

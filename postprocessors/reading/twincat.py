@@ -10,14 +10,14 @@ import numpy as np
 
 from cases.controller import TWINCAT_NAME, TwinCat, TwinCatAxes
 from cases.schema import Case
-from postprocessors.reading import NUMBER, Reading, axis_letters, each_word, program_lines
-from postprocessors.reading.modal import ModalState, Word, letter_word
+from postprocessors.reading import NUMBER, Reading, axis_letters, program_lines
+from postprocessors.reading.modal import ModalState, Word
 
 LONGEST_LINE = 4096  # beyond it: error 20301
 FEWEST_POINTS = 3  # fewest points of an AKIMA spline, its start included
 _READS = (
     "TwinCAT programs consist of G01 with G60 (of a platform also arcs, and G93 paths in #SPLINE, #HSC or G261), G04 "
-    "0.3, the case's M functions of the trigger, commands and modal words as hexcite post writes them, and M30"
+    "0.3, the case's M functions, commands and modal words as hexcite post writes them, comments behind ; and M30"
 )
 _OF_OWN_AXES = {"G1", "G17", "G90", "G94", "G71"}  # modal words
 # what opens a path of points -> what must stand before it, and what closes it
@@ -27,60 +27,19 @@ _CURVES = {
     "G261": ("#CONTOUR MODE", "G260"),
 }
 
-_PROGRAM = re.compile(rf"%(?:{TWINCAT_NAME[1:-1]})\s*$")
-_BLOCK_NUMBER = re.compile(r"\s*(?:N\d+)?", re.IGNORECASE)
-_WORD = re.compile(
-    rf"""\s*(?:
-      (?P<command>\#[A-Z]+(?:\s+[A-Z_]{{2,}})*)\s*(?:\[(?P<items>(?:"[^"]*"|[^\]"])*)\])?\s*$
-    | (?P<letter>[A-Z])(?P<number>{NUMBER})
-    | (?P<bare>{NUMBER})
-    )""",
-    re.IGNORECASE | re.VERBOSE,
-)
 
-
-def twincat_words(text: str, line: int, file: str) -> list[Word]:
-    """The words of a line; raises ProgramError for anything that is not a word of this language."""
-    text = _without_comments(text)
-    if line == 1 and _PROGRAM.match(text):
-        return [Word("%", 1)]
-    start = _BLOCK_NUMBER.match(text)
-    found = each_word(text, start.end() if start else 0, _WORD, (file, line), _READS)
-    return [_word(match, column) for match, column in found]
-
-
-def _without_comments(text: str) -> str:
-    """The text with comments as blanks: behind a semicolon, and in parentheses, which nest and need not be closed."""
-    out: list[str] = []
-    depth, inside = 0, False
-    for k, character in enumerate(text):
-        if depth == 0 and character == '"':
-            inside = not inside
-        if not inside:
-            if depth == 0 and character == ";":
-                return "".join(out) + " " * (len(text) - k)
-            depth += character == "("
-            if depth:
-                depth -= character == ")"
-                out.append(" ")
-                continue
-        out.append(character)
-    return "".join(out)
-
-
-def _word(match: re.Match[str], column: int) -> Word:
-    if match["command"]:
-        items = (match["items"] or "").upper().replace(",", " ").split()
-        return Word(" ".join(match["command"].upper().split()), column, None, tuple(items))
-    if match["bare"]:
-        return Word("", column, float(match["bare"]))
-    return letter_word(match["letter"], match["number"], column)
-
-
-class _TwinCatInterpreter(ModalState):
+class TwinCatInterpreter(ModalState):
     """Meaning of the words."""
 
     name, last, reads, feed_group = "TwinCAT", "M30", _READS, "#FGROUP [{}]"
+    title = re.compile(rf"%(?:{TWINCAT_NAME[1:-1]})\s*$")
+    word = re.compile(
+        rf"""(?P<comment>;.*)
+        | (?P<command>\#[A-Z]+(?:\s+[A-Z_]{{2,}})*)\s*(?:\[(?P<items>(?:"[^"]*"|[^\]"])*)\])?\s*(?=;|$)
+        | (?P<letter>[A-Z])(?P<number>{NUMBER})
+        | (?P<bare>{NUMBER})""",
+        re.IGNORECASE | re.VERBOSE,
+    )
     block_time, inverse_time = "F, the block's time in seconds", False
     groups = (
         *("G0 G1 G2 G3", "G17 G18 G19", "G93 G94", "G260 G261", "G359 G360"),
@@ -104,12 +63,22 @@ class _TwinCatInterpreter(ModalState):
         self.curve = ""  # the word that closes the open path of points
         self.points = 0  # of that path, its start included
 
+    @classmethod
+    def word_of(cls, match: re.Match[str], column: int) -> Word:
+        """The word of a match of `word`."""
+        if match["command"]:
+            items = (match["items"] or "").upper().replace(",", " ").split()
+            return Word(" ".join(match["command"].upper().split()), column, None, tuple(items))
+        return Word("", column, float(match["bare"])) if match["bare"] else super().word_of(match, column)
+
     def _stated(self, name: str) -> str:
         """A command with what it must state."""
         return f"{name} [{self.stated[name]}]" if self.stated.get(name) else name
 
     def read(self, block: dict[str, Word]) -> None:
-        if self.curve and (other := next((w for n, w in block.items() if n not in self._of_a_path()), None)):
+        """Executes the words of one block, by their names."""
+        of_a_path = {"G93", "G1", "G60", "F", *self.axes, self.curve}
+        if self.curve and (other := next((w for n, w in block.items() if n not in of_a_path), None)):
             self.fail(other, f"{other.name} within a path of points; end it first with {self.curve}")
         for word in block.values():
             self._word(word, block)
@@ -122,10 +91,6 @@ class _TwinCatInterpreter(ModalState):
             self._move(block)
         if "M30" in block:
             self.end(block["M30"], "#TRAFO OFF")
-
-    def _of_a_path(self) -> set[str]:
-        """Words that may stand in an open path."""
-        return {"G93", "G1", "G60", "F", *self.axes, self.curve}
 
     def _word(self, word: Word, block: dict[str, Word]) -> None:
         name = word.name
@@ -190,4 +155,4 @@ def read_twincat(content: bytes, file: str, case: Case) -> Reading:
     """Reads a program, see `Dialect.read`."""
     settings = case.need_settings(TwinCatAxes, "a TwinCAT program")
     lines = program_lines(content, file, LONGEST_LINE, settings.most_blocks)
-    return _TwinCatInterpreter(file, settings, case).read_program(lines, twincat_words)
+    return TwinCatInterpreter(file, settings, case).read_program(lines)

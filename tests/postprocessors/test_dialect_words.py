@@ -7,8 +7,8 @@ import pytest
 
 from cases.errors import ProgramError
 from postprocessors.dialects import dialect
-from postprocessors.reading.sinumerik import sinumerik_words
-from postprocessors.reading.twincat import twincat_words
+from postprocessors.reading.sinumerik import SinumerikInterpreter
+from postprocessors.reading.twincat import TwinCatInterpreter
 from tests.helpers import one_line
 from tests.postprocessors.other_dialects import BOTH, CASE, SINUMERIK, TWINCAT, Typed
 from tests.postprocessors.programs import typed as typed_linuxcnc
@@ -63,16 +63,15 @@ TWINCAT_FRAGMENTS = {
     "N2000 G260": ["G260"],
     "N10 G04 X4.5": ["G4", "X"],
     "N20 G04 3.0": ["G4", ""],
-    "N20 G1 G60 X10  (Exact stop for this block end)": ["G1", "G60", "X"],
+    "N20 G1 G60 X10  ; Exact stop for this block end": ["G1", "G60", "X"],
     'N10 #MSG ["WERT=%D", 10]': ["#MSG"],
     '#MSG SYN ["Text_4"]': ["#MSG SYN"],
-    "N20 G194 F90 (Weighting 90% to max. axis feedrate)": ["G194", "F"],
-    "N120 G93 F20 (Machining time 20 s)": ["G93", "F"],
+    "N20 G194 F90 ; Weighting 90% to max. axis feedrate": ["G194", "F"],
+    "N120 G93 F20 ; Machining time 20 s": ["G93", "F"],
     "N70 #HSC ON [BSPLINE PATH_DEV=0.02 TRACK_DEV=0.05]": ["#HSC ON"],
     "N20 #SLOPE [TYPE=TRAPEZ]": ["#SLOPE"],
     "N40 #PTP ON": ["#PTP ON"],
     "G130 X70": ["G130", "X"],
-    "N5 X1 (a (nested) comment that stays open": ["X"],
 }
 
 
@@ -110,8 +109,8 @@ N130 M30"""
 def test_every_line_of_the_skeletons_is_made_of_words():
     """Whole, neither is read: what their blocks without exact stop or kind of angles mean is not known."""
     for text, words, typed in (
-        (SINUMERIK_SKELETON, sinumerik_words, SINUMERIK),
-        (TWINCAT_SKELETON, twincat_words, TWINCAT),
+        (SINUMERIK_SKELETON, SinumerikInterpreter.words, SINUMERIK),
+        (TWINCAT_SKELETON, TwinCatInterpreter.words, TWINCAT),
     ):
         for number, line in enumerate(text.split("\n"), start=1):
             assert bool(words(line, number, "p")) != line.startswith(";")
@@ -121,20 +120,20 @@ def test_every_line_of_the_skeletons_is_made_of_words():
 
 @pytest.mark.parametrize("fragment", SINUMERIK_FRAGMENTS)
 def test_fragments_of_siemens_are_words(fragment: str):
-    assert [w.name for w in sinumerik_words(fragment, 2, "p")] == SINUMERIK_FRAGMENTS[fragment]
+    assert [w.name for w in SinumerikInterpreter.words(fragment, 2, "p")] == SINUMERIK_FRAGMENTS[fragment]
 
 
 @pytest.mark.parametrize("fragment", TWINCAT_FRAGMENTS)
 def test_fragments_of_beckhoff_are_words(fragment: str):
-    assert [w.name for w in twincat_words(fragment, 2, "p")] == TWINCAT_FRAGMENTS[fragment]
+    assert [w.name for w in TwinCatInterpreter.words(fragment, 2, "p")] == TWINCAT_FRAGMENTS[fragment]
 
 
 def test_numbers_lists_and_actions_are_kept():
-    piece = sinumerik_words("N11 POLY PO[X]=(1,2.5,-.7) PL=1.5", 2, "p")
+    piece = SinumerikInterpreter.words("N11 POLY PO[X]=(1,2.5,-.7) PL=1.5", 2, "p")
     assert piece[1].arguments == ("1", "2.5", "-.7")
     assert piece[2].value == 1.5
-    assert sinumerik_words("do $a_out[25] = 1", 2, "p")[0].arguments == ("$A_OUT[25]=1",)
-    assert twincat_words("#HSC ON [BSPLINE PATH_DEV=0.02 TRACK_DEV=0.05]", 2, "p")[0].arguments == (
+    assert SinumerikInterpreter.words("do $a_out[25] = 1", 2, "p")[0].arguments == ("$A_OUT[25]=1",)
+    assert TwinCatInterpreter.words("#HSC ON [BSPLINE PATH_DEV=0.02 TRACK_DEV=0.05]", 2, "p")[0].arguments == (
         "BSPLINE",
         "PATH_DEV=0.02",
         "TRACK_DEV=0.05",
@@ -165,6 +164,7 @@ TRAPS: list[tuple[Typed, str, str]] = [
     (SINUMERIK, "ids=39 whenever($r829>=120000) do $a_out[1]=1", "cannot read"),
     (SINUMERIK, "#HSC ON", "cannot read '#HSC ON'"),
     (SINUMERIK, "G162", "G162 is not read here"),
+    (TWINCAT, "G1 G60 X1 F100 (a comment)", r"cannot read '\(a comment"),
     (TWINCAT, "G21", "G21 is not read here"),
     (TWINCAT, "G20", "G20 is not read here"),
     (TWINCAT, "G70", "G70 is not read here"),

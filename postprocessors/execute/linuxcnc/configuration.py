@@ -27,14 +27,9 @@ INI_FILE = "machine.ini"
 HAL_FILE = "machine.hal"
 DISPLAY_FILE = "driver.py"
 
-ROUNDING = 1e-6
-"""Pose limits are widened by the last digit of a program's numbers [mm, deg], so that the limit itself is allowed."""
-
-UNBOUND = 1e6
-"""LinuxCNC does not enforce strut velocity and acceleration on a path; any large number is valid [mm/s, mm/s^2]."""
-
+ROUNDING = 1e-6  # last digit of a program's numbers, by which pose limits are widened [mm, deg]
+UNBOUND = 1e6  # limits of struts that LinuxCNC does not enforce on a path [mm/s, mm/s^2]
 WIDEST = np.pi / 2  # angles of the axes where only the struts limit them [rad]
-
 TURNS = 1e6  # position limits of a joint that turns without end [degrees]
 
 
@@ -115,15 +110,9 @@ def _templates() -> "Environment":
 
 
 def ini_text(case: Case, headroom: float, box: bool = True) -> str:
-    """The INI file.
+    """The INI file, with acceleration limits of `headroom` times the case's and positions of `pose_range` with `box`.
 
-    Position limits of the axes are `pose_range`, those of struts `[workspace]`. Velocity limits of
-    the axes are `[limits.motion]`, acceleration limits its multiple by `headroom`. The limits of the path
-    as a whole are the diagonals of these boxes, so that they never bind before an axis does.
-
-    Args:
-        headroom: acceleration limits as a multiple of the case's.
-        box: whether the axes have the limits of `[limits.motion]`, else of `[workspace]`; see `pose_range`.
+    Limits of the path as a whole are the diagonals of those of the axes, so that they never bind before an axis does.
     """
     from identification.model import machine_of  # CasADi, which writers and readers do not need
 

@@ -21,20 +21,12 @@ from pathlib import Path
 
 from cases.errors import HexciteError
 
-SYSTEM_PATH = "/usr/bin:/bin:/usr/sbin:/sbin"
-"""Search path of LinuxCNC and its Python; a session gets nothing of the user's environment."""
-
+SYSTEM_PATH = "/usr/bin:/bin:/usr/sbin:/sbin"  # of LinuxCNC and its Python, which get nothing of the user's environment
 NOBODY = 65534  # user of LinuxCNC's realtime process where hexcite runs as root: that process refuses to run as root
-
 OUTPUT_FILE = "linuxcnc.out"  # file with the output of LinuxCNC
-
 GRACE = 20.0  # time for LinuxCNC to end in an orderly manner [s]; it takes about one
-
 POLL = 0.005  # time between two checks of the processes that are being killed [s]
-
-MARK = "HEXCITE_SESSION"
-"""Environment variable that all processes of a session carry, by which what remains of them is recognised."""
-
+MARK = "HEXCITE_SESSION"  # environment variable that all processes of a session carry
 PROCESSES = {"milltask", "rtapi_app", "linuxcncsvr"}  # processes of which one means that a LinuxCNC is running
 
 _log = logging.getLogger(__name__)
@@ -127,8 +119,7 @@ def _signal_group(process: subprocess.Popen[bytes], number: signal.Signals) -> N
 
 
 def end_marked(mark: str) -> None:
-    """Kills the remaining processes of a session and returns when all have ended: a killed process, or one whose
-    namespace ends, may run on for a moment and start another one, which a single check of the list would miss."""
+    """Kills the remaining processes of a session, and those that they still start, until all have ended."""
     deadline = time.monotonic() + GRACE
     while processes := running(mark):
         if time.monotonic() > deadline:
@@ -142,10 +133,7 @@ def end_marked(mark: str) -> None:
 
 
 def running(mark: str = "") -> dict[int, str]:
-    """Numbers and names of all processes, or of those that carry the mark of a session.
-
-    Without zombies, which stay in the list for ever in a container without an init process.
-    """
+    """Numbers and names of all processes but zombies, or of those that carry the mark of a session."""
     processes = {}
     for entry in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):  # gone, or another user's

@@ -28,13 +28,11 @@ if TYPE_CHECKING:
 HERE = Path(__file__).parent
 PROGRAM_FILE = "program.ngc"
 CLOCK_FILE = "warp.so"
+REPORT_FILE = "status.json"
+SAMPLES_FILE = "samples.f64"
 
-START_LIMIT = 120.0
-"""Wall-clock time for LinuxCNC to start and end, and for its interpreter to read a program [s]; it takes 2 s, on a
-very busy computer 20 s."""
-
-LINE_LIMIT = 20.0
-"""Mean time of a line in the default time limit [s of controller time]: longer than any move of hexcite's."""
+START_LIMIT = 120.0  # wall-clock time for LinuxCNC to start, read a program and end [s]; on a very busy computer 20 s
+LINE_LIMIT = 20.0  # mean time of a line in the default time limit [s of controller time]: longer than any move
 
 _log = logging.getLogger(__name__)
 
@@ -72,12 +70,10 @@ def run_linuxcnc(
     Args:
         program: a LinuxCNC program; dwells are `G4 P<seconds>` on lines of their own.
         case: a case with machine, workspace, limits and controller.
-        speedup: controller time per wall-clock time, at most; less for programs with short blocks. Motion does not
-            depend on it, but for some cycles before the first blocks of a path on a busy computer. A run that loses
-            cycles, waits for blocks or shortens dwells is repeated at half the speed-up and at a quarter; then that is
-            an error.
-        time_limit: limit of wall-clock time for the program [s]. By default its dwells and 20 s of controller time for
-            each of its lines, both divided by the speed-up, and a minute.
+        speedup: controller time per wall-clock time, at most; less for programs with short blocks. A run that loses
+            cycles, waits for blocks or shortens dwells is repeated at half of it and at a quarter; then that is an
+            error.
+        time_limit: limit of wall-clock time for the program [s]; by default by its dwells and lines.
 
     Raises:
         HexciteError: LinuxCNC is not installed, refuses the program, stops, loses cycles, waits for blocks or does
@@ -89,7 +85,7 @@ def run_linuxcnc(
         raise HexciteError(path, f"cannot be run: {missing}")
     lines = timing.with_dwells(path, program.content.decode("ascii").split("\n"), reading)
     timed = any(isinstance(part, Timed) for part in reading.stretches)
-    headroom = acceleration_headroom(reading, case)
+    headroom = acceleration_headroom(case, timed)
     standing = sum(part.duration for part in reading.stretches if isinstance(part, Still))
     speedup = min(speedup, timing.fastest(reading)) if preload_works() else 1.0
     for attempt in range(timing.ATTEMPTS):
@@ -150,10 +146,6 @@ def _compile_clock(folder: Path) -> None:
         raise HexciteError(f"gcc cannot compile LinuxCNC's clock ({reason}); install the packages gcc and libc6-dev")
 
 
-REPORT_FILE = "status.json"
-SAMPLES_FILE = "samples.f64"
-
-
 def read_report(program: Path, folder: Path) -> dict[str, Any]:
     """The report of a program that ran to its end.
 
@@ -174,10 +166,9 @@ def read_report(program: Path, folder: Path) -> dict[str, Any]:
     if report["outcome"] == "done":
         return report
     message = " ".join((report["errors"] or ["it gave no reason"])[0].split()).rstrip(".")
-    if match := re.search(r"\bline (\d+)", message):
-        place = f"{program}, line {match[1]}"
-    else:  # the last line in motion
-        place = f"{program}, near line {report['line']}" if report["line"] else f"{program}"
+    match = re.search(r"\bline (\d+)", message)
+    near = f", near line {report['line']}" if report["line"] else ""  # the last line in motion
+    place = f"{program}, line {match[1]}" if match else f"{program}{near}"
     remedy = "correct the program (hexcite check names what is outside a limit), or write it again with hexcite post"
     problem, remedy = {
         "time limit": ("LinuxCNC was not through in time", "check the feeds, or allow more time"),

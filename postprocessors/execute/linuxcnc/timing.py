@@ -1,14 +1,12 @@
 """Parts of a run that depend on the wall clock, although LinuxCNC counts motion in cycles: dwells, switches, blocks.
 
-LinuxCNC times G4 by the wall clock, behind which a busy servo thread lags. A program is therefore run as a copy
-that counts its dwells in cycles (`dwell.ngc`), line for line; that each phase between two switches of the
-trigger took its time is then checked in the log. Written programs hold dwells in one form only, `G4 P<seconds>` on a
-line of its own; any other form is refused, since it could not be proven. That a dwell has ended, and that an output
-is to switch at once (M64, M65), is noticed some milliseconds of wall-clock time late: these cycles are removed.
+LinuxCNC times G4 by the wall clock, behind which a busy servo thread lags. A program is therefore run as a copy that
+counts its dwells in cycles (`dwell.ngc`); that each phase between two switches of the trigger took its time is checked
+in the log. The end of a dwell, and an output that switches at once (M64, M65), are noticed some milliseconds of
+wall-clock time late: these cycles are removed.
 
-Blocks reach the motion controller one by one, some thousand a second of wall-clock time. Where they come too slowly,
-as under heavy disk load by other programs, the motion stops between them, which LinuxCNC does not do in real time.
-The log shows it: no line is executed for a while between a line and the next.
+Where blocks reach the motion controller too slowly, the motion stops between them, which LinuxCNC does not do in real
+time. The log shows it: no line is executed for a while between a line and the next.
 """
 
 import re
@@ -22,13 +20,8 @@ from cases.errors import HexciteError
 from postprocessors.execute import ControllerLog
 from postprocessors.reading import Reading, Still, Timed
 
-ATTEMPTS = 3
-"""Sessions for a program, each at half the speed-up of the one before, where cycles were lost, blocks came too late or
-dwells were not proven."""
-
-BLOCK = 1e-3
-"""Shortest block of a session [s of wall-clock time]. Down to half of it motion is the same at every speed-up, also
-with four other busy processes on two cores; at a quarter of it blocks are sometimes late."""
+ATTEMPTS = 3  # sessions for a program, each at half the speed-up of the one before
+BLOCK = 1e-3  # shortest block of a session [s of wall-clock time]; at a quarter of it blocks are sometimes late
 
 FEWEST_CYCLES = 10  # cycles that a standstill has at least: switches take LinuxCNC some cycles in real time too
 
@@ -36,10 +29,7 @@ _DWELL = re.compile(r"G4 P[0-9]+(\.[0-9]+)?\s*")
 
 
 def with_dwells(program: Path, lines: list[str], reading: Reading) -> list[str]:
-    """The lines of a program for a controller that counts its dwells in servo cycles.
-
-    Raises HexciteError where a dwell has another form than `G4 P<seconds>` on a line of its own.
-    """
+    """The lines of a program with dwells in servo cycles; raises HexciteError for one that is not `G4 P<seconds>`."""
     copy = list(lines)
     for part in reading.stretches:
         if isinstance(part, Still):

@@ -36,7 +36,7 @@ _TYPED = {
     "linuxcnc": "(small)\nG4 P0.1\nM64 P0\n{path}\nM65 P0\nG1 X5 A1 F3000\nG0 X0 Y0 Z900 A0\nG17 G3 X0 Y0 I5 J0 F3000",
     "sinumerik": f"; small\nDO $A_OUT[1]=1\n{{path}}\n{_POLY}\nG1 X5 A2=1 F3000\nG0 X0 Y0 Z900 A2=0\n"
     "G17 G3 X0 Y0 I5 J0 F3000",
-    "twincat": "(small)\nM100\n{path}\nM101\nG04 0.1\n"
+    "twincat": "; small\nM100\n{path}\nM101\nG04 0.1\n"
     "G1 G60 X5 A1 F3000\nG0 G60 X0 Y0 Z900 A0\nG17 G3 G60 X0 Y0 I5 J0 F3000",
 }
 
