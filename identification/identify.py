@@ -7,7 +7,7 @@ the parameters. What speaks against a run is looked for before the estimate (`sa
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Protocol, runtime_checkable
+from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
@@ -38,15 +38,6 @@ from identification.samples import GAUSS_MARKOV, Samples, fit_samples
 RESTLESS = 3.0  # times the usual scatter of an averaged force
 
 
-@runtime_checkable
-class PlanOfPoses(Protocol):
-    """A plan of standstills."""
-
-    @property
-    def poses(self) -> Array:
-        """Where it stands still to measure, in the order of visit, shape (n, k) [m or rad]."""
-
-
 def identify(
     recording: Recording,
     case: Case | None = None,
@@ -54,7 +45,7 @@ def identify(
     *,
     how: Method | Callable[[Model], Method] = GAUSS_MARKOV,
     average_standstills: bool = False,
-    poses: PlanOfPoses | None = None,
+    poses: Array | None = None,
 ) -> Result:
     """Parameters with standard deviations from a recorded run.
 
@@ -64,7 +55,7 @@ def identify(
         model: number in Table 2; by default what the run can carry.
         how: what is known beforehand, and how channels are weighted; or what gives it for a model.
         average_standstills: average the run's standstills, wherever they are.
-        poses: plan of poses whose standstills the run holds; a run of hexcite knows its own.
+        poses: poses whose standstills the run holds, shape (n, k) [m or rad]; a run of hexcite knows its own.
 
     Raises:
         IdentificationError: the run does not determine the parameters; the message names them.
@@ -75,7 +66,7 @@ def identify(
     if case is None:
         raise RecordingError(recording.source, "does not say which machine it is from", "give its case")
     whole = on_one_clock(recording, case)
-    run, standing = standing_of(whole, case, None if poses is None else poses.poses, average_standstills)
+    run, standing = standing_of(whole, case, poses, average_standstills)
     number = default_model(run, case) if model is None else model
     own = recording.record.get("case")
     method = how if isinstance(how, Method) else how(identification_model(case, number))

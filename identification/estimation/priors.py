@@ -21,7 +21,7 @@ from identification.estimation.fit import (
     inverse_root,
 )
 from identification.estimation.force_noise import long_run_covariance, scores
-from identification.finding import Finding, Kind, note, warning
+from identification.finding import Kind, warning
 from identification.model import Model
 from identification.parameters import physical_form, require_names
 
@@ -73,7 +73,7 @@ def with_priors(regression: Regression, model: Model, weights: Array, priors: Se
     """The most probable u.
 
     Covariances, rank and condition are those of data and priors together, s0 and its degrees of freedom of the data.
-    The findings say what each prior did.
+    A finding names each prior that disagrees with the data.
 
     Args:
         regression: regression of the model; columns beyond it (a delay) have no prior.
@@ -116,9 +116,12 @@ def with_priors(regression: Regression, model: Model, weights: Array, priors: Se
     of_data = long_run_covariance(scores(regression.regressors, residuals, weights)) / noise**4
     of_priors = jacobian[len(root) :].T @ jacobian[len(root) :]
     robust, s0 = covariance @ (of_data + of_priors) @ covariance, noise * float(np.sqrt(filtered.stride))
-    findings: list[Finding] = []
+    findings = []
     for prior, value, slope in zip(priors, *at(values), strict=True):
-        findings += _effect_findings(prior, *effect_of(prior, float(value), float(slope @ covariance @ slope)))
+        conflict = abs(conflict_of(prior, float(value), float(slope @ covariance @ slope)))
+        if conflict > CONFLICT:
+            sentence = f"prior {prior.name} disagrees with the data by {conflict:.1f} standard deviations; doubt one"
+            findings.append(warning(Kind.ESTIMATOR, sentence))
     return Fit(values, covariance, robust, s0, freedom, residuals, weights, rank, condition, tuple(findings))
 
 
@@ -138,32 +141,10 @@ def _start(root: Array, right: Array, priors: Sequence[Prior], model: Model) -> 
     return np.asarray(start)
 
 
-def effect_of(prior: Prior, value: float, variance: float) -> tuple[float, float, float]:
-    """What a prior did to the estimate of its parameter from data and all priors, a value with its variance.
+def conflict_of(prior: Prior, value: float, variance: float) -> float:
+    """By how many standard deviations of their difference a prior is above data and other priors, 0 where they agree.
 
-    Information adds, so that no fit without it is needed.
-
-    Returns:
-        By how many of the standard deviations that the estimate would have without this prior the prior moved it; by
-        how many standard deviations of their difference the prior is above data and other priors, standard normal where
-        they agree; of the information about this parameter, the share that is not this prior's, 0 to 1. The first two
-        are 0 where the data are silent.
+    From the estimate of its parameter with all priors and its variance: information adds, so that no fit without the
+    prior is needed; standard normal where they agree.
     """
-    share = float(np.clip(1.0 - variance / prior.std**2, 0.0, 1.0))
-    if share <= SILENT:
-        return 0.0, 0.0, share
-    without = np.sqrt(share / variance)  # one over the standard deviation without this prior
-    moved = float((prior.value - value) / (prior.std**2 * without))
-    return moved, float(moved * prior.std / np.sqrt(variance)), share
-
-
-def _effect_findings(prior: Prior, moved: float, conflict: float, share: float) -> list[Finding]:
-    sentence = f"prior {prior.name} = {prior.value:.6g} +- {prior.std:.2g}: the data hold {100 * share:.0f} % of what "
-    sentence += "is known about it"
-    if share > 0.0:
-        sentence += f", it moved the estimate by {moved:+.2g} of their standard deviations"
-    findings = [note(Kind.ESTIMATOR, sentence)]
-    if abs(conflict) > CONFLICT:
-        sentence = f"prior {prior.name} disagrees with the data by {abs(conflict):.1f} standard deviations; doubt "
-        findings.append(warning(Kind.ESTIMATOR, f"{sentence}one of them"))
-    return findings
+    return float((prior.value - value) / np.sqrt(max(prior.std**2 - variance, SILENT * prior.std**2)))

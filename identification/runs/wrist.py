@@ -14,9 +14,8 @@ from scipy.spatial.transform import Rotation
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from cases.units import Array, Flags, Indices
-from identification.estimation.fit import Fit, Robust
+from identification.estimation.fit import Robust
 from identification.estimation.force_noise import coloured_covariance, turned
-from identification.finding import Finding, Kind, note
 from identification.formats.table import HOST_GAP, Stream, equal_steps, lost_samples
 from identification.model import Model
 from identification.parameters import MASS
@@ -78,15 +77,6 @@ class WristRun(Moving):
     def series(self, delay: float, values: Array) -> Residuals:
         """Forces as recorded at the evaluated samples beside the model's."""
         return Residuals(self.t, self.recorded, self.regressors(delay) @ values, self.step)
-
-    def findings(self, fit: Fit) -> tuple[Finding, ...]:
-        """In which band the delay was estimated."""
-        del fit
-        if self.wide is None:
-            return ()
-        sentence = f"delay estimated in the band up to {self.wide.filter.cutoff:.3g} Hz, the widest that all streams "
-        sentence += f"carry; parameters up to {self.filter.cutoff:g} Hz at that delay, its uncertainty propagated"
-        return (note(Kind.CLOCK, sentence),)
 
 
 def wrist_run(recording: Recording, case: Case, model: Model, cutoff: float | None = None) -> WristRun:

@@ -74,10 +74,12 @@ def test_known_values_are_kept_and_left_out_ones_are_zero(run: Path, tmp_path: P
     assert p["k3"]["std"] > 0.0
 
 
-def test_priors_are_told_with_what_they_did(run: Path, tmp_path: Path) -> None:
+def test_priors_stand_in_the_result_and_a_wrong_one_is_warned_of(run: Path, tmp_path: Path) -> None:
     answer = answer_of(run, tmp_path, "--prior", "m=33+-0.5kg", "--prior", "zC=0.105+-0.001m")
     assert answer["priors"]["m"] == {"value": 33.0, "std": 0.5}
-    assert sum("moved the estimate" in note for note in answer["notes"]) == 2
+    assert sum("disagrees with the data" in warning for warning in answer["warnings"]) == 0
+    wrong = answer_of(run, tmp_path, "--prior", "m=40+-0.5kg")
+    assert any("prior m disagrees with the data" in warning for warning in wrong["warnings"])
 
 
 def test_people_are_told_which_deviation_to_trust(run: Path, tmp_path: Path) -> None:
