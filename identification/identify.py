@@ -35,8 +35,6 @@ from identification.runs.standstills import average, find_standstills, match, st
 from identification.runs.wrist import widest_band, wrist_run
 from identification.samples import GAUSS_MARKOV, Samples, fit_samples
 
-RESTLESS = 3.0  # times the usual scatter of an averaged force
-
 
 def identify(
     recording: Recording,
@@ -137,12 +135,10 @@ def standing_of(
     averages = average(recording, find_standstills(recording, settle))
     if expected is not None:
         averages, _ = match(averages, case, expected, recording.source)
-    assert averages.weights is not None
     entries = {
         "count": len(averages.forces),
         "matched_to_poses": expected is not None,
         "found_by": "trigger" if delimited(recording.trigger) else "motion",
-        "restless": [k for k, weight in enumerate(averages.weights, 1) if weight * RESTLESS < 1.0],
     }
     return averages, entries
 

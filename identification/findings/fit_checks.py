@@ -158,19 +158,17 @@ def _other_mass(mass: float, case: Case) -> list[Finding]:
     struts = case.sensor_frame.struts
     rods = 6 * struts.rod_mass_kg if struts is not None and struts.at == "drive" else 0.0
     nominal, *_ = masses = [body.mass_kg + rods for body in case.bodies]
-    with_rods = " with rods" if rods else ""
     if low < mass / nominal < high or low < nominal / max(mass, GRAM) < high:
         unit = "kN" if mass < nominal else "mN"
         raise IdentificationError(
-            f"the mass comes out as {mass:.4g} kg where nominal.mass_kg{with_rods} is {nominal:g}: forces seem to be "
+            f"the mass comes out as {mass:.4g} kg where nominal.mass_kg makes {nominal:g}: forces seem to be "
             f"in {unit}; set recording.units.forces = '{unit}' in the case"
         )
     expected = min(masses, key=lambda body_mass: abs(mass - body_mass))
     if abs(mass - expected) <= OTHER_MASS * expected:
         return []
-    key = f"nominal.mass_kg{with_rods}" if expected == nominal else f"nominal.mass_kg{with_rods} with payloads"
     sentence = (
-        f"the mass comes out as {mass:.3g} kg where {key} is {expected:.3g} kg, more than a third off: correct "
+        f"the mass comes out as {mass:.3g} kg where nominal.mass_kg, with payloads, makes {expected:.3g} kg: correct "
         "nominal, or check gravity, units, what is mounted, and that forces are recorded raw, not compensated"
     )
     return [warning(Kind.CASE, sentence)]

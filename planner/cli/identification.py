@@ -92,8 +92,6 @@ def show_result(answer: dict[str, Any]) -> None:
         stops = answer["standstills"]
         source = "the poses of the program" if stops["matched_to_poses"] else "found where the machine stands"
         print(f"{stops['count']} averaged standstills, {source}, by the {stops['found_by']}; weighted by their scatter")
-        if stops["restless"]:
-            print(f"restless, and weighted less: {', '.join(map(str, stops['restless']))}")
     for warning in answer["warnings"]:
         print(f"warning: {warning}")
     print(f"result written: {answer['result']}, with its report {answer['report']}")
