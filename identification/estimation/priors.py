@@ -103,8 +103,11 @@ def with_priors(regression: Regression, model: Model, weights: Array, priors: Se
 
     from scipy.optimize import least_squares  # half a second, which estimates without priors can do without
 
-    start, precision = _start(root, right, priors, model), {"xtol": 1e-14, "ftol": 1e-14, "gtol": 1e-14}
-    found = least_squares(residual, start, slopes, method="lm", x_scale="jac", max_nfev=EVALUATIONS, **precision)
+    start, mass = scale * free, model.names.index("m")
+    weighed = [p.value for p in priors if p.name == "m"] or [start[mass]]
+    start[mass] = weighed[0] if weighed[0] > 0.0 else 1.0  # others are divided by it
+    precise = {"xtol": 1e-14, "ftol": 1e-14, "gtol": 1e-14, "max_nfev": EVALUATIONS}
+    found = least_squares(residual, start, slopes, method="lm", x_scale="jac", **precise)
     if not found.success or not np.isfinite(found.cost):
         raise IdentificationError("no minimum was found with these priors: check them, or give more known values")
     values = np.asarray(found.x)
@@ -123,22 +126,6 @@ def with_priors(regression: Regression, model: Model, weights: Array, priors: Se
             sentence = f"prior {prior.name} disagrees with the data by {conflict:.1f} standard deviations; doubt one"
             findings.append(warning(Kind.ESTIMATOR, sentence))
     return Fit(values, covariance, robust, s0, freedom, residuals, weights, rank, condition, tuple(findings))
-
-
-def _start(root: Array, right: Array, priors: Sequence[Prior], model: Model) -> Array:
-    """The smallest u that data and linear priors agree on, with a mass above zero, by which others are divided."""
-    linear = [p for p in priors if p.name in model.names]
-    rows = np.zeros((len(linear), root.shape[1]))
-    for row, prior in zip(rows, linear, strict=True):
-        row[model.names.index(prior.name)] = 1.0 / prior.std
-    matrix = np.vstack([root, rows])
-    scale = column_scale(matrix)
-    both = np.r_[right, [p.value / p.std for p in linear]]
-    start = scale * np.linalg.lstsq(matrix * scale, both, rcond=None)[0]
-    mass = model.names.index("m")
-    if start[mass] <= 0.0:
-        start[mass] = max([p.value for p in priors if p.name == "m" and p.value > 0.0], default=1.0)
-    return np.asarray(start)
 
 
 def conflict_of(prior: Prior, value: float, variance: float) -> float:

@@ -10,7 +10,6 @@ where in a step they are sampled; averaging over the step, or a low-pass before 
 first order f = A u + b d^2(A u)/dt^2: beside the delay, the first moment of the smoothing, b, half the second, is one
 more unknown, estimated where the run determines it. Without it, the mass of a clean ten-second run is biased by two of
 its standard deviations.
-
 """
 
 import math
