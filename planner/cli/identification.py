@@ -47,9 +47,7 @@ PARAMETER_COLUMNS = ("parameter", "value", "+-", "std (28)", "std robust", "unit
 
 def answer_of_result(result: Result, folder: Path) -> dict[str, Any]:
     """The JSON answer of a result that was written."""
-    answer = {"result": str(folder), "report": str(folder / "report.html"), **result.record.to_json()}
-    strongest = () if result.identifiability is None else result.identifiability.strongest()
-    return answer | {"strongest_correlations": [{"pair": [a, b], "value": v} for a, b, v in strongest]}
+    return {"result": str(folder), "report": str(folder / "report.html"), **result.record.to_json()}
 
 
 def parameter_rows(parameters: Mapping[str, Value]) -> list[tuple[str, ...]]:
@@ -76,10 +74,6 @@ def show_result(answer: dict[str, Any]) -> None:
     )
     print(f"rank {answer['rank']}, condition {answer['condition']:.3g}")
     show_residuals(answer)
-    strongest = ", ".join(
-        f"{a}~{b} {v:+.2f}" for (a, b), v in ((c["pair"], c["value"]) for c in answer["strongest_correlations"][:3])
-    )
-    print(f"strongest correlations of columns: {strongest}")
     if answer["delay_s"] is not None:
         delay = answer["delay_s"]
         print(

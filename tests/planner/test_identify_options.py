@@ -109,6 +109,13 @@ def test_what_cannot_be_asked_is_refused(what: str, run: Path, tmp_path: Path) -
     assert not (tmp_path / "r").exists()
 
 
+@pytest.mark.parametrize("option", ["--estimator=robust", "--biases=result", "--terms=K1", "--symmetric", "--flexible"])
+def test_options_of_earlier_versions_are_refused(option: str, run: Path) -> None:
+    answer = call("identify", run / "run.csv", "--case", "hexapod", option)
+    assert answer.code == 2
+    assert option.split("=")[0] in answer.err
+
+
 def test_a_run_to_verify_on_that_is_not_there_is_told_before_a_result_is_written(run: Path, tmp_path: Path) -> None:
     words = ("--case", "hexapod", "--verify", tmp_path / "none.csv", "-o", tmp_path / "result")
     line = refused("identify", run / "run.csv", *words)
