@@ -34,9 +34,6 @@ def export(
     print(f"model {model} of case {case_name} written: {', '.join(names)}")
 
 
-AXES = ("fx", "fy", "fz", "mx", "my", "mz")
-UNITS = ("N", "N", "N", "N m", "N m", "N m")
-
 Parameters = Annotated[Path, option("Result folder of hexcite identify.", "--parameters")]
 
 
@@ -66,9 +63,9 @@ def force(
     }
     if answered(answer, json):
         return
-    rows = [
-        [a, f"{r:.4g}", f"{p:.4g}", u] for a, u, r, p in zip(AXES, UNITS, result.rms, result.peak, strict=True)
-    ]  # fmt: skip
+    units = [name.partition("_")[2].replace("Nm", "N m") for name in WRENCH]
+    components = zip(WRENCH, result.rms, result.peak, units, strict=True)
+    rows = [[name[:2], f"{rms:.4g}", f"{peak:.4g}", unit] for name, rms, peak, unit in components]
     print_table("External force and moment in {P}", ("component", "rms", "peak", "unit"), rows)
     for warning in answer["warnings"]:
         print(f"warning: {warning}")
