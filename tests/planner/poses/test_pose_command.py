@@ -115,7 +115,7 @@ def test_without_a_trigger_standstills_are_found_from_the_motion(folder: Path, r
 def test_a_plan_of_other_poses_is_refused_with_the_pose_that_differs(folder: Path, quick: Path, recorded: Path) -> None:
     other = call("poses", quick, "--count", FEW, "--criterion", "N", "-o", folder / "other", "--json").json()
     line = refused("identify", recorded, "--poses", other["plan"], "-o", folder / "no")
-    assert re.search(r"standstill (\d+) .* x .*, pose \1 .* x ", line)
+    assert re.search(r"standstill (\d+): x .*; pose \1 of .*: x ", line)
     assert not (folder / "no").exists()
 
 
