@@ -7,7 +7,7 @@ the parameters. What speaks against a run is looked for before the estimate (`sa
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Protocol, runtime_checkable
+from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
@@ -35,17 +35,6 @@ from identification.runs.standstills import average, find_standstills, match, st
 from identification.runs.wrist import widest_band, wrist_run
 from identification.samples import GAUSS_MARKOV, Samples, fit_samples
 
-RESTLESS = 3.0  # times the usual scatter of an averaged force
-
-
-@runtime_checkable
-class PlanOfPoses(Protocol):
-    """A plan of standstills."""
-
-    @property
-    def poses(self) -> Array:
-        """Where it stands still to measure, in the order of visit, shape (n, k) [m or rad]."""
-
 
 def identify(
     recording: Recording,
@@ -54,7 +43,7 @@ def identify(
     *,
     how: Method | Callable[[Model], Method] = GAUSS_MARKOV,
     average_standstills: bool = False,
-    poses: PlanOfPoses | None = None,
+    poses: Array | None = None,
 ) -> Result:
     """Parameters with standard deviations from a recorded run.
 
@@ -64,7 +53,7 @@ def identify(
         model: number in Table 2; by default what the run can carry.
         how: what is known beforehand, and how channels are weighted; or what gives it for a model.
         average_standstills: average the run's standstills, wherever they are.
-        poses: plan of poses whose standstills the run holds; a run of hexcite knows its own.
+        poses: poses whose standstills the run holds, shape (n, k) [m or rad]; a run of hexcite knows its own.
 
     Raises:
         IdentificationError: the run does not determine the parameters; the message names them.
@@ -75,7 +64,7 @@ def identify(
     if case is None:
         raise RecordingError(recording.source, "does not say which machine it is from", "give its case")
     whole = on_one_clock(recording, case)
-    run, standing = standing_of(whole, case, None if poses is None else poses.poses, average_standstills)
+    run, standing = standing_of(whole, case, poses, average_standstills)
     number = default_model(run, case) if model is None else model
     own = recording.record.get("case")
     method = how if isinstance(how, Method) else how(identification_model(case, number))
@@ -146,12 +135,10 @@ def standing_of(
     averages = average(recording, find_standstills(recording, settle))
     if expected is not None:
         averages, _ = match(averages, case, expected, recording.source)
-    assert averages.weights is not None
     entries = {
         "count": len(averages.forces),
         "matched_to_poses": expected is not None,
         "found_by": "trigger" if delimited(recording.trigger) else "motion",
-        "restless": [k for k, weight in enumerate(averages.weights, 1) if weight * RESTLESS < 1.0],
     }
     return averages, entries
 

@@ -13,12 +13,11 @@ from cases.errors import FileProblem, HexciteError
 from cases.files import RESULT, atomic_folder, check_folder, json_text, read_json
 from cases.schema import Case
 from cases.units import Array, as_html
-from identification.criteria import Identifiability
 from identification.estimation.fit import Value
 from identification.finding import Finding, sentences
 from identification.model import Model, identification_model
 from identification.precision import carries_rods, parameter_lines, value_cells
-from identification.result import SCHEMA_VERSION, Estimate, ResultEntries, identifiability_of, physical_values
+from identification.result import SCHEMA_VERSION, Estimate, ResultEntries, physical_values
 from identification.signals import Residuals
 
 # Entries of recording.json that a result takes over.
@@ -54,11 +53,6 @@ class Result:
     def parameters(self) -> Mapping[str, Value]:
         """Physical parameters by name [SI]."""
         return self.record.parameters
-
-    @cached_property
-    def identifiability(self) -> Identifiability | None:
-        """What the run determined; None where it was loaded."""
-        return None if self.estimate is None else identifiability_of(self.estimate)
 
     @cached_property
     def residuals(self) -> Residuals | None:

@@ -289,12 +289,3 @@ def _rows(pairs: Sequence[tuple[str, str]], constants: Mapping[str, float], name
                 "about the origin of {P}, or give it as a prior"
             )
     return np.array(list(rows.values()))
-
-
-def pseudo_inertia(body: Array) -> Array:
-    """J of the ten parameters m, m xC, I11 I12 I13 I22 I23 I33 about the origin of {P}, shape (4, 4)."""
-    inertia = np.zeros((3, 3))
-    for (i, j), moment in zip(INERTIA_INDEX, body[4:], strict=True):
-        inertia[i, j] = inertia[j, i] = moment
-    second = 0.5 * np.trace(inertia) * np.eye(3) - inertia
-    return np.block([[second, body[1:4, None]], [body[None, 1:4], body[None, :1]]])

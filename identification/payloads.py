@@ -94,13 +94,11 @@ def require_two(before: Result, after: Result) -> None:
     Raises:
         IdentificationError: both results are of the same files.
     """
-    if before.source == after.source:
-        raise IdentificationError(after.source, "is named twice; name the result without the payload, then with it")
-    if before.recordings and before.recordings == after.recordings:
+    if before.source == after.source or (before.recordings and before.recordings == after.recordings):
         raise IdentificationError(
             after.source,
-            f"is of the same recording as {before.source}; name the result of a run without the "
-            "payload, then of one with it",
+            f"is of the same recording as {before.source}; name the result of a run without the payload, then of one "
+            "with it",
         )
 
 

@@ -11,7 +11,6 @@ from pydantic import AliasPath, BaseModel, BeforeValidator, Field, NonNegativeFl
 from cases.files import provenance
 from cases.schema import Case
 from cases.units import Array
-from identification.criteria import Identifiability, analyse
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, Value
 from identification.finding import SEVERITIES, Finding, sentences
@@ -222,10 +221,3 @@ def entries_of_parameters(physical: Mapping[str, Value], u: Array, covariance: A
         "covariance": tuple(map(tuple, covariance.tolist())),
         "covariance_robust": tuple(map(tuple, robust.tolist())),
     }
-
-
-def identifiability_of(estimate: Estimate) -> Identifiability:
-    """Which of the estimated parameters the run determines, alone and together (section 5)."""
-    samples = estimate.evaluated.excerpt()
-    selection = estimate.how.selection(samples.model)
-    return analyse(samples.regressors(estimate.at) @ selection.basis, selection.names)

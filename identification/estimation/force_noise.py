@@ -1,24 +1,15 @@
-"""Noise of the forces: as a case states it, as residuals show it, and what it does to an estimate where it has memory.
+"""Noise of the forces as residuals show it, and what it does to an estimate where it has memory.
 
-A force sample errs by cov = diag(sigma_f^2) + G diag(sigma_a^2) G^T, where G = df/d(twist rate) holds the moved body:
-vibration is measured in proportion to it, and by all sensors together. W = cov^-1 (24) is then right. As the noise of
-accelerations is the same in all directions, cov depends on neither pose nor motion, only on the body. Errors of
-strut lengths are not part of it: second derivatives make them grow with the square of the frequency, so that at the few
-hertz of a motion they are below a hundredth of the residuals near the cut-off, and W is about the former.
-
-Where noise has memory, the covariance is the sandwich with an autocovariance from the residuals.
-Kernel estimates of the long-run covariance (`long_run_covariance`) need long runs: at the frequencies of the
-motion, where it matters, a short run leaves them too few residuals. Here noise is described channel by channel, the
-channels turned to be independent at lag zero, as a mixture: an autoregressive model of the residuals (Burg's, its order
-by Akaike 1974) and first-order noises with memories of up to the run's length, of which short series show an
-autoregressive model nothing. How much there is of each, their spectra say below half the cut-off, by Whittle's
+Where noise has memory, the covariance is the sandwich with an autocovariance from the residuals. Kernel estimates of it
+(`long_run_covariance`) need long runs: at the frequencies of the motion, where it matters, a short run leaves them too
+few residuals. Here noise is described channel by channel, the channels turned to be independent at lag zero, as a
+mixture: an autoregressive model of the residuals (Burg's, its order by Akaike 1974) and first-order noises with
+memories of up to the run's length. How much there is of each, their spectra say below half the cut-off, by Whittle's
 likelihood (1953): the residuals' against those that the mixture would leave behind the same fit, exactly, so that what
 the fit took away is put back. Noise slower than the run looks like a parameter, and no method can show it.
 
-Shares cannot be negative, so that of 300 samples of white noise the slow noises get a little in half of the fits:
-deviations are 15 to 20 % too wide then. It is the price of intervals that hold. A memory of a sixth of the run is not
-shown by likelihood (twice its gain is 0.6 a channel, by white noise 1.2), and without slow noises, or with a test that
-must call for them, 95 % intervals hold such a truth in 88 to 92 % of the cases instead of 94 %.
+Shares cannot be negative, so that of 300 samples of white noise deviations are 15 to 20 % too wide in half of the fits;
+without slow noises, 95 % intervals hold the truth in 88 to 92 % of the cases where noise remembers a sixth of the run.
 """
 
 from typing import NamedTuple

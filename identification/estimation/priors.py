@@ -21,7 +21,7 @@ from identification.estimation.fit import (
     inverse_root,
 )
 from identification.estimation.force_noise import long_run_covariance, scores
-from identification.finding import Finding, Kind, note, warning
+from identification.finding import Kind, warning
 from identification.model import Model
 from identification.parameters import physical_form, require_names
 
@@ -73,7 +73,7 @@ def with_priors(regression: Regression, model: Model, weights: Array, priors: Se
     """The most probable u.
 
     Covariances, rank and condition are those of data and priors together, s0 and its degrees of freedom of the data.
-    The findings say what each prior did.
+    A finding names each prior that disagrees with the data.
 
     Args:
         regression: regression of the model; columns beyond it (a delay) have no prior.
@@ -103,8 +103,11 @@ def with_priors(regression: Regression, model: Model, weights: Array, priors: Se
 
     from scipy.optimize import least_squares  # half a second, which estimates without priors can do without
 
-    start, precision = _start(root, right, priors, model), {"xtol": 1e-14, "ftol": 1e-14, "gtol": 1e-14}
-    found = least_squares(residual, start, slopes, method="lm", x_scale="jac", max_nfev=EVALUATIONS, **precision)
+    start, mass = scale * free, model.names.index("m")
+    weighed = [p.value for p in priors if p.name == "m"] or [start[mass]]
+    start[mass] = weighed[0] if weighed[0] > 0.0 else 1.0  # others are divided by it
+    precise = {"xtol": 1e-14, "ftol": 1e-14, "gtol": 1e-14, "max_nfev": EVALUATIONS}
+    found = least_squares(residual, start, slopes, method="lm", x_scale="jac", **precise)
     if not found.success or not np.isfinite(found.cost):
         raise IdentificationError("no minimum was found with these priors: check them, or give more known values")
     values = np.asarray(found.x)
@@ -116,54 +119,19 @@ def with_priors(regression: Regression, model: Model, weights: Array, priors: Se
     of_data = long_run_covariance(scores(regression.regressors, residuals, weights)) / noise**4
     of_priors = jacobian[len(root) :].T @ jacobian[len(root) :]
     robust, s0 = covariance @ (of_data + of_priors) @ covariance, noise * float(np.sqrt(filtered.stride))
-    findings: list[Finding] = []
+    findings = []
     for prior, value, slope in zip(priors, *at(values), strict=True):
-        findings += _effect_findings(prior, *effect_of(prior, float(value), float(slope @ covariance @ slope)))
+        conflict = abs(conflict_of(prior, float(value), float(slope @ covariance @ slope)))
+        if conflict > CONFLICT:
+            sentence = f"prior {prior.name} disagrees with the data by {conflict:.1f} standard deviations; doubt one"
+            findings.append(warning(Kind.ESTIMATOR, sentence))
     return Fit(values, covariance, robust, s0, freedom, residuals, weights, rank, condition, tuple(findings))
 
 
-def _start(root: Array, right: Array, priors: Sequence[Prior], model: Model) -> Array:
-    """The smallest u that data and linear priors agree on, with a mass above zero, by which others are divided."""
-    linear = [p for p in priors if p.name in model.names]
-    rows = np.zeros((len(linear), root.shape[1]))
-    for row, prior in zip(rows, linear, strict=True):
-        row[model.names.index(prior.name)] = 1.0 / prior.std
-    matrix = np.vstack([root, rows])
-    scale = column_scale(matrix)
-    both = np.r_[right, [p.value / p.std for p in linear]]
-    start = scale * np.linalg.lstsq(matrix * scale, both, rcond=None)[0]
-    mass = model.names.index("m")
-    if start[mass] <= 0.0:
-        start[mass] = max([p.value for p in priors if p.name == "m" and p.value > 0.0], default=1.0)
-    return np.asarray(start)
+def conflict_of(prior: Prior, value: float, variance: float) -> float:
+    """By how many standard deviations of their difference a prior is above data and other priors, 0 where they agree.
 
-
-def effect_of(prior: Prior, value: float, variance: float) -> tuple[float, float, float]:
-    """What a prior did to the estimate of its parameter from data and all priors, a value with its variance.
-
-    Information adds, so that no fit without it is needed.
-
-    Returns:
-        By how many of the standard deviations that the estimate would have without this prior the prior moved it; by
-        how many standard deviations of their difference the prior is above data and other priors, standard normal where
-        they agree; of the information about this parameter, the share that is not this prior's, 0 to 1. The first two
-        are 0 where the data are silent.
+    From the estimate of its parameter with all priors and its variance: information adds, so that no fit without the
+    prior is needed; standard normal where they agree.
     """
-    share = float(np.clip(1.0 - variance / prior.std**2, 0.0, 1.0))
-    if share <= SILENT:
-        return 0.0, 0.0, share
-    without = np.sqrt(share / variance)  # one over the standard deviation without this prior
-    moved = float((prior.value - value) / (prior.std**2 * without))
-    return moved, float(moved * prior.std / np.sqrt(variance)), share
-
-
-def _effect_findings(prior: Prior, moved: float, conflict: float, share: float) -> list[Finding]:
-    sentence = f"prior {prior.name} = {prior.value:.6g} +- {prior.std:.2g}: the data hold {100 * share:.0f} % of what "
-    sentence += "is known about it"
-    if share > 0.0:
-        sentence += f", it moved the estimate by {moved:+.2g} of their standard deviations"
-    findings = [note(Kind.ESTIMATOR, sentence)]
-    if abs(conflict) > CONFLICT:
-        sentence = f"prior {prior.name} disagrees with the data by {abs(conflict):.1f} standard deviations; doubt "
-        findings.append(warning(Kind.ESTIMATOR, f"{sentence}one of them"))
-    return findings
+    return float((prior.value - value) / np.sqrt(max(prior.std**2 - variance, SILENT * prior.std**2)))

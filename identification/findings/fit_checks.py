@@ -17,7 +17,7 @@ from cases.units import Array, Indices
 from identification.estimation.fit import Fit, Regression, inverse_root, joint_triangle
 from identification.finding import Finding, Kind, note, warning
 from identification.model import Model
-from identification.parameters import INERTIA, INERTIA_INDEX, MASS, physical_form, pseudo_inertia
+from identification.parameters import INERTIA, INERTIA_INDEX, MASS, physical_form
 from identification.recording import Recording
 from identification.runs.sample_checks import cut_off, places
 from identification.samples import Fitted
@@ -158,19 +158,17 @@ def _other_mass(mass: float, case: Case) -> list[Finding]:
     struts = case.sensor_frame.struts
     rods = 6 * struts.rod_mass_kg if struts is not None and struts.at == "drive" else 0.0
     nominal, *_ = masses = [body.mass_kg + rods for body in case.bodies]
-    with_rods = " with rods" if rods else ""
     if low < mass / nominal < high or low < nominal / max(mass, GRAM) < high:
         unit = "kN" if mass < nominal else "mN"
         raise IdentificationError(
-            f"the mass comes out as {mass:.4g} kg where nominal.mass_kg{with_rods} is {nominal:g}: forces seem to be "
+            f"the mass comes out as {mass:.4g} kg where nominal.mass_kg makes {nominal:g}: forces seem to be "
             f"in {unit}; set recording.units.forces = '{unit}' in the case"
         )
     expected = min(masses, key=lambda body_mass: abs(mass - body_mass))
     if abs(mass - expected) <= OTHER_MASS * expected:
         return []
-    key = f"nominal.mass_kg{with_rods}" if expected == nominal else f"nominal.mass_kg{with_rods} with payloads"
     sentence = (
-        f"the mass comes out as {mass:.3g} kg where {key} is {expected:.3g} kg, more than a third off: correct "
+        f"the mass comes out as {mass:.3g} kg where nominal.mass_kg, with payloads, makes {expected:.3g} kg: correct "
         "nominal, or check gravity, units, what is mounted, and that forces are recorded raw, not compensated"
     )
     return [warning(Kind.CASE, sentence)]
@@ -186,7 +184,10 @@ def _no_body(model: Model, fit: Fit) -> list[Finding]:
     own = slice(len(model.parameters))
     values, white = form.of(fit.values[own], fit.covariance[own, own])
     robust = form.of(fit.values[own], fit.covariance_robust[own, own])[1]
-    moments, lines = np.linalg.eigh(pseudo_inertia(np.r_[np.zeros(4), values[places]])[:3, :3])
+    inertia = np.zeros((3, 3))
+    for (i, j), moment in zip(INERTIA_INDEX, values[places], strict=True):
+        inertia[i, j] = inertia[j, i] = moment
+    moments, lines = np.linalg.eigh(0.5 * np.trace(inertia) * np.eye(3) - inertia)
     least, line = float(moments[0]), lines[:, 0]
     slopes = np.array([0.5 - line[i] ** 2 if i == j else -2.0 * line[i] * line[j] for i, j in INERTIA_INDEX])
     deviation = max(float(np.sqrt(slopes @ c[np.ix_(places, places)] @ slopes)) for c in (white, robust))

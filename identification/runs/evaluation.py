@@ -10,7 +10,6 @@ where in a step they are sampled; averaging over the step, or a low-pass before 
 first order f = A u + b d^2(A u)/dt^2: beside the delay, the first moment of the smoothing, b, half the second, is one
 more unknown, estimated where the run determines it. Without it, the mass of a clean ten-second run is biased by two of
 its standard deviations.
-
 """
 
 import math
@@ -139,7 +138,7 @@ class Run(Moving):
 
     def refined(self, fit: Fit, basis: Array, w: Array, delay: float) -> Self:
         """The run with its smoothing to be estimated, where that is worth it; as it is elsewhere."""
-        return replace(self, nuisances=SMOOTHED) if worth_smoothing(self, fit, basis, w, delay) else self
+        return replace(self, nuisances=SMOOTHED) if _worth_smoothing(self, fit, basis, w, delay) else self
 
     def findings(self, fit: Fit) -> tuple[Finding, ...]:
         """The smoothing, where it was estimated; a sentence only where it is clear."""
@@ -179,19 +178,12 @@ BLOCK = 100_000  # rows that are looked at for that noise, and to which it is ad
 NORMAL_MEDIAN = 0.6745  # median size of a normal variable in standard deviations
 
 
-def worth_smoothing(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> bool:
-    """Whether it is worth to estimate the smoothing of a run.
+def _worth_smoothing(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> bool:
+    """Whether b is worth an estimate: where it is known more closely than sampling can make it, or clear.
 
-    That is where the run determines b more closely than sampling can make it, or where a low-pass of the forces is
-    clear; elsewhere neglecting b biases parameters by less than estimating it would widen them. Noise of the struts
-    looks like smoothing, for it disturbs A u and, the other way, its second derivative: where it biases b by more than
-    a standard deviation and makes up a third of b, b is left out.
-
-    Args:
-        fit: fit of it; its values begin with u.
-        basis: basis of the free parameters, shape (u, free).
-        w: W for one sample, shape (6, 6).
-        delay: estimated delay [s].
+    Elsewhere neglecting b biases parameters by less than estimating it would widen them. Noise of the struts looks like
+    smoothing, for it disturbs A u and, the other way, its second derivative: where it biases b by more than a standard
+    deviation and makes up a third of b, b is left out.
     """
     part, (size, free) = run.excerpt(), basis.shape
     matrices, share = part.regressors(delay), len(part.rows) / len(run.rows)

@@ -59,31 +59,18 @@ def _reach_a_gap(t: Array, most: float, centres: Array, reach: float) -> Flags:
 
 
 def interval_means(t: Array, values: Array, centres: Array, interval: float) -> Array:
-    """Means over intervals of the straight lines between samples.
+    """Means over intervals of the straight lines between samples, shape (m, channels).
 
     Args:
         t: increasing, shape (n,) [s].
         values: shape (n, channels).
         centres: centres of the intervals, which lie inside t, shape (m,) [s].
         interval: their length [s].
-
-    Returns:
-        Shape (m, channels).
     """
+    from scipy.interpolate import make_interp_spline
+
     mean = values.mean(axis=0)  # keeps rounding small against what changes
-    steps = np.diff(t)[:, None]
-    deviations = values - mean
-    total = np.vstack(
-        [np.zeros((1, values.shape[1])), np.cumsum(steps * (deviations[1:] + deviations[:-1]) / 2.0, axis=0)]
-    )
-
-    def integral(at: Array) -> Array:
-        k = np.clip(np.searchsorted(t, at, side="right") - 1, 0, len(t) - 2)
-        offset = (at - t[k])[:, None]
-        return np.asarray(
-            total[k] + offset * deviations[k] + offset**2 / 2.0 * (deviations[k + 1] - deviations[k]) / steps[k]
-        )
-
+    integral = make_interp_spline(t, values - mean, k=1).antiderivative()
     return np.asarray((integral(centres + interval / 2.0) - integral(centres - interval / 2.0)) / interval + mean)
 
 

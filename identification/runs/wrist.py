@@ -13,10 +13,9 @@ from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
-from cases.units import Array, Flags, Indices
-from identification.estimation.fit import Fit, Robust
+from cases.units import Array, Flags
+from identification.estimation.fit import Robust
 from identification.estimation.force_noise import coloured_covariance, turned
-from identification.finding import Finding, Kind, note
 from identification.formats.table import HOST_GAP, Stream, equal_steps, lost_samples
 from identification.model import Model
 from identification.parameters import MASS
@@ -79,15 +78,6 @@ class WristRun(Moving):
         """Forces as recorded at the evaluated samples beside the model's."""
         return Residuals(self.t, self.recorded, self.regressors(delay) @ values, self.step)
 
-    def findings(self, fit: Fit) -> tuple[Finding, ...]:
-        """In which band the delay was estimated."""
-        del fit
-        if self.wide is None:
-            return ()
-        sentence = f"delay estimated in the band up to {self.wide.filter.cutoff:.3g} Hz, the widest that all streams "
-        sentence += f"carry; parameters up to {self.filter.cutoff:g} Hz at that delay, its uncertainty propagated"
-        return (note(Kind.CLOCK, sentence),)
-
 
 def wrist_run(recording: Recording, case: Case, model: Model, cutoff: float | None = None) -> WristRun:
     """A moving run with its window: from the first turn out of rest to rest again.
@@ -118,7 +108,7 @@ def wrist_run(recording: Recording, case: Case, model: Model, cutoff: float | No
     band = cutoff if model.needs_motion else min(cutoff, widest_band(turning))
     t, low_pass = _filter(recording, cutoff)
     inner = slice(low_pass.margin, len(t) - low_pass.margin)
-    lost, t = _lost(recording), t[inner]
+    lost, t = lost_samples(recording.t, HOST_GAP), t[inner]
     recorded = bridged(recording.forces, recording.bad)
     smooth = low_pass.apply(recorded)
     quaternion, without_turn = _smooth(turning, quaternions * flips[:, None], band, t)
@@ -150,13 +140,9 @@ def _smooth(stream: Stream, values: Array, cutoff: float, at: Array) -> tuple[Cu
     """A stream behind the filter, and whether damage or a gap disturbs it beside some instants, shape (n,)."""
     t, low_pass = _filter(stream, cutoff)
     signal = CubicSpline(t[low_pass.margin : len(t) - low_pass.margin], low_pass.apply(bridged(values, stream.bad)))
-    spoilt = spoilt_by(stream.bad, _lost(stream), low_pass)
+    spoilt = spoilt_by(stream.bad, lost_samples(stream.t, HOST_GAP), low_pass)
     after = np.clip(np.searchsorted(signal.x, at), 1, len(signal.x) - 1)
     return signal, np.asarray(spoilt[after] | spoilt[after - 1])
-
-
-def _lost(stream: Stream) -> Indices:
-    return lost_samples(stream.t, HOST_GAP)
 
 
 def _filter(stream: Stream, cutoff: float) -> tuple[Array, Filter]:

@@ -41,6 +41,4 @@ def method_of(
 
 def answer_of_result(result: Result, folder: Path) -> dict[str, Any]:
     """The JSON answer of a result that was written."""
-    answer = {"result": str(folder), "report": str(folder / "report.html"), **result.record.to_json()}
-    strongest = () if result.identifiability is None else result.identifiability.strongest()
-    return answer | {"strongest_correlations": [{"pair": [a, b], "value": v} for a, b, v in strongest]}
+    return {"result": str(folder), "report": str(folder / "report.html"), **result.record.to_json()}

@@ -52,10 +52,11 @@ def identify(
     with console.status("identifying", json):
         run = hx.Recording.load(recordings, None if case is None else hx.load_case(case), stale)
         assert run.case is not None  # it was read with one
-        own, plan = run.case, None
+        planned = None
         if poses is not None:
-            plan = hx.Plan.load(poses, own, stale=True)  # of a plan of poses only these are wanted
-            if not len(plan.poses):
+            plan = hx.Plan.load(poses, run.case, stale=True)  # of a plan of poses only these are wanted
+            planned = plan.poses
+            if not len(planned):
                 raise hx.HexciteError(
                     poses, f"is a plan of family {plan.family}, not of poses; name one of hexcite poses"
                 )
@@ -64,7 +65,7 @@ def identify(
             model=model,
             how=lambda m: method_of(m, fix, drop, prior, weights),
             average_standstills=standstills,
-            poses=plan,
+            poses=planned,
         )
         console.save_with_page(result, RESULT, folder, overwrite)
     answer = answer_of_result(result, folder)

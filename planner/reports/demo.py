@@ -12,7 +12,7 @@ from identification.motion import Trajectory, sample
 from identification.precision import legible, parameter_words, std_text, value_text
 from identification.trajectories.executed import instants
 from planner.demonstration import Demo
-from planner.reports.figures import identifiability_blocks, limits_chart, motion_blocks
+from planner.reports.figures import limits_chart, motion_blocks
 from planner.reports.identify import delay_words, noise_tile, residual_blocks, run_inputs
 from planner.reports.machine import pictured
 from planner.reports.page import COLOURS, Block, Chart, note, page, section, table, tiles
@@ -26,7 +26,6 @@ RECORDED_RATE = 500.0  # [1/s] high enough to show the ripple of a controller's 
 def demo_page(chain: Demo) -> str:
     """The page of a demo."""
     case, result, planned = chain.plan.case, chain.result, planned_excitation(chain.program)
-    assert result.identifiability is not None
     assert result.residuals is not None
     run, plan = chain.recording.record, chain.plan.to_json()
     settings = [f"{key} {value}" for key, value in plan["settings"].items() if not isinstance(value, list | dict)]
@@ -49,7 +48,6 @@ def demo_page(chain: Demo) -> str:
         section("Proof of the program's text", *_proof(chain.program)),
         section("What the controller made of it", _executed(case, chain, planned)),
         section("Forces and residuals", *residual_blocks(case, result.residuals)),
-        section("What the run determines", *identifiability_blocks(result.identifiability)),
     )
 
 

@@ -1,4 +1,4 @@
-"""The page of an identification: parameters with error bars, what determines them, and the residuals."""
+"""The page of an identification: parameters with error bars, and the residuals."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -9,7 +9,7 @@ from cases.schema import Case
 from identification.outcome import RUN_ENTRIES, Result
 from identification.precision import carries_rods, legible, value_cells, value_text, with_deviation
 from identification.signals import Residuals
-from planner.reports.figures import identifiability_blocks, unit_of
+from planner.reports.figures import unit_of
 from planner.reports.page import GREY, Block, Chart, note, page, section, table, tiles
 
 PARAMETER_COLUMNS = ("parameter", "value", "±", "unit", "95 % from", "to", "std (28)", "std robust")
@@ -25,8 +25,6 @@ def identify_page(result: Result) -> str:
     origin += tuple((i["file"], f"SHA-256 {i['sha256']}") for i in record.inputs)
     origin += tuple(record.versions.items())
     sections = [section("Parameters with standard deviations", _headline(result), *parameter_blocks(result))]
-    if result.identifiability is not None:
-        sections.append(section("What the run determines", *identifiability_blocks(result.identifiability)))
     if residuals is not None:
         sections.append(section("Forces and residuals", *residual_blocks(case, residuals)))
     return page(

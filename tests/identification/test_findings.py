@@ -279,7 +279,7 @@ def test_a_mass_that_is_not_nominal_is_told() -> None:
     other = type(CASE).model_validate(told | {"nominal": told["nominal"] | {"mass_kg": 60.0}})
     warnings = estimate_parameters(run(), other).warnings
     assert any(tells(w, "31.8 kg", "nominal.mass_kg", "60 kg") for w in warnings)
-    assert not any("more than a third" in w for w in estimate_parameters(run(), CASE).warnings)
+    assert not any("mass comes out" in w for w in estimate_parameters(run(), CASE).warnings)
 
 
 def test_many_contacts_are_one_finding_with_a_count() -> None:

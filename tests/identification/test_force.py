@@ -158,7 +158,7 @@ def test_the_payload_is_the_body_that_was_added(saved: Result) -> None:
 
 
 def test_one_recording_is_not_taken_for_two(saved: Result) -> None:
-    with pytest.raises(IdentificationError, match=r"named twice; .*without") as caught:
+    with pytest.raises(IdentificationError, match=r"of the same recording as .*without") as caught:
         require_two(saved, saved)
     one_line(caught.value)
     first, again, other = (

@@ -73,7 +73,7 @@ def test_offsets_carry_the_unit_of_their_channel(recording: Recording) -> None:
 
 
 def test_the_wrong_sense_is_told_by_a_negative_mass(recording: Recording) -> None:
-    with pytest.raises(IdentificationError, match=r"all force channels.*sense") as caught:
+    with pytest.raises(IdentificationError, match=r"force channels 1, 2, 3, 4, 5, 6 .*sense") as caught:
         estimate_parameters(recording, with_sense("sensor_on_load"))
     one_line(caught.value)
 

@@ -10,7 +10,7 @@ from identification import signals
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
 from identification.recording import Recording
-from identification.result import Estimate, identifiability_of
+from identification.result import Estimate
 from identification.signals import STRETCHES, fair_part
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic
@@ -93,9 +93,3 @@ def test_a_contact_is_found_wherever_it_is(start: float, monkeypatch: pytest.Mon
     assert places[0] == places[1]
     assert f"from {start:.1f}" in places[1][0]
     assert begun.evaluated.samples == whole.evaluated.samples
-
-
-def test_what_a_part_tells_of_identifiability_is_that_of_the_whole(few: None) -> None:
-    estimate = estimate_parameters(RUN, CASE)
-    found = identifiability_of(estimate)
-    assert (found.rank, len(found.names)) == (20, 20)

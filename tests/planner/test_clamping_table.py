@@ -86,7 +86,7 @@ def test_a_change_that_is_no_weight_is_told(results: tuple[Path, Path], tmp_path
 
 def test_the_same_table_twice_is_no_payload(results: tuple[Path, Path]) -> None:
     reason = refused("payload", results[0], results[0], "--case", "clamping_table")
-    assert tells(reason, "named twice", "without the payload")
+    assert tells(reason, "of the same recording", "without the payload")
 
 
 def test_external_force_and_tare(results: tuple[Path, Path], tmp_path: Path) -> None:

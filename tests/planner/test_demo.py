@@ -23,7 +23,6 @@ PLOTS = (
     "residuals",
     "spectrum",
     "errors",
-    "correlation",
 )
 FETCHED = {"src", "href", "srcset", "data", "poster", "action", "background"}
 

@@ -72,10 +72,12 @@ def test_known_values_are_kept_and_left_out_ones_are_zero(run: Path, tmp_path: P
     assert p["k3"]["std"] > 0.0
 
 
-def test_priors_are_told_with_what_they_did(run: Path, tmp_path: Path) -> None:
+def test_priors_stand_in_the_result_and_a_wrong_one_is_warned_of(run: Path, tmp_path: Path) -> None:
     answer = answer_of(run, tmp_path, "--prior", "m=33+-0.5kg", "--prior", "zC=0.105+-0.001m")
     assert answer["priors"]["m"] == {"value": 33.0, "std": 0.5}
-    assert sum("moved the estimate" in note for note in answer["notes"]) == 2
+    assert sum("disagrees with the data" in warning for warning in answer["warnings"]) == 0
+    wrong = answer_of(run, tmp_path, "--prior", "m=40+-0.5kg")
+    assert any("prior m disagrees with the data" in warning for warning in wrong["warnings"])
 
 
 def test_people_are_told_which_deviation_to_trust(run: Path, tmp_path: Path) -> None:
@@ -103,6 +105,13 @@ def test_what_cannot_be_asked_is_refused(what: str, run: Path, tmp_path: Path) -
     words, says = WRONG[what]
     assert says in refused("identify", run / "run.csv", "--case", "hexapod", "-o", tmp_path / "r", *words)
     assert not (tmp_path / "r").exists()
+
+
+@pytest.mark.parametrize("option", ["--estimator=robust", "--biases=result", "--terms=K1", "--symmetric", "--flexible"])
+def test_options_of_earlier_versions_are_refused(option: str, run: Path) -> None:
+    answer = call("identify", run / "run.csv", "--case", "hexapod", option)
+    assert answer.code == 2
+    assert option.split("=")[0] in answer.err
 
 
 def test_a_run_to_verify_on_that_is_not_there_is_told_before_a_result_is_written(run: Path, tmp_path: Path) -> None:

@@ -52,7 +52,7 @@ def test_standstills_of_a_robot_are_executed_found_and_identified(dialect: str):
     plan = plan_of(6)
     program = write(plan, dialect, accept=("jerk",) if dialect == "urscript" else ())
     recording = execute(program, plan.case, "virtual", seed=1)[1]
-    result = identify(recording, plan.case, poses=plan)
+    result = identify(recording, plan.case, poses=plan.poses)
     assert result.estimate is not None
     assert result.estimate.model.number == static_model(plan.case) == 0
     assert len(result.estimate.fit.residuals) == COUNT
