@@ -173,12 +173,6 @@ class PoseErrors:
         return self.scatter(matrices.reshape(count, 6, -1) * scaling, struts, motion.duration)
 
 
-def without_pose_errors(case: Case) -> Case:
-    """The case as if it stated no errors that depend on the pose."""
-    sensors = case.sensors.model_copy(update={"pose_error_N": None, "pose_error_length_mm": None})
-    return case.model_copy(update={"sensors": sensors})
-
-
 def of_estimate(information: Array, scatter: Array) -> Array:
     """S = F M^-1 F, the inverse of the covariance of an estimate by F whose score scatters by M, shape (u, u)."""
     answer = information @ np.linalg.solve(scatter, information)

@@ -58,11 +58,6 @@ class NonlinearProgram:
         """Number of unknowns n."""
         return len(self.lower)
 
-    @cached_property
-    def informative(self) -> int:
-        """Number of unknowns, the first ones, that change the information."""
-        return int(self.states.index.max()) + 1
-
     @property
     def size(self) -> int:
         """Number of parameters u."""
@@ -169,26 +164,12 @@ class NonlinearProgram:
 
     @cached_property
     def hessian_pattern(self) -> tuple[Indices, Indices]:
-        """Row and column of each value of `hessian`: the upper triangle of what moves the information is full."""
-        own, beyond = np.triu_indices(self.informative), self._beyond
-        return np.concatenate([own[0], beyond // self.unknowns]), np.concatenate([own[1], beyond % self.unknowns])
-
-    @cached_property
-    def _beyond(self) -> Indices:
-        """Places of the second derivatives by other unknowns, row times n + column, in ascending order."""
-        blocks = [p.states.index for p in self.rows if isinstance(p, StateRows)]
-        return np.unique(np.concatenate([np.zeros(0, dtype=np.intp), *map(self._places, blocks)]))
-
-    def _places(self, index: Indices) -> Indices:
-        """Where the upper triangles of blocks lie that do not move the information; none where they do."""
-        if not index.size or index.max() < self.informative:
-            return np.zeros(0, dtype=np.intp)
-        rows, columns = np.triu_indices(index.shape[1])
-        return (index[:, rows] * self.unknowns + index[:, columns]).ravel()
+        """Row and column of each value of `hessian`: the upper triangle, which is full."""
+        return np.triu_indices(self.unknowns)
 
     def hessian(self, unknowns: Array, factor: float, multipliers: Array) -> Array:
         """Second derivative of factor times the criterion plus the rows times multipliers, as `hessian_pattern`."""
-        size, beyond = self.informative, np.zeros(len(self._beyond))
+        size = self.unknowns
         total = np.zeros((size, size))
         blocks = self._curvatures_of_rows(unknowns, multipliers)
         if factor != 0.0:
@@ -202,14 +183,9 @@ class NonlinearProgram:
             elif not self.convex:
                 blocks.append((self.states.index, factor * self._curvature_at_states(unknowns, local, point)))
         for index, matrices in blocks:
-            if len(places := self._places(index)):
-                rows, columns = np.triu_indices(index.shape[1])
-                into = np.searchsorted(self._beyond, places)
-                beyond += np.bincount(into, matrices[:, rows, columns].ravel(), len(beyond))
-            else:
-                flat = (index[:, :, None] * size + index[:, None, :]).ravel()
-                total += np.bincount(flat, matrices.ravel(), total.size).reshape(total.shape)
-        return np.concatenate([total[np.triu_indices(size)], beyond])
+            flat = (index[:, :, None] * size + index[:, None, :]).ravel()
+            total += np.bincount(flat, matrices.ravel(), total.size).reshape(total.shape)
+        return np.asarray(total[np.triu_indices(size)])
 
     def _curvatures_of_rows(self, unknowns: Array, multipliers: Array) -> list[tuple[Indices, Array]]:
         """Second derivatives of the rows by blocks of unknowns; limits at the same states are pulled back together."""

@@ -19,7 +19,7 @@ from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion, sequence_file
 from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
-from planner.noise import PoseErrors, expected_noise, information_of, mean_information, of_estimate, without_pose_errors
+from planner.noise import PoseErrors, expected_noise, information_of, mean_information, of_estimate
 from planner.plan_figures import predicted_std_at_poses, predicted_std_of
 from planner.pose_criteria import pose_regressors
 from planner.search.problem import build_program
@@ -116,7 +116,7 @@ def test_limits_are_no_errors_white_noise_and_an_offset_of_each_channel():
 FAMILIES: dict[str, Family] = {
     "ptp": PointToPointFamily.of(CASE, 8, 2.4),
     "spline": SplineFamily.of(CASE, 20, 2.0),
-    "fourier": FourierFamily.lasting(3, 2.0, 2, *box_middle(CASE)),
+    "fourier": FourierFamily(3, 2.0, 2, *box_middle(CASE)),
 }
 
 
@@ -157,7 +157,6 @@ def test_a_case_that_states_none_is_rated_as_before():
     assert problem.errors is None
     motion = family.motion(random_start(family, np.random.default_rng(0), problem.worst))
     assert np.array_equal(information_of(MODEL, SCALING, motion, None), mean_information(MODEL, SCALING, motion))
-    assert PoseErrors.of(without_pose_errors(erring(SIZE, LENGTH)), expected_noise(CASE, MODEL)) is None
 
 
 @pytest.mark.slow

@@ -112,7 +112,7 @@ def test_out_of_iterations_it_returns_the_best_inside_the_bounds(iterations: int
 
 @pytest.mark.parametrize(
     "small",
-    few("fourier", "spline", "led", "ptp"),
+    few("fourier", "spline", "ptp"),
     indirect=True,
 )
 def test_it_ends_where_no_more_is_gained(small: Small):
