@@ -63,7 +63,7 @@ class Worth:
         whole = dict(data)
         if isinstance(entries := data["bound"], Mapping):  # earlier versions wrote fewer
             logdet = entries.get("logdet")
-            absent = {"parameters": parameters, "design_logdet": logdet, "proven_logdet": logdet}
+            absent = {"parameters": parameters, "design_logdet": logdet}
             whole["bound"] = absent | dict(entries)
         return TypeAdapter(cls).validate_python(whole)
 

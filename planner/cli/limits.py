@@ -37,17 +37,14 @@ def bound(
     start = perf_counter()
     model = full_model(loaded) if model is None else model
     with console.status(f"information limit of {loaded.name}, model {model}", json) as report:
-        limit = hx.bound(loaded, model, time_limit=time_limit, renew=True, progress=report)
+        limit = hx.bound(loaded, model, time_limit=time_limit, progress=report)
     answer = {
         "case": loaded.name,
         "case_hash": loaded.hash,
         "model": model,
         "over": "motion box",
-        "weights": "equal",
-        "pose_errors": None if (field := loaded.sensors.pose_field) is None else field.keys,
         "logdet_bound": limit.logdet,
         "logdet_design": limit.design_logdet,
-        "logdet_proven": limit.proven_logdet,
         "certified": limit.certified,
         "certificate": {"dmax": limit.dmax, "p": limit.parameters, "method": limit.method},
         "solve_s": perf_counter() - start,
@@ -60,21 +57,14 @@ def bound(
 
 def _show_bound(answer: dict[str, Any]) -> None:
     parameters, method = answer["certificate"]["p"], answer["certificate"]["method"]
-    limit, design, proven = answer["logdet_bound"], answer["logdet_design"], answer["logdet_proven"]
+    limit, design = answer["logdet_bound"], answer["logdet_design"]
     print(
         f"{answer['case']}, model {answer['model']}, {parameters} parameters. A motion is worth log det of its mean "
         "information matrix (reference scaling, W = 1)."
     )
-    print(f"best distribution found over the {answer['over']}: {design:.4f}")
-    if proven is None:
-        print(f"of such a machine no limit is proven, the largest derivative is searched for: {method}")
-    else:
-        late = "" if answer["certified"] else "; time ran out, a longer --time-limit closes the gap"
-        print(f"proven limit for all of them: {proven:.4f}, by: {method}{late}")
-    if answer["pose_errors"] is not None:
-        print("white noise alone counts here: errors that depend on the pose, which [sensors] states, leave less")
+    print(f"best distribution found over the {answer['over']}: {design:.4f}, by: {method}")
     print(f"`hexcite plan` rates motions against it: D-efficiency = exp((log det - {limit:.4f}) / {parameters})")
-    kind = "proven" if answer["certified"] else "an ESTIMATE"
+    kind = "proven" if answer["certified"] else "an ESTIMATE; a longer --time-limit may prove it"
     print(
         f"no motion exceeds log det {limit:.4f} ({kind}, {100 * (limit - design) / parameters:.2g} % of an efficiency "
         f"above the best that was found; {answer['solve_s']:.1f} s)"

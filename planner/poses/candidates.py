@@ -13,7 +13,7 @@ from cases.schema import Case
 from identification.limit import TOLERANCE
 from identification.model import Model
 from identification.motion import Array
-from planner.bounds.branch import Maximum
+from planner.bounds.certificate import Maximum
 from planner.bounds.design import CLIMBS, EXCHANGED, LEVELS, SWEEPS, Design, climb, directional, exchanged
 from planner.pose_criteria import pose_regressors
 from planner.poses.space import JointSpace, space_of, standing_report, standing_shares
