@@ -1,16 +1,12 @@
 """`hexcite bound` and `hexcite retime`: the information limit of motions, and the pace at which limits let one run."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import hexcite as hx
 from cases.files import PLAN, check_file, check_folder, json_text, write_text
 from planner.cli import console
 from planner.cli.console import argument, option, out
-
-if TYPE_CHECKING:
-    from identification.limit import LimitReport
-    from planner.retiming import PaceRating
 
 
 def bound(
@@ -74,7 +70,6 @@ def _show_bound(answer: dict[str, Any]) -> None:
 def retime(
     source: Annotated[Path, argument("Plan folder.")],
     case: console.OwnCase = None,
-    model: Annotated[int | None, option("Identification model; the plan's own by default.")] = None,
     output: Annotated[Path | None, out("Plan folder of the re-timed motion.")] = None,
     stale: console.Stale = False,
     overwrite: console.Overwrite = False,
@@ -83,54 +78,38 @@ def retime(
     """Make a plan of the same path at another pace.
 
     Moves are timed as a jerk-limited controller times them, other paths slowed until they satisfy every limit. Prints
-    criteria and limits before and after; without -o nothing is written.
+    figures before and after; without -o nothing is written.
     """
-    from planner.retiming import retimed
-
     if output is not None:
         check_folder(output, PLAN, [source], overwrite)
     plan = hx.Plan.load(source, None if case is None else hx.load_case(case), stale)
     with console.status("re-timing", json) as report:
-        result = retimed(plan, model)
+        result = hx.retime(plan)
         if output is not None:
             report("writing")
-            console.save_with_page(result.as_plan(), PLAN, output, overwrite)
+            console.save_with_page(result, PLAN, output, overwrite)
     answer = {
         "source": str(source),
-        "method": result.method,
-        "model": result.model.number,
-        "before": _rating(result.before),
-        "after": _rating(result.after),
+        "method": result.settings["retimed_with"],
+        "model": result.model,
+        "before": _figures(plan),
+        "after": _figures(result),
+        "limits": result.limits.to_json(),
         "remarks": list(plan.stale),
-        "solve_s": result.seconds,
+        "solve_s": result.solve_s,
         "plan": str(output) if output is not None else None,
     }
     if not console.answered(answer, json):
-        _show_paces(answer, result.after.limits)
+        rows = [(key, f"{value:.5g}", f"{answer['after'][key]:.5g}") for key, value in answer["before"].items()]
+        console.print_table(f"Re-timed with {answer['method']}, model {result.model}", ("", "before", "after"), rows)
+        console.print_table("Limits after re-timing", console.LIMIT_COLUMNS, console.limit_rows(result.limits.checks))
+        for remark in plan.stale:
+            print(f"note: {remark}")
+        if output is not None:
+            print(f"plan written: {output}")
 
 
-def _rating(rating: "PaceRating") -> dict[str, Any]:
-    return {
-        "duration_s": rating.duration,
-        "criteria": rating.criteria,
-        "d_efficiency": rating.d_efficiency,
-        "violations": [check.sentence() for check in rating.limits.violations],
-        "limits": rating.limits.to_json(),
-    }
-
-
-def _show_paces(answer: dict[str, Any], limits: "LimitReport") -> None:
-    before, after = answer["before"], answer["after"]
-    rows = [["duration", f"{before['duration_s']:.4f} s", f"{after['duration_s']:.4f} s"]]
-    rows += [[f"criterion {k}", f"{before['criteria'][k]:.5g}", f"{after['criteria'][k]:.5g}"] for k in "ADKN"]
-    rows.append(["D-efficiency against the box", f"{before['d_efficiency']:.4f}", f"{after['d_efficiency']:.4f}"])
-    rows.append(["limits exceeded", str(len(before["violations"])), str(len(after["violations"]))])
-    console.print_table(f"Re-timed with {answer['method']}, model {answer['model']}", ("", "before", "after"), rows)
-    for label, rating in (("before", before), ("after", after)):
-        for sentence in rating["violations"]:
-            print(f"{label}: {sentence}")
-    console.print_table("Limits after re-timing", console.LIMIT_COLUMNS, console.limit_rows(limits.checks))
-    for remark in answer["remarks"]:
-        print(f"note: {remark}")
-    if answer["plan"] is not None:
-        print(f"plan written: {answer['plan']}")
+def _figures(plan: "hx.Plan") -> dict[str, float]:
+    worth = plan.of_motion[1]
+    figures = {"criterion_value": worth.criterion_value, "d_efficiency": worth.d_efficiency}
+    return {"duration_s": plan.duration, **figures, "condition": worth.condition}
