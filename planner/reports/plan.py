@@ -183,12 +183,11 @@ def starts_blocks(plan: dict[str, Any]) -> tuple[Markup, ...]:
         source = plan["settings"].get("retimed_from")
         origin = "Made by hand, nothing was searched" if source is None else f"Re-timed from {source}"
         return (note(f"{origin}. {words}"),)
-    columns = ("seed", "how far", "log det at start", "log det at end", "iterations", "time", "solver")
+    columns = ("seed", "how far", "log det", "iterations", "time", "solver")
     rows = []
     for s in plan["starts"]:
-        begin = "singular" if s["start_logdet"] is None else f"{s['start_logdet']:.3f}"
         end = (f"{s['logdet']:.3f}", str(s["iterations"]), f"{s['seconds']:.1f} s", SolverStatus(s["solver"]).words)
-        rows.append((str(s["seed"]), "refined" if s["refined"] else "explored", begin, *end))
+        rows.append((str(s["seed"]), "refined" if s["refined"] else "explored", *end))
     failed = (note(f"Start {f['seed']} led nowhere: {f['reason']}.") for f in plan["failed_starts"])
     return (table(columns, rows, left=2), *failed, note(words))
 

@@ -10,16 +10,13 @@ h = U^T dF U in the eigenvectors U of F (Lewis and Sendov, SIAM J. Matrix Anal. 
     d^2f = sum_ab f_ab h_aa h_bb + sum_a!=b (f_a - f_b) / (lambda_a - lambda_b) h_ab^2.
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from cases.units import Array, Indices
+from cases.units import Array
 from identification.criteria import Criterion
 from planner.families.states import SHARE, States
-
-if TYPE_CHECKING:
-    from scipy.sparse import csr_array
 
 EQUAL = 1e-7  # relative difference of eigenvalues below which their quotient is taken as the derivative
 
@@ -107,7 +104,9 @@ def weighted_square(states: Array, regressors: Array, size: int) -> Array:
 def curvature_through_information(
     states: States, unknowns: Array, local: Local, point: InformationOfStates, count: int
 ) -> Array:
-    """Second derivative of a criterion through the information by the first `count` unknowns, shape (count, count)."""
+    """Second derivative of a criterion through the information by all `count` unknowns, shape (count, count)."""
+    from scipy.sparse import csr_array
+
     size, index, slopes = len(point.information), states.index, states.slopes(unknowns)
     blocks, width = index.shape
     shares = point.states[:, SHARE, None, None]
@@ -127,16 +126,10 @@ def curvature_through_information(
         squares = (matrices.transpose(0, 2, 1) @ matrices).reshape(blocks, -1, size * size)
         lengths = slopes[:, :, SHARE].transpose(0, 2, 1)
         elements += lengths @ squares[:, :, upper * size + lower]
-    through = _spread(index, count) @ elements.reshape(-1, len(upper))
+    flat = index.ravel()
+    spread = csr_array((np.ones(len(flat)), (flat, np.arange(len(flat)))), shape=(count, len(flat)))
+    through = spread @ elements.reshape(-1, len(upper))
     diagonal = upper == lower
     weights = np.where(diagonal, 0.0, 2.0 * local.quotients[upper, lower])  # above the diagonal: each for two
     main = through[:, diagonal]
     return np.asarray((through * weights) @ through.T + main @ local.second @ main.T)
-
-
-def _spread(index: Indices, unknowns: int) -> "csr_array":
-    """Adds what belongs to the blocks' unknowns up to all unknowns, shape (n, B m)."""
-    from scipy.sparse import csr_array
-
-    flat = index.ravel()
-    return csr_array((np.ones(len(flat)), (flat, np.arange(len(flat)))), shape=(unknowns, len(flat)))

@@ -7,7 +7,6 @@ motion that exceeds a limit between the instants at which it was constrained is 
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from enum import Enum
 
 import numpy as np
 
@@ -48,13 +47,6 @@ class Start:
     promise: float  # the criterion there, by which it is chosen for a refinement
 
 
-class Step(Enum):
-    """How thoroughly one start is optimised."""
-
-    EXPLORE = "explored"
-    REFINE = "refined"
-
-
 @dataclass(frozen=True, slots=True)
 class Task:
     """Task of a worker process: one start."""
@@ -65,9 +57,8 @@ class Task:
     criterion: Criterion  # of Table 4
     seed: int  # seed of the random start
     payload: int = 0  # number of the case's payloads that are mounted, for the noise
-    step: Step = Step.EXPLORE  # what to do
-    # where to begin, in place of a random start; the result of an exploration that is to be refined
-    begin: Array | None = None
+    refine: bool = False  # whether an exploration is to be refined
+    begin: Array | None = None  # where to begin, in place of a random start; the result of that exploration
 
     @property
     def moves(self) -> bool:
@@ -88,11 +79,11 @@ def _stages(task: Task, close: bool) -> Iterator[tuple[Criterion, int, int]]:
     Args:
         close: whether it is within the limits, and is refined at once.
     """
-    if close or task.step is Step.EXPLORE:
+    if close or not task.refine:
         yield Criterion.D, 0, task.family.iterations
         if not close and not task.moves:
             return
-    if task.criterion == Criterion.D and task.step is Step.REFINE:
+    if task.criterion == Criterion.D and task.refine:
         yield Criterion.D, 0, REFINE
     elif task.criterion == Criterion.A:
         yield Criterion.A, 0, OTHERWISE
@@ -110,8 +101,7 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     start = time.perf_counter()
     run = _Run(task, watch)
     unknowns = run.begun = run.begin()
-    before = run.rate(unknowns, Criterion.D)
-    exploring = task.step is not Step.REFINE and not task.moves and not run.close
+    exploring = not (task.refine or task.moves or run.close)
     after, inside, share = -np.inf, None, 1.0
     if run.close:
         inside, share = run.feasible(unknowns)
@@ -134,7 +124,6 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     record = StartRecord(
         seed=task.seed,
         refined=not exploring,
-        start_logdet=before if np.isfinite(before) else None,
         logdet=after if task.criterion == Criterion.D else run.rate(inside, Criterion.D),
         criterion_value=after,
         solver=run.status,
@@ -181,8 +170,8 @@ class _Run:
         task, begin, draw = self.task, self.task.begin, np.random.default_rng(self.task.seed)
         if begin is not None:
             worst = self.program.worst(begin)
-            self.close = task.step is not Step.REFINE and worst <= CLOSE
-            if self.close or task.step is Step.REFINE:
+            self.close = not task.refine and worst <= CLOSE
+            if self.close or task.refine:
                 self.program = self.program.with_rows_above(begin, NEAR)
                 return begin
         walks = self.family.walks
@@ -195,7 +184,7 @@ class _Run:
     def solve_for(self, letter: Criterion, halvings: int, unknowns: Array, iterations: int) -> Array:
         """Solves a stage: its problem is that of all that follows until the next."""
         task, self.program = self.task, replace(self.program, letter=letter, halvings=halvings)
-        if letter == Criterion.D and (self.close or task.step is Step.REFINE):
+        if letter == Criterion.D and (self.close or task.refine):
             return self.solve(unknowns, iterations, _AT_HAND)
         barrier = None if task.begin is None and not task.moves else _NEAR
         return self.solve(unknowns, iterations, barrier, convex=not task.moves)
@@ -221,7 +210,7 @@ class _Run:
             if self.stopped or satisfied:
                 break
             self.program = self.program.with_rows_above(unknowns, NEAR)
-            if number > 0 or self.close or self.task.step is Step.REFINE:
+            if number > 0 or self.close or self.task.refine:
                 self.program = self.program.tightened(shares, 1.0 - MARGIN - SLIPPED)
             unknowns = self.solve(unknowns, self.family.mending, _AT_HAND)
         return unknowns
