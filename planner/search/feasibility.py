@@ -1,13 +1,9 @@
 """Feasible motions: a motion shrunk inside every limit, and the keys to change where there is none."""
 
-from collections.abc import Mapping
-
-import numpy as np
-
 from cases.errors import IdentificationError, InfeasiblePlan
 from cases.schema import Case
 from cases.units import Array
-from identification.criteria import box_middle, uniform_states
+from identification.criteria import analyse, box_middle, uniform_states
 from identification.limit import TOLERANCE, LimitCheck, LimitKind, LimitReport
 from identification.limit_proof import prove
 from identification.model import Model, machine_of
@@ -102,34 +98,19 @@ def require_rest(case: Case) -> None:
 
 
 STATES, SEED = 400, 0  # states of the box at which the regressor is evaluated, and their seed
-HIDDEN = 1e-9  # share of a column below which a direction counts as undetermined
 
 
 def require_identifiable(case: Case, model: Model) -> None:
     """Refuses a machine that cannot move its load in all the ways that a model needs, whatever the motion.
 
     Raises:
-        IdentificationError: the message names the parameters that stay unknown, and their sums that can be identified.
+        IdentificationError: the message names the parameters that stay unknown.
     """
     matrices = over_samples(model.coordinate_regressor, *uniform_states(case, STATES, SEED))[0]
-    columns = matrices.reshape(-1, len(model.parameters))
-    size = np.linalg.norm(columns, axis=0)
-    if np.linalg.matrix_rank(columns / np.where(size > 0.0, size, 1.0), tol=HIDDEN * len(columns) ** 0.5) == len(size):
-        return
-    from identification.criteria import analyse  # SciPy, for the few who need it
-
-    analysis = analyse(matrices.reshape(STATES, -1, len(size)), model.names)
-    words = []
-    for parameters, combinations in analysis.groups:
-        text = " and ".join(_sum(combination) for combination in combinations)
-        words.append(f"{', '.join(parameters)}{f' (only {text})' if text else ''}")
-    raise IdentificationError(
-        f"case {case.name}, limits.motion: no motion in this box determines {'; '.join(words)}: the machine does not "
-        f"turn or accelerate its load about enough axes; widen the box, or choose a smaller model than {model.number}"
-    )
-
-
-def _sum(combination: Mapping[str, float]) -> str:
-    return " + ".join(
-        name if factor == 1.0 else f"{factor:.3g} {name}" for name, factor in combination.items()
-    ).replace("+ -", "- ")
+    groups = analyse(matrices.reshape(STATES, -1, len(model.names)), model.names).groups
+    if groups:
+        unknown = ", ".join(name for parameters, _ in groups for name in parameters)
+        raise IdentificationError(
+            f"case {case.name}, limits.motion: no motion in this box determines {unknown}, which take turns and "
+            f"accelerations about more axes; widen the box, or choose a smaller model than {model.number}"
+        )

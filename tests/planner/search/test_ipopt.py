@@ -52,7 +52,9 @@ class Valley(NonlinearProgram):
 
 
 def valley() -> NonlinearProgram:
-    plane = LinearRows.equation(csr_array(np.array([[-1.0, -1.0, 1.0]])), 0.0)
+    plane = LinearRows(
+        csr_array(np.array([[-1.0, -1.0, 1.0]])), np.zeros(1, int), np.ones(1, bool), np.ones(1), equal=0.0
+    )
     return Valley(None, None, (plane, Disc()), np.full(3, -2.0), np.full(3, 2.0))  # type: ignore[arg-type]
 
 
