@@ -16,7 +16,7 @@ from identification.model import full_model, identification_model, static_model
 from planner.bounds.information_limit import information_limit
 from planner.families.manual import load_poses
 from planner.families.settings import FamilySettings, PointToPoint
-from planner.noise import PoseErrors, expected_noise
+from planner.noise import expected_noise
 from planner.planning import make_until_ctrl_c, require_plannable
 from planner.plans import Plan
 from planner.request import DURATION, LONGEST, PoseRequest, Request, TypedValue, parse_targets
@@ -191,8 +191,7 @@ def _missed(request: Request, best: Plan, share: float, target: TypedValue) -> B
 def follower(asked: Request, case: Case, remark: Callable[[str], None]) -> Listener:
     """A listener that shows a line while starts are under way, and as each of them ends."""
     model, bound = identification_model(case, asked.model), None
-    noise = expected_noise(case, model, asked.payload)
-    if asked.family.optimised and noise.whitening is None and PoseErrors.of(case, noise) is None:
+    if asked.family.optimised and expected_noise(case, model, asked.payload).whitening is None:
         remark("the limit of information")
         bound = information_limit(case, model)
     request, began, results = asked, time.monotonic(), list[Start | Failed]()

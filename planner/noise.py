@@ -173,12 +173,6 @@ class PoseErrors:
         return self.scatter(matrices.reshape(count, 6, -1) * scaling, struts, motion.duration)
 
 
-def without_pose_errors(case: Case) -> Case:
-    """The case as if it stated no errors that depend on the pose."""
-    sensors = case.sensors.model_copy(update={"pose_error_N": None, "pose_error_length_mm": None})
-    return case.model_copy(update={"sensors": sensors})
-
-
 def of_estimate(information: Array, scatter: Array) -> Array:
     """S = F M^-1 F, the inverse of the covariance of an estimate by F whose score scatters by M, shape (u, u)."""
     answer = information @ np.linalg.solve(scatter, information)
@@ -199,14 +193,6 @@ def counted_information(
     if by_pose is not None:
         scattered = (weighted if scattered is None else scattered) + by_pose
     return weighted if scattered is None else of_estimate(weighted, scattered)
-
-
-def information_of(model: Model, scaling: Array, trajectory: Trajectory, errors: PoseErrors | None) -> Array:
-    """Mean information, reduced by errors of the pose; all of it where there are none, shape (u, u)."""
-    plain = mean_information(model, scaling, trajectory)
-    if errors is None:
-        return plain
-    return of_estimate(plain, plain + errors.scatter_of(model, scaling, trajectory))
 
 
 def mean_information(model: Model, scaling: Array, trajectory: Trajectory, rate: float = 1000.0) -> Array:

@@ -23,7 +23,6 @@ from planner.noise import (
     PoseErrors,
     counted_information,
     expected_noise,
-    information_of,
     mean_information,
     seen_through,
 )
@@ -62,7 +61,7 @@ class Worth:
         whole = dict(data)
         if isinstance(entries := data["bound"], Mapping):  # earlier versions wrote fewer
             logdet = entries.get("logdet")
-            absent = {"parameters": parameters, "design_logdet": logdet, "proven_logdet": logdet}
+            absent = {"parameters": parameters, "design_logdet": logdet}
             whole["bound"] = absent | dict(entries)
         return TypeAdapter(cls).validate_python(whole)
 
@@ -173,8 +172,7 @@ def figures_of(
 ) -> tuple[dict[str, float], ExpectedNoise, dict[str, float]]:
     """Figures of a motion with the most payloads mounted: entries of `plan.json`, the noise and `worst_std`.
 
-    The criterion is of the information that the search maximised: with the weights of the case, and reduced by errors
-    of the pose.
+    The criterion is of the information that the search maximised: with the weights of the case.
 
     Raises:
         IdentificationError: the motion does not excite all parameters of the model.
@@ -182,10 +180,7 @@ def figures_of(
     scaling = reference_scaling(case, model)
     mu = singular_values(mean_information(model, scaling, motion), model.names)
     noise = expected_noise(case, model, payloads[-1])
-    weighted, errors = mu, PoseErrors.of(case, noise)
-    if noise.whitening is not None or errors is not None:
-        left = information_of(seen_through(model, noise.whitening), scaling, motion, errors)
-        weighted = singular_values(left, model.names)
+    weighted = singular_values(mean_information(seen_through(model, noise.whitening), scaling, motion), model.names)
     figures = {
         "logdet": CRITERIA[Criterion.D](mu),
         "condition": -CRITERIA[Criterion.K](mu),

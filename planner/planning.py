@@ -34,7 +34,7 @@ from planner.search.parallel import (
     run_here,
     workers,
 )
-from planner.search.solving import Start, Step, Task
+from planner.search.solving import Start, Task
 
 SHIPPED = Path(__file__).with_name("families") / "shipped.json"
 KEPT = 3  # number of the best orders and periods that get more starts
@@ -95,7 +95,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
     # An exploration overestimates, and never underestimates: one below the best result so far cannot win.
     promising = sorted((s for s in explored if not s.record.refined and s.promise > score), key=lambda s: -s.promise)
     refinements = [
-        Task(own, request.model, s.family, request.criterion, s.record.seed, request.payload, Step.REFINE, s.begin)
+        Task(own, request.model, s.family, request.criterion, s.record.seed, request.payload, True, s.begin)
         for s in promising[: request.family.refinements(request.criterion)]
     ]
     if refinements and not interrupted:

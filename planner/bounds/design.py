@@ -17,8 +17,7 @@ from cases.schema import Case
 from cases.units import Array
 from identification.model import Model
 from identification.symbolic import over_samples
-from planner.bounds.branch import Maximum, maximise
-from planner.bounds.certificate import box_bounds, first_cells
+from planner.bounds.certificate import Maximum, box_bounds, first_cells, maximise
 from planner.bounds.features import CORNER_COORDINATES, Features
 
 SEED = 0
@@ -36,7 +35,6 @@ class Design:
     weights: Array  # shape (n,), adding up to 1
     logdet: float  # log det F, reference scaling
     dmax: float  # largest directional derivative over the box: proven, or the largest found
-    proven: float  # proven upper bound of `dmax`; infinite where nothing is proven
     certified: bool  # whether `dmax` is proven to the wanted gap
 
     def bound(self, size: int) -> float:
@@ -90,18 +88,16 @@ def exchanged(
         information = (weights @ products[support]).reshape(size, size)
         logdet = float(np.linalg.slogdet(information)[1])
         upper, lower, fresh = largest(np.linalg.inv(information), states)
-        proven = np.isfinite(upper)
         certified = bool(upper <= size * (1.0 + gap) * (1.0 + 1e-9))
         dmax = max(float(size), upper if certified else lower)
-        value = max(float(size), upper if proven else lower)
-        more = f"{'at most' if proven else 'about'} {size * np.log(value / size):.4f} more"
-        progress(f"log det {logdet:.4f}, {more}; {len(states)} states")
+        value = max(float(size), upper if np.isfinite(upper) else lower)
+        progress(f"log det {logdet:.4f}, about {size * np.log(value / size):.4f} more; {len(states)} states")
         if value <= size * (1.0 + gap) or process_time() >= deadline or not len(fresh) or number == ROUNDS - 1:
             break
         states = np.vstack([states, fresh])
         share = min(0.5, len(fresh) / len(states))
         weights = np.r_[weights * (1.0 - share), np.full(len(fresh), share / len(fresh))]
-    return Design(states, weights, logdet, dmax, max(float(size), upper), certified)
+    return Design(states, weights, logdet, dmax, certified)
 
 
 def directional(matrices: Array, inverse: Array) -> Array:

@@ -8,15 +8,15 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from math import isfinite
-from pathlib import Path
 from time import process_time
 
 import numpy as np
 from platformdirs import user_cache_path
+from pydantic import TypeAdapter, ValidationError
 
 from cases.basis import bound_hash
 from cases.errors import FileProblem, HexciteError
-from cases.files import DAMAGED, json_text, read_json, write_text
+from cases.files import json_text, write_text
 from cases.schema import Case
 from cases.units import as_html
 from identification.criteria import reference_scaling
@@ -44,9 +44,6 @@ class Bound:
     method: str  # how the design and dmax were found
     certified: bool  # whether the bound is proven; otherwise it is an estimate
     design_logdet: float  # log det F of the design that was found; the best lies between it and the bound
-    # bound that is proven in any case; `logdet` where certified, looser otherwise. None where nothing is proven: for
-    # machines whose coordinates are not a pose
-    proven_logdet: float | None
 
     def efficiency(self, logdet: float) -> float:
         """D-efficiency of a motion with this log det of its mean information, between 0 and 1."""
@@ -76,26 +73,24 @@ def information_limit(
     renew: bool = False,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Bound:
-    """The bound of a case and model, from the cache if it was computed before; arguments as in `bound`.
+    """The bound of a case and model, from the cache if it was computed before.
 
-    Raises:
-        HexciteError: there is no bound yet after the time limit.
+    Args:
+        renew: whether to compute an estimate that is known again.
+        time_limit: as in `bound`.
+        progress: as in `bound`.
     """
     name = f"{bound_hash(case)}-model{model.number}-box-equal-v{VERSION}.json"  # equal: W = 1
     file = user_cache_path("hexcite") / "bounds" / name
-    previous = _known(file, len(model.parameters))
-    if previous is not None and (previous.certified or not renew):
-        return previous
+    with suppress(OSError, ValidationError):
+        known = TypeAdapter(Bound).validate_json(file.read_bytes(), strict=True)
+        fits = known.parameters == len(model.parameters) and np.isfinite([known.logdet, known.design_logdet]).all()
+        if fits and 0.0 < known.dmax < np.inf and (known.certified or not renew):
+            return known
     result = compute_bound(case, model, time_limit, progress)
     with suppress(FileProblem):  # without a writable cache it is computed anew each time
         write_text(file, json_text(asdict(result)))
     return result
-
-
-def require_time(time_limit: float) -> None:
-    """Raises HexciteError where a time limit is not a positive duration."""
-    if not (isfinite(time_limit) and time_limit > 0.0):
-        raise HexciteError(f"--time-limit {time_limit:g} s is not a duration; give seconds above 0, such as 120")
 
 
 def bound(
@@ -103,7 +98,6 @@ def bound(
     model: int | None = None,
     *,
     time_limit: float = TIME_LIMIT,
-    renew: bool = False,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Bound:
     """Upper bound of the information of a motion inside the limits of a case, with its certificate.
@@ -112,33 +106,18 @@ def bound(
         case: machine and limits.
         model: number in Table 2; by default the largest that a motion can identify.
         time_limit: processor time after which the answer is an estimate [s].
-        renew: compute an estimate that is known again.
         progress: called with a line about the state of the computation now and then.
 
     Raises:
         HexciteError: no duration, an unknown model, a case without machine or limits, or a machine whose motions do not
             determine all parameters.
     """
-    require_time(time_limit)
+    if not (isfinite(time_limit) and time_limit > 0.0):
+        raise HexciteError(f"--time-limit {time_limit:g} s is not a duration; give seconds above 0, such as 120")
     case.need_motion("the information limit")
     effective_model = identification_model(case, full_model(case) if model is None else model)
     require_identifiable(case, effective_model)
-    return information_limit(case, effective_model, time_limit, renew, progress)
-
-
-def _known(file: Path, size: int) -> Bound | None:
-    """The bound in a file of the cache, or None; a damaged one, or one of another model, is removed."""
-    if not file.is_file():
-        return None
-    with suppress(FileProblem, *DAMAGED):
-        bound = Bound(**read_json(file, "hexcite bound"))
-        proven = [] if bound.proven_logdet is None else [bound.proven_logdet]
-        fits = isinstance(bound.method, str) and isinstance(bound.certified, bool) and bound.parameters == size
-        if fits and np.isfinite([bound.logdet, bound.dmax, bound.design_logdet, *proven]).all() and bound.dmax > 0.0:
-            return bound
-    with suppress(OSError):  # a cache holds nothing that cannot be computed again
-        file.unlink(missing_ok=True)
-    return None
+    return information_limit(case, effective_model, time_limit, True, progress)
 
 
 def compute_bound(
@@ -147,17 +126,11 @@ def compute_bound(
     time_limit: float = TIME_LIMIT,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Bound:
-    """Computes the bound; arguments and errors as in `information_limit`."""
+    """Computes the bound; arguments as in `bound`."""
     scaling, deadline = reference_scaling(case, model), process_time() + time_limit
-    size, proven = len(scaling), None
     if model.struts is not None or not (model.machine is None or model.machine.of_pose):
         design, method = searched_design(case, model, scaling, SEARCHED_GAP, deadline, progress), SEARCHED
     else:
         design = optimal_design(box_features(case, model, scaling), GAP, deadline, progress)
         method = PROVEN if design.certified else ESTIMATE
-        if not np.isfinite(design.proven):
-            raise HexciteError(
-                "the information limit has no proof yet after the time limit; give it more with --time-limit"
-            )
-        proven = design.logdet + size * float(np.log(design.proven / size))
-    return Bound(design.bound(size), design.dmax, size, method, design.certified, design.logdet, proven)
+    return Bound(design.bound(len(scaling)), design.dmax, len(scaling), method, design.certified, design.logdet)

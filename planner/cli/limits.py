@@ -1,16 +1,13 @@
 """`hexcite bound` and `hexcite retime`: the information limit of motions, and the pace at which limits let one run."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import hexcite as hx
 from cases.files import PLAN, check_file, check_folder, json_text, write_text
-from identification.precision import limit_lines
+from identification.precision import aligned, limit_lines
 from planner.cli import console
 from planner.cli.console import argument, option, out
-
-if TYPE_CHECKING:
-    from planner.retiming import PaceRating
 
 
 def bound(
@@ -37,17 +34,14 @@ def bound(
     start = perf_counter()
     model = full_model(loaded) if model is None else model
     with console.status(f"information limit of {loaded.name}, model {model}", json) as report:
-        limit = hx.bound(loaded, model, time_limit=time_limit, renew=True, progress=report)
+        limit = hx.bound(loaded, model, time_limit=time_limit, progress=report)
     answer = {
         "case": loaded.name,
         "case_hash": loaded.hash,
         "model": model,
         "over": "motion box",
-        "weights": "equal",
-        "pose_errors": None if (field := loaded.sensors.pose_field) is None else field.keys,
         "logdet_bound": limit.logdet,
         "logdet_design": limit.design_logdet,
-        "logdet_proven": limit.proven_logdet,
         "certified": limit.certified,
         "certificate": {"dmax": limit.dmax, "p": limit.parameters, "method": limit.method},
         "solve_s": perf_counter() - start,
@@ -60,7 +54,6 @@ def bound(
 def retime(
     source: Annotated[Path, argument("Plan folder.")],
     case: console.OwnCase = None,
-    model: Annotated[int | None, option("Identification model; the plan's own by default.")] = None,
     output: Annotated[Path | None, out("Plan folder of the re-timed motion.")] = None,
     stale: console.Stale = False,
     overwrite: console.Overwrite = False,
@@ -69,42 +62,35 @@ def retime(
     """Make a plan of the same path at another pace.
 
     Moves are timed as a jerk-limited controller times them, other paths slowed until they satisfy every limit. Prints
-    criteria and limits before and after; without -o nothing is written.
+    figures before and after; without -o nothing is written.
     """
-    from planner.retiming import retimed
-
     if output is not None:
         check_folder(output, PLAN, [source], overwrite)
     plan = hx.Plan.load(source, None if case is None else hx.load_case(case), stale)
     with console.status("re-timing", json) as report:
-        result = retimed(plan, model)
+        result = hx.retime(plan)
         if output is not None:
             report("writing")
-            console.save_with_page(result.as_plan(), PLAN, output, overwrite)
+            console.save_with_page(result, PLAN, output, overwrite)
     answer = {
         "source": str(source),
-        "method": result.method,
-        "model": result.model.number,
-        "before": _rating(result.before),
-        "after": _rating(result.after),
+        "method": result.settings["retimed_with"],
+        "model": result.model,
+        "before": _figures(plan),
+        "after": _figures(result),
+        "limits": result.limits.to_json(),
         "remarks": list(plan.stale),
-        "solve_s": result.seconds,
+        "solve_s": result.solve_s,
         "plan": str(output) if output is not None else None,
     }
+    rows = [(key, f"{value:.5g}", f"{answer['after'][key]:.5g}") for key, value in answer["before"].items()]
     notes = (f"note: {remark}" for remark in plan.stale)
     written = () if output is None else (f"plan written: {output}",)
-    paces = (
-        f"{name}: {rating.duration:.4f} s, D-efficiency {rating.d_efficiency:.4f}"
-        for name, rating in (("before", result.before), ("after", result.after))
-    )
-    console.answered(answer, json, *limit_lines(result.after.limits.checks), *notes, *paces, *written)
+    table = aligned(("", "before", "after"), *rows)
+    console.answered(answer, json, *limit_lines(result.limits.checks), *table, *notes, *written)
 
 
-def _rating(rating: "PaceRating") -> dict[str, Any]:
-    return {
-        "duration_s": rating.duration,
-        "criteria": rating.criteria,
-        "d_efficiency": rating.d_efficiency,
-        "violations": [check.sentence() for check in rating.limits.violations],
-        "limits": rating.limits.to_json(),
-    }
+def _figures(plan: "hx.Plan") -> dict[str, float]:
+    worth = plan.of_motion[1]
+    figures = {"criterion_value": worth.criterion_value, "d_efficiency": worth.d_efficiency}
+    return {"duration_s": plan.duration, **figures, "condition": worth.condition}

@@ -103,32 +103,26 @@ def linear_rows(
     margin: float,
     limits: Sequence[tuple[Array, Flags]],
     slips: Array,
-    growth: float = np.inf,
 ) -> LinearRows:
     """Limits of coordinates that are linear in their own q unknowns, all in the same way.
-
-    Limits of a derivative that other limits prove to be satisfied are omitted.
 
     Args:
         margin: share of each limit that stays unused.
         limits: maps to value, rate, acceleration and jerk in half widths: where these rows satisfy the limits the
             motion does, (L, q) each; and with which of them an optimisation begins, shape (L,).
         slips: by how much values and rates may exceed the limit between two rows, in half widths, shape (2, n).
-        growth: a bound g with max|x'| <= g max|x| for every motion [1/s].
     """
     from scipy.sparse import csr_array, kron, vstack
 
     box, half = case.need_motion("planning")[1], family.half
     rows, first, orders = [], [], []
-    bounds = np.full(len(half), np.inf)  # what is known to bound the derivative before, in half widths
     for order, limit in enumerate((half, box.rate, box.acceleration, box.jerk)):
         matrix, begins = limits[order]
         own = limit / half if order > 1 else limit / half - slips[order]
-        needed = growth * bounds > own
-        bounds = np.minimum(growth * bounds, own)
-        if needed.any():
-            rows.append(kron(csr_array(matrix), csr_array(np.diag(1.0 / own)[needed]), format="csr"))
-            first.append(np.repeat(begins, needed.sum()))
+        limited = np.isfinite(own)
+        if limited.any():
+            rows.append(kron(csr_array(matrix), csr_array(np.diag(1.0 / own)[limited]), format="csr"))
+            first.append(np.repeat(begins, limited.sum()))
             orders.append(np.full(rows[-1].shape[0], order))
     starts = np.concatenate(first)
     bound = np.full(len(starts), 1.0 - margin)

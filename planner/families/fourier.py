@@ -88,14 +88,6 @@ class FourierFamily(Family):
         count = DENSITY * self.order
         return np.arange(count) * self.period / count
 
-    def growth(self) -> float:
-        """The bound N w by Bernstein's inequality for trigonometric polynomials of degree N [1/s].
-
-        A limit on a derivative that N w times the limit before it cannot reach needs no rows of its own. A constant
-        part does not move, so the bound holds for the oscillation, and the half width of the box bounds that.
-        """
-        return 2 * np.pi * self.order / self.period
-
     def motion(self, unknowns: Array) -> FourierMotion:
         """The motion of the unknowns, shape (q n,), row by row."""
         # Unknowns of the basis are a_l / w and so on in units of the box: all of order one.
@@ -116,7 +108,7 @@ class FourierFamily(Family):
             linear_states([matrix[first] for matrix in limits], self.middle, self.half, shares),
             linear_states(limits, self.middle, self.half, np.zeros(len(first))),
             (first[None],) * 3,
-            (linear_rows(self, case, margin, rows, np.zeros((2, len(self.middle))), self.growth()),),
+            (linear_rows(self, case, margin, rows, np.zeros((2, len(self.middle)))),),
             -free,
             free,
         )

@@ -192,7 +192,7 @@ class PointToPointFamily(Family):
             critical=states(CRITICAL_POINTS),
             peaks=tuple(np.tile(points, (count, 1)) for points in _PEAKS),
             rows=(
-                LinearRows.equation(csr_array(total[None, :]), 1.0),
+                LinearRows(csr_array(total[None, :]), np.zeros(1, int), np.ones(1, bool), np.ones(1), equal=1.0),
                 StateRows(own_states, kernel, np.ones((count, 1, kernel.size), dtype=bool), 1.0 - margin),
             ),
             lower=np.r_[-edge, lower.ravel()],

@@ -23,12 +23,6 @@ class LinearRows:
     bound: Array  # bound of each, shape (L,)
     equal: float | None = None  # value that they are equal to; None where they have bounds
 
-    @classmethod
-    def equation(cls, matrix: "csr_array", value: float) -> "LinearRows":
-        """Rows that are equal to a value."""
-        count = matrix.shape[0]
-        return cls(matrix, np.zeros(count, dtype=np.intp), np.ones(count, dtype=bool), np.ones(count), value)
-
     @property
     def upper(self) -> Array:
         """Upper bound of each row; the lower one is its negative, or the same where rows are equal to a value."""

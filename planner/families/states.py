@@ -11,7 +11,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from cases.units import Array, Flags, Indices
+from cases.units import Array, Indices
 from identification.symbolic import over_samples
 
 
@@ -44,11 +44,6 @@ class Kernel:
         weights = ca.SX.sym("weights", self.size)
         hessian = ca.hessian(ca.dot(weights, self.expression), self.variables)[0]
         return ca.Function("curvature", [self.variables, weights], [ca.densify(hessian)], {"cse": True})
-
-    @cached_property
-    def uses(self) -> Flags:
-        """Which of the variables change a value at all, shape (d,)."""
-        return np.isin(np.arange(self.variables.shape[0]), self._values.jac_sparsity(0, 0).get_triplet()[1])
 
     def values(self, at: Array) -> Array:
         """Values at vectors of shape (n, d), shape (n, r)."""

@@ -7,7 +7,7 @@ from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from identification.limit import TOLERANCE
 from identification.motion import Array
-from planner.bounds.branch import Maximum
+from planner.bounds.certificate import Maximum
 from planner.bounds.design import EXCHANGED, Design, directional, exchanged
 from planner.poses.space import space_of, standing_report, standing_shares
 from planner.search.feasibility import remedy

@@ -46,7 +46,6 @@ class StartRecord:
 
     seed: int  # seed of the random start
     refined: bool  # whether all limits were constrained wherever they come close; else it was explored only
-    start_logdet: float | None  # log det F where it began, reference scaling; None where F was singular
     logdet: float  # log det F of the motion within the limits, W as in the identification
     criterion_value: float  # value of the requested criterion for the same motion, to be maximised
     solver: SolverStatus  # the solver's last

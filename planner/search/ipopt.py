@@ -1,21 +1,12 @@
-"""IPOPT on a program whose functions are NumPy's: CasADi only passes them on.
-
-Where all unknowns move every state (Fourier series), states become unknowns too, each tied to the motion's own unknowns
-by a linear equation. A limit of a state then depends on the few components of that state, and so do its second
-derivatives. Newton's steps stay the same, but the solver's matrices become far sparser. States of splines and moves
-depend on few unknowns as they are.
-"""
+"""IPOPT on a program whose functions are NumPy's: CasADi only passes them on."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from cases.units import Array, Indices
-from planner.families.rows import LinearRows, Rows, StateRows
-from planner.families.states import LinearStates
 from planner.search import SolverStatus
 from planner.search.program import NonlinearProgram
 
@@ -118,8 +109,6 @@ def solve(
     Returns:
         The unknowns, of a solver that did not converge the best inside the limits; its status; its iterations.
     """
-    own = program.unknowns
-    program, start = lifted(program, start)
     bounds, n = program.row_bounds, program.unknowns
     count = len(bounds[0])
     table, order = _sparsity(count, n, *program.pattern)
@@ -178,7 +167,7 @@ def solve(
     status = SolverStatus.SETTLED if settled else SolverStatus(stats["return_status"])
     better = settled or best < float(answer["f"]) or not status.converged
     last = best_unknowns if np.isfinite(best) and better else answer["x"].full()[:, 0]
-    return last[:own], status, int(stats["iter_count"])
+    return last, status, int(stats["iter_count"])
 
 
 def _sparsity(rows: int, columns: int, row: Indices, column: Indices) -> tuple[ca.Sparsity, Indices]:
@@ -196,59 +185,3 @@ _IPOPT = {
     "tol": 1e-6,
     "mumps_pivot_order": _MINIMUM_DEGREE,
 }
-
-
-def lifted(program: NonlinearProgram, unknowns: Array) -> tuple[NonlinearProgram, Array]:
-    """The program with components of states as further unknowns, where its own unknowns all move every state.
-
-    Args:
-        program: as it is where blocks of its states depend on few unknowns each.
-        unknowns: shape (n,).
-
-    Returns:
-        The program in n + Z unknowns, and all of them at the same motion.
-    """
-    from scipy.sparse import csr_array, eye_array, hstack
-
-    rows = [part for part in program.rows if len(part.upper)]
-    limits = [part for part in rows if isinstance(part, StateRows)]
-    states = limits[0].states if limits else None
-    alike = all(part.states is states for part in limits)
-    if not isinstance(states, LinearStates) or len(states.index) > 1 or not alike:
-        return program, unknowns
-    used = np.logical_or.reduce([p.needed[:, :, None] & p.kernel.uses for p in limits])
-    scale = np.abs(states.slope).sum(axis=3).max(axis=(0, 1))  # components of order one, like the unknowns
-    scale[scale == 0.0] = 1.0
-    n, more = program.unknowns, int(used.sum())
-    place = np.full(used.shape, -1)
-    place[used] = n + np.arange(more)
-    slopes = np.zeros((more, n))
-    slopes[:, states.index[0]] = states.slope[used] / scale[np.nonzero(used)[2], None]
-    ties = LinearRows.equation(csr_array(hstack([csr_array(slopes), -eye_array(more)])), 0.0)
-    wide: list[Rows] = []
-    for part in rows:
-        if isinstance(part, StateRows):
-            wide.append(_of_components(part, place, scale))
-        else:
-            wide.append(replace(part, matrix=csr_array(hstack([part.matrix, csr_array((len(part.bound), more))]))))
-    free = np.full(more, np.inf)
-    lower, upper = np.concatenate([program.lower, -free]), np.concatenate([program.upper, free])
-    wider = replace(program, rows=(*wide, ties), lower=lower, upper=upper)
-    return wider, np.concatenate([unknowns, slopes @ unknowns])
-
-
-def _of_components(part: StateRows, place: Indices, scale: Array) -> StateRows:
-    """Its rows as functions of components of states, which are unknowns: each state is a block of its own.
-
-    Args:
-        place: number of each component among all unknowns, shape (B, S, d).
-        scale: their units, shape (d,).
-    """
-    states, needed = part.states, part.needed
-    assert isinstance(states, LinearStates)
-    components = np.flatnonzero(part.kernel.uses)
-    index = place[needed][:, components]
-    slope = np.zeros((len(index), 1, len(scale), len(components)))
-    slope[:, 0, components, np.arange(len(components))] = scale[components]
-    own = LinearStates(index, states.offset[needed][:, None], slope)
-    return replace(part, states=own, chosen=part.chosen[needed][:, None])

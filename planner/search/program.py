@@ -17,7 +17,6 @@ from identification.model import Model
 from planner.families.rows import LinearRows, Rows, StateRows, pulled_back
 from planner.families.states import SHARE, Kernel, States, state_size
 from planner.search.objective import (
-    FieldByStates,
     InformationOfStates,
     Local,
     criterion_at,
@@ -49,19 +48,12 @@ class NonlinearProgram:
     # without it Newton steps are longer, need no correction, and lead to better optima from afar; the last digits take
     # more of them
     convex: bool = False
-    # errors of the pose, which the information then counts; second derivatives are convex with them
-    errors: FieldByStates | None = None
     limits: tuple[Kernel, ...] = ()  # state -> shares of each non-linear limit that can bind
 
     @property
     def unknowns(self) -> int:
         """Number of unknowns n."""
         return len(self.lower)
-
-    @cached_property
-    def informative(self) -> int:
-        """Number of unknowns, the first ones, that change the information."""
-        return int(self.states.index.max()) + 1
 
     @property
     def size(self) -> int:
@@ -116,12 +108,9 @@ class NonlinearProgram:
         return np.concatenate(rows), np.concatenate(columns)
 
     def information(self, unknowns: Array) -> Array:
-        """Mean of H A^T A H over the motion, less what errors of the pose cost, shape (u, u)."""
+        """Mean of H A^T A H over the motion, shape (u, u)."""
         states = np.concatenate(self.states.at(unknowns))
-        regressors = self.regressor.values(states)
-        if self.errors is not None:
-            return self.errors.information(states, regressors)
-        return weighted_square(states, regressors, self.size)
+        return weighted_square(states, self.regressor.values(states), self.size)
 
     def value(self, unknowns: Array) -> float:
         """Value of the criterion."""
@@ -142,19 +131,17 @@ class NonlinearProgram:
             return last[0][1]
         states = np.concatenate(self.states.at(unknowns))
         regressors, slopes = self.regressor.slopes(states)
-        if self.errors is None:
-            point = InformationOfStates.white(states, regressors, slopes, self.size)
-        else:
-            point = self.errors.with_slopes(states, regressors, slopes)
+        point = InformationOfStates(states, regressors, slopes, weighted_square(states, regressors, self.size))
         last[:] = [(unknowns.copy(), point)]
         return point
 
     def _pull(self, point: InformationOfStates, local: Local) -> tuple[Array, Array]:
         """Derivatives of the criterion by the states, for a share of one and times it, shapes (K, d)."""
-        gradient = (point.rows.reshape(len(point.states), -1, self.size) @ local.slope).reshape(len(point.states), -1)
+        matrices = point.regressors.reshape(len(point.states), -1, self.size)
+        gradient = (matrices @ local.slope).reshape(len(point.states), -1)
         plain = 2.0 * (point.slopes @ gradient[:, :, None])[:, :, 0]
         pull = plain * point.states[:, SHARE, None]
-        pull[:, SHARE] = np.einsum("ki,ki->k", gradient, point.own)
+        pull[:, SHARE] = np.einsum("ki,ki->k", gradient, point.regressors)
         return plain, pull
 
     def gradient(self, unknowns: Array) -> Array:
@@ -169,47 +156,24 @@ class NonlinearProgram:
 
     @cached_property
     def hessian_pattern(self) -> tuple[Indices, Indices]:
-        """Row and column of each value of `hessian`: the upper triangle of what moves the information is full."""
-        own, beyond = np.triu_indices(self.informative), self._beyond
-        return np.concatenate([own[0], beyond // self.unknowns]), np.concatenate([own[1], beyond % self.unknowns])
-
-    @cached_property
-    def _beyond(self) -> Indices:
-        """Places of the second derivatives by other unknowns, row times n + column, in ascending order."""
-        blocks = [p.states.index for p in self.rows if isinstance(p, StateRows)]
-        return np.unique(np.concatenate([np.zeros(0, dtype=np.intp), *map(self._places, blocks)]))
-
-    def _places(self, index: Indices) -> Indices:
-        """Where the upper triangles of blocks lie that do not move the information; none where they do."""
-        if not index.size or index.max() < self.informative:
-            return np.zeros(0, dtype=np.intp)
-        rows, columns = np.triu_indices(index.shape[1])
-        return (index[:, rows] * self.unknowns + index[:, columns]).ravel()
+        """Row and column of each value of `hessian`: the upper triangle, which is full."""
+        return np.triu_indices(self.unknowns)
 
     def hessian(self, unknowns: Array, factor: float, multipliers: Array) -> Array:
         """Second derivative of factor times the criterion plus the rows times multipliers, as `hessian_pattern`."""
-        size, beyond = self.informative, np.zeros(len(self._beyond))
+        size = self.unknowns
         total = np.zeros((size, size))
         blocks = self._curvatures_of_rows(unknowns, multipliers)
         if factor != 0.0:
             point = self._point(unknowns)
             local = criterion_at(self.letter, point.information, self.halvings)
             total += factor * curvature_through_information(self.states, unknowns, local, point, size)
-            if self.errors is not None:  # where field and motion change together this part is flat, and steps too long
-                white = InformationOfStates.white(point.states, point.regressors, point.changes, self.size)
-                local = criterion_at(Criterion.D, white.information)
-                total += factor * curvature_through_information(self.states, unknowns, local, white, size)
-            elif not self.convex:
+            if not self.convex:
                 blocks.append((self.states.index, factor * self._curvature_at_states(unknowns, local, point)))
         for index, matrices in blocks:
-            if len(places := self._places(index)):
-                rows, columns = np.triu_indices(index.shape[1])
-                into = np.searchsorted(self._beyond, places)
-                beyond += np.bincount(into, matrices[:, rows, columns].ravel(), len(beyond))
-            else:
-                flat = (index[:, :, None] * size + index[:, None, :]).ravel()
-                total += np.bincount(flat, matrices.ravel(), total.size).reshape(total.shape)
-        return np.concatenate([total[np.triu_indices(size)], beyond])
+            flat = (index[:, :, None] * size + index[:, None, :]).ravel()
+            total += np.bincount(flat, matrices.ravel(), total.size).reshape(total.shape)
+        return np.asarray(total[np.triu_indices(size)])
 
     def _curvatures_of_rows(self, unknowns: Array, multipliers: Array) -> list[tuple[Indices, Array]]:
         """Second derivatives of the rows by blocks of unknowns; limits at the same states are pulled back together."""
@@ -236,7 +200,7 @@ class NonlinearProgram:
         shares = point.states[:, SHARE]
         plain, pull = self._pull(point, local)
         projections = (point.regressors.reshape(-1, size) @ local.vectors).reshape(len(point.states), -1)
-        turned_slopes = (point.changes.reshape(-1, size) @ local.vectors).reshape(*point.changes.shape)
+        turned_slopes = (point.slopes.reshape(-1, size) @ local.vectors).reshape(*point.slopes.shape)
         products = (projections.reshape(-1, size) * local.first) @ local.vectors.T
         along = self.regressor.curvature(point.states, 2.0 * products.reshape(len(point.states), -1))
         scaled = (turned_slopes.reshape(-1, size) * local.first).reshape(*turned_slopes.shape)

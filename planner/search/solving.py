@@ -7,7 +7,6 @@ motion that exceeds a limit between the instants at which it was constrained is 
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from enum import Enum
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from cases.units import Array
 from identification.criteria import CRITERIA, Criterion, reference_scaling, singular_values
 from identification.model import identification_model
 from planner.families import Family
-from planner.noise import PoseErrors, expected_noise, information_of, seen_through
+from planner.noise import expected_noise, mean_information, seen_through
 from planner.search import Failed, SolverStatus, StartRecord
 from planner.search.annealing import annealed_start
 from planner.search.feasibility import MARGIN, keep_limits, require_rest
@@ -47,13 +46,6 @@ class Start:
     promise: float  # the criterion there, by which it is chosen for a refinement
 
 
-class Step(Enum):
-    """How thoroughly one start is optimised."""
-
-    EXPLORE = "explored"
-    REFINE = "refined"
-
-
 @dataclass(frozen=True, slots=True)
 class Task:
     """Task of a worker process: one start."""
@@ -64,9 +56,8 @@ class Task:
     criterion: Criterion  # of Table 4
     seed: int  # seed of the random start
     payload: int = 0  # number of the case's payloads that are mounted, for the noise
-    step: Step = Step.EXPLORE  # what to do
-    # where to begin, in place of a random start; the result of an exploration that is to be refined
-    begin: Array | None = None
+    refine: bool = False  # whether an exploration is to be refined
+    begin: Array | None = None  # where to begin, in place of a random start; the result of that exploration
 
     @property
     def moves(self) -> bool:
@@ -87,11 +78,11 @@ def _stages(task: Task, close: bool) -> Iterator[tuple[Criterion, int, int]]:
     Args:
         close: whether it is within the limits, and is refined at once.
     """
-    if close or task.step is Step.EXPLORE:
+    if close or not task.refine:
         yield Criterion.D, 0, task.family.iterations
         if not close and not task.moves:
             return
-    if task.criterion == Criterion.D and task.step is Step.REFINE:
+    if task.criterion == Criterion.D and task.refine:
         yield Criterion.D, 0, REFINE
     elif task.criterion == Criterion.A:
         yield Criterion.A, 0, OTHERWISE
@@ -109,8 +100,7 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     start = time.perf_counter()
     run = _Run(task, watch)
     unknowns = run.begun = run.begin()
-    before = run.rate(unknowns, Criterion.D)
-    exploring = task.step is not Step.REFINE and not task.moves and not run.close
+    exploring = not (task.refine or task.moves or run.close)
     after, inside, share = -np.inf, None, 1.0
     if run.close:
         inside, share = run.feasible(unknowns)
@@ -133,7 +123,6 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     record = StartRecord(
         seed=task.seed,
         refined=not exploring,
-        start_logdet=before if np.isfinite(before) else None,
         logdet=after if task.criterion == Criterion.D else run.rate(inside, Criterion.D),
         criterion_value=after,
         solver=run.status,
@@ -152,9 +141,8 @@ class _Run:
         model = identification_model(task.case, task.model)
         self.task, self.family, self.watch = task, task.family, watch
         self.scaling = reference_scaling(task.case, model)
-        noise = expected_noise(task.case, model, task.payload)
-        self.model, self.errors = seen_through(model, noise.whitening), PoseErrors.of(task.case, noise)
-        self.program = build_program(task.case, self.model, self.family, self.scaling, MARGIN + SLIPPED, self.errors)
+        self.model = seen_through(model, expected_noise(task.case, model, task.payload).whitening)
+        self.program = build_program(task.case, self.model, self.family, self.scaling, MARGIN + SLIPPED)
         self.iterations, self.status = 0, SolverStatus.NOT_RUN
         self.converged, self.stopped, self.close = False, False, False
         self.begun = np.zeros(0)  # where the solver began
@@ -169,7 +157,7 @@ class _Run:
 
         Minus infinity where the motion does not determine all parameters.
         """
-        information = information_of(self.model, self.scaling, self.family.motion(unknowns), self.errors)
+        information = mean_information(self.model, self.scaling, self.family.motion(unknowns))
         try:
             mu = singular_values(information, self.model.names)
         except IdentificationError:
@@ -181,9 +169,8 @@ class _Run:
         task, begin, draw = self.task, self.task.begin, np.random.default_rng(self.task.seed)
         if begin is not None:
             worst = self.program.worst(begin)
-            # What is good for white noise alone is far from what errors of the pose call for.
-            self.close = task.step is not Step.REFINE and worst <= CLOSE and self.errors is None
-            if self.close or task.step is Step.REFINE:
+            self.close = not task.refine and worst <= CLOSE
+            if self.close or task.refine:
                 self.program = self.program.with_rows_above(begin, NEAR)
                 return begin
         walks = self.family.walks
@@ -196,7 +183,7 @@ class _Run:
     def solve_for(self, letter: Criterion, halvings: int, unknowns: Array, iterations: int) -> Array:
         """Solves a stage: its problem is that of all that follows until the next."""
         task, self.program = self.task, replace(self.program, letter=letter, halvings=halvings)
-        if letter == Criterion.D and (self.close or task.step is Step.REFINE):
+        if letter == Criterion.D and (self.close or task.refine):
             return self.solve(unknowns, iterations, _AT_HAND)
         barrier = None if task.begin is None and not task.moves else _NEAR
         return self.solve(unknowns, iterations, barrier, convex=not task.moves)
@@ -222,7 +209,7 @@ class _Run:
             if self.stopped or satisfied:
                 break
             self.program = self.program.with_rows_above(unknowns, NEAR)
-            if number > 0 or self.close or self.task.step is Step.REFINE:
+            if number > 0 or self.close or self.task.refine:
                 self.program = self.program.tightened(shares, 1.0 - MARGIN - SLIPPED)
             unknowns = self.solve(unknowns, self.family.mending, _AT_HAND)
         return unknowns

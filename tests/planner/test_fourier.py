@@ -1,11 +1,7 @@
 """Fourier excitations: at rest after every period, linear in their unknowns, bounded by Bernstein's inequality."""
 
-import itertools
-
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from cases.schema import Case
 from identification.trajectories.curves import FourierMotion
@@ -82,29 +78,6 @@ def test_the_grid_covers_one_period_evenly_with_its_density_for_the_highest_harm
     grid = family(5).grid
     assert len(grid) == 5 * DENSITY
     assert np.allclose(np.diff(np.r_[grid, 3.0]), 3.0 / (5 * DENSITY))
-
-
-@given(order=st.integers(2, 7), period=st.floats(0.1, 100.0), seed=st.integers(0, 2**32 - 1))
-def test_no_motion_outgrows_bernsteins_bound(order: int, period: float, seed: int):
-    """Max |x'| <= N w (max x - min x) / 2, and so on for each derivative, whose means are zero."""
-    some = family(order, period)
-    unknowns = np.random.default_rng(seed).normal(size=some.unknowns * 6)
-    motion = some.motion(unknowns).at(np.linspace(0.0, period, 3000))
-    orders = (motion.pose, motion.rates, motion.accelerations, motion.jerks)
-    for lower, higher in itertools.pairwise(orders):
-        reached = np.abs(higher).max(axis=0)
-        swing = np.ptp(lower, axis=0) / 2
-        assert np.all(
-            reached <= some.growth() * swing * (1 + 1e-4)
-        )  # the grid misses 1 - cos(pi N / 3000) of the swing
-
-
-def test_bernsteins_bound_is_reached_by_the_highest_harmonic_alone():
-    a = np.zeros((4, 6))
-    a[3] = 1.0
-    motion = FourierMotion(HOME, a, 0 * a, 2.0, 1).at(np.linspace(0.0, 2.0, 4001))
-    ratio = np.abs(motion.rates).max(axis=0) / (np.ptp(motion.pose, axis=0) / 2)
-    assert ratio == pytest.approx(np.full(6, family(4, 2.0).growth()), rel=1e-6)
 
 
 def test_repeats_make_it_longer_and_nothing_else():

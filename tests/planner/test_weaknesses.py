@@ -24,7 +24,7 @@ def check(kind: LimitKind, place: str, ratio: float) -> LimitCheck:
 def start(hexapod_case: Case) -> Start:
     family = FourierFamily(2, 3.0, 1, *box_middle(hexapod_case))
     unknowns = 0.01 * np.random.default_rng(0).normal(size=18)
-    tried = StartRecord(1, True, -9.0, -5.0, -5.0, "solve succeeded", True, 9, 1.0)
+    tried = StartRecord(1, True, -5.0, -5.0, "solve succeeded", True, 9, 1.0)
     return Start(tried, unknowns, family, 1.0, unknowns, -5.0)
 
 

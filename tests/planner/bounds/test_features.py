@@ -8,7 +8,7 @@ from identification.criteria import reference_scaling
 from identification.model import identification_model
 from identification.parameters import MODELS
 from identification.symbolic import over_samples
-from planner.bounds.branch import NODES, control_tables, enclosure_errors, rate_products
+from planner.bounds.certificate import NODES, control_tables, enclosure_errors, rate_products
 from planner.bounds.features import GIBBS, PAIRS, PRODUCTS, Features, box_features
 
 CASE = load_case("hexapod")

@@ -43,9 +43,9 @@ def feasible(name: str, seed: int, folder: Path) -> Trajectory:
         file = folder / "poses.csv"
         np.savetxt(file, poses, delimiter=",", header="x_mm,y_mm,z_mm,a_deg,b_deg,c_deg", comments="")
         return manual_motion(CASE, file)
-    order, period = int(draw.integers(1, 8)), float(draw.uniform(1.0, 4.0))
+    order, period = int(draw.integers(2, 8)), float(draw.uniform(1.0, 4.0))
     family = {
-        "fourier": FourierFamily.lasting(order, period, 2 if order == 1 else 1, *box_middle(CASE)),
+        "fourier": FourierFamily(order, period, 1, *box_middle(CASE)),
         "ptp": PointToPointFamily.of(CASE, int(draw.integers(8, 17)), float(draw.uniform(2.0, 6.0))),
         "spline": SplineFamily.of(CASE, int(draw.integers(20, 41)), float(draw.uniform(2.0, 4.0))),
     }[name]

@@ -32,12 +32,10 @@ def family_of(case: Case, name: str) -> Family:
     """A small family by name."""
     if name == "fourier":
         return FourierFamily(3, 3.0, 1, *box_middle(case))
-    if name == "led":
-        return FourierFamily.lasting(1, 1.5, 2, *box_middle(case))
     return PointToPointFamily.of(case, 8, 3.0) if name == "ptp" else SplineFamily.of(case, 20, 2.0)
 
 
-@pytest.fixture(scope="package", params=["fourier", "led", "ptp", "spline"])
+@pytest.fixture(scope="package", params=["fourier", "ptp", "spline"])
 def small(request: pytest.FixtureRequest, hexapod_case: Case) -> Small:
     """Model 5, and every limit a row at some states."""
     model = identification_model(hexapod_case, 5)

@@ -19,7 +19,7 @@ from planner.planning import KEPT, search
 from planner.request import OWNERS, Request
 from planner.search import SolverStatus, StartRecord
 from planner.search.parallel import Listener, Outcome, silent
-from planner.search.solving import Start, Step, Task
+from planner.search.solving import Start, Task
 from tests.helpers import one_line
 
 
@@ -119,10 +119,10 @@ def test_options_of_another_family_are_refused_and_its_own_are_taken(option: str
 def _made_up(task: Task) -> Start:
     """What a start would find: the shorter the period, the better."""
     promise = -float(task.family.settings.get("period_s", 100.0))
-    refined = task.step is Step.REFINE
+    refined = task.refine
     score = promise if refined else -100.0  # drawn back, a motion is worth as little as any
     unknowns = np.full(18, 0.01)
-    tried = StartRecord(task.seed, refined, 0.0, 0.0, score, SolverStatus.SETTLED, True, 1, 0.0)
+    tried = StartRecord(task.seed, refined, 0.0, score, SolverStatus.SETTLED, True, 1, 0.0)
     return Start(tried, unknowns, task.family, 1.0, unknowns, promise)
 
 
@@ -142,22 +142,22 @@ def test_each_choice_is_looked_at_and_the_best_get_all_other_starts(
 
     found = search(request, hexapod_case, silent, run)
     assert len(periods) > KEPT
-    explored = [task for task in tried if task.step is Step.EXPLORE]
+    explored = [task for task in tried if not task.refine]
     assert len({task.seed for task in explored}) == len(explored) == request.starts
     seen = [task.family.settings["period_s"] for task in explored]
     assert sorted(seen[: len(periods)]) == periods
     assert set(seen[len(periods) :]) <= set(periods[:KEPT])
-    assert len([task for task in tried if task.step is Step.REFINE]) == refinements
+    assert len([task for task in tried if task.refine]) == refinements
     assert all(start.family.name == "fourier" for start in found.starts)
     assert found.settings["period_s"] == periods[0]
 
 
 def test_the_best_of_two_series_is_refined(hexapod_case: Case):
-    rounds: list[list[Step]] = []
+    rounds: list[list[bool]] = []
 
     def run(tasks: Sequence[Task], listener: Listener, until: float) -> Outcome:
-        rounds.append([task.step for task in tasks])
+        rounds.append([task.refine for task in tasks])
         return [_made_up(task) for task in tasks], False
 
     search(Request(Fourier(order=2), duration=3.0), hexapod_case, silent, run)
-    assert rounds == [[Step.EXPLORE, Step.EXPLORE], [Step.REFINE]]
+    assert rounds == [[False, False], [True]]

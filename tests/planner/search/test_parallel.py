@@ -32,7 +32,7 @@ STEP = SIZE * np.log1p(WORTHWHILE)  # of log det, just worthwhile
 
 
 def start(promise: float, seed: int = 0) -> Start:
-    tried = StartRecord(seed, False, 0.0, promise, promise, SolverStatus.SETTLED, True, 1, 0.0)
+    tried = StartRecord(seed, False, promise, promise, SolverStatus.SETTLED, True, 1, 0.0)
     return Start(tried, np.zeros(1), FAMILY, 1.0, np.zeros(1), promise)
 
 

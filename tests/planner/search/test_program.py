@@ -9,9 +9,8 @@ from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.model import Model, identification_model
 from planner.noise import mean_information
-from planner.search.ipopt import lifted
 from planner.search.program import NonlinearProgram, regressor_kernel
-from tests.helpers import few, taylor_slope
+from tests.helpers import taylor_slope
 from tests.planner.search.conftest import Small
 
 LETTERS = [("D", 0), ("A", 0), ("K", 2), ("N", 1)]
@@ -113,51 +112,3 @@ def test_with_weights_it_is_that_of_the_weighted_model(small: Small, model: Mode
     plain, other = (regressor_kernel(m, np.ones(len(model.names))) for m in (model, whitened))
     states = problem.states.at(at).reshape(-1, 19)
     assert other.values(states) == pytest.approx(2.0 * plain.values(states), rel=1e-12)
-
-
-SERIES = pytest.mark.parametrize("small", few("fourier", "led"), indirect=True)
-
-
-@SERIES
-def test_states_as_unknowns_change_neither_criterion_nor_limits(small: Small):
-    _, problem, at = small
-    program, unknowns = lifted(problem, at)
-    before, after = problem, program
-    assert after.value(unknowns) == before.value(at)
-    assert after.gradient(unknowns)[: len(at)] == pytest.approx(before.gradient(at))
-    assert not after.gradient(unknowns)[len(at) :].any()
-    values, ties = np.split(after.row_values(unknowns), [len(before.row_values(at))])
-    assert values == pytest.approx(before.row_values(at), abs=1e-12)
-    assert ties == pytest.approx(0.0, abs=1e-12)
-    assert len(ties) == len(unknowns) - len(at)
-    for whole, part in zip(after.row_bounds, before.row_bounds, strict=True):
-        assert whole[: len(part)] == pytest.approx(part)
-        assert not whole[len(part) :].any()
-
-
-@SERIES
-def test_states_as_unknowns_have_the_derivatives_of_the_program(small: Small):
-    """With dz = E dx: rows J_x + J_z E are the rows before, and Hessians are drawn back alike."""
-    _, problem, at = small
-    program, unknowns = lifted(problem, at)
-    before, n = problem, len(at)
-    count = len(before.row_values(at))
-    whole = table(program, unknowns)
-    ties = whole[count:, :n]
-    assert whole[count:, n:] == pytest.approx(-np.eye(len(ties)))
-    assert whole[:count, :n] + whole[:count, n:] @ ties == pytest.approx(table(before, at), abs=1e-9)
-    multipliers = np.random.default_rng(3).normal(size=count)
-    bent = square(program, unknowns, 0.7, np.concatenate([multipliers, np.ones(len(ties))]))
-    way = np.vstack([np.eye(n), ties])
-    expected = square(before, at, 0.7, multipliers)
-    assert way.T @ bent @ way == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
-
-
-def test_only_series_take_states_as_unknowns_and_become_sparser(small: Small):
-    """Splines and moves depend on few unknowns at each state as they are."""
-    family, problem, at = small
-    program, _ = lifted(problem, at)
-    if family.name == "fourier":
-        assert len(program.pattern[0]) < len(problem.pattern[0])
-    else:
-        assert program is problem

@@ -5,7 +5,7 @@ import time
 import numpy as np
 import pytest
 
-from planner.bounds.branch import Bounds, maximise
+from planner.bounds.certificate import Bounds, maximise
 
 
 def parabola(peak: np.ndarray, height: float):
