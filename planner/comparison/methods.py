@@ -11,8 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from cases.controller import ControllerName
-from cases.errors import FileProblem, HexciteError, Interrupted
-from cases.files import PLAN, atomic_folder
+from cases.errors import HexciteError, Interrupted
 from cases.schema import Case, fingerprint
 from cases.tables import Part
 from identification.criteria import Criterion
@@ -37,7 +36,6 @@ class MethodSpec(Part):
     criterion: Criterion = Criterion.D
     settings: dict[str, Any] = Field(default_factory=dict)
     program: Literal[ControllerName.SINUMERIK, ControllerName.LINUXCNC] = ControllerName.SINUMERIK
-    role: Literal["ours", "moving", "standing"] | None = None
 
     @property
     def request(self) -> Request | PoseRequest:
@@ -60,7 +58,6 @@ class ValidationSettings:
     on: str = ControllerName.VIRTUAL  # controller: virtual or linuxcnc
     starts: int = 2  # random starts of the optimised methods
     seed: int = 0  # seed of the starts and of the sensors' noise
-    plans: Path | None = None  # folder of an earlier validation whose plans are used; None: plan anew
     workers: int | None = None  # processes that search; None for one a core
 
     def __post_init__(self) -> None:
@@ -85,8 +82,7 @@ def unfinished(output: Path, case: Case, settings: ValidationSettings) -> Iterat
 
     It stands beside `output`, and a fingerprint of case and settings in its name lets the same command find it again.
     """
-    plans = None if settings.plans is None else str(settings.plans.resolve())
-    key = fingerprint([case.hash, settings.starts, settings.seed, plans])[:8]
+    key = fingerprint([case.hash, settings.starts, settings.seed])[:8]
     folder = output.absolute().with_name(f"{output.name}.unfinished-{key}")
     try:
         yield folder
@@ -122,19 +118,13 @@ def _planned(case: Case, method: str, settings: ValidationSettings, folder: Path
     if (place / "plan.json").is_file():
         return Plan.load(place, case)
     request = METHODS[method].request
-    if settings.plans is not None:
-        source = settings.plans / "plans" / method
-        if not (source / "plan.json").is_file():
-            raise FileProblem(source, "holds no plan", "name the folder of a validation that ran this method")
-        with atomic_folder(place, PLAN) as part:
-            shutil.copytree(source, part, dirs_exist_ok=True)
-    elif isinstance(request, PoseRequest):
-        poses_planned(request, case).save(place)
+    if isinstance(request, PoseRequest):
+        plan = poses_planned(request, case)
     else:
         if request.family.optimised:
             request = replace(request, starts=settings.starts, seed=settings.seed, workers=settings.workers)
         plan = planned(request, case)
         if plan.interrupted:
             raise Interrupted
-        plan.save(place)
+    plan.save(place)
     return Plan.load(place, case)

@@ -5,7 +5,7 @@ simulated machine knows its true values too, and errors are also given in report
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ from cases.errors import CaseError, FileProblem, HexciteError
 from cases.schema import Case
 from cases.sensors import Disturbances, RigidBody
 from identification.identify import estimate_parameters, standing_of
-from identification.model import full_model
+from identification.model import Model, full_model
 from identification.motion import Array
 from identification.parameters import RIGID, body_parameters, linear_parameters, physical_form
 from identification.recording import Recording, read
@@ -24,10 +24,9 @@ from identification.runs.preparation import on_one_clock
 from identification.runs.standstills import average, find_standstills, match
 from identification.simulate import Circumstances, Moved, loaded_truth, moved, sensed
 from identification.trajectories.executed import Execution
-from planner.comparison.error_budget import BODY, error_budget, linear_answer, true_deviations
 
-COMPARED = ("m", "zC", "IC33")  # what Table 7 compares with theory
-SHOWN = (*COMPARED, "f_q0_3", "k0", "k1")
+SHOWN = ("m", "zC", "IC33", "f_q0_3", "k0", "k1")  # parameters of Table 7
+BODY = ("m", "xC", "yC", "zC", "IC11", "IC22", "IC33")  # parameters whose errors are reported
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,10 +40,6 @@ class Trial:
     estimate: Estimate
     theory: Mapping[str, float]  # values by the identification without payload plus the weights, by name [SI]
     truth: Mapping[str, float]  # truth of a simulated machine, by name [SI]; empty for recordings
-    # parts of a simulated machine's errors, by parameter and cause [SI]; empty for recordings
-    budget: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    # standard deviations over machines whose pose errors differ, by name [SI]; empty where unknown
-    scatter: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def s0(self) -> float:
@@ -58,17 +53,11 @@ class Trial:
             return None
         return self.estimate.physical[name].value / self.theory[name] - 1.0
 
-    def error(self, name: str) -> float | None:
-        """Estimate less truth in reported standard deviations; None where the truth is unknown."""
-        if name not in self.truth or name not in self.estimate.physical:
-            return None
-        value = self.estimate.physical[name]
-        return (value.value - self.truth[name]) / value.reported
-
-    def parts_in_std(self, name: str) -> dict[str, float]:
-        """Parts of the error of a parameter, by cause, in reported standard deviations."""
-        std = self.estimate.physical[name].reported
-        return {cause: part / std for cause, part in self.budget[name].items()}
+    @property
+    def errors(self) -> dict[str, float]:
+        """Estimates less truth in reported standard deviations, by name; empty where the truth is unknown."""
+        own = self.estimate.physical
+        return {n: (own[n].value - true) / own[n].reported for n, true in self.truth.items() if n in own}
 
     def to_json(self) -> dict[str, Any]:
         """One row of the answer, SI units."""
@@ -82,9 +71,7 @@ class Trial:
             "s0_N": self.s0,
             "parameters": {name: value._asdict() for name, value in self.estimate.physical.items()},
             "relative_deviation": {n: self.deviation(n) for n in SHOWN if self.deviation(n) is not None},
-            "error_in_std": {n: self.error(n) for n in BODY if self.error(n) is not None},
-            "error_budget_in_std": {name: self.parts_in_std(name) for name in self.budget},
-            "std_over_machines": dict(self.scatter),
+            "error_in_std": self.errors,
             "warnings": list(self.estimate.warnings),
         }
 
@@ -106,19 +93,15 @@ class Excitation:
         """The machine's motion with some weights mounted; its drives ripple anew in each run."""
         return moved(self.case, self.execution, Circumstances((), disturbances), self.seed + weights)
 
-    def recorded(
-        self, weights: int, disturbances: Disturbances | None, run: Moved | None = None
-    ) -> tuple[Recording, Array]:
-        """The run with some weights mounted, averaged where it stands, and the parts of its forces."""
+    def recorded(self, weights: int, disturbances: Disturbances | None, run: Moved | None = None) -> Recording:
+        """The run with some weights mounted, averaged where it stands."""
         around = Circumstances(_weights(self.case, weights), disturbances)
         run = self.moved(weights, disturbances) if run is None else run
         source = f"{self.name} with {weights} weights"
-        recording, parts = sensed(self.case, run, self.trigger, self.seed + weights, source, around)
+        recording, _ = sensed(self.case, run, self.trigger, self.seed + weights, source, around)
         if not len(self.poses):
-            return recording, parts
-        windows = find_standstills(recording, 0.0)
-        averages, those = match(average(recording, windows), self.case, self.poses, source)
-        return averages, np.array([[part[w].mean(axis=0) for w in windows[those]] for part in parts])
+            return recording
+        return match(average(recording, find_standstills(recording, 0.0)), self.case, self.poses, source)[0]
 
 
 def _weights(case: Case, count: int) -> tuple[RigidBody, ...]:
@@ -136,23 +119,15 @@ def trials(excitation: Excitation, mounted: Sequence[int], disturbances: Disturb
     once = excitation.moved(0, disturbances) if len(excitation.poses) else None
     bare: Estimate | None = None
     for k in mounted:
-        recording, parts = excitation.recorded(k, disturbances, once)
-        estimate = estimate_parameters(recording, case)
+        estimate = estimate_parameters(excitation.recorded(k, disturbances, once), case)
         bare = estimate if bare is None else bare
         weights = _weights(case, k)
         body = loaded_truth(case.need_simulation("the validation").parameters, weights)
-        model = estimate.model
-        linear = linear_parameters(model, body)
-        form = physical_form(model)
-        values, _ = form.of(linear, np.zeros((len(linear), len(linear))))
-        truth = {p.name: float(v) for p, v in zip(form.parameters, values, strict=True) if p.name in BODY}
-        load, budget, scatter = sum(w.mass_kg for w in weights), {}, {}
-        if disturbances is not None:
-            answer = linear_answer(case, recording, estimate)
-            budget = error_budget(answer, recording, parts, estimate, linear)
-            scatter = true_deviations(case, answer, estimate, disturbances, load)
-        theory = _theory(bare, weights)
-        yield Trial(excitation.name, k, load, excitation.duration, estimate, theory, truth, budget, scatter)
+        body = loaded_truth(case.need_simulation("the validation").parameters, weights)
+        known = _physical(estimate.model, linear_parameters(estimate.model, body))
+        truth = {name: value for name, value in known.items() if name in BODY}
+        load = sum(w.mass_kg for w in weights)
+        yield Trial(excitation.name, k, load, excitation.duration, estimate, _theory(bare, weights), truth)
 
 
 def recorded_trials(case: Case, folder: Path) -> Iterator[Trial]:
@@ -193,11 +168,16 @@ def _theory(bare: Estimate, mounted: Sequence[RigidBody]) -> dict[str, float]:
 
     Linear parameters of bodies add; the estimate need not be one of a real body.
     """
-    names, form = bare.model.names, physical_form(bare.model)
     bodies = [body_parameters(weight) for weight in mounted]
-    linear = bare.fit.values + [sum(body.get(name, 0.0) for body in bodies) for name in names]
-    values, _ = form.of(linear, np.zeros((len(names), len(names))))
-    return {p.name: float(v) for p, v in zip(form.parameters, values, strict=True) if p.name[0] not in "kK"}
+    linear = bare.fit.values + [sum(body.get(name, 0.0) for body in bodies) for name in bare.model.names]
+    return {name: value for name, value in _physical(bare.model, linear).items() if name[0] not in "kK"}
+
+
+def _physical(model: Model, linear: Array) -> dict[str, float]:
+    """Physical parameters of linear ones, by name."""
+    form = physical_form(model)
+    values, _ = form.of(linear, np.zeros((len(linear), len(linear))))
+    return {p.name: float(value) for p, value in zip(form.parameters, values, strict=True)}
 
 
 def require_weights(case: Case) -> None:

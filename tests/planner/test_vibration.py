@@ -12,7 +12,6 @@ from identification.model import identification_model
 from identification.motion import Joined
 from identification.trajectories.curves import FourierMotion
 from identification.trajectories.moves import StraightMove, has_steps
-from planner.comparison.error_budget import MODE
 from planner.comparison.trials import Excitation, trials
 from planner.families.settings import PointToPoint
 from planner.noise import expected_noise
@@ -91,10 +90,11 @@ def test_the_error_is_that_of_the_simulated_machine(limited: bool, pose_error: f
     run = run_virtual(written.reading, written.guarantees)
     excitation = Excitation(case, "ptp", run.excitation, run.execution, run.trigger, np.zeros((0, 6)), 0)
     (step,) = trials(excitation, [0], case.simulation.disturbances)
-    by_mode = step.budget["m"][MODE]
+    (stiff,) = trials(excitation, [0], case.simulation.disturbances.model_copy(update={"mode_Hz": 1e5}))
+    by_mode = step.estimate.physical["m"].value - stiff.estimate.physical["m"].value
     predicted = np.sqrt(found.errors["m"] ** 2 - white(case, motion)["m"] ** 2)
     assert predicted == pytest.approx(abs(by_mode), rel=0.25)
-    assert estimate_parameters(excitation.recorded(0, case.simulation.disturbances)[0], case).fit.s0 == pytest.approx(
+    assert estimate_parameters(excitation.recorded(0, case.simulation.disturbances), case).fit.s0 == pytest.approx(
         found.s0, rel=0.15
     )
 
