@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from cases.basis import case_of, recording_basis, require_unchanged
-from cases.errors import FileProblem, IdentificationError
+from cases.errors import FileProblem
 from cases.files import another_kind, read_json, sha256_of
 from cases.schema import Case
 from identification.criteria import CRITERIA, reference_scaling, singular_values
@@ -208,18 +208,8 @@ def _matrices(recording: Recording, case: Case, model: Model) -> tuple[Array, Ar
 def _result(path: Path, user_case: Case | None, stale: bool) -> Entry:
     saved = Result.load(path, user_case, stale)
     case, model, data = saved.case, saved.model, saved.record
-    samples, s0, seconds = data.samples, data.s0, data.measuring_s
     conditions = Conditions(case, recordings=saved.recordings, plan=data.plan_hash)
-    criteria: dict[str, float] = {}
-    if data.weights == "equal":
-        try:  # (28) solved for the information of the run
-            mean = s0**2 * np.linalg.inv(saved.covariance) / samples
-            scaling = reference_scaling(case, model)
-            criteria = _criteria(mean * np.outer(scaling, scaling), model)
-        except (np.linalg.LinAlgError, IdentificationError):
-            pass
     return Entry(
-        str(path), "identified", conditions, model.number,
-        data.estimator, seconds, samples, criteria, saved.parameters, data.s0_N, {},
-        tuple(dict.fromkeys((*saved.warnings, *saved.remarks))),
+        str(path), "identified", conditions, model.number, data.estimator, data.measuring_s, data.samples, {},
+        saved.parameters, data.s0_N, {}, tuple(dict.fromkeys((*saved.warnings, *saved.remarks))),
     )  # fmt: skip

@@ -14,7 +14,7 @@ from playwright.sync_api import Browser
 
 from cases.schema import Case
 from identification.estimation.fit import Value
-from planner.comparison.comparison import groups, recommend, warnings_of
+from planner.comparison.comparison import groups, recommend
 from planner.comparison.entries import Conditions, Entry, read_entry
 from planner.plan_folder import fingerprint_of
 from planner.plan_program import plan_of_program
@@ -87,8 +87,6 @@ def test_a_chain_is_one_excitation(chain: Chain, shared: Path):
     assert result.duration == run.duration == pytest.approx(plan.duration, abs=0.01)
     for letter in ("D", "condition"):  # three ways to the same information
         assert run.criteria[letter] == pytest.approx(plan.criteria[letter], rel=0.02, abs=0.1)
-        # The result's covariance pays for the delay and for samples that the filter makes dependent.
-        assert result.criteria[letter] == pytest.approx(run.criteria[letter], rel=0.02, abs=0.5)
     for name, told in plan.parameters.items():
         assert run.parameters[name].std == pytest.approx(told.std, rel=0.05)
 
@@ -183,17 +181,14 @@ def test_every_run_of_a_plan_and_every_result_of_a_run_takes_part(hexapod_case: 
     assert recommend([[plan, runs[0], results[1]]]).best is None
 
 
-def test_warnings_of_the_best_are_told_with_the_best_without(hexapod_case: Case):
+def test_warnings_of_the_best_are_told(hexapod_case: Case):
     a, b = entry(hexapod_case, "a", 0.1, 12.0), entry(hexapod_case, "b", 0.2, 12.0)
     doubtful = replace(a, warnings=("contact in rows 3 to 9",))
     assert not any("warnings" in s for s in recommend([[a], [b]]).sentences)
     advice = recommend([[doubtful], [b]])
     assert advice.best == "a"
-    assert tells(advice.sentences[1], "warnings of a ", "without warnings", " b")
-    assert warnings_of([doubtful, b]) == ("a: contact in rows 3 to 9",)
-    both = recommend([[doubtful], [replace(b, warnings=("drift",))]])
-    assert tells(both.sentences[1], "warnings of a ")
-    assert "without warnings" not in both.sentences[1]
+    assert tells(advice.sentences[1], "warnings of a ")
+    assert advice.warnings == ("a: contact in rows 3 to 9",)
 
 
 @pytest.mark.parametrize(
@@ -226,22 +221,11 @@ def test_predictions_at_another_rate_are_not_preferred(hexapod_case: Case):
     assert "500 Hz" in advice.sentences[0]
 
 
-@pytest.mark.parametrize(
-    ("one", "other", "said"),
-    [
-        ({"noise": 1.0}, {"noise": 2.0}, "different noise of a force sample, .*: 1 N \\(a\\); 2 N \\(b\\)"),
-        ({"load": 0.0}, {"load": 59.79}, "different weights .*: 0 kg \\(a\\); 59.79 kg \\(b\\)"),
-        ({"machine": "a real machine"}, {"machine": "a simulated machine"}, "not the same was measured"),
-        ({"model": 5}, {}, "models differ"),
-    ],
-)
-def test_what_keeps_figures_from_being_compared_is_told(
-    hexapod_case: Case, one: dict[str, Any], other: dict[str, Any], said: str
-):
+def test_models_that_differ_are_told(hexapod_case: Case):
     a, b = entry(hexapod_case, "a", 0.1, 12.0), entry(hexapod_case, "b", 0.2, 12.0)
-    assert warnings_of([a, b]) == warnings_of([changed(a, **one), changed(replace(b, name="c"), **one)]) == ()
-    (warning,) = warnings_of([changed(a, **one), changed(b, **other)])
-    assert re.search(said, warning)
+    assert recommend([[a], [b]]).warnings == ()
+    (warning,) = recommend([[changed(a, model=5)], [b]]).warnings
+    assert "models differ" in warning
 
 
 def test_a_run_at_poses_is_compared_as_what_it_is(shared: Path, tmp_path: Path):
@@ -260,7 +244,7 @@ def test_a_run_at_poses_is_compared_as_what_it_is(shared: Path, tmp_path: Path):
     assert run.criteria["D"] == pytest.approx(plan.criteria["D"], abs=1e-3)
     for name, told in plan.parameters.items():
         assert run.parameters[name].std == pytest.approx(told.std, rel=0.01)
-    assert warnings_of(group) == ()
+    assert recommend([group]).warnings == ()
 
 
 def test_a_result_of_ones_own_machine_is_compared_by_its_file(chain: Chain, shared: Path, hexapod_file: Path):
