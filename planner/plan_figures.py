@@ -8,7 +8,6 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from pydantic import TypeAdapter
 
 from cases.schema import Case
 from identification.criteria import CRITERIA, Criterion, reference_scaling, singular_values
@@ -30,7 +29,13 @@ from planner.noise import (
 from planner.pose_criteria import total_information
 from planner.search import Failed, StartRecord
 
-_RIVAL = "family", "d_efficiency"  # entries of a rival
+
+@dataclass(frozen=True, slots=True)
+class Rival:
+    """A short search in another family than the plan's."""
+
+    family: str
+    d_efficiency: float  # of its motion
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +44,7 @@ class Worth:
 
     starts: tuple[StartRecord, ...]  # starts with a feasible motion, the best first
     failed_starts: tuple[Failed, ...]  # the others, with the reason
-    rival: tuple[str, float] | None  # a short search in another family: that, and the D-efficiency of its motion
+    rival: Rival | None
     criterion_value: float  # the criterion of Table 4, to be maximised, in reference scaling
     logdet: float  # log det of the mean information, reference scaling, W = 1
     condition: float  # mu_1 / mu_u, reference scaling
@@ -60,20 +65,7 @@ class Worth:
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json`."""
-        rival = None if self.rival is None else dict(zip(_RIVAL, self.rival, strict=True))
-        return asdict(self) | {"rival": rival, "d_efficiency": self.d_efficiency}
-
-    @classmethod
-    def of_json(cls, data: Mapping[str, Any], parameters: int) -> "Worth":
-        """From `plan.json`; raises KeyError, TypeError or ValueError where an entry is missing or damaged."""
-        whole = dict(data)
-        if isinstance(rival := data["rival"], Mapping):
-            whole["rival"] = tuple(rival.get(entry) for entry in _RIVAL)
-        if isinstance(entries := data["bound"], Mapping):  # earlier versions wrote fewer
-            logdet = entries.get("logdet")
-            absent = {"parameters": parameters, "design_logdet": logdet, "proven_logdet": logdet}
-            whole["bound"] = absent | dict(entries)
-        return TypeAdapter(cls).validate_python(whole)
+        return asdict(self) | {"d_efficiency": self.d_efficiency}
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,16 +86,7 @@ class PoseWorth:
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json`."""
-        method = (
-            "D; efficiency: lower bound against the approximate design over the candidates; efficiency_space: estimate "
-            "against the design over the whole pose space"
-        )
-        return asdict(self) | {"efficiency_method": method}
-
-    @classmethod
-    def of_json(cls, data: Mapping[str, Any]) -> "PoseWorth":
-        """From `plan.json`; errors as `Worth.of_json`."""
-        return TypeAdapter(cls).validate_python(data)
+        return asdict(self)
 
 
 BINDING = 0.99  # share of a limit from which it determines the motion

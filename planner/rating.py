@@ -15,7 +15,7 @@ from planner.bounds.information_limit import information_limit
 from planner.families import Settings
 from planner.families.spline import enough_intervals
 from planner.noise import ExpectedNoise, expected_noise, without_pose_errors
-from planner.plan_figures import BINDING, Worth, bound_by, figures_of, predicted_std_of, worst_std
+from planner.plan_figures import BINDING, Rival, Worth, bound_by, figures_of, predicted_std_of, worst_std
 from planner.plans import Plan
 from planner.request import Request, parse_targets
 from planner.search import Failed
@@ -63,7 +63,7 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
     rival = None
     if planned.rival is not None:
         efficiency = planned.of_rival(parameters) * bound.efficiency(figures["logdet"])
-        rival = planned.rival.family.name, efficiency
+        rival = Rival(planned.rival.family.name, efficiency)
     laws = planned.laws or both_laws(case, request.model, motion, request.payload)
     predicted = {name: std for name, (std, _) in worst.items()}
     worth = Worth(

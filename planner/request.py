@@ -102,23 +102,18 @@ class Request:
     @classmethod
     def of_json(cls, data: Mapping[str, Any]) -> "Request":
         """From `plan.json`; raises KeyError, TypeError, ValueError or HexciteError where an entry is damaged."""
-        settings, kind, fewest = data["settings"], family_class(str(data["family"])), data.get("payload_from")
-        names = {"order": "order", "period_s": "period", "centred": "centred", "moves": "moves", "knots": "knots"}
-        names["made_for"] = "controller"
-        family_settings = {name: settings[key] for key, name in names.items() if key in settings}
-        # earlier versions wrote what the family's settings became, not what was asked for
-        entries = data["asked"] if "asked" in data else {"duration_s": data["duration_s"], "family": family_settings}
+        asked, fewest = data["asked"], data["payload_from"]
         return cls(
-            kind(**entries["family"]),
-            float(entries["duration_s"]),
+            family_class(str(data["family"]))(**asked["family"]),
+            float(asked["duration_s"]),
             Criterion(data["criterion"]),
             int(data["model"]),
             int(data["payload"]),
-            None if fewest in (None, data["payload"]) else int(fewest),
+            None if fewest == data["payload"] else int(fewest),
             tuple(str(target) for target in data["targets"]),
-            entries.get("starts"),
-            entries.get("seconds"),
-            int(data.get("seed", settings.get("seed", 0))),
+            asked["starts"],
+            asked["seconds"],
+            int(data["seed"]),
         )
 
     def lasting(self, duration: float) -> "Request":
@@ -234,11 +229,8 @@ class PoseRequest:
     @classmethod
     def of_json(cls, data: Mapping[str, Any]) -> "PoseRequest":
         """From `plan.json`; raises KeyError, TypeError, ValueError or HexciteError where an entry is damaged."""
-        seed = data["seed"] if "seed" in data else data["settings"]["seed"]
-        return cls(
-            Criterion(data["criterion"]), method=data["method"], model=int(data["model"]), seed=int(seed),
-            **data.get("asked", {}),
-        )  # fmt: skip
+        criterion, method, model, seed = (data[key] for key in ("criterion", "method", "model", "seed"))
+        return cls(Criterion(criterion), method=method, model=int(model), seed=int(seed), **data["asked"])
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "criterion", Criterion(self.criterion))
