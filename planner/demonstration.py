@@ -16,10 +16,9 @@ from identification.recording import Recording
 from identification.simulate import truth_rows
 from planner.execution import best_controller, execute
 from planner.families.settings import PointToPoint
-from planner.library import planned
+from planner.library import plan as motion
 from planner.plan_program import usual_dialect, write
 from planner.plans import Plan
-from planner.request import Request
 from postprocessors.dialects import Program, dialect
 from postprocessors.execute import ExecutedRun
 
@@ -76,8 +75,7 @@ def demo(
     language = dialect(usual_dialect(case))
     best, reason = best_controller(language.name)
     family = PointToPoint(controller=language.name)
-    request = Request(family, model=full_model(case), starts=starts, seed=seed, may_be_smooth=True)
-    planned(request, case).save(place / "plan", overwrite=True)
+    motion(case, family, starts=starts, seed=seed).save(place / "plan", overwrite=True)
     plan = Plan.load(place / "plan", case)
     worth = plan.of_motion[1]
     progress(

@@ -1,7 +1,7 @@
 """Plans from Python: what notebooks and the command line call."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TypedDict, Unpack
@@ -12,45 +12,41 @@ from threadpoolctl import threadpool_limits
 from cases.errors import InfeasiblePlan, Interrupted
 from cases.schema import Case
 from cases.units import Array
-from identification.model import full_model, identification_model, static_model
-from planner.bounds.information_limit import information_limit
+from identification.model import full_model, static_model
 from planner.families.manual import load_poses
 from planner.families.settings import FamilySettings, PointToPoint
-from planner.noise import PoseErrors, expected_noise
 from planner.planning import make_until_ctrl_c, require_plannable
 from planner.plans import Plan
 from planner.request import DURATION, LONGEST, PoseRequest, Request, TypedValue, parse_targets
 from planner.search import Failed
-from planner.search.parallel import Listener, silent, without_gain
+from planner.search.parallel import Listener, silent
 from planner.search.solving import Start
 
 
 class Settings(TypedDict, total=False):
-    """What may be asked of a motion; `planner.request.Request` has the defaults."""
+    """What may be asked of a motion; `planner.request.Request` says what each is, and has the defaults."""
 
-    criterion: str  # letter of Table 4
-    model: int  # number in Table 2; the largest of the machine unless given
-    payload: int  # number of the case's payloads that are mounted, at most
-    payload_from: int | None  # fewest payloads, where that is another number
-    targets: tuple[
-        str, ...
-    ]  # standard deviations to be met, such as m=0.05kg; the duration is then the longest allowed
-    starts: int | None  # number of random starts; as many as pay unless given
-    seconds: float | None  # time for the search [s]
-    seed: int  # seed of the starts
-    workers: int | None  # processes that search; one a core unless given
+    criterion: str
+    model: int  # the largest of the machine unless given
+    payload: int
+    payload_from: int | None
+    targets: tuple[str, ...]
+    starts: int | None
+    seconds: float | None
+    seed: int
+    workers: int | None
 
 
 class PoseSettings(TypedDict, total=False):
-    """What may be asked of poses; `planner.request.PoseRequest` has the defaults."""
+    """What may be asked of poses; `planner.request.PoseRequest` says what each is, and has the defaults."""
 
-    criterion: str  # letter of Table 4
-    count: int | None  # number of poses
-    method: str  # name of the method
-    model: int  # number in Table 2, 0 to 5; the largest of the machine unless given
-    candidates: int | None  # number of quasi-random candidates; the grid of the case unless given, of a chain 2048
-    seed: int  # seed of these
-    noise: float | None  # standard deviation of an averaged force [N]
+    criterion: str
+    count: int | None
+    method: str
+    model: int  # the largest of the machine unless given
+    candidates: int | None
+    seed: int
+    noise: float | None
 
 
 def plan(
@@ -88,7 +84,7 @@ def planned(request: Request, case: Case, progress: Callable[[str], None] | None
     """`plan` for settings that are one value."""
     require_plannable(request, case)
     with threadpool_limits(limits=1, user_api="blas"):  # matrices are small: threads of BLAS would wait for each other
-        listener = silent if progress is None else follower(request, case, progress)
+        listener = silent if progress is None else follower(progress)
 
         def make(wanted: Request) -> Plan:
             return make_until_ctrl_c(wanted, case, listener)
@@ -191,45 +187,18 @@ def _missed(request: Request, best: Plan, share: float, target: TypedValue) -> B
     )
 
 
-def follower(asked: Request, case: Case, remark: Callable[[str], None]) -> Listener:
+def follower(remark: Callable[[str], None]) -> Listener:
     """A listener that shows a line while starts are under way, and as each of them ends."""
-    model, bound = identification_model(case, asked.model), None
-    noise = expected_noise(case, model, asked.payload)
-    if asked.family.optimised and noise.whitening is None and PoseErrors.of(case, noise) is None:
-        remark("the limit of information")
-        bound = information_limit(case, model)
-    request, began, results = asked, time.monotonic(), list[Start | Failed]()
+    began, results = time.monotonic(), list[Start | Failed]()
 
     def follow(event: Request | Start | Failed | None) -> None:
-        nonlocal request, began, results
+        nonlocal began, results
         if isinstance(event, Request):
-            request, began, results = event, time.monotonic(), []
-            return
-        if isinstance(event, Start) and event.family.name != request.family.name:
+            began, results = time.monotonic(), []
             return
         results += [] if event is None else [event]
-        seconds, count = time.monotonic() - began, len(results)
-        other = "" if request.family.name == asked.family.name else f"{request.family.name} instead: "
-        best = max((r for r in results if isinstance(r, Start)), key=lambda s: s.promise, default=None)
-        if best is None:
-            remark(f"{other}first starts, {seconds:.0f} s")
-            return
-        text = f"criterion {request.criterion} {best.record.criterion_value:.4g}"
-        if bound is not None:
-            text = f"{100 * bound.efficiency(best.record.logdet):.1f} % of the limit of information"
-        left = _time_left(request, results, seconds, len(model.names))
-        remark(f"{other}{text} after {count} start{'s' * (count > 1)}, {seconds:.0f} s, {left}")
+        best = max((r.record for r in results if isinstance(r, Start)), key=lambda r: r.criterion_value, default=None)
+        found = "" if best is None else f", criterion {best.criterion_value:.4g}, log det {best.logdet:.4g}"
+        remark(f"{len(results)} starts done{found}, {time.monotonic() - began:.0f} s")
 
     return follow
-
-
-def _time_left(request: Request, results: Sequence[Start | Failed], seconds: float, parameters: int) -> str:
-    if request.seconds is not None:
-        return f"{max(0.0, request.seconds - seconds):.0f} s left"
-    if request.starts is not None:
-        rest = request.starts - len(results)
-    else:
-        rest = request.family.idle(request.criterion) - without_gain(results, request.criterion, parameters)
-    if rest <= 0:
-        return "refining the best"
-    return f"about {seconds / len(results) * rest:.0f} s left{'' if request.starts else ' unless more is found'}"

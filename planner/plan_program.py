@@ -68,7 +68,8 @@ def write(
     remarks: tuple[str, ...] = ()
     if isinstance(plan.request, Request) and plan.request.family.of_moves:
         place = str(plan.folder or plan.name)
-        remarks = fits_law(place, plan.settings.get("made_for"), plan.motion, language.name, plan.case)
+        made_for = str(plan.settings.get("made_for", ""))
+        remarks = fits_law(place, made_for, plan.motion, language.name, plan.case)
     header = (
         f"hexcite {version('hexcite')}: excitation for identification of model {plan.model}",
         case_line(plan.case),

@@ -1,6 +1,6 @@
 """A plan: the chosen motion or set of poses, its predicted figures, and the proof of its limits."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from identification.limit import LimitReport
 from identification.model import identification_model
 from identification.motion import Array, Joined, Motion, Standstill, Trajectory, sample
 from identification.parameters import physical_form
+from planner.families import Settings
 from planner.plan_figures import PoseWorth, Worth, bound_by
 from planner.plan_folder import SCHEMA_VERSION, fingerprint_of, load_plan, motion_entries
 from planner.precision import carries_rods, legible, parameter_words, share_text, std_text
@@ -53,7 +54,7 @@ class Plan:
     assumed_noise: float
     assumed_rate: float
     worth: Worth | PoseWorth
-    settings: Mapping[str, Any]
+    settings: Settings
     solve_s: float
     interrupted: bool = False
     folder: Path | None = None

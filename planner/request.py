@@ -58,10 +58,8 @@ class Request:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "criterion", Criterion(self.criterion))
-        if np.isnan(self.duration) or self.duration == -np.inf:
-            raise HexciteError(f"duration {self.duration:g} s is not a duration; choose about 12 s")
-        if not self.duration <= LONGEST:
-            raise HexciteError(f"duration {self.duration:g} s is longer than {LONGEST:g} s; choose about 12 s")
+        if not abs(self.duration) <= LONGEST:
+            raise HexciteError(f"duration {self.duration:g} s is not at most {LONGEST:g} s; choose about 12 s")
         self.family.check(self.duration)
         if self.starts is not None and not 1 <= self.starts <= 1000:
             raise HexciteError(f"{self.starts} starts; choose --starts 1 to 1000")
@@ -102,9 +100,10 @@ class Request:
     @classmethod
     def of_json(cls, data: Mapping[str, Any]) -> "Request":
         """From `plan.json`; raises KeyError, TypeError, ValueError or HexciteError where an entry is damaged."""
-        asked, fewest = data["asked"], data["payload_from"]
+        asked, fewest, kind = data["asked"], data["payload_from"], family_class(str(data["family"]))
+        known = {setting.name for setting in fields(kind)}  # other versions may have more
         return cls(
-            family_class(str(data["family"]))(**asked["family"]),
+            kind(**{name: value for name, value in asked["family"].items() if name in known}),
             float(asked["duration_s"]),
             Criterion(data["criterion"]),
             int(data["model"]),

@@ -124,7 +124,7 @@ def entry_of_plan(saved: Plan, name: str) -> Entry:
         samples = round(saved.motion.duration * rate)
     noise, weights = saved.assumed_noise, saved.payloads[-1]
     if len(poses):  # the noise of plans of poses is that of averages
-        noise *= float(np.sqrt(max(float(saved.settings["average_s"]) * assumed, 1.0)))
+        noise *= float(np.sqrt(max(saved.case.need_poses("a comparison").average_s * assumed, 1.0)))
     payloads = saved.case.payloads
     load = sum(w.mass_kg for w in payloads.weights[:weights]) if payloads is not None else 0.0
     scale = float(np.sqrt(assumed / rate))  # the case may state another rate since

@@ -13,6 +13,7 @@ from identification.limit import LimitReport, worst_of
 from identification.limit_proof import prove
 from identification.model import Model
 from identification.motion import Array, Joined, Standstill, Trajectory
+from planner.families import Settings
 from planner.noise import sensor_noise, standing_model
 from planner.plan_figures import PoseWorth, predicted_std_at_poses
 from planner.plans import Plan
@@ -90,7 +91,7 @@ def poses_planned(
         predicted_std_of_all_candidates=predicted_std_at_poses(case, model, scaling, regressors, candidates, noise),
         select_s=selected,
     )
-    settings = {
+    settings: Settings = {
         "candidates": origin,
         "considered": considered,
         "settle_s": setting.settle_s,

@@ -14,17 +14,7 @@ from tests.helpers import tells
 from tests.planner.browser import opened
 from tests.planner.command_line import call
 
-PLOTS = (
-    "position-translation",
-    "jerk-rotation",
-    "limits",
-    "executed",
-    "forces",
-    "residuals",
-    "spectrum",
-    "errors",
-    "qr",
-)
+PLOTS = ("errors", "limits", "forces", "residuals", "spectrum")
 FETCHED = {"src", "href", "srcset", "data", "poster", "action", "background"}
 
 
