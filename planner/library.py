@@ -2,14 +2,11 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import TypedDict, Unpack
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
-from cases.errors import InfeasiblePlan, Interrupted
 from cases.schema import Case
 from cases.units import Array
 from identification.model import full_model, static_model
@@ -17,7 +14,7 @@ from planner.families.manual import load_poses
 from planner.families.settings import FamilySettings, PointToPoint
 from planner.planning import make_until_ctrl_c, require_plannable
 from planner.plans import Plan
-from planner.request import DURATION, LONGEST, PoseRequest, Request, TypedValue, parse_targets
+from planner.request import DURATION, PoseRequest, Request
 from planner.search import Failed
 from planner.search.parallel import Listener, silent
 from planner.search.solving import Start
@@ -30,7 +27,6 @@ class Settings(TypedDict, total=False):
     model: int  # the largest of the machine unless given
     payload: int
     payload_from: int | None
-    targets: tuple[str, ...]
     starts: int | None
     seconds: float | None
     seed: int
@@ -68,7 +64,7 @@ def plan(
             whose steps of acceleration shake the machine more than they are worth.
         duration: duration of the excitation [s].
         progress: shows a line now and then.
-        **settings: criterion, model, payload, payload_from, targets, starts, seconds, seed, workers; see `Settings`.
+        **settings: criterion, model, payload, payload_from, starts, seconds, seed, workers; see `Settings`.
 
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.
@@ -84,12 +80,7 @@ def planned(request: Request, case: Case, progress: Callable[[str], None] | None
     """`plan` for settings that are one value."""
     require_plannable(request, case)
     with threadpool_limits(limits=1, user_api="blas"):  # matrices are small: threads of BLAS would wait for each other
-        listener = silent if progress is None else follower(progress)
-
-        def make(wanted: Request) -> Plan:
-            return make_until_ctrl_c(wanted, case, listener)
-
-        return shortest_plan(request, case, make) if request.targets else make(request)
+        return make_until_ctrl_c(request, case, silent if progress is None else follower(progress))
 
 
 def plan_poses(
@@ -120,71 +111,6 @@ def plan_poses(
     own = load_poses(Path(at), case.need_motion("a plan of poses")[1].columns) if isinstance(at, Path | str) else at
     with threadpool_limits(limits=1, user_api="blas"):
         return poses_planned(request, case, progress or (lambda _: None), own)
-
-
-ROUNDS = 4  # of shortening: each lands within a few percent of what the information rate promises
-RESERVE = 1.03  # shorter motions carry a little less information a second: turning round at the ends takes its time
-SHORTER = 0.97  # share of the duration below which another plan is worth its time
-SHORTEST = 2.0  # [s]
-
-
-def shortest_plan(request: Request, case: Case, make: Callable[[Request], Plan]) -> Plan:
-    """Plans at the request's duration, the longest allowed, then shorter ones as long as the targets are met.
-
-    Every plan is optimal by the request's criterion for its duration; the shortest of these that meets the targets need
-    not be the shortest of all motions. Ctrl-C keeps the shortest found until then.
-
-    Raises:
-        HexciteError: a target that cannot be read.
-        InfeasiblePlan: a target is not met; the message says what is reached, and about how long would do.
-        Interrupted: Ctrl-C before a plan met the targets.
-    """
-    targets = parse_targets(request.targets, case, request.model)
-
-    def use(plan: Plan) -> tuple[float, TypedValue]:
-        """The largest share of a target that a plan needs, and which one that is."""
-        return max(((plan.predicted_std[t.name] / t.value, t) for t in targets), key=lambda pair: pair[0])
-
-    best = make(request)
-    if use(best)[0] > 1.0:
-        raise _missed(request, best, *use(best))
-    too_short = SHORTEST / 2
-    for _ in range(ROUNDS):
-        duration = max(best.motion.duration * use(best)[0] ** 2 * RESERVE, SHORTEST)
-        if duration <= too_short:
-            duration = (too_short + best.motion.duration) / 2
-        duration = request.family.allowed_duration(duration)
-        if duration > SHORTER * best.motion.duration or best.interrupted:
-            break
-        try:
-            trial = make(request.lasting(duration))
-        except InfeasiblePlan:  # so short that no start led anywhere
-            too_short = duration
-            continue
-        except Interrupted:
-            return replace(best, interrupted=True)
-        if use(trial)[0] <= 1.0:
-            best = trial
-        elif trial.interrupted:
-            return replace(best, interrupted=True)
-        else:
-            too_short = duration
-    return best
-
-
-def _missed(request: Request, best: Plan, share: float, target: TypedValue) -> BaseException:
-    """What to say of the longest motion that is allowed where it does not meet a target."""
-    text = f"{best.predicted_std[target.name] / target.scale:.3g} {target.unit}"
-    if best.interrupted:
-        return Interrupted(f"the best found until then has {text}, not {target.text}: nothing was written")
-    minimum = request.duration * share**2 * RESERVE
-    longer = request.family.allowed_duration(float(np.ceil(minimum)))
-    remedy = f"allow --duration {longer:g} or a wider target"
-    if longer > LONGEST:
-        remedy = f"even the longest motion, {LONGEST:g} s, would not do: set a wider target"
-    return InfeasiblePlan(
-        f"target {target.text} is out of reach in {request.duration:g} s: the best found has {text}; {remedy}"
-    )
 
 
 def follower(remark: Callable[[str], None]) -> Listener:

@@ -17,7 +17,7 @@ from planner.families.spline import enough_intervals
 from planner.noise import ExpectedNoise, expected_noise, without_pose_errors
 from planner.plan_figures import BINDING, Rival, Worth, bound_by, figures_of, predicted_std_of, worst_std
 from planner.plans import Plan
-from planner.request import Request, parse_targets
+from planner.request import Request
 from planner.search import Failed
 from planner.search.solving import DRAWN_BACK, Start
 from planner.vibration import BothLaws, both_laws, mean_ratio
@@ -183,13 +183,6 @@ def notes(planned: PlannedMotion, request: Request, case: Case, worst: dict[str,
     if len(tried) > 1:
         chosen = f"order {settings['order']} with period {settings['period_s']:g} s"
         words.append(f"{chosen} is the best of {len(tried)} choices of order and period")
-    if request.targets:
-        predicted = {name: std for name, (std, _) in worst.items()}
-        reached = (
-            f"{t.name} {predicted[t.name] / t.scale:.3g} of {t.value / t.scale:.3g} {t.unit}"
-            for t in parse_targets(request.targets, case, request.model)
-        )
-        words.append(f"targets: {', '.join(reached)}")
     if isinstance(knots := settings.get("knots"), int):
         enough = enough_intervals(case, motion.duration)
         if knots < FEW_KNOTS * enough:

@@ -2,19 +2,14 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any, ClassVar, Literal, NamedTuple
 
-import numpy as np
-
 from cases.errors import HexciteError
-from cases.schema import Case
 from cases.sensors import payload_words
 from cases.units import MM, UM
 from identification.criteria import Criterion
-from identification.model import identification_model
-from identification.parameters import physical_form
 from planner.families.settings import FAMILIES, FamilySettings, PointToPoint, family_class
 
 OWNERS = {setting.name: name for name, kind in FAMILIES.items() for setting in fields(kind)}
@@ -47,8 +42,6 @@ class Request:
     payload: int = 0  # number of the case's payloads that are mounted, at most
     # fewest payloads; None for just as many. Predicted standard deviations are the largest of the range
     payload_from: int | None = None
-    # targets: standard deviations to be met, such as m=0.05kg; the duration is then the longest allowed
-    targets: tuple[str, ...] = ()
     starts: int | None = None  # number of random starts; None for as many as pay
     seconds: float | None = None  # time for the search; None until more starts stop paying
     seed: int = 0  # seed of the starts
@@ -72,8 +65,6 @@ class Request:
                 f"payloads {self.payload_from}-{self.payload} are not a range; give the fewest first, as "
                 f"0-{self.payload}"
             )
-        if self.targets and not self.family.optimised:
-            raise HexciteError("targets need a family that is optimised; choose fourier, ptp or spline")
 
     @property
     def payloads(self) -> range:
@@ -95,7 +86,7 @@ class Request:
         """Entries of `plan.json` that say what was asked for, beside criterion and model."""
         entries = {"duration_s": self.duration, "starts": self.starts, "seconds": self.seconds}
         own = {name: str(v) if isinstance(v, Path) else v for name, v in asdict(self.family).items()}
-        return {"targets": list(self.targets), "seed": self.seed, "asked": entries | {"family": own}}
+        return {"seed": self.seed, "asked": entries | {"family": own}}
 
     @classmethod
     def of_json(cls, data: Mapping[str, Any]) -> "Request":
@@ -109,15 +100,10 @@ class Request:
             int(data["model"]),
             int(data["payload"]),
             None if fewest == data["payload"] else int(fewest),
-            tuple(str(target) for target in data["targets"]),
             asked["starts"],
             asked["seconds"],
             int(data["seed"]),
         )
-
-    def lasting(self, duration: float) -> "Request":
-        """The same for another duration [s]."""
-        return replace(self, duration=duration, family=self.family.lasting(duration / self.duration))
 
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
@@ -145,9 +131,6 @@ class TypedValue(NamedTuple):
     name: str  # name of the parameter
     value: float  # [SI]
     std: float | None  # standard deviation [SI]; None where none is given
-    text: str  # as the user wrote it
-    unit: str  # unit in which the user wrote it
-    scale: float  # SI value of that unit
 
 
 def read_value(text: str, units: Mapping[str, str], option: str, example: str, model: int) -> TypedValue:
@@ -174,23 +157,7 @@ def read_value(text: str, units: Mapping[str, str], option: str, example: str, m
         raise HexciteError(f"{option} {text}", f"{problem}; give {' or '.join(factors)}")
     scale = factors[unit]
     std = None if match["std"] is None else float(match["std"]) * scale
-    return TypedValue(name, float(match["value"]) * scale, std, text, unit, scale)
-
-
-def parse_targets(words: tuple[str, ...], case: Case, model: int) -> tuple[TypedValue, ...]:
-    """Standard deviations that shall not be exceeded, such as m=0.05kg or zC=0.3mm.
-
-    Raises:
-        HexciteError: not of this form, an unknown parameter or one given twice, or a unit that is not the parameter's.
-    """
-    units = {p.name: p.unit for p in physical_form(identification_model(case, model)).parameters}
-    targets = tuple(read_value(word, units, "--target", "m=0.05kg", model) for word in words)
-    for place, target in enumerate(targets):
-        if target.name in [earlier.name for earlier in targets[:place]]:
-            raise HexciteError(f"--target {target.text}", f"{target.name} is given twice; give it once")
-        if target.std is not None or not 0.0 < target.value < np.inf:
-            raise HexciteError(f"--target {target.text}", "is not one positive number; write --target m=0.05kg")
-    return targets
+    return TypedValue(name, float(match["value"]) * scale, std)
 
 
 USUAL = 30  # poses of the paper's reduced sets

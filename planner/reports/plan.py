@@ -41,7 +41,6 @@ def plan_page(plan: Plan) -> str:
         ("criterion", request.criterion),
         ("model", str(request.model)),
         ("mounted", request.mounted),
-        ("targets", ", ".join(request.targets) or "none"),
         ("seed", str(request.seed)),
         *provenance([])["versions"].items(),
     ]

@@ -220,4 +220,4 @@ def retimed_plan(found: Retimed, plan: Plan, model: int) -> Plan:
     off = f", up to {off_mm:.2g} mm and {off_deg:.2g} deg off its path" if off_mm or off_deg else ""
     remark = f"re-timed with {found.method}: {found.motion.duration:.2f} s instead of {before:.2f} s{off}"
     planned = PlannedMotion(found.motion, settings, found.after.limits, remark=remark)
-    return rated_plan(replace(plan.of_motion[0], model=model, targets=()), plan.case, planned, found.seconds)
+    return rated_plan(replace(plan.of_motion[0], model=model), plan.case, planned, found.seconds)

@@ -24,7 +24,6 @@ WRONG: dict[str, tuple[Callable[[Case], Any], tuple[str, ...]]] = {
     "plan a family": (lambda case: hx.plan(case, "ptp"), ("family = 'ptp'", "hx.PointToPoint")),
     "plan for long": (lambda case: hx.plan(case, duration="3"), ("duration = '3'", "a number")),
     "plan by starts": (lambda case: hx.plan(case, starts=1.5), ("starts = 1.5", "a whole number or None")),
-    "plan to a target": (lambda case: hx.plan(case, targets="m=1kg"), ("targets = 'm=1kg'", "a list", "a text")),
     "compare nothing": (lambda case: hx.compare([]), ("compare", "name plans, runs or results")),
     "plan_poses": (lambda case: hx.plan_poses(case, count="9"), ("count = '9'", "a whole number or None")),
     "bound": (lambda case: hx.bound("hexapod"), ("case = 'hexapod'", "a Case")),
