@@ -234,6 +234,7 @@ def test_any_number_for_any_option_is_taken_or_refused_in_one_line(option: str, 
         answer.refusal()
 
 
+@given(option=st.sampled_from(["--criterion", "--family", "--sequence", "--output"]), value=WORDS)
 @settings(max_examples=25, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_any_word_for_any_option_is_taken_or_refused_in_one_line(option: str, value: str):
     answer = call(*STOPPED, f"{option}={value}")
