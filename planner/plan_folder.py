@@ -10,20 +10,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from cases.basis import case_of, changes_since, plan_basis, require_unchanged
+from cases.basis import case_of, plan_basis, require_unchanged
 from cases.errors import FileProblem, HexciteError
 from cases.files import DAMAGED, read_json
-from cases.schema import Case
+from cases.schema import Case, fingerprint
 from cases.tables import LARGEST
-from identification.criteria import Criterion, reference_scaling, singular_values
 from identification.limit import LimitReport
-from identification.model import identification_model
 from identification.motion import Joined, Standstill, Trajectory
 from identification.trajectories.curves import FourierMotion, PolynomialMotion
 from identification.trajectories.moves import CircularMove, Plane, StraightMove, unit_profile
-from planner.noise import standing_model
-from planner.plan_figures import PoseWorth, Worth, figures_of, predicted_std_at_poses
-from planner.pose_criteria import pose_regressors, total_information
+from planner.plan_figures import PoseWorth, Worth
 from planner.request import LONGEST, PoseRequest, Request
 
 if TYPE_CHECKING:
@@ -39,8 +35,13 @@ def fingerprint_of(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()[:DIGITS]
 
 
+def content_of(data: Mapping[str, Any]) -> str:
+    """Fingerprint of the entries of a plan, by which a change by hand is known; its case may be moved."""
+    return fingerprint({key: value for key, value in data.items() if key not in ("content", "case_file")})
+
+
 def load_plan(kind: "type[Plan]", folder: Path, case: Case | None, stale: bool) -> "Plan":
-    """Reads a plan folder; its figures are computed anew from its motion and compared.
+    """Reads a plan folder.
 
     Args:
         kind: the type of plans.
@@ -76,8 +77,8 @@ def load_plan(kind: "type[Plan]", folder: Path, case: Case | None, stale: bool) 
             entries.assumed_rate_Hz, worth, entries.settings, entries.solve_s, entries.interrupted,
             folder, fingerprint_of(file.read_bytes()), remarks,
         )  # fmt: skip
-        if not changes_since(data, now, own.hash):
-            _require_own_figures(file, data, plan)
+    if entries.content not in (None, content_of(data)):
+        raise FileProblem(file, "was changed by hand", "plan again")
     return plan
 
 
@@ -97,6 +98,7 @@ class Entries(BaseModel, strict=True, frozen=True):
     settings: dict[str, bool | int | float | str | list[str]]
     solve_s: float
     interrupted: bool = False
+    content: str | None = None  # earlier versions stated none
 
 
 @contextmanager
@@ -113,43 +115,6 @@ def _refusing(file: Path) -> Iterator[None]:
         if isinstance(error, ValidationError):
             place = ".".join(map(str, error.errors()[0]["loc"]))
         raise FileProblem(file, f"entry {place} is missing or damaged", "plan again") from error
-
-
-ALIKE = 1e-3  # tolerance of figures that are computed anew: another computer rounds otherwise
-CLOCK = 1e-6  # [s] tolerance of durations, which add up alike everywhere
-
-
-def _require_own_figures(file: Path, data: dict[str, Any], plan: "Plan") -> None:
-    """Raises FileProblem where an entry of plan.json does not agree with the motion in it."""
-    tolerances = {"duration_s": CLOCK}
-    if isinstance(plan.worth, PoseWorth):
-        model, poses, noise = standing_model(plan.case, plan.model), plan.poses, plan.assumed_noise
-        scaling = reference_scaling(plan.case, model)
-        regressors = pose_regressors(model, poses) * scaling
-        singular_values(total_information(regressors), model.names)  # raises where they do not determine the model
-        figures = {"count": float(len(poses))}
-        predicted = predicted_std_at_poses(plan.case, model, scaling, regressors, poses, noise)
-    else:
-        rate = plan.case.recording.model_copy(update={"rate_Hz": plan.assumed_rate})
-        case = plan.case.model_copy(update={"recording": rate})
-        model = identification_model(case, plan.model)
-        figures, _, worst = figures_of(case, model, plan.motion, plan.payloads, plan.request.criterion)
-        figures["d_efficiency"] = plan.worth.bound.efficiency(figures["logdet"])
-        predicted = {name: std for name, (std, _) in worst.items()}
-        # An efficiency to a thousandth is a log det to a thousandth of the parameters.
-        tolerances["logdet"] = ALIKE * len(model.names)
-        if plan.request.criterion == Criterion.D:
-            tolerances["criterion_value"] = tolerances["logdet"]
-    if list(predicted) != list(plan.predicted_std):
-        raise ValueError("predicted_std")
-    figures |= {"duration_s": plan.duration} | {f"predicted_std.{name}": std for name, std in predicted.items()}
-    stated = data | {f"predicted_std.{name}": std for name, std in plan.predicted_std.items()}
-    for key, value in figures.items():
-        entry = stated[key]
-        numeric = isinstance(entry, int | float) and not isinstance(entry, bool)
-        if not numeric or not abs(entry - value) <= tolerances.get(key, ALIKE * abs(value)):
-            words = f"{key} is {entry!r}, but {value:.9g} by its motion: changed by hand or by another version"
-            raise FileProblem(file, words, "plan again")
 
 
 _FOURIER = {

@@ -18,7 +18,7 @@ from identification.motion import Array, Joined, Motion, Standstill, Trajectory,
 from identification.parameters import physical_form
 from planner.families import Settings
 from planner.plan_figures import PoseWorth, Worth, bound_by
-from planner.plan_folder import SCHEMA_VERSION, fingerprint_of, load_plan, motion_entries
+from planner.plan_folder import SCHEMA_VERSION, content_of, fingerprint_of, load_plan, motion_entries
 from planner.precision import carries_rods, legible, parameter_words, share_text, std_text
 from planner.request import PoseRequest, Request
 
@@ -152,7 +152,7 @@ class Plan:
             columns = self.case.need_motion("a plan")[1].columns
             rows = poses_in_units(self.poses, self.case).tolist()
             own = {"count": len(rows), "poses": [dict(zip(columns, row, strict=True)) for row in rows]}
-        return {
+        entries = {
             "schema_version": SCHEMA_VERSION,
             "case": self.case.name,
             "case_file": self.case.origin,
@@ -175,6 +175,7 @@ class Plan:
             "limits": self.limits.to_json(),
             **motion_entries(self.motion),
         }
+        return entries | {"content": content_of(entries)}
 
     def __str__(self) -> str:
         """Summary in ten lines: the excitation, its figures, its predicted standard deviations, and its limits."""

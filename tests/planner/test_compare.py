@@ -95,7 +95,7 @@ def test_a_run_knows_its_plan_by_hash_wherever_the_folders_are(chain: Chain, sha
     """Two plans of one path: only one of them is the one that the program was written from."""
     twin = shutil.copytree(shared / "plan", tmp_path / "a-twin")
     text = (twin / "plan.json").read_text()
-    (twin / "plan.json").write_text(text.replace('"notes": []', '"notes": ["planned again"]') + " ")
+    (twin / "plan.json").write_text(text + " ")
     moved = [shutil.copytree(shared / n, tmp_path / f"moved-{n}") for n in ("plan", "recording", "result")]
     entries = [read_entry(path) for path in (twin, *moved)]
     plan, run, result = (Path(entry.name).name for entry in entries[1:])
