@@ -40,17 +40,23 @@ def compare(
 
 
 def _show(answer: dict[str, Any], comparison: "Comparison") -> None:
-    from planner.reports.compare import EXECUTION, execution_rows, figure_rows, parameter_columns, parameter_rows
+    from planner.reports.compare import (
+        EXECUTION_COLUMNS,
+        execution_rows,
+        figure_rows,
+        parameter_columns,
+        parameter_rows,
+    )
 
     entries = comparison.entries
     names = [e.name for e in entries]
     console.print_table(
         "Figures; criteria of the mean information, reference scaling", ("", *names), figure_rows(entries)
     )
-    title = "Parameters side by side; std of plans and runs is predicted"
+    title = "Parameters side by side; std of plans is predicted"
     console.print_table(title, parameter_columns(entries), parameter_rows(entries))
     if rows := execution_rows(comparison.groups):
-        console.print_table("Planned and executed", EXECUTION, rows)
+        console.print_table("Planned and executed", EXECUTION_COLUMNS, rows)
     for warning in answer["warnings"]:
         print(f"warning: {warning}")
     print(f"report written: {answer['report']}")

@@ -1,7 +1,7 @@
 """Comparison of plans, runs and results: their groups, and which excitation to prefer."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +13,8 @@ from cases.errors import HexciteError
 from cases.files import COMPARISON, atomic_folder, check_folder, json_text
 from cases.schema import Case
 from cases.units import as_html
-from planner.comparison.entries import LEVELS, Conditions, Entry, entry_of_plan, read_entry
+from planner.comparison.entries import Conditions, Entry, entry_of_plan, read_entry
 from planner.plans import Plan
-from planner.vibration import least_shaken
 
 SAME_NOISE = 1.05  # ratio of the noise that two predictions assume, below which they compare
 SAME_LOAD = 1e-3  # [kg] difference of the mounted weights below which loads are the same
@@ -23,36 +22,18 @@ NO_DIFFERENCE = 1.05  # ratio of standard deviations below which the shorter one
 
 
 def groups(entries: Sequence[Entry]) -> list[list[Entry]]:
-    """Entries that belong together, by the fingerprints that they carry: a plan, its runs and their results.
-
-    A result without its run belongs to the plan of that run; one with it has time and machine from it.
-    """
-    entry_groups = [[e] for e in entries if e.level == "planned"]
-    for run in (e for e in entries if e.level == "executed"):
-        _group_of_plan(run, [g for g in entry_groups if g[0].level == "planned"], entry_groups).append(run)
-    for result in (e for e in entries if e.level == "identified"):
-        runs = [(g, e) for g in entry_groups for e in g if e.level == "executed" and _of_one_run(e, result)]
-        if runs:
-            home, run = runs[0]
-            known = result.conditions._replace(load=run.conditions.load, machine=run.conditions.machine)
-            entry = replace(result, duration=run.duration, conditions=known)
-            home.insert(max(k for k, e in enumerate(home) if _of_one_run(e, run)) + 1, entry)
-        else:
-            _group_of_plan(result, entry_groups, entry_groups).append(result)
+    """Entries that belong together, by the fingerprints that they carry: a plan, its runs and their results."""
+    entry_groups: list[list[Entry]] = []
+    for entry in sorted(entries, key=lambda e: e.level != "planned"):
+        homes = (g for g in entry_groups if any(_of_one_excitation(entry.conditions, o.conditions) for o in g))
+        if (home := next(homes, None)) is None:
+            entry_groups.append(home := [])
+        home.append(entry)
     return entry_groups
 
 
-def _of_one_run(one: Entry, other: Entry) -> bool:
-    return bool(one.conditions.recordings & other.conditions.recordings)
-
-
-def _group_of_plan(entry: Entry, known: Sequence[list[Entry]], entry_groups: list[list[Entry]]) -> list[Entry]:
-    """The group that begins with an entry's plan, or a new one."""
-    for group in known:
-        if group[0].conditions.plan == entry.conditions.plan is not None:
-            return group
-    entry_groups.append([])
-    return entry_groups[-1]
+def _of_one_excitation(one: Conditions, other: Conditions) -> bool:
+    return one.plan == other.plan is not None or bool(one.recordings & other.recordings)
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -61,7 +42,7 @@ class Comparison:
 
     groups: tuple[tuple[Entry, ...], ...]  # each group: a plan, its runs and their results
     best: str | None  # name of the one to prefer; None where nothing can be compared
-    level: str  # origin of the figures: planned, executed or identified
+    level: str  # origin of the figures: planned, identified, or mixed
     ratios: Mapping[str, float]  # geometric mean of the standard deviations of each, over the best one's
     sentences: tuple[str, ...]  # reasons
 
@@ -107,12 +88,12 @@ class Comparison:
 
 def recommend(entries: Sequence[Sequence[Entry]]) -> Comparison:
     """Groups with the excitation of the smallest standard deviations, by the best evidence that all of them have."""
-    common = [level for level in reversed(LEVELS) if all(any(e.level == level for e in g) for g in entries)]
     different, remarks = list[str](), list[str]()
+    common = [level for level in ("identified", "planned") if all(any(e.level == level for e in g) for g in entries)]
     if common:
-        level, selection = str(common[0]), [e for g in entries for e in g if e.level == common[0]]
+        level, selection = common[0], [e for g in entries for e in g if e.level == common[0]]
     else:
-        level, selection = "mixed", [max(g, key=lambda e: LEVELS.index(e.level)) for g in entries]
+        level, selection = "mixed", [e for g in entries for e in g if e.level == g[-1].level]
         remarks.append("predictions stand beside identified values: predictions know nothing of the machine's errors")
     alike = under_equal_conditions(selection)
     if len(alike) > 1:
@@ -120,14 +101,13 @@ def recommend(entries: Sequence[Sequence[Entry]]) -> Comparison:
         words = "these were planned or measured under different conditions, and none is preferred across them"
         different.append(f"{words}: {text}")
     rated = [_among(group, level) for group in alike if len(group) > 1 or len(alike) == 1]
-    vibrations = [(e.name, e.vibration) for e in selection if e.vibration is not None]
     reasons = [sentence for *_, sentences in rated for sentence in sentences]
     return Comparison(
         groups=tuple(tuple(group) for group in entries),
         best=rated[0][0] if len(rated) == 1 else None,
         level=level,
         ratios={name: ratio for _, ratios, _ in rated for name, ratio in ratios.items()},
-        sentences=(*different, *reasons, *remarks, *least_shaken(vibrations)),
+        sentences=(*different, *reasons, *remarks),
     )
 
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from cases.files import provenance
 from planner.comparison.comparison import Comparison
-from planner.comparison.entries import Entry
+from planner.comparison.entries import EXECUTION, Entry
 from planner.precision import legible, parameter_words, std_text, value_text
 from planner.reports.page import Chart, colour, note, page, section, table
 
@@ -13,7 +13,6 @@ SPREAD = 0.7  # share of the distance between two parameters that the markers of
 
 def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
     """Rows of kind, cost and information of each entry; criteria of the mean information in the reference scaling."""
-    vibrations = [e.vibration for e in entries]
     rows = [
         ["is", *(e.level for e in entries)],
         ["family, controller, estimator", *(e.family for e in entries)],
@@ -21,10 +20,6 @@ def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
         ["measuring time [s]", *("-" if e.duration is None else f"{e.duration:.2f}" for e in entries)],
         ["samples", *(str(e.samples) for e in entries)],
     ]
-    if (frequency := next((v.frequency for v in vibrations if v is not None), None)) is not None:
-        times = ("-" if v is None else f"{v.times:.2f}" for v in vibrations)
-        rows.append([f"errors with a mode at {frequency:.3g} Hz over std", *times])
-        rows.append(["force residual with it [N rms]", *("-" if v is None else f"{v.s0:.3g}" for v in vibrations)])
     rows.append(["force residual [N rms]", *("-" if e.s0 is None else f"{e.s0:.3g}" for e in entries)])
     words = {"D": "log det F (D)", "A": "-trace F^-1 (A)", "K": "-mu_1/mu_u (K)", "N": "mu_u²/mu_1 (N)"}
     if any(e.criteria for e in entries):
@@ -60,8 +55,7 @@ def execution_rows(groups: Sequence[Sequence[Entry]]) -> list[list[str]]:
     for group in groups:
         plan = next((e.name for e in group if e.level == "planned"), "-")
         for run in (e for e in group if e.notes):
-            keys = ("planned_s", "executed_s", "d_efficiency_planned", "d_efficiency", "path_error_mm")
-            rows.append([plan, run.name, *(f"{run.notes[k]:.3f}" if k in run.notes else "-" for k in keys)])
+            rows.append([plan, run.name, *(f"{run.notes[k]:.3f}" if k in run.notes else "-" for k in EXECUTION)])
     return rows
 
 
@@ -70,7 +64,15 @@ CRITERIA_WORDS = (
     "determinant; A, the sum of the variances, with a minus; K, its condition, with a minus; N, its smallest singular "
     "value squared over the largest. Larger is better."
 )
-EXECUTION = ("plan", "run", "planned [s]", "executed [s]", "D-eff. as programmed", "as executed", "off the path [mm]")
+EXECUTION_COLUMNS = (
+    "plan",
+    "run",
+    "planned [s]",
+    "executed [s]",
+    "D-eff. as programmed",
+    "as executed",
+    "off the path [mm]",
+)
 
 
 def compare_page(comparison: Comparison) -> str:
@@ -84,7 +86,7 @@ def compare_page(comparison: Comparison) -> str:
             "Parameters side by side",
             std_chart(groups),
             table(parameter_columns(entries), parameter_rows(entries)),
-            note("std of plans and runs: predicted from the information alone, with white noise as the case states."),
+            note("std of plans: predicted from the information alone, with white noise as the case states."),
         ),
         section("Figures", table(("", *names), figure_rows(entries)), note(CRITERIA_WORDS)),
     ]
@@ -93,7 +95,7 @@ def compare_page(comparison: Comparison) -> str:
             "D-efficiency as programmed: of the motion that the controller makes of the text, by its own time law; as "
             "executed: of what it did, behind the evaluation's filter. The plan's own is among the figures."
         )
-        sections.append(section("Planned and executed", table(EXECUTION, execution, left=2), note(words)))
+        sections.append(section("Planned and executed", table(EXECUTION_COLUMNS, execution, left=2), note(words)))
     hashes = dict.fromkeys((f"case {e.conditions.case.name}", e.conditions.case.hash) for e in entries)
     return page(
         "Comparison of excitations",
@@ -106,14 +108,14 @@ def compare_page(comparison: Comparison) -> str:
 
 def std_chart(groups: Sequence[Sequence[Entry]]) -> Chart:
     """Standard deviations over the smallest of each parameter; what belongs together has one colour."""
-    symbols = {"planned": "circle-open", "executed": "diamond", "identified": "circle"}
+    symbols = {"planned": "circle-open", "identified": "circle"}
     entries = [(colour(k), entry) for k, group in enumerate(groups) for entry in group]
     names = list(dict.fromkeys(n for _, entry in entries for n in entry.parameters))
     above_zero = {n: [e.parameters[n].reported for _, e in entries if n in e.parameters] for n in names}
     best = {n: min(filter(None, values), default=0.0) for n, values in above_zero.items()}  # a given value has none
     caption = (
-        "Standard deviations over the smallest of each parameter: open circles predicted by a plan, diamonds for the "
-        "motion as executed, dots identified; a plan, its runs and their results have one colour."
+        "Standard deviations over the smallest of each parameter: open circles predicted by a plan, dots "
+        "identified; a plan, its runs and their results have one colour."
     )
     figure = Chart("std", caption, y="times the smallest", height=420, showlegend=True)
     for k, (own, entry) in enumerate(entries):
