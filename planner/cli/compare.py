@@ -69,9 +69,6 @@ def validate(
     methods: Annotated[
         str | None, option(f"Methods, separated by commas, by default all: {', '.join(METHOD_TABLES)}.")
     ] = None,
-    recordings: Annotated[
-        Path | None, option("Instead: a real machine's runs, METHOD/0, METHOD/1, .. named after the weights mounted.")
-    ] = None,
     weights: Annotated[
         str | None, option("How many weights are mounted: 0,3,5; by default none, and each up to all.")
     ] = None,
@@ -85,8 +82,8 @@ def validate(
 ) -> None:
     """Identify known weights by each method; compare with theory.
 
-    They are mounted one after the other. Without --recordings the case's simulated machine is used, and the answer says
-    what it models. Interrupted, the same command uses the plans that are there.
+    They are mounted one after the other on the case's simulated machine; the answer says what that models.
+    Interrupted, the same command uses the plans that are there.
     """
     from planner.comparison.methods import unfinished
     from planner.comparison.trials import mounted_weights
@@ -95,17 +92,13 @@ def validate(
     loaded = hx.load_case(case)
     names = None if methods is None else [name.strip() for name in methods.split(",") if name.strip()]
     place = output_place(output, Path("hexcite-validation"), overwrite)
-    check_folder(place, VALIDATION, [] if recordings is None else [recordings], overwrite)
-    if recordings is not None:
-        for option in (name for name, given in (("--weights", weights), ("--on", on != "virtual")) if given):
-            raise hx.HexciteError(option, "nothing is simulated with --recordings; leave out one of both")
-        validation = hx.validate_recordings(loaded, recordings, names)
+    check_folder(place, VALIDATION, overwrite=overwrite)
+    mounted = mounted_weights(loaded, weights)
+    with unfinished(place, loaded, settings) as work, console.status("validating", json) as remark:
+        validation = hx.validate(
+            loaded, tuple(METHOD_TABLES) if names is None else names, mounted, settings, folder=work, progress=remark
+        )
         console.save_with_page(validation, VALIDATION, place, overwrite)
-    else:
-        selection, mounted = tuple(METHOD_TABLES) if names is None else names, mounted_weights(loaded, weights)
-        with unfinished(place, loaded, settings) as work, console.status("validating", json) as remark:
-            validation = hx.validate(loaded, selection, mounted, settings, folder=work, progress=remark)
-            console.save_with_page(validation, VALIDATION, place, overwrite)
     answer = {"report": str(place / "report.html")} | validation.to_json()
     if not console.answered(answer, json):
         _show_validation(answer, validation)

@@ -6,21 +6,19 @@ simulated machine knows its true values too, and errors are also given in report
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from cases.errors import CaseError, FileProblem, HexciteError
+from cases.errors import CaseError, HexciteError
 from cases.schema import Case
 from cases.sensors import Disturbances, RigidBody
-from identification.identify import estimate_parameters, standing_of
+from identification.identify import estimate_parameters
 from identification.model import Model, full_model
 from identification.motion import Array
 from identification.parameters import RIGID, body_parameters, linear_parameters, physical_form
-from identification.recording import Recording, read
+from identification.recording import Recording
 from identification.result import Estimate
-from identification.runs.preparation import on_one_clock
 from identification.runs.standstills import average, find_standstills, match
 from identification.simulate import Circumstances, Moved, loaded_truth, moved, sensed
 from identification.trajectories.executed import Execution
@@ -36,10 +34,10 @@ class Trial:
     method: str  # its name
     weights: int  # number of mounted weights
     load: float  # their mass [kg]
-    duration: float | None  # measuring time [s]
+    duration: float  # measuring time [s]
     estimate: Estimate
     theory: Mapping[str, float]  # values by the identification without payload plus the weights, by name [SI]
-    truth: Mapping[str, float]  # truth of a simulated machine, by name [SI]; empty for recordings
+    truth: Mapping[str, float]  # truth of the simulated machine, by name [SI]
 
     @property
     def s0(self) -> float:
@@ -55,7 +53,7 @@ class Trial:
 
     @property
     def errors(self) -> dict[str, float]:
-        """Estimates less truth in reported standard deviations, by name; empty where the truth is unknown."""
+        """Estimates less truth in reported standard deviations, by name."""
         own = self.estimate.physical
         return {n: (own[n].value - true) / own[n].reported for n, true in self.truth.items() if n in own}
 
@@ -130,39 +128,6 @@ def trials(excitation: Excitation, mounted: Sequence[int], disturbances: Disturb
         yield Trial(excitation.name, k, load, excitation.duration, estimate, _theory(bare, weights), truth)
 
 
-def recorded_trials(case: Case, folder: Path) -> Iterator[Trial]:
-    """Recordings of a machine: in `folder` the runs 0, 1, .. with so many weights, as folders or files.
-
-    Raises:
-        FileProblem: the run without payload or one of the others is missing, or there are fewer than two.
-        HexciteError: a run cannot be evaluated.
-    """
-    runs = {
-        k: p
-        for k in range(len(_weights(case, 99)) + 1)
-        for p in (folder / f"{k}.parquet", folder / f"{k}.csv", folder / str(k))
-        if p.exists()
-    }
-    files = [runs[k] for k in sorted(runs)]
-    for k in range(len(files)):
-        if k not in runs:
-            raise FileProblem(folder, f"holds runs up to {max(runs)}, but not {k}", "each number of weights is wanted")
-    if len(files) < 2:
-        raise FileProblem(
-            folder,
-            f"holds {len(files)} of the runs 0, 1, .. (folders or CSV files, named after the number of weights "
-            "mounted)",
-            "a validation needs at least 0 and 1",
-        )
-    bare: Estimate | None = None
-    for k, file in enumerate(files):
-        estimate = estimate_parameters(standing_of(on_one_clock(read(file, case), case), case)[0], case)
-        bare = estimate if bare is None else bare
-        weights = _weights(case, k)
-        load = sum(w.mass_kg for w in weights)
-        yield Trial(folder.name, k, load, None, estimate, _theory(bare, weights), {})
-
-
 def _theory(bare: Estimate, mounted: Sequence[RigidBody]) -> dict[str, float]:
     """The platform as identified without payload, with weights on it; offsets stay.
 
@@ -180,21 +145,11 @@ def _physical(model: Model, linear: Array) -> dict[str, float]:
     return {p.name: float(value) for p, value in zip(form.parameters, values, strict=True)}
 
 
-def require_weights(case: Case) -> None:
-    """Raises CaseError where a case has no weights, or a machine for which methods are not compared."""
-    if case.limits is not None and full_model(case) == RIGID:
-        raise CaseError(
-            f"case {case.name}",
-            "setup",
-            f"is {case.setup}: a validation compares methods for sensors in a hexapod's platform; run and identify "
-            "with and without a weight, and see what hexcite payload says of it",
-        )
-    _weights(case, 0)
-
-
 def mounted_weights(case: Case, wanted: str | None) -> tuple[int, ...]:
     """Numbers of weights to mount, by default all; raises HexciteError where `wanted` is not such, as in 0,3,5."""
-    require_weights(case)
+    if case.limits is not None and full_model(case) == RIGID:
+        problem = f"is {case.setup}: a validation compares methods for sensors in a hexapod's platform"
+        raise CaseError(f"case {case.name}", "setup", f"{problem}; run and identify with and without a weight")
     most = len(_weights(case, 99))
     if wanted is None:
         return tuple(range(most + 1))

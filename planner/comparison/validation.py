@@ -17,7 +17,7 @@ from cases.units import as_html
 from planner.comparison.comparison import Comparison, recommend
 from planner.comparison.entries import Conditions, Entry
 from planner.comparison.methods import METHODS, USUAL, Remark, ValidationSettings, executed, require_methods
-from planner.comparison.trials import Trial, mounted_weights, recorded_trials, require_weights, trials
+from planner.comparison.trials import Trial, mounted_weights, trials
 from planner.execution import require_controller
 
 OFF = 3.0  # reported standard deviations; more is a systematic error
@@ -31,8 +31,8 @@ class Validation:
     machine: str  # machine that was identified, in words
     trials: tuple[Trial, ...]
     failed: Mapping[str, str]  # methods that could not be carried out, and why
-    executed: Mapping[str, str]  # controller of each method that was simulated
-    controller: str | None  # controller that ran the programs; None for recordings of a machine
+    executed: Mapping[str, str]  # controller of each method, with remarks on its run
+    controller: str  # controller that ran the programs
     made: Mapping[str, bytes]  # files of plans and programs by their place in the folder
 
     @property
@@ -44,8 +44,6 @@ class Validation:
     def sentences(self) -> tuple[str, ...]:
         """Which method to prefer, and how many results are as close to a simulated machine's truth as they report."""
         errors = [abs(error) for trial in self.trials for error in trial.errors.values()]
-        if not errors:
-            return self.comparison.sentences
         words = (
             f"mass, centre of gravity and inertia: {sum(e <= OFF for e in errors)} of {len(errors)} are within {OFF:g} "
             f"reported standard deviations of the truth, the worst is off by {max(errors):.1f}"
@@ -59,7 +57,7 @@ class Validation:
             "case": self.case.name,
             "case_hash": self.case.hash,
             "machine": self.machine,
-            "simulated": self.controller is not None,
+            "simulated": True,
             "controller": self.controller,
             "not_run": dict(self.failed),
             "rows": [trial.to_json() for trial in self.trials],
@@ -145,28 +143,6 @@ def validate(
         }
     machine = _simulated(case, disturbances, settings)
     return Validation(case, machine, tuple(found), failed, controllers, settings.on, made)
-
-
-def validate_recordings(case: Case, recordings: Path | str, methods: Sequence[str] | None = None) -> Validation:
-    """Evaluates the payload experiment from a real machine's recordings.
-
-    Args:
-        recordings: folder with a folder for each method, whose runs 0, 1, .. are named after the number of weights.
-        methods: names of folders; None for all.
-
-    Raises:
-        HexciteError: runs are missing, or cannot be evaluated.
-    """
-    require_weights(case)
-    recordings = Path(recordings)
-    folders = {p.name: p for p in sorted(recordings.iterdir()) if p.is_dir()} if recordings.is_dir() else {}
-    if not folders:
-        raise HexciteError(recordings, "holds no folder of runs; name the folder that holds one for each method")
-    for name in methods or ():
-        if name not in folders:
-            raise HexciteError(f"method {name!r}: {recordings} holds no folder of that name, but {', '.join(folders)}")
-    found = tuple(trial for name in methods or folders for trial in recorded_trials(case, folders[name]))
-    return Validation(case, f"recordings of a machine in {recordings}", found, {}, {}, None, {})
 
 
 def _simulated(case: Case, disturbances: Disturbances | None, settings: ValidationSettings) -> str:

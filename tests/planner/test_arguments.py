@@ -47,7 +47,6 @@ WRONG: dict[str, tuple[Callable[[Case], Any], tuple[str, ...]]] = {
     "new_case": (lambda case: hx.new_case(3), ("name = 3", "a text")),
     "new_arm": (lambda case: hx.new_arm("arm", 3), ("urdf = 3", "a path")),
     "study": (lambda case: hx.study("hexapod", "paper"), ("case = 'hexapod'", "a Case")),
-    "validate_recordings": (lambda case: hx.validate_recordings(case, 3), ("recordings = 3", "a path")),
     "biases_of": (lambda case: hx.biases_of("result", "hexapod"), ("case = 'hexapod'", "a Case")),
     "symmetric_platform": (lambda case: hx.symmetric_platform(9), ("model = 9", "a Model")),
     "method": (lambda case: hx.method(3), ("name = 3", "a text")),

@@ -2,20 +2,13 @@
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 from playwright.sync_api import Browser
 
-from cases.recording_format import STRUTS
-from cases.schema import Case
-from identification.hexapod import Hexapod
-from identification.simulate import Circumstances
 from planner.comparison.methods import METHODS
 from tests.helpers import few, tells
 from tests.planner.browser import opened
 from tests.planner.command_line import call, refused
-from tests.planner.comparison.excitations import CASE, poses
-from tests.simulated_machine import simulate_standstills
 
 Q5N = (1.81, 1.93, 2.07, 2.33, 2.74, 3.14)  # Table 7
 
@@ -51,43 +44,10 @@ def test_the_help_names_every_method():
     assert f"by default all: {', '.join(METHODS)}." in shown
 
 
-def write_standstills(case: Case, file: Path, weights: int) -> None:
-    """As a real machine would record it: struts and forces, a row a pose."""
-    around = Circumstances(case.payloads.weights[:weights])
-    recording = simulate_standstills(case, poses(), 1000, weights, around)
-    struts = Hexapod.of(case).strut_lengths(poses()) * 1e3
-    header = ",".join((*STRUTS, *(f"f{k}_N" for k in range(1, 7))))
-    np.savetxt(file, np.hstack([struts, recording.forces]), delimiter=",", header=header, comments="", fmt="%.8f")
-
-
-def test_recordings_of_a_machine_are_validated_without_knowing_its_truth(tmp_path: Path):
-    (tmp_path / "runs" / "static").mkdir(parents=True)
-    for k in range(3):
-        write_standstills(CASE, tmp_path / "runs" / "static" / f"{k}.csv", k)
-    answer = call("validate", "hexapod", "--recordings", tmp_path / "runs", "-o", tmp_path / "v", "--json").json()
-    assert answer["simulated"] is False
-    assert [row["method"] for row in answer["rows"]] == ["static"] * 3
-    for row in answer["rows"]:
-        assert row["error_in_std"] == {}
-        assert abs(row["relative_deviation"]["m"]) < 5e-3
-        assert abs(row["relative_deviation"]["f_q0_3"]) < 1e-3
-    runs = ("validate", "hexapod", "--recordings", tmp_path / "runs", "-o", tmp_path / "w")
-    assert tells(refused(*runs, "--methods", "ptp"), "no folder", "static")
-    for option in (("--weights", "0"), ("--on", "linuxcnc")):
-        assert tells(refused(*runs, *option), f"{option[0]}: ", "--recordings")
-    (tmp_path / "runs" / "static" / "1.csv").unlink()
-    assert tells(refused(*runs, "--methods", "static"), "up to 2", "not 1")
-    assert not (tmp_path / "w").exists()
-
-
 def test_what_cannot_be_validated_is_refused(tmp_path: Path):
     assert "method 'Q6' is unknown" in refused("validate", "hexapod", "--methods", "Q6", "-o", tmp_path / "v")
     assert "name each once" in refused("validate", "hexapod", "--methods", "ptp,ptp", "-o", tmp_path / "v")
     assert "how many are mounted" in refused("validate", "hexapod", "--weights", "1", "-o", tmp_path / "v")
     assert "--starts 1 to 1000" in refused("validate", "hexapod", "--starts", "0", "-o", tmp_path / "v")
     assert "payloads: is missing" in refused("validate", "ft_wrist", "-o", tmp_path / "v")
-    (tmp_path / "runs" / "one").mkdir(parents=True)
-    write_standstills(CASE, tmp_path / "runs" / "one" / "0.csv", 0)
-    said = refused("validate", "hexapod", "--recordings", tmp_path / "runs", "-o", tmp_path / "v")
-    assert "at least 0 and 1" in said
     assert not (tmp_path / "v").exists()
