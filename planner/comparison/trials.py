@@ -20,7 +20,7 @@ from identification.parameters import RIGID, body_parameters, linear_parameters,
 from identification.recording import Recording
 from identification.result import Estimate
 from identification.runs.standstills import average, find_standstills, match
-from identification.simulate import Circumstances, Moved, loaded_truth, moved, sensed
+from identification.simulate import Circumstances, loaded_truth, simulate_recording
 from identification.trajectories.executed import Execution
 
 SHOWN = ("m", "zC", "IC33", "f_q0_3", "k0", "k1")  # parameters of Table 7
@@ -87,19 +87,16 @@ class Excitation:
     seed: int  # seed of the sensors' noise
     controller: str = ""  # controller that executed it, with a remark on the run
 
-    def moved(self, weights: int, disturbances: Disturbances | None) -> Moved:
-        """The machine's motion with some weights mounted; its drives ripple anew in each run."""
-        return moved(self.case, self.execution, Circumstances((), disturbances), self.seed + weights)
-
-    def recorded(self, weights: int, disturbances: Disturbances | None, run: Moved | None = None) -> Recording:
+    def recorded(self, weights: int, disturbances: Disturbances | None) -> Recording:
         """The run with some weights mounted, averaged where it stands."""
-        around = Circumstances(_weights(self.case, weights), disturbances)
-        run = self.moved(weights, disturbances) if run is None else run
-        source = f"{self.name} with {weights} weights"
-        recording, _ = sensed(self.case, run, self.trigger, self.seed + weights, source, around)
+        around, source = (
+            Circumstances(_weights(self.case, weights), disturbances),
+            f"{self.name} with {weights} weights",
+        )
+        run = simulate_recording(self.case, self.execution, self.trigger, self.seed + weights, source, around)
         if not len(self.poses):
-            return recording
-        return match(average(recording, find_standstills(recording, 0.0)), self.case, self.poses, source)[0]
+            return run
+        return match(average(run, find_standstills(run, 0.0)), self.case, self.poses, source)[0]
 
 
 def _weights(case: Case, count: int) -> tuple[RigidBody, ...]:
@@ -109,18 +106,13 @@ def _weights(case: Case, count: int) -> tuple[RigidBody, ...]:
 
 
 def trials(excitation: Excitation, mounted: Sequence[int], disturbances: Disturbances | None) -> Iterator[Trial]:
-    """The simulated machine identified with numbers of weights on it, ascending from 0.
-
-    A set of poses is travelled through once: its standstills do not depend on the way there.
-    """
+    """The simulated machine identified with numbers of weights on it, ascending from 0."""
     case = excitation.case
-    once = excitation.moved(0, disturbances) if len(excitation.poses) else None
     bare: Estimate | None = None
     for k in mounted:
-        estimate = estimate_parameters(excitation.recorded(k, disturbances, once), case)
+        estimate = estimate_parameters(excitation.recorded(k, disturbances), case)
         bare = estimate if bare is None else bare
         weights = _weights(case, k)
-        body = loaded_truth(case.need_simulation("the validation").parameters, weights)
         body = loaded_truth(case.need_simulation("the validation").parameters, weights)
         known = _physical(estimate.model, linear_parameters(estimate.model, body))
         truth = {name: value for name, value in known.items() if name in BODY}
