@@ -8,9 +8,9 @@ from typing import Any, ClassVar, Literal, NamedTuple
 
 from cases.errors import HexciteError
 from cases.sensors import payload_words
-from cases.units import MM, UM
 from identification.criteria import Criterion
 from planner.families.settings import FAMILIES, FamilySettings, PointToPoint, family_class
+from planner.precision import legible
 
 OWNERS = {setting.name: name for name, kind in FAMILIES.items() for setting in fields(kind)}
 """Settings of one family alone, and its name."""
@@ -111,19 +111,6 @@ _VALUE = re.compile(
     rf"(?P<name>\w+)=(?P<value>{_NUMBER})(?:(?:\+-|±)(?P<std>{_NUMBER}))?\s*(?P<unit>[^\W\d_][\w/^ ]*)?"
 )
 
-# SI unit of a parameter -> what users may write instead, and its SI value.
-_UNITS: Mapping[str, Mapping[str, float]] = {
-    "kg": {"kg": 1.0, "g": 1e-3, "t": 1e3},
-    "m": {"m": 1.0, "mm": MM, "um": UM},
-    "kg m": {"kgm": 1.0, "kgmm": MM},
-    "kg m^2": {"kgm2": 1.0, "kgmm2": MM**2},
-    "N": {"N": 1.0, "kN": 1e3},
-    "N m": {"Nm": 1.0, "Nmm": MM},
-    "N/m": {"N/m": 1.0, "N/mm": 1.0 / MM},
-    "N m/m": {"Nm/m": 1.0, "Nm/mm": 1.0 / MM},
-    "N s^2/m": {"Ns2/m": 1.0, "kg": 1.0},
-}
-
 
 class TypedValue(NamedTuple):
     """A value such as m=0.05kg or m=33+-0.5kg."""
@@ -151,13 +138,13 @@ def read_value(text: str, units: Mapping[str, str], option: str, example: str, m
     if name not in units:
         words = f"{name} is not a parameter of model {model}; choose from {', '.join(units)}"
         raise HexciteError(f"{option} {text}", f"{words}")
-    factors = _UNITS[units[name]]
-    if unit not in factors:
+    factor, for_people = legible(units[name])
+    scales = {re.sub(r"[ ^]", "", own): scale for own, scale in ((units[name], 1.0), (for_people, 1.0 / factor))}
+    if unit not in scales:
         problem = f"unit {match['unit']} does not fit {name}" if unit else "has no unit"
-        raise HexciteError(f"{option} {text}", f"{problem}; give {' or '.join(factors)}")
-    scale = factors[unit]
-    std = None if match["std"] is None else float(match["std"]) * scale
-    return TypedValue(name, float(match["value"]) * scale, std)
+        raise HexciteError(f"{option} {text}", f"{problem}; give {' or '.join(scales)}")
+    std = None if match["std"] is None else float(match["std"]) * scales[unit]
+    return TypedValue(name, float(match["value"]) * scales[unit], std)
 
 
 USUAL = 30  # poses of the paper's reduced sets

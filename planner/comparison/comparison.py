@@ -16,8 +16,6 @@ from cases.units import as_html
 from planner.comparison.entries import Conditions, Entry, entry_of_plan, read_entry
 from planner.plans import Plan
 
-SAME_NOISE = 1.05  # ratio of the noise that two predictions assume, below which they compare
-SAME_LOAD = 1e-3  # [kg] difference of the mounted weights below which loads are the same
 NO_DIFFERENCE = 1.05  # ratio of standard deviations below which the shorter one is as good
 
 
@@ -97,7 +95,9 @@ def recommend(entries: Sequence[Sequence[Entry]]) -> Comparison:
         remarks.append("predictions stand beside identified values: predictions know nothing of the machine's errors")
     alike = under_equal_conditions(selection)
     if len(alike) > 1:
-        text = "; ".join(f"{', '.join(e.name for e in group)} ({_in_words(group)})" for group in alike)
+        text = "; ".join(
+            f"{', '.join(e.name for e in group)} ({', '.join(filter(None, _properties(group[0])))})" for group in alike
+        )
         words = "these were planned or measured under different conditions, and none is preferred across them"
         different.append(f"{words}: {text}")
     rated = [_among(group, level) for group in alike if len(group) > 1 or len(alike) == 1]
@@ -115,39 +115,27 @@ def under_equal_conditions(entries: Sequence[Entry]) -> list[list[Entry]]:
     """Entries of one machine, one load and one noise each; unknown properties of an entry agree with everything."""
     result: list[list[Entry]] = []
     for entry in entries:
-        homes = (g for g in result if all(_comparable(entry.conditions, other.conditions) for other in g))
+        homes = (g for g in result if all(_alike(_properties(entry), _properties(other)) for other in g))
         if (home := next(homes, None)) is None:
             result.append(home := [])
         home.append(entry)
     return result
 
 
-def _comparable(one: Conditions, other: Conditions) -> bool:
-    if bound_hash(one.case) != bound_hash(other.case):
-        return False
-    if None not in (one.machine, other.machine) and one.machine != other.machine:
-        return False
-    if one.load is not None and other.load is not None and abs(one.load - other.load) > SAME_LOAD:
-        return False
-    if one.noise is None or other.noise is None:
-        return True
-    if one.case.recording.rate_Hz != other.case.recording.rate_Hz:  # the noise is that of a sample
-        return False
-    if one.case.sensors.pose_field != other.case.sensors.pose_field:  # one prediction counts errors of the pose
-        return False
-    return max(one.noise, other.noise) <= SAME_NOISE * min(one.noise, other.noise)
+def _alike(one: Sequence[str | None], other: Sequence[str | None]) -> bool:
+    return all(a == b or None in (a, b) for a, b in zip(one, other, strict=True))
 
 
-def _in_words(entries: Sequence[Entry]) -> str:
-    """Machine, load and noise of entries that have them in common."""
-    conditions = [e.conditions for e in entries]
-    case = conditions[0].case
-    machines = [c.machine for c in conditions if c.machine is not None]
-    loads = [f"{c.load:.4g} kg mounted" for c in conditions if c.load is not None]
-    noises = [f"noise {c.noise:.3g} N at {case.recording.rate_Hz:g} Hz" for c in conditions if c.noise is not None]
-    if noises and (field := case.sensors.pose_field) is not None:
-        noises[0] += f" and {field.words} that depends on the pose"
-    return ", ".join([f"case {case.name}", *machines[:1], *loads[:1], *noises[:1]])
+def _properties(entry: Entry) -> tuple[str | None, ...]:
+    """Case, machine, load and noise in words; None where they are unknown."""
+    case, noise, load, machine, *_ = entry.conditions
+    words = None
+    if noise is not None:
+        words = f"noise {noise:.3g} N at {case.recording.rate_Hz:g} Hz"
+        if (field := case.sensors.pose_field) is not None:
+            words += f" and {field.words} that depends on the pose"
+    limits = bound_hash(case)[:6]  # of machine and limits
+    return f"case {case.name} ({limits})", machine, None if load is None else f"{load:.4g} kg mounted", words
 
 
 def _among(entries: Sequence[Entry], level: str) -> tuple[str | None, dict[str, float], list[str]]:

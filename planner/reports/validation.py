@@ -1,7 +1,5 @@
 """The page of a validation: what each method costs and gives without payload, Table 7, and residuals over the load."""
 
-import re
-from collections import Counter
 from collections.abc import Sequence
 
 from cases.files import provenance
@@ -66,7 +64,7 @@ def validation_page(validation: Validation) -> str:
             ("weights", payloads.source),
             *provenance([])["versions"].items(),
         ),
-        (*(f"{method} was not run: {why}" for method, why in validation.failed.items()), *_warnings(validation.trials)),
+        (*(f"{method} was not run: {why}" for method, why in validation.failed.items()), *comparison.warnings),
         section("Recommendation", *map(note, validation.sentences)),
         section(
             "Without payload, side by side",
@@ -77,17 +75,3 @@ def validation_page(validation: Validation) -> str:
         section("Values and deviations from theory (Table 7)", note(THEORY), *tables),
         section("Residuals grow with the load", growth),
     )
-
-
-def _warnings(trials: Sequence[Trial]) -> list[str]:
-    """Warnings, of those that differ in their numbers alone the first with the number of its runs."""
-    kinds: dict[str, str] = {}
-    count = Counter[str]()
-    for trial in trials:
-        for warning in trial.estimate.warnings:
-            kind = re.sub(r"[0-9.]+", "#", warning)
-            kinds.setdefault(kind, f"{trial.method} {trial.load:.0f} kg: {warning}")
-            count[kind] += 1
-    return [
-        text + (f" ({count[kind] - 1} more runs likewise)" if count[kind] > 1 else "") for kind, text in kinds.items()
-    ]
