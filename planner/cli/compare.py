@@ -85,8 +85,7 @@ def validate(
     They are mounted one after the other on the case's simulated machine; the answer says what that models.
     Interrupted, the same command uses the plans that are there.
     """
-    from planner.comparison.methods import unfinished
-    from planner.comparison.trials import mounted_weights
+    from planner.comparison.trials import mounted_weights, unfinished
 
     settings = hx.ValidationSettings(on, starts, seed, workers)
     loaded = hx.load_case(case)

@@ -16,8 +16,17 @@ from cases.sensors import Disturbances
 from cases.units import as_html
 from planner.comparison.comparison import Comparison, recommend
 from planner.comparison.entries import Conditions, Entry
-from planner.comparison.methods import METHODS, USUAL, Remark, ValidationSettings, executed, require_methods
-from planner.comparison.trials import Trial, mounted_weights, trials
+from planner.comparison.trials import (
+    METHODS,
+    USUAL,
+    Remark,
+    Trial,
+    ValidationSettings,
+    executed,
+    mounted_weights,
+    require_methods,
+    trials,
+)
 from planner.execution import require_controller
 
 OFF = 3.0  # reported standard deviations; more is a systematic error

@@ -3,8 +3,7 @@
 from collections.abc import Sequence
 
 from cases.files import provenance
-from planner.comparison.methods import METHODS
-from planner.comparison.trials import SHOWN, Trial
+from planner.comparison.trials import METHODS, SHOWN, Trial
 from planner.comparison.validation import Validation
 from planner.precision import legible
 from planner.reports.compare import figure_rows, parameter_columns, parameter_rows, std_chart

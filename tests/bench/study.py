@@ -15,9 +15,8 @@ import pyarrow.compute as pc
 from cases.schema import load_case
 from planner.study import Cells, Grid, Spec
 from planner.study.cluster import local_client, run_tasks
-from planner.study.conduct import study
+from planner.study.conduct import study, study_page
 from planner.study.rows import DONE, PLANNED, file_of, keep, read_rows
-from planner.study.summary import study_page
 
 CELLS = 200
 ROWS, PART = 100_000, 100

@@ -7,7 +7,7 @@ from typing import Any, NoReturn
 import pytest
 
 from cases.errors import Interrupted
-from planner.comparison.methods import ValidationSettings, unfinished
+from planner.comparison.trials import ValidationSettings, unfinished
 from planner.comparison.validation import validate
 from tests.planner.comparison.excitations import CASE
 
@@ -39,11 +39,11 @@ def test_an_interrupted_validation_uses_the_plans_that_it_made(tmp_path: Path, m
 
     kept = ends(Interrupted())
     plan = (kept / "plans" / "Q5N" / "plan.json").read_bytes()
-    monkeypatch.setattr("planner.comparison.methods.poses_planned", None)  # nothing is planned again
+    monkeypatch.setattr("planner.comparison.trials.poses_planned", None)  # nothing is planned again
     ends(Stopped())
     assert (kept / "plans" / "Q5N" / "plan.json").read_bytes() == plan
     monkeypatch.undo()
-    monkeypatch.setattr("planner.comparison.methods.poses_planned", None)
+    monkeypatch.setattr("planner.comparison.trials.poses_planned", None)
     resumed = run_validation()
     assert [p.name for p in tmp_path.iterdir()] == ["v"]
     assert (tmp_path / "v" / "plans" / "Q5N" / "plan.json").read_bytes() == plan

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser
 
-from planner.comparison.methods import METHODS
+from planner.comparison.trials import METHODS
 from tests.helpers import few, tells
 from tests.planner.browser import opened
 from tests.planner.command_line import call, refused
