@@ -42,7 +42,6 @@ class PoseSettings(TypedDict, total=False):
     model: int  # the largest of the machine unless given
     candidates: int | None
     seed: int
-    noise: float | None
 
 
 def plan(
@@ -97,7 +96,7 @@ def plan_poses(
             machine, shape (n, k) [m or rad].
         case: machine, limits and poses.
         progress: called with the number of poses after each step of the choice.
-        **settings: criterion, count, method, model, candidates, seed, noise; see `PoseSettings`.
+        **settings: criterion, count, method, model, candidates, seed; see `PoseSettings`.
 
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.

@@ -170,20 +170,18 @@ class PoseRequest:
     model: int = 5  # number in Table 2, 0 to 5
     candidates: int | None = None  # quasi-random candidates; None: the grid of the case
     seed: int = 0  # seed of these candidates
-    # standard deviation of an averaged force [N]; None: the sensors' noise, averaged as white noise
-    noise: float | None = None
     name: ClassVar[str] = "poses"  # in place of that of a family
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json` that say what was asked for, beside criterion and model."""
-        entries = {"count": self.count, "candidates": self.candidates, "noise": self.noise}
+        entries = {"count": self.count, "candidates": self.candidates}
         return {"method": self.method, "seed": self.seed, "asked": entries}
 
     @classmethod
     def of_json(cls, data: Mapping[str, Any]) -> "PoseRequest":
         """From `plan.json`; raises KeyError, TypeError, ValueError or HexciteError where an entry is damaged."""
-        criterion, method, model, seed = (data[key] for key in ("criterion", "method", "model", "seed"))
-        return cls(Criterion(criterion), method=method, model=int(model), seed=int(seed), **data["asked"])
+        asked, model, seed = data["asked"], int(data["model"]), int(data["seed"])
+        return cls(Criterion(data["criterion"]), asked["count"], data["method"], model, asked["candidates"], seed)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "criterion", Criterion(self.criterion))
@@ -192,8 +190,6 @@ class PoseRequest:
             raise HexciteError(f"method {self.method!r} is unknown; choose {choice}")
         if self.method in ("all", "given") and self.count is not None:
             raise HexciteError(f"method {self.method} measures every pose; leave --count out, or choose another method")
-        if self.noise is not None and not 0.0 < self.noise < float("inf"):
-            raise HexciteError(f"noise {self.noise:g} N is not positive; give the scatter of an averaged force")
         require_seed(self.seed)
 
     def wanted(self, available: int, parameters: int) -> int:

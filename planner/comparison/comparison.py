@@ -154,12 +154,9 @@ def _among(entries: Sequence[Entry], level: str) -> tuple[str | None, dict[str, 
     order = np.argsort(sizes, kind="stable")
     best, second = entries[order[0]], entries[order[1]]
     ratio = float(np.exp(sizes[order[1]] - sizes[order[0]]))
-    reason = f"its {level} standard deviations are smallest: {second.name}'s are {ratio:.2f} times as large"
     if ratio < NO_DIFFERENCE and (second.duration or np.inf) < (best.duration or 0.0):
-        best, second = second, best
-        reason = (
-            f"standard deviations of {second.name} are as small within {100 * (ratio - 1):.0f} %, but it takes longer"
-        )
+        best, second, ratio = second, best, 1.0 / ratio  # as good, and shorter
+    reason = f"{second.name}'s {level} standard deviations are {ratio:.2f} times as large"
     reason += f" (geometric mean over {len(names)} parameters)"
     if best.duration is not None and second.duration is not None:
         reason += f", in {best.duration:.1f} s against {second.duration:.1f} s"

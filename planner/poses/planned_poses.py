@@ -77,7 +77,7 @@ def poses_planned(
         float(np.exp((logdet - design.bound(len(scaling))) / len(scaling))) for design in designs
     )
     criterion = POSE_CRITERIA[request.criterion]
-    noise = request.noise if request.noise is not None else noise_of_average(case)
+    noise = noise_of_average(case)
     worth = PoseWorth(
         remark=remark,
         candidates=len(candidates),

@@ -154,7 +154,7 @@ def test_the_command_compares_and_writes_a_page(
     assert ratios[str(folders[0])] == pytest.approx(np.exp(np.mean(logs)))
     with opened(browser, Path(answer["report"]), 400) as tab:
         assert (tab.errors, tab.requests) == ([], [])
-        assert "smallest" in tab.page.locator(".note").first.inner_text()
+        assert "times as large" in tab.page.locator(".note").first.inner_text()
 
 
 def test_every_run_of_a_plan_and_every_result_of_a_run_takes_part(hexapod_case: Case):

@@ -244,7 +244,7 @@ def test_any_word_for_any_option_is_taken_or_refused_in_one_line(option: str, va
 
 @given(
     command=st.sampled_from([("poses", "hexapod", "--model", "9"), ("bound", "hexapod", "--model", "10")]),
-    option=st.sampled_from(["--count", "--candidates", "--seed", "--noise", "--model", "--time-limit"]),
+    option=st.sampled_from(["--count", "--candidates", "--seed", "--model", "--time-limit"]),
     value=NUMBERS,
 )
 @settings(max_examples=20, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
