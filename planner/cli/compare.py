@@ -40,13 +40,7 @@ def compare(
 
 
 def _show(answer: dict[str, Any], comparison: "Comparison") -> None:
-    from planner.reports.compare import (
-        EXECUTION_COLUMNS,
-        execution_rows,
-        figure_rows,
-        parameter_columns,
-        parameter_rows,
-    )
+    from planner.reports.compare import figure_rows, parameter_columns, parameter_rows
 
     entries = comparison.entries
     names = [e.name for e in entries]
@@ -55,8 +49,6 @@ def _show(answer: dict[str, Any], comparison: "Comparison") -> None:
     )
     title = "Parameters side by side; std of plans is predicted"
     console.print_table(title, parameter_columns(entries), parameter_rows(entries))
-    if rows := execution_rows(comparison.groups):
-        console.print_table("Planned and executed", EXECUTION_COLUMNS, rows)
     for warning in answer["warnings"]:
         print(f"warning: {warning}")
     print(f"report written: {answer['report']}")

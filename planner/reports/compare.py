@@ -4,10 +4,22 @@ from collections.abc import Sequence
 
 from cases.files import provenance
 from planner.comparison.comparison import Comparison
-from planner.comparison.entries import EXECUTION, Entry
+from planner.comparison.entries import Entry
 from planner.precision import legible, parameter_words, std_text, value_text
 from planner.reports.page import Chart, colour, note, page, section, table
 
+FIGURES = {
+    "planned_s": "duration as programmed [s]",
+    "executed_s": "duration as executed [s]",
+    "d_efficiency_planned": "D-efficiency as programmed",
+    "d_efficiency": "D-efficiency as executed, behind the evaluation's filter",
+    "path_error_mm": "off the path [mm]",
+    "D": "log det F (D)",
+    "A": "-trace F^-1 (A)",
+    "K": "-mu_1/mu_u (K)",
+    "N": "mu_u²/mu_1 (N)",
+}
+"""Figures of an execution and criteria of a plan, in words."""
 SPREAD = 0.7  # share of the distance between two parameters that the markers of one occupy
 
 
@@ -19,12 +31,12 @@ def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
         ["model", *(str(e.model) for e in entries)],
         ["measuring time [s]", *("-" if e.duration is None else f"{e.duration:.2f}" for e in entries)],
         ["samples", *(str(e.samples) for e in entries)],
+        ["force residual [N rms]", *("-" if e.s0 is None else f"{e.s0:.3g}" for e in entries)],
     ]
-    rows.append(["force residual [N rms]", *("-" if e.s0 is None else f"{e.s0:.3g}" for e in entries)])
-    words = {"D": "log det F (D)", "A": "-trace F^-1 (A)", "K": "-mu_1/mu_u (K)", "N": "mu_u²/mu_1 (N)"}
-    if any(e.criteria for e in entries):
-        for key, label in words.items():
-            rows.append([label, *(f"{e.criteria[key]:.4g}" if key in e.criteria else "-" for e in entries)])
+    for key, label in FIGURES.items():
+        values = [{**e.notes, **e.criteria}.get(key) for e in entries]
+        if any(value is not None for value in values):
+            rows.append([label, *("-" if value is None else f"{value:.4g}" for value in values)])
     return rows
 
 
@@ -49,38 +61,22 @@ def parameter_rows(entries: Sequence[Entry]) -> list[list[str]]:
     return rows
 
 
-def execution_rows(groups: Sequence[Sequence[Entry]]) -> list[list[str]]:
-    """Rows of planned against executed figures, one a run."""
-    rows = []
-    for group in groups:
-        plan = next((e.name for e in group if e.level == "planned"), "-")
-        for run in (e for e in group if e.notes):
-            rows.append([plan, run.name, *(f"{run.notes[k]:.3f}" if k in run.notes else "-" for k in EXECUTION)])
-    return rows
-
-
 CRITERIA_WORDS = (
     "Criteria of the information of a sample, parameters in units of the case (equations (30)-(33)): D, the log of its "
     "determinant; A, the sum of the variances, with a minus; K, its condition, with a minus; N, its smallest singular "
     "value squared over the largest. Larger is better."
-)
-EXECUTION_COLUMNS = (
-    "plan",
-    "run",
-    "planned [s]",
-    "executed [s]",
-    "D-eff. as programmed",
-    "as executed",
-    "off the path [mm]",
 )
 
 
 def compare_page(comparison: Comparison) -> str:
     """The page of `hexcite compare`."""
     groups, entries = comparison.groups, comparison.entries
-    names = tuple(e.name for e in entries)
-    execution = execution_rows(groups)
-    sections = [
+    hashes = dict.fromkeys((f"case {e.conditions.case.name}", e.conditions.case.hash) for e in entries)
+    return page(
+        "Comparison of excitations",
+        f"{len(entries)} plans, runs and results of {len(groups)} excitations.",
+        (*hashes, *((e.name, e.level) for e in entries), *provenance([])["versions"].items()),
+        comparison.warnings,
         section("Recommendation", *map(note, comparison.sentences)),
         section(
             "Parameters side by side",
@@ -88,21 +84,7 @@ def compare_page(comparison: Comparison) -> str:
             table(parameter_columns(entries), parameter_rows(entries)),
             note("std of plans: predicted from the information alone, with white noise as the case states."),
         ),
-        section("Figures", table(("", *names), figure_rows(entries)), note(CRITERIA_WORDS)),
-    ]
-    if execution:
-        words = (
-            "D-efficiency as programmed: of the motion that the controller makes of the text, by its own time law; as "
-            "executed: of what it did, behind the evaluation's filter. The plan's own is among the figures."
-        )
-        sections.append(section("Planned and executed", table(EXECUTION_COLUMNS, execution, left=2), note(words)))
-    hashes = dict.fromkeys((f"case {e.conditions.case.name}", e.conditions.case.hash) for e in entries)
-    return page(
-        "Comparison of excitations",
-        f"{len(entries)} plans, runs and results of {len(groups)} excitations.",
-        (*hashes, *((e.name, e.level) for e in entries), *provenance([])["versions"].items()),
-        comparison.warnings,
-        *sections,
+        section("Figures", table(("", *(e.name for e in entries)), figure_rows(entries)), note(CRITERIA_WORDS)),
     )
 
 
