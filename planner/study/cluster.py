@@ -133,7 +133,8 @@ def run_tasks(
         return list(submitted)
 
     try:
-        arriving = as_completed(submit(AHEAD * max(1, sum(client.nthreads().values()))))
+        first = submit(AHEAD * max(1, sum(client.nthreads().values())))
+        arriving = as_completed(first, loop=client.loop)
         for future in arriving:
             yield pending.pop(future), _answer(future, time_limit)
             arriving.update(submit(1))

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from distributed import LocalCluster
 
 from cases.errors import HexciteError
-from planner.study.cluster import local_client, remote_client, require_version, run_tasks
+from planner.study.cluster import remote_client, require_version, run_tasks
 from tests.helpers import one_line
 
 
@@ -26,7 +27,10 @@ class Workers:
 
 def test_a_running_cluster_does_the_work(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(Path(__file__).parents[3]))
-    with local_client(2, 1.0) as there, remote_client(there.scheduler.address) as client:
+    with (
+        LocalCluster(2, threads_per_worker=1, dashboard_address=None) as there,
+        remote_client(there.scheduler_address) as client,
+    ):
         found = list(run_tasks(client, ((str(k), partial(operator.neg, k)) for k in range(20)), 60.0))
     assert dict(found) == {str(k): -k for k in range(20)}
 
