@@ -17,8 +17,8 @@ from cases.units import as_html
 from planner.reports.page import Chart, note, page, section, table
 from planner.request import require_workers
 from planner.study import SETTINGS, CellSettings, Spec, cells_of, command_of, load_spec, request_of
+from planner.study.cell_rows import FAILED, ROWS, failure, file_of, keep, read_rows, work
 from planner.study.cluster import local_client, remote_client, require_dask, run_tasks
-from planner.study.rows import FAILED, ROWS, failure, file_of, keep, read_rows, work
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -98,7 +98,7 @@ class Study:
     spec: Spec
     cells: int  # number of all of them
     computed: int  # how many were computed now
-    rows: "pa.Table"  # rows of plans and of runs, see `planner.study.rows.schema`
+    rows: "pa.Table"  # rows of plans and of runs, see `planner.study.cell_rows.schema`
 
     @property
     def best(self) -> dict[str, SettingsGroup]:

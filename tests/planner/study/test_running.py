@@ -19,8 +19,8 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from planner.request import Request
 from planner.study import ExecutionSpec, Grid, Spec, cells_of, cluster, conduct, request_of
+from planner.study.cell_rows import DONE, FAILED, PLANNED, file_of, read_rows, schema, work
 from planner.study.conduct import best_groups, groups
-from planner.study.rows import DONE, FAILED, PLANNED, file_of, read_rows, schema, work
 from tests.helpers import tells
 from tests.planner.command_line import PROGRAM, call, refused
 

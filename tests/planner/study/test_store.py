@@ -12,7 +12,7 @@ import pytest
 from cases.errors import FileProblem
 from cases.schema import Case
 from planner.study import Spec, conduct
-from planner.study.rows import file_of, keep, read_rows, schema
+from planner.study.cell_rows import file_of, keep, read_rows, schema
 from tests.helpers import one_line
 
 
@@ -39,7 +39,7 @@ WRITER = """
 import os, signal, sys
 from pathlib import Path
 import pyarrow.parquet as pq
-from planner.study.rows import file_of, keep
+from planner.study.cell_rows import file_of, keep
 folder = Path(sys.argv[1])
 for k in range(5):
     keep(file_of(folder, str(k)), [{"cell": str(k), "noise_seed": -1, "score": 1.0}])
