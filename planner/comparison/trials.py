@@ -155,7 +155,7 @@ def _physical(model: Model, linear: Array) -> dict[str, float]:
     return {p.name: float(value) for p, value in zip(form.parameters, values, strict=True)}
 
 
-def mounted_weights(case: Case, wanted: str | None) -> tuple[int, ...]:
+def mounted_weights(case: Case, wanted: str | Sequence[int] | None) -> tuple[int, ...]:
     """Numbers of weights to mount, by default all; raises HexciteError where `wanted` is not such, as in 0,3,5."""
     if case.limits is not None and full_model(case) == RIGID:
         problem = f"is {case.setup}: a validation compares methods for sensors in a hexapod's platform"
@@ -163,9 +163,9 @@ def mounted_weights(case: Case, wanted: str | None) -> tuple[int, ...]:
     most = len(_weights(case, 99))
     if wanted is None:
         return tuple(range(most + 1))
-    words = [word.strip() for word in wanted.split(",")]
+    words = [word.strip() for word in wanted.split(",")] if isinstance(wanted, str) else [str(n) for n in wanted]
     numbers = tuple(int(word) for word in words if word.isdecimal())
-    if len(numbers) < len(words) or numbers[0] != 0 or list(numbers) != sorted(set(numbers)) or numbers[-1] > most:
+    if len(numbers) < len(words) or numbers[:1] != (0,) or list(numbers) != sorted(set(numbers)) or numbers[-1] > most:
         raise HexciteError(
             f"weights {wanted!r}: give how many are mounted, from 0 upwards to at most {most}, as in 0,{most}"
         )

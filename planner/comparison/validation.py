@@ -97,8 +97,8 @@ class Validation:
 def _entry(case: Case, trial: Trial) -> Entry:
     estimate = trial.estimate
     return Entry(
-        trial.method, "identified", Conditions(case), estimate.model.number, estimate.how.name, trial.duration,
-        estimate.evaluated.samples, {}, estimate.physical, trial.s0, {}, estimate.warnings,
+        trial.method, "identified", Conditions(case), estimate.model.number, METHODS[trial.method].family,
+        trial.duration, estimate.evaluated.samples, {}, estimate.physical, trial.s0, {}, estimate.warnings,
     )  # fmt: skip
 
 
@@ -124,7 +124,7 @@ def validate(
         HexciteError: no method could be carried out, an unknown method or controller, or a case without simulation.
     """
     require_methods(methods)
-    mounted = mounted_weights(case, None if mounted is None else ",".join(map(str, mounted)))
+    mounted = mounted_weights(case, mounted)
     case.need_machine("a validation")
     require_controller(settings.on)
     disturbances = case.need_simulation("a validation without recordings").disturbances

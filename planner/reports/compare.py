@@ -27,7 +27,7 @@ def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
     """Rows of kind, cost and information of each entry; criteria of the mean information in the reference scaling."""
     rows = [
         ["is", *(e.level for e in entries)],
-        ["family, controller, estimator", *(e.family for e in entries)],
+        ["family or controller", *(e.family for e in entries)],
         ["model", *(str(e.model) for e in entries)],
         ["measuring time [s]", *("-" if e.duration is None else f"{e.duration:.2f}" for e in entries)],
         ["samples", *(str(e.samples) for e in entries)],
