@@ -55,7 +55,6 @@ if TYPE_CHECKING:
     from planner import retime as retime
     from planner import run as run
     from planner import validate as validate
-    from planner import validate_recordings as validate_recordings
     from planner import write as write
     from planner.study.conduct import study as study
     from postprocessors import Program as Program

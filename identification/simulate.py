@@ -96,11 +96,6 @@ def _lengths(disturbances: Disturbances) -> Array:
     return np.repeat([disturbances.pose_error_length_mm * MM, disturbances.pose_error_angle_deg * DEG], 3)
 
 
-Moved = tuple[Array, Array, Kinematics]
-"""A run whatever is mounted: times of the samples, shape (n,) [s], the drives then, shape (n, k) [m or rad], and the
-motion of the sensors when they are sampled."""
-
-
 def force_parts(case: Case, motion: Kinematics, step: float, around: Circumstances) -> Array:
     """Parts of the true forces of a motion, shape (3, n, 6) [N], whose sum they are.
 
@@ -132,34 +127,20 @@ def simulate_recording(
     source: str = "simulation",
     around: Circumstances = UNDISTURBED,
 ) -> Recording:
-    """What the machine would have recorded of an executed motion; arguments as in `moved` and `sensed`."""
-    return sensed(case, moved(case, execution, around, seed), trigger_times, seed, source, around)[0]
-
-
-def moved(case: Case, execution: Execution, around: Circumstances, seed: int) -> Moved:
-    """What the machine did, once, for the sensors of one run or of several."""
-    simulation = case.need_simulation("the simulation of sensor forces")
-    if around.disturbances is not None:
-        execution = rippled(execution, around.disturbances, seed)
-    step = 1.0 / simulation.encoder_rate_Hz
-    t: Array = np.arange(int(np.floor(execution.duration / step + 1e-9)) + 1) * np.float64(step)
-    delay = simulation.force_delay + simulation.force_sampling_offset_cycles * step
-    return t, execution.struts(t), execution.kinematics(np.clip(t - delay, 0.0, execution.duration))
-
-
-def sensed(
-    case: Case, run: Moved, trigger_times: Array, seed: int, source: str, around: Circumstances
-) -> tuple[Recording, Array]:
-    """The recording of what the machine did, and what its true forces consist of, see `force_parts`.
+    """What the machine would have recorded of an executed motion.
 
     Args:
         trigger_times: start and end of each time the trigger was on, shape (k, 2) [s].
         source: name of the recording, for messages.
     """
     simulation = case.need_simulation("the simulation of sensor forces")
-    t, struts, motion = run
-    parts = force_parts(case, motion, 1.0 / simulation.encoder_rate_Hz, around)
-    forces = parts.sum(axis=0)
+    if around.disturbances is not None:
+        execution = rippled(execution, around.disturbances, seed)
+    step = 1.0 / simulation.encoder_rate_Hz
+    t: Array = np.arange(int(np.floor(execution.duration / step + 1e-9)) + 1) * np.float64(step)
+    delay = simulation.force_delay + simulation.force_sampling_offset_cycles * step
+    struts, motion = execution.struts(t), execution.kinematics(np.clip(t - delay, 0.0, execution.duration))
+    forces = force_parts(case, motion, step, around).sum(axis=0)
     draw = np.random.default_rng(seed)
     forces += draw.normal(size=forces.shape) * simulation.force_noise
     if simulation.acceleration_noise.any():
@@ -171,7 +152,7 @@ def sensed(
         trigger |= (t >= start) & (t < end)
     steps = np.where(machine_of(case).turns, simulation.turning_resolution, simulation.encoder_resolution)
     read = np.where(steps > 0.0, np.round(struts / np.where(steps > 0.0, steps, 1.0)) * steps, struts)
-    return Recording(source, t, read, None, forces, trigger), parts
+    return Recording(source, t, read, None, forces, trigger)
 
 
 def truth_rows(case: Case, estimate: "Estimate") -> list[dict[str, Any]]:

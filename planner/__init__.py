@@ -8,9 +8,8 @@ if TYPE_CHECKING:
     from planner.bounds.information_limit import bound as bound
     from planner.case_check import check_case as check_case
     from planner.comparison.comparison import compare as compare
-    from planner.comparison.methods import ValidationSettings as ValidationSettings
+    from planner.comparison.trials import ValidationSettings as ValidationSettings
     from planner.comparison.validation import validate as validate
-    from planner.comparison.validation import validate_recordings as validate_recordings
     from planner.demonstration import demo as demo
     from planner.execution import run as run
     from planner.families.settings import Fourier as Fourier

@@ -14,14 +14,12 @@ from identification.model import full_model
 from identification.outcome import Result
 from identification.recording import Recording
 from identification.simulate import truth_rows
-from planner.execution import best_controller, execute
+from planner.execution import best_controller, run
 from planner.families.settings import PointToPoint
-from planner.library import planned
+from planner.library import plan as motion
 from planner.plan_program import usual_dialect, write
 from planner.plans import Plan
-from planner.request import Request
 from postprocessors.dialects import Program, dialect
-from postprocessors.execute import ExecutedRun
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -30,7 +28,6 @@ class Demo:
 
     plan: Plan
     program: Program  # in the machine's usual dialect, proven
-    run: ExecutedRun
     recording: Recording
     result: Result
     truth: tuple[dict[str, Any], ...]  # each parameter beside that of the simulated machine, as `truth_rows` has them
@@ -76,8 +73,7 @@ def demo(
     language = dialect(usual_dialect(case))
     best, reason = best_controller(language.name)
     family = PointToPoint(controller=language.name)
-    request = Request(family, model=full_model(case), starts=starts, seed=seed)
-    planned(request, case).save(place / "plan", overwrite=True)
+    motion(case, family, starts=starts, seed=seed).save(place / "plan", overwrite=True)
     plan = Plan.load(place / "plan", case)
     worth = plan.of_motion[1]
     progress(
@@ -88,11 +84,11 @@ def demo(
     program.save(program.path, overwrite=True)
     progress(f"post: {program.reading.blocks} blocks, {program.proof.duration:.2f} s with approach and return")
     progress(f"check: the text read back, independently of its writer: {program.proof.verdict}")
-    run, recording = execute(program, case, on or best, seed)
+    recording = run(program, case, on or best, seed=seed)
     recording.save(place / "recording", overwrite=True)
     record = recording.record
     progress(
-        f"run: on {run.controller} ({reason if on is None else 'as asked'}), {record['executed_s']:.3f} s of "
+        f"run: on {record['controller']} ({reason if on is None else 'as asked'}), {record['executed_s']:.3f} s of "
         f"{record['planned_s']:.3f} s planned, {record['path_error_mm']:.3f} mm from the path, D-efficiency "
         f"{record['d_efficiency']:.3f} as executed"
     )
@@ -101,4 +97,4 @@ def demo(
     data = result.record
     progress(f"identify: {len(data.parameters)} parameters from {data.samples} samples, residuals {data.s0:.3g} N")
     assert result.estimate is not None
-    return Demo(plan, program, run, recording, result, tuple(truth_rows(case, result.estimate)))
+    return Demo(plan, program, recording, result, tuple(truth_rows(case, result.estimate)))

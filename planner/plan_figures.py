@@ -3,12 +3,11 @@
 Fields of `Worth` and `PoseWorth` have the names of their entries in `plan.json`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from pydantic import TypeAdapter
 
 from cases.schema import Case
 from identification.criteria import CRITERIA, Criterion, reference_scaling, singular_values, total_information
@@ -55,16 +54,6 @@ class Worth:
         """Entries of `plan.json`."""
         return asdict(self) | {"d_efficiency": self.d_efficiency}
 
-    @classmethod
-    def of_json(cls, data: Mapping[str, Any], parameters: int) -> "Worth":
-        """From `plan.json`; raises KeyError, TypeError or ValueError where an entry is missing or damaged."""
-        whole = dict(data)
-        if isinstance(entries := data["bound"], Mapping):  # earlier versions wrote fewer
-            logdet = entries.get("logdet")
-            absent = {"parameters": parameters, "design_logdet": logdet}
-            whole["bound"] = absent | dict(entries)
-        return TypeAdapter(cls).validate_python(whole)
-
 
 @dataclass(frozen=True, slots=True)
 class PoseWorth:
@@ -80,12 +69,7 @@ class PoseWorth:
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json`."""
-        return asdict(self) | {"efficiency_method": "D; lower bound against the approximate design over the candidates"}
-
-    @classmethod
-    def of_json(cls, data: Mapping[str, Any]) -> "PoseWorth":
-        """From `plan.json`; errors as `Worth.of_json`."""
-        return TypeAdapter(cls).validate_python(data)
+        return asdict(self)
 
 
 BINDING = 0.99  # share of a limit from which it determines the motion

@@ -1,30 +1,25 @@
 """A plan as a folder, and back: its motion as JSON, with SI units in the keys, and the checks on reading."""
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from cases.basis import case_of, changes_since, plan_basis, require_unchanged
-from cases.chain import MOST_JOINTS
+from cases.basis import case_of, plan_basis, require_unchanged
 from cases.errors import FileProblem, HexciteError
 from cases.files import DAMAGED, read_json
-from cases.schema import Case
+from cases.schema import Case, fingerprint
 from cases.tables import LARGEST
-from cases.units import Array
-from identification.criteria import Criterion, pose_regressors, reference_scaling, singular_values, total_information
 from identification.limit import LimitReport
-from identification.model import identification_model
 from identification.motion import Joined, Standstill, Trajectory
 from identification.trajectories.curves import FourierMotion, PolynomialMotion
-from identification.trajectories.moves import CircularMove, Plane, Profile, StraightMove, unit_profile
-from planner.noise import standing_model
-from planner.plan_figures import PoseWorth, Worth, figures_of, predicted_std_at_poses
+from identification.trajectories.moves import CircularMove, Plane, StraightMove, unit_profile
+from planner.plan_figures import PoseWorth, Worth
 from planner.request import LONGEST, PoseRequest, Request
 
 if TYPE_CHECKING:
@@ -32,7 +27,6 @@ if TYPE_CHECKING:
 
 SCHEMA_VERSION = 1
 LONGEST_OF_POSES = 4 * 3600.0  # [s] of a measurement at poses: the paper's took 21 min
-RATE_OF_0_1 = 1000.0  # [1/s] rate that plans of the first version assumed without stating it
 DIGITS = 16  # digits of a fingerprint
 
 
@@ -41,8 +35,13 @@ def fingerprint_of(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()[:DIGITS]
 
 
+def content_of(data: Mapping[str, Any]) -> str:
+    """Fingerprint of the entries of a plan, by which a change by hand is known; its case may be moved."""
+    return fingerprint({key: value for key, value in data.items() if key not in ("content", "case_file")})
+
+
 def load_plan(kind: "type[Plan]", folder: Path, case: Case | None, stale: bool) -> "Plan":
-    """Reads a plan folder; its figures are computed anew from its motion and compared.
+    """Reads a plan folder.
 
     Args:
         kind: the type of plans.
@@ -55,51 +54,51 @@ def load_plan(kind: "type[Plan]", folder: Path, case: Case | None, stale: bool) 
     """
     file = folder / "plan.json"
     data = read_json(file, "hexcite plan")
-    if data.get("schema_version", SCHEMA_VERSION) != SCHEMA_VERSION:
-        raise FileProblem(file, f"schema_version {data['schema_version']!r}, expected {SCHEMA_VERSION}", "plan again")
+    if data.get("schema_version") != SCHEMA_VERSION:
+        raise FileProblem(file, f"schema_version is {data.get('schema_version')!r}, not {SCHEMA_VERSION}", "plan again")
     with _refusing(file):
         entries = Entries.model_validate(data)
         motion = motion_of_entries(data)
-    of_poses = data["family"] == PoseRequest.name
-    if not motion.duration <= (LONGEST_OF_POSES if of_poses else LONGEST):
+    of_poses = entries.family == PoseRequest.name
+    if not 0.0 < motion.duration <= (LONGEST_OF_POSES if of_poses else LONGEST):
         raise FileProblem(file, f"a motion of {motion.duration:g} s is not an excitation", "plan again")
     own = case_of(file, data, "plan again") if case is None else case
     count = len(own.need_motion("a plan")[0])
-    if motion.at([0.0]).pose.shape[1] != count:
-        raise FileProblem(file, f"its motion does not have the {count} coordinates of case {own.name}; plan again")
+    with _refusing(file):
+        if motion.at([0.0]).pose.shape[1] != count:
+            raise HexciteError(f"its motion does not have the {count} coordinates of case {own.name}")
     now = plan_basis(own, entries.payload, of_poses)
     remarks = require_unchanged(file, data, now, own, stale, "plan again")
     with _refusing(file):
-        parameters = len(identification_model(own, entries.model).parameters)
         request = PoseRequest.of_json(data) if of_poses else Request.of_json(data)
-        worth = PoseWorth.of_json(data) if of_poses else Worth.of_json(data, parameters)
-        limits = LimitReport.of_json(data["limits"])
+        worth = TypeAdapter[PoseWorth | Worth](PoseWorth if of_poses else Worth).validate_python(data)
         plan = kind(
-            own, request, motion, limits, entries.predicted_std, entries.assumed_noise_N, entries.assumed_rate_Hz,
-            worth, entries.settings, entries.solve_s, entries.interrupted,
+            own, request, motion, LimitReport.of_json(data["limits"]), entries.predicted_std, entries.assumed_noise_N,
+            entries.assumed_rate_Hz, worth, entries.settings, entries.solve_s, entries.interrupted,
             folder, fingerprint_of(file.read_bytes()), remarks,
         )  # fmt: skip
-        if not changes_since(data, now, own.hash):
-            _require_own_figures(file, data, plan)
+    if entries.content not in (None, content_of(data)):
+        raise FileProblem(file, "was changed by hand", "plan again")
     return plan
 
 
 class Entries(BaseModel, strict=True, frozen=True):
-    """Entries that every plan.json has, whatever its motion; those with a default may be absent."""
+    """Entries that every plan.json has, whatever its motion; those with a default are absent of poses."""
 
     case_file: str
     case_hash: str
     family: str
     model: int
     criterion: str
-    payload: int = 0  # poses have none
+    payload: int = 0
     payload_from: int = 0
     predicted_std: dict[str, float]  # [SI]
     assumed_noise_N: float
-    assumed_rate_Hz: float = RATE_OF_0_1
-    settings: dict[str, Any]
+    assumed_rate_Hz: float
+    settings: dict[str, bool | int | float | str | list[str]]
     solve_s: float
-    interrupted: bool = False  # poses have none
+    interrupted: bool = False
+    content: str | None = None  # earlier versions stated none
 
 
 @contextmanager
@@ -118,43 +117,22 @@ def _refusing(file: Path) -> Iterator[None]:
         raise FileProblem(file, f"entry {place} is missing or damaged", "plan again") from error
 
 
-ALIKE = 1e-3  # tolerance of figures that are computed anew: another computer rounds otherwise
-CLOCK = 1e-6  # [s] tolerance of durations, which add up alike everywhere
-
-
-def _require_own_figures(file: Path, data: dict[str, Any], plan: "Plan") -> None:
-    """Raises FileProblem where an entry of plan.json does not agree with the motion in it."""
-    size = 1.0  # an efficiency to a thousandth is a log det to a thousandth of the parameters
-    if isinstance(plan.worth, PoseWorth):
-        model, poses, noise = standing_model(plan.case, plan.model), plan.poses, plan.assumed_noise
-        scaling = reference_scaling(plan.case, model)
-        regressors = pose_regressors(model, poses) * scaling
-        singular_values(total_information(regressors), model.names)  # raises where they do not determine the model
-        figures = {"count": float(len(poses))}
-        predicted = predicted_std_at_poses(plan.case, model, scaling, regressors, poses, noise)
-    else:
-        rate = plan.case.recording.model_copy(update={"rate_Hz": plan.assumed_rate})
-        case = plan.case.model_copy(update={"recording": rate})
-        model = identification_model(case, plan.model)
-        size = float(len(model.names))
-        figures, _, predicted = figures_of(case, model, plan.motion, plan.payloads, plan.request.criterion)
-        figures |= {"d_efficiency": plan.worth.bound.efficiency(figures["logdet"])}
-        if plan.case.sensors.pose_field is not None:  # earlier versions counted such errors in it
-            del figures["criterion_value"]
-    if list(predicted) != list(plan.predicted_std):
-        raise ValueError("predicted_std")
-    figures |= {"duration_s": plan.duration} | {f"predicted_std.{name}": std for name, std in predicted.items()}
-    stated = data | {f"predicted_std.{name}": std for name, std in data["predicted_std"].items()}
-    for key, value in figures.items():
-        entry = stated[key]
-        of_logdet = key == "logdet" or (key == "criterion_value" and plan.request.criterion == Criterion.D)
-        within, digits = ALIKE * (size if of_logdet else abs(value)), 6
-        if key == "duration_s":
-            within, digits = CLOCK, 9
-        if isinstance(entry, bool) or not isinstance(entry, int | float) or not abs(entry - value) <= within:
-            words = f"{entry:.{digits}g}" if isinstance(entry, int | float) else repr(entry)
-            problem = f"{key} is {words}, but {value:.{digits}g} by its motion: changed by hand or by another version"
-            raise FileProblem(file, problem, "plan again")
+_FOURIER = {
+    "period": "period_s",
+    "repeats": "repeats",
+    "centre": "centre_m_rad",
+    "a": "a_m_s_rad_s",
+    "b": "b_m_s_rad_s",
+}
+_PROFILE = {"jerk_time": "jerk_time_s", "hold_time": "hold_time_s", "cruise_time": "cruise_time_s"}
+_CIRCLE = {"start": "start_m_rad", "end_angles": "end_angles_rad", "centre": "centre_m", "angle": "angle_rad"}
+_MOVES: dict[str, tuple[Callable[..., Trajectory], dict[str, str]]] = {
+    "straight": (StraightMove, {"start": "start_m_rad", "end": "end_m_rad"}),
+    "circle": (CircularMove, _CIRCLE | {"plane": "plane"}),
+    "pause": (Standstill, {"pose": "pose_m_rad", "settle": "duration_s"}),
+    "measure": (Standstill, {"pose": "pose_m_rad", "settle": "settle_s", "average": "average_s"}),
+}
+"""Kinds of moves: what makes them, and the entry of each of its fields; a time law has entries of its own."""
 
 
 def motion_entries(motion: Trajectory) -> dict[str, Any]:
@@ -164,17 +142,9 @@ def motion_entries(motion: Trajectory) -> dict[str, Any]:
         TypeError: the motion is not one of a family.
     """
     if isinstance(motion, FourierMotion):
-        return {
-            "fourier": {
-                "period_s": motion.period,
-                "repeats": motion.repeats,
-                "centre_m_rad": motion.centre.tolist(),
-                "a_m_s_rad_s": motion.a.tolist(),
-                "b_m_s_rad_s": motion.b.tolist(),
-            }
-        }
+        return {"fourier": _written(motion, _FOURIER)}
     if isinstance(motion, Joined):
-        return {"moves": [_part(part) for part in motion.parts]}
+        return {"moves": [_move_entries(part) for part in motion.parts]}
     if isinstance(motion, PolynomialMotion):
         both = zip(motion.durations.tolist(), motion.table.swapaxes(0, 1).tolist(), strict=True)
         pieces = [{"duration_s": duration, "coefficients_SI": coefficients} for duration, coefficients in both]
@@ -182,123 +152,69 @@ def motion_entries(motion: Trajectory) -> dict[str, Any]:
     raise TypeError(f"no entry for {type(motion).__name__}")
 
 
-def _part(part: Trajectory) -> dict[str, Any]:
-    if isinstance(part, StraightMove):
-        ends = {"start_m_rad": part.start.tolist(), "end_m_rad": part.end.tolist()}
-        return {"kind": "straight", **ends, **_times(part.profile)}
-    if isinstance(part, CircularMove):
-        return {
-            "kind": "circle",
-            "start_m_rad": part.start.tolist(),
-            "end_angles_rad": part.end_angles.tolist(),
-            "plane": part.plane.value,
-            "centre_m": part.centre.tolist(),
-            "angle_rad": part.angle,
-            **_times(part.profile),
-        }
-    if isinstance(part, Standstill) and not part.average:
-        return {"kind": "pause", "pose_m_rad": part.pose.tolist(), "duration_s": part.duration}
-    if isinstance(part, Standstill):
-        times = {"settle_s": part.settle, "average_s": part.average}
-        return {"kind": "measure", "pose_m_rad": part.pose.tolist(), **times}
-    raise TypeError(f"no entry for {type(part).__name__}")
+def _move_entries(move: Trajectory) -> dict[str, Any]:
+    if isinstance(move, Standstill):
+        kind = "measure" if move.average else "pause"
+        return {"kind": kind, **_written(move, _MOVES[kind][1])}
+    if isinstance(move, StraightMove | CircularMove):
+        kind = "straight" if isinstance(move, StraightMove) else "circle"
+        return {"kind": kind, **_written(move, _MOVES[kind][1]), **_written(move.profile, _PROFILE)}
+    raise TypeError(f"no entry for {type(move).__name__}")
 
 
-def _times(profile: Profile) -> dict[str, float]:
-    return {"jerk_time_s": profile.jerk_time, "hold_time_s": profile.hold_time, "cruise_time_s": profile.cruise_time}
+def _written(value: object, keys: Mapping[str, str]) -> dict[str, Any]:
+    fields = {key: getattr(value, name) for name, key in keys.items()}
+    arrays = {key: field.tolist() for key, field in fields.items() if isinstance(field, np.ndarray)}
+    return fields | arrays | {key: field.value for key, field in fields.items() if isinstance(field, Plane)}
 
 
-def motion_of_entries(data: dict[str, Any]) -> Trajectory:
-    """The motion of `plan.json`.
+def motion_of_entries(data: Mapping[str, Any]) -> Trajectory:
+    """The motion of `plan.json`; whatever it is of, its figures tell whether it was changed.
 
     Raises:
         KeyError: the motion or an entry is missing.
-        TypeError: an entry has the wrong type.
-        ValueError: an entry does not describe a motion.
+        TypeError, ValueError, ArithmeticError: an entry does not describe a motion.
     """
     if "fourier" in data:
-        return _fourier(data["fourier"])
+        if "run_in_s" in data["fourier"]:  # of order 1, which versions before this one planned
+            raise ValueError("run_in_s")
+        return FourierMotion(**_read(data["fourier"], _FOURIER))
     if "moves" in data:
-        parts = tuple(_read_part(entry) for entry in data["moves"])
+        parts = tuple(_move(number, entry) for number, entry in enumerate(data["moves"]))
         ends = [np.asarray(part.at([0.0, part.duration]).pose) for part in parts]
         one_machine = len({end.shape for end in ends}) == 1
         if not one_machine or any(np.abs(before[1] - after[0]).max() > 1e-9 for before, after in pairwise(ends)):
             raise ValueError("moves")
         return Joined(parts)
     if "polynomial" in data:
-        pieces = tuple(_read_piece(entry) for entry in data["polynomial"])
-        if len({coefficients.shape[1] for coefficients, _ in pieces}) != 1:
-            raise ValueError("polynomial")
+        pieces = [(_value(entry, "coefficients_SI"), _value(entry, "duration_s")) for entry in data["polynomial"]]
         return PolynomialMotion.of_pieces(pieces)
     raise KeyError("fourier, moves or polynomial")
 
 
-def _coordinates(entry: dict[str, Any], key: str, dimensions: int = 1) -> Array:
-    """Values of each coordinate, shape (n,) or (rows, n)."""
-    shape = np.shape(entry[key])
-    if len(shape) != dimensions or not all(shape) or shape[-1] > MOST_JOINTS:
+def _move(number: int, entry: Mapping[str, Any]) -> Trajectory:
+    try:
+        make, keys = _MOVES[entry["kind"]]
+        law = {} if make is Standstill else {"profile": unit_profile(**_read(entry, _PROFILE))}
+        return make(**_read(entry, keys), **law)
+    except DAMAGED as error:
+        raise ValueError(f"moves[{number}] ({error})") from error
+
+
+def _read(entry: Mapping[str, Any], keys: Mapping[str, str]) -> dict[str, Any]:
+    return {name: _value(entry, key) for name, key in keys.items()}
+
+
+def _value(entry: Mapping[str, Any], key: str) -> Any:
+    """A field of a motion: coordinates, a number or a plane; ValueError where it cannot be one."""
+    value = entry[key]
+    if key == "plane":
+        return Plane(value)
+    array = np.array(value, dtype=float)
+    if not array.size or array.ndim > 2 or not np.all(np.abs(array) <= LARGEST):
         raise ValueError(key)
-    return _numbers(entry, key, *shape)
-
-
-def _numbers(entry: dict[str, Any], key: str, *shape: int) -> Array:
-    value = np.array(entry[key], dtype=float)
-    if value.shape != shape or not (np.abs(value) <= LARGEST).all():
+    if array.ndim:
+        return array
+    if key.endswith("_s") and value < 0.0:
         raise ValueError(key)
     return value
-
-
-def _positive(entry: dict[str, Any], key: str, zero: bool = False) -> float:
-    value = float(entry[key])
-    if not (value <= LARGEST and (value > 0.0 or (zero and value == 0.0))):
-        raise ValueError(key)
-    return value
-
-
-def _fourier(entry: dict[str, Any]) -> FourierMotion:
-    repeats, centre = int(entry["repeats"]), _coordinates(entry, "centre_m_rad")
-    if repeats < 1:
-        raise ValueError("repeats")
-    a, b = (_coordinates(entry, key, 2) for key in ("a_m_s_rad_s", "b_m_s_rad_s"))
-    if a.shape != b.shape or len(centre) != a.shape[1]:
-        raise ValueError("centre_m_rad")
-    if "run_in_s" in entry:  # of order 1, which versions before this one planned
-        raise ValueError("run_in_s")
-    return FourierMotion(centre, a, b, _positive(entry, "period_s"), repeats)
-
-
-def _read_part(entry: dict[str, Any]) -> Trajectory:
-    if entry["kind"] == "straight":
-        start, end = (_coordinates(entry, key) for key in ("start_m_rad", "end_m_rad"))
-        if len(start) != len(end):
-            raise ValueError("end_m_rad")
-        return StraightMove(start, end, _profile(entry))
-    if entry["kind"] == "circle":
-        return CircularMove(
-            _numbers(entry, "start_m_rad", 6),
-            _numbers(entry, "end_angles_rad", 3),
-            Plane(entry["plane"]),
-            _numbers(entry, "centre_m", 2),
-            float(_numbers(entry, "angle_rad")),
-            _profile(entry),
-        )
-    if entry["kind"] == "pause":
-        return Standstill(_coordinates(entry, "pose_m_rad"), _positive(entry, "duration_s"))
-    if entry["kind"] == "measure":
-        settle, average = _positive(entry, "settle_s", zero=True), _positive(entry, "average_s")
-        return Standstill(_coordinates(entry, "pose_m_rad"), settle, average)
-    raise ValueError("kind")
-
-
-def _profile(entry: dict[str, Any]) -> Profile:
-    jerk, hold, cruise = (_positive(entry, f"{k}_time_s", zero=True) for k in ("jerk", "hold", "cruise"))
-    if jerk == hold == 0.0:  # nothing would accelerate
-        raise ValueError("hold_time_s")
-    return unit_profile(jerk, hold, cruise)
-
-
-def _read_piece(entry: dict[str, Any]) -> tuple[Array, float]:
-    coefficients = _coordinates(entry, "coefficients_SI", 2)
-    if len(coefficients) > 6:
-        raise ValueError("coefficients_SI")
-    return coefficients, _positive(entry, "duration_s")

@@ -19,7 +19,7 @@ from planner.families import Family
 from planner.families.ptp import controlled, with_steps
 from planner.plans import Plan
 from planner.rating import PlannedMotion, rated_plan
-from planner.request import LONGEST, Request, parse_targets
+from planner.request import LONGEST, Request
 from planner.search import Failed
 from planner.search.feasibility import keep_limits, remedy, require_identifiable, require_rest
 from planner.search.parallel import (
@@ -66,14 +66,13 @@ def require_plannable(request: Request, case: Case) -> None:
     Raises:
         CaseError: the case has no machine, limits, controller or payload of this number.
         IdentificationError: an unknown model, or one that no motion of the machine determines.
-        HexciteError: targets that cannot be read, a duration too short for the machine.
+        HexciteError: a duration too short for the machine.
         InfeasiblePlan: standing still in the middle of the motion box exceeds a limit.
         FileProblem: the sequence cannot be used.
     """
     case.need_motion("planning")
     require_identifiable(case, identification_model(case, request.model))
     case.body(request.payload)
-    parse_targets(request.targets, case, request.model)
     request.family.require_plannable(case, request.duration)
     require_rest(case)
 

@@ -1,6 +1,6 @@
 """A plan: the chosen motion or set of poses, its predicted figures, and the proof of its limits."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,8 +25,9 @@ from identification.precision import (
     share_text,
     std_text,
 )
+from planner.families import Settings
 from planner.plan_figures import PoseWorth, Worth, bound_by
-from planner.plan_folder import SCHEMA_VERSION, fingerprint_of, load_plan, motion_entries
+from planner.plan_folder import SCHEMA_VERSION, content_of, fingerprint_of, load_plan, motion_entries
 from planner.request import PoseRequest, Request
 
 SAMPLE_RATE = 1000.0  # [1/s] of motion.csv
@@ -62,7 +63,7 @@ class Plan:
     assumed_noise: float
     assumed_rate: float
     worth: Worth | PoseWorth
-    settings: Mapping[str, Any]
+    settings: Settings
     solve_s: float
     interrupted: bool = False
     folder: Path | None = None
@@ -160,7 +161,7 @@ class Plan:
             columns = self.case.need_motion("a plan")[1].columns
             rows = poses_in_units(self.poses, self.case).tolist()
             own = {"count": len(rows), "poses": [dict(zip(columns, row, strict=True)) for row in rows]}
-        return {
+        entries = {
             "schema_version": SCHEMA_VERSION,
             "case": self.case.name,
             "case_file": self.case.origin,
@@ -183,6 +184,7 @@ class Plan:
             "limits": self.limits.to_json(),
             **motion_entries(self.motion),
         }
+        return entries | {"content": content_of(entries)}
 
     @property
     def rating(self) -> tuple[float, str]:

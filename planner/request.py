@@ -2,19 +2,14 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any, ClassVar, Literal, NamedTuple
 
-import numpy as np
-
 from cases.errors import HexciteError
-from cases.schema import Case
 from cases.sensors import payload_words
-from cases.units import MM, UM
 from identification.criteria import Criterion
-from identification.model import identification_model
-from identification.parameters import physical_form
+from identification.precision import legible
 from planner.families.settings import FAMILIES, FamilySettings, PointToPoint, family_class
 
 OWNERS = {setting.name: name for name, kind in FAMILIES.items() for setting in fields(kind)}
@@ -47,8 +42,6 @@ class Request:
     payload: int = 0  # number of the case's payloads that are mounted, at most
     # fewest payloads; None for just as many. Predicted standard deviations are the largest of the range
     payload_from: int | None = None
-    # targets: standard deviations to be met, such as m=0.05kg; the duration is then the longest allowed
-    targets: tuple[str, ...] = ()
     starts: int | None = None  # number of random starts; None for as many as pay
     seconds: float | None = None  # time for the search; None until more starts stop paying
     seed: int = 0  # seed of the starts
@@ -56,10 +49,8 @@ class Request:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "criterion", Criterion(self.criterion))
-        if np.isnan(self.duration) or self.duration == -np.inf:
-            raise HexciteError(f"duration {self.duration:g} s is not a duration; choose about 12 s")
-        if not self.duration <= LONGEST:
-            raise HexciteError(f"duration {self.duration:g} s is longer than {LONGEST:g} s; choose about 12 s")
+        if not abs(self.duration) <= LONGEST:
+            raise HexciteError(f"duration {self.duration:g} s is not at most {LONGEST:g} s; choose about 12 s")
         self.family.check(self.duration)
         if self.starts is not None and not 1 <= self.starts <= 1000:
             raise HexciteError(f"{self.starts} starts; choose --starts 1 to 1000")
@@ -72,8 +63,6 @@ class Request:
                 f"payloads {self.payload_from}-{self.payload} are not a range; give the fewest first, as "
                 f"0-{self.payload}"
             )
-        if self.targets and not self.family.optimised:
-            raise HexciteError("targets need a family that is optimised; choose fourier, ptp or spline")
 
     @property
     def payloads(self) -> range:
@@ -95,53 +84,30 @@ class Request:
         """Entries of `plan.json` that say what was asked for, beside criterion and model."""
         entries = {"duration_s": self.duration, "starts": self.starts, "seconds": self.seconds}
         own = {name: str(v) if isinstance(v, Path) else v for name, v in asdict(self.family).items()}
-        return {"targets": list(self.targets), "seed": self.seed, "asked": entries | {"family": own}}
+        return {"seed": self.seed, "asked": entries | {"family": own}}
 
     @classmethod
     def of_json(cls, data: Mapping[str, Any]) -> "Request":
         """From `plan.json`; raises KeyError, TypeError, ValueError or HexciteError where an entry is damaged."""
-        settings, kind, fewest = data["settings"], family_class(str(data["family"])), data.get("payload_from")
-        names = {"order": "order", "period_s": "period", "moves": "moves", "knots": "knots"}
-        names["made_for"] = "controller"
-        family_settings = {name: settings[key] for key, name in names.items() if key in settings}
-        # earlier versions wrote what the family's settings became, not what was asked for
-        entries = data["asked"] if "asked" in data else {"duration_s": data["duration_s"], "family": family_settings}
-        own = {setting.name for setting in fields(kind)}  # earlier versions had more
+        asked, fewest, kind = data["asked"], data["payload_from"], family_class(str(data["family"]))
+        known = {setting.name for setting in fields(kind)}  # other versions may have more
         return cls(
-            kind(**{name: value for name, value in entries["family"].items() if name in own}),
-            float(entries["duration_s"]),
+            kind(**{name: value for name, value in asked["family"].items() if name in known}),
+            float(asked["duration_s"]),
             Criterion(data["criterion"]),
             int(data["model"]),
             int(data["payload"]),
-            None if fewest in (None, data["payload"]) else int(fewest),
-            tuple(str(target) for target in data["targets"]),
-            entries.get("starts"),
-            entries.get("seconds"),
-            int(data.get("seed", settings.get("seed", 0))),
+            None if fewest == data["payload"] else int(fewest),
+            asked["starts"],
+            asked["seconds"],
+            int(data["seed"]),
         )
-
-    def lasting(self, duration: float) -> "Request":
-        """The same for another duration [s]."""
-        return replace(self, duration=duration, family=self.family.lasting(duration / self.duration))
 
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _VALUE = re.compile(
     rf"(?P<name>\w+)=(?P<value>{_NUMBER})(?:(?:\+-|±)(?P<std>{_NUMBER}))?\s*(?P<unit>[^\W\d_][\w/^ ]*)?"
 )
-
-# SI unit of a parameter -> what users may write instead, and its SI value.
-_UNITS: Mapping[str, Mapping[str, float]] = {
-    "kg": {"kg": 1.0, "g": 1e-3, "t": 1e3},
-    "m": {"m": 1.0, "mm": MM, "um": UM},
-    "kg m": {"kgm": 1.0, "kgmm": MM},
-    "kg m^2": {"kgm2": 1.0, "kgmm2": MM**2},
-    "N": {"N": 1.0, "kN": 1e3},
-    "N m": {"Nm": 1.0, "Nmm": MM},
-    "N/m": {"N/m": 1.0, "N/mm": 1.0 / MM},
-    "N m/m": {"Nm/m": 1.0, "Nm/mm": 1.0 / MM},
-    "N s^2/m": {"Ns2/m": 1.0, "kg": 1.0},
-}
 
 
 class TypedValue(NamedTuple):
@@ -150,9 +116,6 @@ class TypedValue(NamedTuple):
     name: str  # name of the parameter
     value: float  # [SI]
     std: float | None  # standard deviation [SI]; None where none is given
-    text: str  # as the user wrote it
-    unit: str  # unit in which the user wrote it
-    scale: float  # SI value of that unit
 
 
 def read_value(text: str, units: Mapping[str, str], option: str, example: str, model: int) -> TypedValue:
@@ -173,29 +136,13 @@ def read_value(text: str, units: Mapping[str, str], option: str, example: str, m
     if name not in units:
         words = f"{name} is not a parameter of model {model}; choose from {', '.join(units)}"
         raise HexciteError(f"{option} {text}", f"{words}")
-    factors = _UNITS[units[name]]
-    if unit not in factors:
+    factor, for_people = legible(units[name])
+    scales = {re.sub(r"[ ^]", "", own): scale for own, scale in ((units[name], 1.0), (for_people, 1.0 / factor))}
+    if unit not in scales:
         problem = f"unit {match['unit']} does not fit {name}" if unit else "has no unit"
-        raise HexciteError(f"{option} {text}", f"{problem}; give {' or '.join(factors)}")
-    scale = factors[unit]
-    std = None if match["std"] is None else float(match["std"]) * scale
-    return TypedValue(name, float(match["value"]) * scale, std, text, unit, scale)
-
-
-def parse_targets(words: tuple[str, ...], case: Case, model: int) -> tuple[TypedValue, ...]:
-    """Standard deviations that shall not be exceeded, such as m=0.05kg or zC=0.3mm.
-
-    Raises:
-        HexciteError: not of this form, an unknown parameter or one given twice, or a unit that is not the parameter's.
-    """
-    units = {p.name: p.unit for p in physical_form(identification_model(case, model)).parameters}
-    targets = tuple(read_value(word, units, "--target", "m=0.05kg", model) for word in words)
-    for place, target in enumerate(targets):
-        if target.name in [earlier.name for earlier in targets[:place]]:
-            raise HexciteError(f"--target {target.text}", f"{target.name} is given twice; give it once")
-        if target.std is not None or not 0.0 < target.value < np.inf:
-            raise HexciteError(f"--target {target.text}", "is not one positive number; write --target m=0.05kg")
-    return targets
+        raise HexciteError(f"{option} {text}", f"{problem}; give {' or '.join(scales)}")
+    std = None if match["std"] is None else float(match["std"]) * scales[unit]
+    return TypedValue(name, float(match["value"]) * scales[unit], std)
 
 
 USUAL = 30  # poses of the paper's reduced sets
@@ -221,23 +168,18 @@ class PoseRequest:
     model: int = 5  # number in Table 2, 0 to 5
     candidates: int | None = None  # quasi-random candidates; None: the grid of the case
     seed: int = 0  # seed of these candidates
-    # standard deviation of an averaged force [N]; None: the sensors' noise, averaged as white noise
-    noise: float | None = None
     name: ClassVar[str] = "poses"  # in place of that of a family
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json` that say what was asked for, beside criterion and model."""
-        entries = {"count": self.count, "candidates": self.candidates, "noise": self.noise}
+        entries = {"count": self.count, "candidates": self.candidates}
         return {"method": self.method, "seed": self.seed, "asked": entries}
 
     @classmethod
     def of_json(cls, data: Mapping[str, Any]) -> "PoseRequest":
         """From `plan.json`; raises KeyError, TypeError, ValueError or HexciteError where an entry is damaged."""
-        seed = data["seed"] if "seed" in data else data["settings"]["seed"]
-        return cls(
-            Criterion(data["criterion"]), method=data["method"], model=int(data["model"]), seed=int(seed),
-            **data.get("asked", {}),
-        )  # fmt: skip
+        asked, model, seed = data["asked"], int(data["model"]), int(data["seed"])
+        return cls(Criterion(data["criterion"]), asked["count"], data["method"], model, asked["candidates"], seed)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "criterion", Criterion(self.criterion))
@@ -246,8 +188,6 @@ class PoseRequest:
             raise HexciteError(f"method {self.method!r} is unknown; choose {choice}")
         if self.method in ("all", "given") and self.count is not None:
             raise HexciteError(f"method {self.method} measures every pose; leave --count out, or choose another method")
-        if self.noise is not None and not 0.0 < self.noise < float("inf"):
-            raise HexciteError(f"noise {self.noise:g} N is not positive; give the scatter of an averaged force")
         require_seed(self.seed)
 
     def wanted(self, available: int, parameters: int) -> int:

@@ -54,7 +54,7 @@ def retime(plan: Plan) -> Plan:
     }
     remark = f"re-timed with {method}: {motion.duration:.2f} s instead of {plan.duration:.2f} s"
     planned = PlannedMotion(motion, settings, limits, remark=remark)
-    return rated_plan(replace(request, targets=()), case, planned, perf_counter() - start)
+    return rated_plan(request, case, planned, perf_counter() - start)
 
 
 def by_controller(motion: Joined, case: Case, place: str) -> Joined:

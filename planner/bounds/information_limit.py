@@ -51,11 +51,10 @@ class Bound:
 
     def __repr__(self) -> str:
         """A few lines: how it was found, the best design, and the bound."""
-        late = "; a longer time limit closes the gap" if self.proven_logdet is not None and not self.certified else ""
         return (
-            f"{self.method}{late}\nlog det of the mean information of {self.parameters} parameters, reference scaling, "
-            f"W = 1:\nthe best design that was found has {self.design_logdet:.4f}"
-            f"\nno motion exceeds {self.logdet:.4f} ({self.label})"
+            f"{self.method}\nlog det of the mean information of {self.parameters} parameters, reference scaling, W = 1:\n"
+            f"the best design that was found has {self.design_logdet:.4f}\n"
+            f"no motion exceeds {self.logdet:.4f} ({self.label})"
         )
 
     _repr_html_ = as_html

@@ -46,73 +46,52 @@ def validate(
     methods: Annotated[
         str | None, option(f"Methods, separated by commas, by default all: {', '.join(METHOD_TABLES)}.")
     ] = None,
-    recordings: Annotated[
-        Path | None, option("Instead: a real machine's runs, METHOD/0, METHOD/1, .. named after the weights mounted.")
-    ] = None,
     weights: Annotated[
         str | None, option("How many weights are mounted: 0,3,5; by default none, and each up to all.")
-    ] = None,
-    plans: Annotated[
-        Path | None, option("Folder of an earlier validation: take its plans instead of new ones.")
     ] = None,
     on: Annotated[str, option("Controller: virtual or linuxcnc.")] = "virtual",
     starts: Annotated[int, option("Random starts of the optimised methods.")] = 2,
     seed: Annotated[int, option("Seed of the starts and of the sensors' noise.")] = 0,
     workers: console.Workers = None,
-    undisturbed: Annotated[
-        bool, option("Without the disturbances of the simulated structure.", "--undisturbed")
-    ] = False,
     output: Annotated[Path | None, out("Folder to write; hexcite-validation by default.")] = None,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
 ) -> None:
     """Identify known weights by each method; compare with theory.
 
-    They are mounted one after the other. Without --recordings the case's simulated machine is used, and the answer says
-    what it models. Interrupted, the same command uses the plans that are there.
+    They are mounted one after the other on the case's simulated machine; the answer says what that models.
+    Interrupted, the same command uses the plans that are there.
     """
-    from planner.comparison.methods import unfinished
-    from planner.comparison.trials import mounted_weights
+    from planner.comparison.trials import mounted_weights, unfinished
 
-    settings = hx.ValidationSettings(on, starts, seed, plans, workers)
+    settings = hx.ValidationSettings(on, starts, seed, workers)
     loaded = hx.load_case(case)
     names = None if methods is None else [name.strip() for name in methods.split(",") if name.strip()]
     place = output_place(output, Path("hexcite-validation"), overwrite)
-    check_folder(place, VALIDATION, [folder for folder in (recordings, plans) if folder is not None], overwrite)
-    if recordings is not None:
-        simulating = {"--weights": weights, "--plans": plans, "--on": on != "virtual", "--undisturbed": undisturbed}
-        for option in (name for name, value in simulating.items() if value):
-            raise hx.HexciteError(option, "nothing is simulated with --recordings; leave out one of both")
-        validation = hx.validate_recordings(loaded, recordings, names)
+    check_folder(place, VALIDATION, overwrite=overwrite)
+    mounted = mounted_weights(loaded, weights)
+    with unfinished(place, loaded, settings) as work, console.status("validating", json) as remark:
+        validation = hx.validate(
+            loaded, tuple(METHOD_TABLES) if names is None else names, mounted, settings, folder=work, progress=remark
+        )
         console.save_with_page(validation, VALIDATION, place, overwrite)
-    else:
-        selection, mounted = tuple(METHOD_TABLES) if names is None else names, mounted_weights(loaded, weights)
-        with unfinished(place, loaded, settings) as work, console.status("validating", json) as remark:
-            validation = hx.validate(
-                loaded, selection, mounted, settings, undisturbed=undisturbed, folder=work, progress=remark
-            )
-            console.save_with_page(validation, VALIDATION, place, overwrite)
     answer = {"report": str(place / "report.html")} | validation.to_json()
     if not console.answered(answer, json):
         _show_validation(answer, validation)
 
 
 def _show_validation(answer: dict[str, Any], validation: "Validation") -> None:
-    from planner.comparison.claims import OFF_COLUMNS, off_rows
     from planner.reports.validation import TABLE_7, table_7
 
-    trials = list(validation.trials)
     print(f"machine: {validation.machine}")
     for method, text in validation.executed.items():
         if ";" in text:
             print(f"{method}: executed on {text}")
     for method, reason in validation.failed.items():
         print(f"NOT RUN: {method}: {reason}")
-    for method in dict.fromkeys(t.method for t in trials):
-        console.print_table(f"{method}", TABLE_7, table_7([s for s in trials if s.method == method]))
-    if rows := off_rows(trials):
-        title = "Off by more than 3 reported standard deviations; parts of the error in these"
-        console.print_table(title, OFF_COLUMNS, rows)
+    for method in dict.fromkeys(trial.method for trial in validation.trials):
+        own = [trial for trial in validation.trials if trial.method == method]
+        console.print_table(method, TABLE_7, table_7(own))
     print(f"report written: {answer['report']}")
-    for claim in validation.claims:
-        print(claim.sentence())
+    for sentence in validation.sentences:
+        print(f"recommendation: {sentence}")

@@ -72,18 +72,19 @@ def retime(
         if output is not None:
             report("writing")
             console.save_with_page(result, PLAN, output, overwrite)
+    before, after = _figures(plan), _figures(result)
     answer = {
         "source": str(source),
         "method": result.settings["retimed_with"],
         "model": result.model,
-        "before": _figures(plan),
-        "after": _figures(result),
+        "before": before,
+        "after": after,
         "limits": result.limits.to_json(),
         "remarks": list(plan.stale),
         "solve_s": result.solve_s,
         "plan": str(output) if output is not None else None,
     }
-    rows = [(key, f"{value:.5g}", f"{answer['after'][key]:.5g}") for key, value in answer["before"].items()]
+    rows = [(key, f"{value:.5g}", f"{after[key]:.5g}") for key, value in before.items()]
     notes = (f"note: {remark}" for remark in plan.stale)
     written = () if output is None else (f"plan written: {output}",)
     table = aligned(("", "before", "after"), *rows)

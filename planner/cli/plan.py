@@ -12,7 +12,7 @@ from cases.files import PLAN, check_folder, output_place
 from planner.cli import console
 from planner.cli.console import argument, option, out
 
-SEARCHED = ("duration", "starts", "seconds", "seed", "workers", "target")  # options of families that are optimised
+SEARCHED = ("duration", "starts", "seconds", "seed", "workers")  # options of families that are optimised
 OPTIONS = {"controller": "for"}  # options whose names differ from those of their parameters
 
 
@@ -51,10 +51,6 @@ def plan(
     payload: Annotated[
         str, option("How many of the case's payloads are mounted: a number, or a range such as 0-5.")
     ] = "0",
-    target: Annotated[
-        list[str] | None,
-        option("Standard deviation to be met, as m=0.05kg or zC=0.3mm; --duration is then the longest allowed."),
-    ] = None,
     starts: Annotated[int | None, option("Number of random starts; by default as many as pay.")] = None,
     seconds: Annotated[
         float | None, option("Time for the search in s; by default until more starts stop paying.")
@@ -89,7 +85,6 @@ def plan(
         model=full_model(loaded) if model is None else model,
         payload=most,
         payload_from=fewest,
-        targets=tuple(target or ()),
         starts=starts,
         seconds=seconds,
         seed=seed,

@@ -20,9 +20,6 @@ def poses(
         int | None, option("Quasi-random candidates; by default the grid of the case, of a chain 2048.")
     ] = None,
     seed: Annotated[int, option("Seed of the sample.")] = 0,
-    noise: Annotated[
-        float | None, option("Scatter of an averaged force in N; by default that of the sensors' noise.")
-    ] = None,
     output: Annotated[Path | None, out("Folder to write; named after the case by default.")] = None,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
@@ -48,7 +45,6 @@ def poses(
             model=static_model(loaded) if model is None else model,
             candidates=candidates,
             seed=seed,
-            noise=noise,
         )
     with console.status("writing", json):
         console.save_with_page(plan, PLAN, folder, overwrite)

@@ -1,33 +1,48 @@
 """The payload experiment of section 8: known weights are mounted one after the other and identified by each method.
 
-Theoretical values are those of the platform as identified without payload plus the known weights, as in Table 7; a
-simulated machine knows its true values too, and errors are also given in reported standard deviations of these.
+The methods are tables of `cases/hexapod/validation.toml`. Theoretical values are those of the platform as identified
+without payload plus the known weights, as in Table 7; the simulated machine knows its true values too, and errors are
+also given in reported standard deviations of these.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+import shutil
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
+from pydantic import Field
 
-from cases.errors import CaseError, FileProblem, HexciteError
-from cases.schema import Case
+from cases.controller import ControllerName
+from cases.errors import CaseError, HexciteError, Interrupted
+from cases.schema import Case, fingerprint
 from cases.sensors import Disturbances, RigidBody
-from identification.identify import estimate_parameters, standing_of
-from identification.model import full_model
+from cases.tables import Part
+from identification.criteria import Criterion
+from identification.identify import estimate_parameters
+from identification.limit import KINETIC
+from identification.model import Model, full_model
 from identification.motion import Array
 from identification.parameters import RIGID, body_parameters, linear_parameters, physical_form
-from identification.recording import Recording, read
+from identification.recording import Recording
 from identification.result import Estimate
-from identification.runs.preparation import on_one_clock
 from identification.runs.standstills import average, find_standstills, match
-from identification.simulate import Circumstances, Moved, loaded_truth, moved, sensed
+from identification.simulate import Circumstances, loaded_truth, simulate_recording
 from identification.trajectories.executed import Execution
-from planner.comparison.error_budget import BODY, error_budget, linear_answer, true_deviations
+from planner.comparison import METHOD_TABLES
+from planner.execution import carried_out
+from planner.families.settings import family_class
+from planner.library import planned
+from planner.plan_program import write
+from planner.plans import Plan
+from planner.poses.planned_poses import poses_planned
+from planner.request import PoseRequest, Request
+from postprocessors.execute import stood
 
-COMPARED = ("m", "zC", "IC33")  # what Table 7 compares with theory
-SHOWN = (*COMPARED, "f_q0_3", "k0", "k1")
+SHOWN = ("m", "zC", "IC33", "f_q0_3", "k0", "k1")  # parameters of Table 7
+BODY = ("m", "xC", "yC", "zC", "IC11", "IC22", "IC33")  # parameters whose errors are reported
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,14 +52,10 @@ class Trial:
     method: str  # its name
     weights: int  # number of mounted weights
     load: float  # their mass [kg]
-    duration: float | None  # measuring time [s]
+    duration: float  # measuring time [s]
     estimate: Estimate
     theory: Mapping[str, float]  # values by the identification without payload plus the weights, by name [SI]
-    truth: Mapping[str, float]  # truth of a simulated machine, by name [SI]; empty for recordings
-    # parts of a simulated machine's errors, by parameter and cause [SI]; empty for recordings
-    budget: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    # standard deviations over machines whose pose errors differ, by name [SI]; empty where unknown
-    scatter: Mapping[str, float] = field(default_factory=dict)
+    truth: Mapping[str, float]  # truth of the simulated machine, by name [SI]
 
     @property
     def s0(self) -> float:
@@ -58,17 +69,11 @@ class Trial:
             return None
         return self.estimate.physical[name].value / self.theory[name] - 1.0
 
-    def error(self, name: str) -> float | None:
-        """Estimate less truth in reported standard deviations; None where the truth is unknown."""
-        if name not in self.truth or name not in self.estimate.physical:
-            return None
-        value = self.estimate.physical[name]
-        return (value.value - self.truth[name]) / value.reported
-
-    def parts_in_std(self, name: str) -> dict[str, float]:
-        """Parts of the error of a parameter, by cause, in reported standard deviations."""
-        std = self.estimate.physical[name].reported
-        return {cause: part / std for cause, part in self.budget[name].items()}
+    @property
+    def errors(self) -> dict[str, float]:
+        """Estimates less truth in reported standard deviations, by name."""
+        own = self.estimate.physical
+        return {n: (own[n].value - true) / own[n].reported for n, true in self.truth.items() if n in own}
 
     def to_json(self) -> dict[str, Any]:
         """One row of the answer, SI units."""
@@ -82,9 +87,7 @@ class Trial:
             "s0_N": self.s0,
             "parameters": {name: value._asdict() for name, value in self.estimate.physical.items()},
             "relative_deviation": {n: self.deviation(n) for n in SHOWN if self.deviation(n) is not None},
-            "error_in_std": {n: self.error(n) for n in BODY if self.error(n) is not None},
-            "error_budget_in_std": {name: self.parts_in_std(name) for name in self.budget},
-            "std_over_machines": dict(self.scatter),
+            "error_in_std": self.errors,
             "warnings": list(self.estimate.warnings),
         }
 
@@ -102,23 +105,16 @@ class Excitation:
     seed: int  # seed of the sensors' noise
     controller: str = ""  # controller that executed it, with a remark on the run
 
-    def moved(self, weights: int, disturbances: Disturbances | None) -> Moved:
-        """The machine's motion with some weights mounted; its drives ripple anew in each run."""
-        return moved(self.case, self.execution, Circumstances((), disturbances), self.seed + weights)
-
-    def recorded(
-        self, weights: int, disturbances: Disturbances | None, run: Moved | None = None
-    ) -> tuple[Recording, Array]:
-        """The run with some weights mounted, averaged where it stands, and the parts of its forces."""
-        around = Circumstances(_weights(self.case, weights), disturbances)
-        run = self.moved(weights, disturbances) if run is None else run
-        source = f"{self.name} with {weights} weights"
-        recording, parts = sensed(self.case, run, self.trigger, self.seed + weights, source, around)
+    def recorded(self, weights: int, disturbances: Disturbances | None) -> Recording:
+        """The run with some weights mounted, averaged where it stands."""
+        around, source = (
+            Circumstances(_weights(self.case, weights), disturbances),
+            f"{self.name} with {weights} weights",
+        )
+        run = simulate_recording(self.case, self.execution, self.trigger, self.seed + weights, source, around)
         if not len(self.poses):
-            return recording, parts
-        windows = find_standstills(recording, 0.0)
-        averages, those = match(average(recording, windows), self.case, self.poses, source)
-        return averages, np.array([[part[w].mean(axis=0) for w in windows[those]] for part in parts])
+            return run
+        return match(average(run, find_standstills(run, 0.0)), self.case, self.poses, source)[0]
 
 
 def _weights(case: Case, count: int) -> tuple[RigidBody, ...]:
@@ -128,61 +124,18 @@ def _weights(case: Case, count: int) -> tuple[RigidBody, ...]:
 
 
 def trials(excitation: Excitation, mounted: Sequence[int], disturbances: Disturbances | None) -> Iterator[Trial]:
-    """The simulated machine identified with numbers of weights on it, ascending from 0.
-
-    A set of poses is travelled through once: its standstills do not depend on the way there.
-    """
+    """The simulated machine identified with numbers of weights on it, ascending from 0."""
     case = excitation.case
-    once = excitation.moved(0, disturbances) if len(excitation.poses) else None
     bare: Estimate | None = None
     for k in mounted:
-        recording, parts = excitation.recorded(k, disturbances, once)
-        estimate = estimate_parameters(recording, case)
+        estimate = estimate_parameters(excitation.recorded(k, disturbances), case)
         bare = estimate if bare is None else bare
         weights = _weights(case, k)
         body = loaded_truth(case.need_simulation("the validation").parameters, weights)
-        model = estimate.model
-        linear = linear_parameters(model, body)
-        form = physical_form(model)
-        values, _ = form.of(linear, np.zeros((len(linear), len(linear))))
-        truth = {p.name: float(v) for p, v in zip(form.parameters, values, strict=True) if p.name in BODY}
-        load, budget, scatter = sum(w.mass_kg for w in weights), {}, {}
-        if disturbances is not None:
-            answer = linear_answer(case, recording, estimate)
-            budget = error_budget(answer, recording, parts, estimate, linear)
-            scatter = true_deviations(case, answer, estimate, disturbances, load)
-        theory = _theory(bare, weights)
-        yield Trial(excitation.name, k, load, excitation.duration, estimate, theory, truth, budget, scatter)
-
-
-def recorded_trials(case: Case, folder: Path) -> Iterator[Trial]:
-    """Recordings of a machine: in `folder` the runs 0, 1, .. with so many weights, as folders or files.
-
-    Raises:
-        FileProblem: the run without payload or one of the others is missing, or there are fewer than two.
-        HexciteError: a run cannot be evaluated.
-    """
-    runs = {
-        k: p for k in range(len(_weights(case, 99)) + 1) for p in (folder / f"{k}.csv", folder / str(k)) if p.exists()
-    }
-    files = [runs[k] for k in sorted(runs)]
-    for k in range(len(files)):
-        if k not in runs:
-            raise FileProblem(folder, f"holds runs up to {max(runs)}, but not {k}", "each number of weights is wanted")
-    if len(files) < 2:
-        raise FileProblem(
-            folder,
-            f"holds {len(files)} of the runs 0, 1, .. (folders or CSV files, named after the number of weights "
-            "mounted)",
-            "a validation needs at least 0 and 1",
-        )
-    bare: Estimate | None = None
-    for k, file in enumerate(files):
-        estimate = estimate_parameters(standing_of(on_one_clock(read(file, case), case), case)[0], case)
-        bare = estimate if bare is None else bare
-        weights = _weights(case, k)
+        known = _physical(estimate.model, linear_parameters(estimate.model, body))
+        truth = {name: value for name, value in known.items() if name in BODY}
         load = sum(w.mass_kg for w in weights)
-        yield Trial(folder.name, k, load, None, estimate, _theory(bare, weights), {})
+        yield Trial(excitation.name, k, load, excitation.duration, estimate, _theory(bare, weights), truth)
 
 
 def _theory(bare: Estimate, mounted: Sequence[RigidBody]) -> dict[str, float]:
@@ -190,35 +143,132 @@ def _theory(bare: Estimate, mounted: Sequence[RigidBody]) -> dict[str, float]:
 
     Linear parameters of bodies add; the estimate need not be one of a real body.
     """
-    names, form = bare.model.names, physical_form(bare.model)
     bodies = [body_parameters(weight) for weight in mounted]
-    linear = bare.fit.values + [sum(body.get(name, 0.0) for body in bodies) for name in names]
-    values, _ = form.of(linear, np.zeros((len(names), len(names))))
-    return {p.name: float(v) for p, v in zip(form.parameters, values, strict=True) if p.name[0] not in "kK"}
+    linear = bare.fit.values + [sum(body.get(name, 0.0) for body in bodies) for name in bare.model.names]
+    return {name: value for name, value in _physical(bare.model, linear).items() if name[0] not in "kK"}
 
 
-def require_weights(case: Case) -> None:
-    """Raises CaseError where a case has no weights, or a machine for which methods are not compared."""
-    if case.limits is not None and full_model(case) == RIGID:
-        raise CaseError(
-            f"case {case.name}",
-            "setup",
-            f"is {case.setup}: a validation compares methods for sensors in a hexapod's platform; run and identify "
-            "with and without a weight, and see what hexcite payload says of it",
-        )
-    _weights(case, 0)
+def _physical(model: Model, linear: Array) -> dict[str, float]:
+    """Physical parameters of linear ones, by name."""
+    form = physical_form(model)
+    values, _ = form.of(linear, np.zeros((len(linear), len(linear))))
+    return {p.name: float(value) for p, value in zip(form.parameters, values, strict=True)}
 
 
-def mounted_weights(case: Case, wanted: str | None) -> tuple[int, ...]:
+def mounted_weights(case: Case, wanted: str | Sequence[int] | None) -> tuple[int, ...]:
     """Numbers of weights to mount, by default all; raises HexciteError where `wanted` is not such, as in 0,3,5."""
-    require_weights(case)
+    if case.limits is not None and full_model(case) == RIGID:
+        problem = f"is {case.setup}: a validation compares methods for sensors in a hexapod's platform"
+        raise CaseError(f"case {case.name}", "setup", f"{problem}; run and identify with and without a weight")
     most = len(_weights(case, 99))
     if wanted is None:
         return tuple(range(most + 1))
-    words = [word.strip() for word in wanted.split(",")]
+    words = [word.strip() for word in wanted.split(",")] if isinstance(wanted, str) else [str(n) for n in wanted]
     numbers = tuple(int(word) for word in words if word.isdecimal())
-    if len(numbers) < len(words) or numbers[0] != 0 or list(numbers) != sorted(set(numbers)) or numbers[-1] > most:
+    if len(numbers) < len(words) or numbers[:1] != (0,) or list(numbers) != sorted(set(numbers)) or numbers[-1] > most:
         raise HexciteError(
             f"weights {wanted!r}: give how many are mounted, from 0 upwards to at most {most}, as in 0,{most}"
         )
     return numbers
+
+
+class MethodSpec(Part):
+    """A method, as a table of `cases/hexapod/validation.toml` states it."""
+
+    label: str
+    family: str
+    criterion: Criterion = Criterion.D
+    settings: dict[str, Any] = Field(default_factory=dict)
+    program: Literal[ControllerName.SINUMERIK, ControllerName.LINUXCNC] = ControllerName.SINUMERIK
+
+    @property
+    def request(self) -> Request | PoseRequest:
+        """What is planned."""
+        if self.family == PoseRequest.name:
+            return PoseRequest(self.criterion, **self.settings)
+        return Request(family_class(self.family)(**self.settings), criterion=self.criterion)
+
+
+METHODS = {name: MethodSpec.model_validate(entries) for name, entries in METHOD_TABLES.items()}
+
+Remark = Callable[[str], None]
+"""Function that is called with the present step in words."""
+
+
+@dataclass(frozen=True, slots=True)
+class ValidationSettings:
+    """How `hx.validate` carries out its methods."""
+
+    on: str = ControllerName.VIRTUAL  # controller: virtual or linuxcnc
+    starts: int = 2  # random starts of the optimised methods
+    seed: int = 0  # seed of the starts and of the sensors' noise
+    workers: int | None = None  # processes that search; None for one a core
+
+    def __post_init__(self) -> None:
+        Request(starts=self.starts, seed=self.seed, workers=self.workers)  # which says what these can be
+
+
+USUAL = ValidationSettings()
+
+
+def require_methods(names: Sequence[str]) -> None:
+    """Raises HexciteError where a name is none of `METHODS` or given twice, or there is none."""
+    for name in names:
+        if name not in METHODS:
+            raise HexciteError(f"method {name!r} is unknown; choose {', '.join(METHODS)}")
+    if not names or len(set(names)) < len(names):
+        raise HexciteError(f"methods {', '.join(names)!r}: name each once, of {', '.join(METHODS)}")
+
+
+@contextmanager
+def unfinished(output: Path, case: Case, settings: ValidationSettings) -> Iterator[Path]:
+    """Yields the folder that holds the plans until the validation is written, also after an interruption.
+
+    It stands beside `output`, and a fingerprint of case and settings in its name lets the same command find it again.
+    """
+    key = fingerprint([case.hash, settings.starts, settings.seed])[:8]
+    folder = output.absolute().with_name(f"{output.name}.unfinished-{key}")
+    try:
+        yield folder
+    except Interrupted:
+        if folder.exists():
+            raise Interrupted(f"finished plans are kept in {folder.name}, the same command uses them") from None
+        raise
+    shutil.rmtree(folder, ignore_errors=True)
+
+
+def executed(case: Case, method: str, settings: ValidationSettings, folder: Path, remark: Remark) -> Excitation:
+    """A method planned, written as a proven program and executed; a plan that `folder` holds is not made again."""
+    remark(f"{method}: planning")
+    plan = _planned(case, method, settings, folder)
+    dialect = METHODS[method].program if settings.on == ControllerName.VIRTUAL else ControllerName.LINUXCNC
+    suffix, accepted = ("ngc", KINETIC) if dialect == ControllerName.LINUXCNC else ("mpf", ())
+    file = folder / "programs" / f"{method}.{suffix}"
+    program = write(plan, dialect, accept=accepted, file=file)
+    program.save(file, overwrite=True)
+    remark(f"{method}: on {settings.on}")
+    run = carried_out(program, program.case, settings.on)
+    poses, duration = np.zeros((0, 6)), run.excitation
+    if program.reading.measures_at_poses:
+        poses = program.reading.measured_poses
+        duration = stood(run, poses, program.path)[0]
+    controller = f"{run.controller}; {run.remark}" if run.remark else run.controller
+    return Excitation(program.case, method, duration, run.execution, run.trigger, poses, settings.seed, controller)
+
+
+def _planned(case: Case, method: str, settings: ValidationSettings, folder: Path) -> Plan:
+    """The plan of a method: an earlier one, or made now; one that Ctrl-C ended early is none."""
+    place = folder / "plans" / method
+    if (place / "plan.json").is_file():
+        return Plan.load(place, case)
+    request = METHODS[method].request
+    if isinstance(request, PoseRequest):
+        plan = poses_planned(request, case)
+    else:
+        if request.family.optimised:
+            request = replace(request, starts=settings.starts, seed=settings.seed, workers=settings.workers)
+        plan = planned(request, case)
+        if plan.interrupted:
+            raise Interrupted
+    plan.save(place)
+    return Plan.load(place, case)

@@ -9,16 +9,27 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from cases.controller import ControllerName
 from cases.errors import HexciteError
 from cases.files import VALIDATION, atomic_folder, check_folder, json_text
 from cases.schema import Case
 from cases.sensors import Disturbances
 from cases.units import as_html
-from planner.comparison.claims import Claim, claims_of
-from planner.comparison.methods import METHODS, USUAL, Remark, ValidationSettings, executed, require_methods
-from planner.comparison.trials import Trial, mounted_weights, recorded_trials, require_weights, trials
+from planner.comparison.comparison import Comparison, recommend
+from planner.comparison.entries import Conditions, Entry
+from planner.comparison.trials import (
+    METHODS,
+    USUAL,
+    Remark,
+    Trial,
+    ValidationSettings,
+    executed,
+    mounted_weights,
+    require_methods,
+    trials,
+)
 from planner.execution import require_controller
+
+OFF = 3.0  # reported standard deviations; more is a systematic error
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -28,27 +39,38 @@ class Validation:
     case: Case  # machine and weights
     machine: str  # machine that was identified, in words
     trials: tuple[Trial, ...]
-    claims: tuple[Claim, ...]  # claims that follow from the trials
     failed: Mapping[str, str]  # methods that could not be carried out, and why
-    executed: Mapping[str, str]  # controller of each method that was simulated
-    controller: str | None  # controller that ran the programs; None for recordings of a machine
-    # disturbances of the simulated machine; None for recordings of a machine and for an ideal structure
-    disturbances: Disturbances | None
+    executed: Mapping[str, str]  # controller of each method, with remarks on its run
+    controller: str  # controller that ran the programs
     made: Mapping[str, bytes]  # files of plans and programs by their place in the folder
+
+    @property
+    def comparison(self) -> Comparison:
+        """The methods without payload, side by side."""
+        return recommend([[_entry(self.case, trial)] for trial in self.trials if not trial.weights])
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """Which method to prefer, and how many results are as close to a simulated machine's truth as they report."""
+        errors = [abs(error) for trial in self.trials for error in trial.errors.values()]
+        words = (
+            f"mass, centre of gravity and inertia: {sum(e <= OFF for e in errors)} of {len(errors)} are within {OFF:g} "
+            f"reported standard deviations of the truth, the worst is off by {max(errors):.1f}"
+        )
+        return (*self.comparison.sentences, words)
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `validation.json`."""
+        advice = self.comparison
         return {
             "case": self.case.name,
             "case_hash": self.case.hash,
             "machine": self.machine,
-            "simulated": self.controller is not None,
+            "simulated": True,
             "controller": self.controller,
-            "disturbances": None if self.disturbances is None else self.disturbances.model_dump(),
             "not_run": dict(self.failed),
             "rows": [trial.to_json() for trial in self.trials],
-            "findings": [claim._asdict() for claim in self.claims],
-            "recommendation": {"sentences": [claim.sentence() for claim in self.claims if claim.holds]},
+            "recommendation": {"best": advice.best, "ratios": advice.ratios, "sentences": self.sentences},
             "executed": dict(self.executed),
         }
 
@@ -66,10 +88,18 @@ class Validation:
             self.write(part)
 
     def __repr__(self) -> str:
-        """The claims, a line each."""
-        return "\n".join([f"Validation of {self.case.name}", *(claim.sentence() for claim in self.claims)])
+        """Which method to prefer, and how far results are from the truth."""
+        return "\n".join([f"Validation of {self.case.name}", *self.sentences])
 
     _repr_html_ = as_html
+
+
+def _entry(case: Case, trial: Trial) -> Entry:
+    estimate = trial.estimate
+    return Entry(
+        trial.method, "identified", Conditions(case), estimate.model.number, METHODS[trial.method].family,
+        trial.duration, estimate.evaluated.samples, {}, estimate.physical, trial.s0, {}, estimate.warnings,
+    )  # fmt: skip
 
 
 def validate(
@@ -78,16 +108,14 @@ def validate(
     mounted: Sequence[int] | None = None,
     settings: ValidationSettings = USUAL,
     *,
-    undisturbed: bool = False,
     folder: Path | str | None = None,
     progress: Remark = lambda remark: None,
 ) -> Validation:
-    """Carries out the payload experiment on the case's simulated machine.
+    """Carries out the payload experiment on the case's simulated machine, with the disturbances that the case states.
 
     Args:
         case: case with payloads and a simulated machine.
         mounted: numbers of weights, from 0 on; by default none, and each up to all.
-        undisturbed: whether the simulated structure is an ideal one.
         folder: folder for plans and programs, in which an existing plan is not made again; a temporary one unless
             given.
         progress: shows the present step in words.
@@ -96,8 +124,10 @@ def validate(
         HexciteError: no method could be carried out, an unknown method or controller, or a case without simulation.
     """
     require_methods(methods)
-    mounted = mounted_weights(case, None if mounted is None else ",".join(map(str, mounted)))
-    disturbances = _disturbances_of(case, settings, undisturbed)
+    mounted = mounted_weights(case, mounted)
+    case.need_machine("a validation")
+    require_controller(settings.on)
+    disturbances = case.need_simulation("a validation without recordings").disturbances
     with ExitStack() as places, threadpool_limits(limits=1, user_api="blas"):
         work = Path(folder or places.enter_context(tempfile.TemporaryDirectory(prefix="hexcite-validation-")))
         found, controllers, failed = list[Trial](), dict[str, str](), dict[str, str]()
@@ -114,57 +144,14 @@ def validate(
                 progress(f"{method} {trial.load:.0f} kg")
         if not found:
             raise HexciteError("; ".join(f"{method}: {reason}" for method, reason in failed.items()))
-        origin = {
+        made = {
             str(file.relative_to(work)): file.read_bytes()
             for name in ("plans", "programs")
             for file in sorted((work / name).rglob("*"))
             if file.is_file()
         }
-    return Validation(
-        case=case,
-        machine=_simulated(case, disturbances, settings),
-        trials=tuple(found),
-        claims=tuple(claims_of(found)),
-        failed=failed,
-        executed=controllers,
-        controller=settings.on,
-        disturbances=disturbances,
-        made=origin,
-    )
-
-
-def _disturbances_of(case: Case, settings: ValidationSettings, undisturbed: bool) -> Disturbances | None:
-    """Disturbances of the simulated machine; raises HexciteError where it cannot be run."""
-    case.need_machine("a validation")
-    require_controller(settings.on)
-    disturbances = case.need_simulation("a validation without recordings").disturbances
-    if disturbances is None and not undisturbed:
-        case.missing("simulation.disturbances", "a validation (or --undisturbed)")
-    return None if undisturbed else disturbances
-
-
-def validate_recordings(case: Case, recordings: Path | str, methods: Sequence[str] | None = None) -> Validation:
-    """Evaluates the payload experiment from a real machine's recordings.
-
-    Args:
-        recordings: folder with a folder for each method, whose runs 0, 1, .. are named after the number of weights.
-        methods: names of folders; None for all.
-
-    Raises:
-        HexciteError: runs are missing, or cannot be evaluated.
-    """
-    require_weights(case)
-    recordings = Path(recordings)
-    folders = sorted(p for p in recordings.iterdir() if p.is_dir()) if recordings.is_dir() else []
-    if not folders:
-        raise HexciteError(recordings, "holds no folder of runs; name the folder that holds one for each method")
-    names = [folder.name for folder in folders]
-    for name in (name for name in methods or () if name not in names):
-        raise HexciteError(f"method {name!r}: {recordings} holds no folder of that name, but {', '.join(names)}")
-    folders = [folder for folder in folders if methods is None or folder.name in methods]
-    found = tuple(trial for folder in folders for trial in recorded_trials(case, folder))
-    machine = f"recordings of a machine in {recordings}"
-    return Validation(case, machine, found, tuple(claims_of(found)), {}, {}, None, None, {})
+    machine = _simulated(case, disturbances, settings)
+    return Validation(case, machine, tuple(found), failed, controllers, settings.on, made)
 
 
 def _simulated(case: Case, disturbances: Disturbances | None, settings: ValidationSettings) -> str:
@@ -174,8 +161,4 @@ def _simulated(case: Case, disturbances: Disturbances | None, settings: Validati
             f", with a structural mode at {disturbances.mode_Hz:g} Hz that falls with the load, ripple of the "
             f"struts and force errors that depend on the pose ({disturbances.source})"
         )
-    controller = "LinuxCNC" if settings.on == ControllerName.LINUXCNC else "the built-in virtual controller"
-    machine += f"; programs executed on {controller}"
-    if settings.on == ControllerName.LINUXCNC:
-        machine += ", which limits no jerk: its steps of acceleration make the structure vibrate"
-    return machine
+    return f"{machine}; programs executed on {settings.on}"

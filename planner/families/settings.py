@@ -1,9 +1,9 @@
 """Families of motions as a user asks for them: values with their own defaults, limits and messages."""
 
 from collections.abc import Mapping
-from dataclasses import Field, dataclass, replace
+from dataclasses import Field, dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -77,14 +77,6 @@ class FamilySettings:
         and took half of the time again.
         """
         return 1 if criterion == Criterion.D else 2
-
-    def lasting(self, share: float) -> Self:
-        """The same settings for a duration of `share` times the former one, with as many moves or knots a second."""
-        return self
-
-    def allowed_duration(self, duration: float) -> float:
-        """The shortest duration of that length or longer that the family can have [s]."""
-        return max(duration, SHORTEST)
 
 
 @checks_arguments
@@ -181,12 +173,6 @@ class Fourier(FamilySettings):
             return 4
         return 2 if self.free_order or self.free_period else 1
 
-    def allowed_duration(self, duration: float) -> float:
-        """The shortest whole number of a stated period."""
-        if self.free_period or self.period is None:
-            return max(duration, SHORTEST)
-        return max(1, int(np.ceil(duration / self.period - ROUNDING))) * self.period
-
 
 def _highest_frequency(case: Case) -> float:
     """Highest frequency that the filter of the evaluation passes whole [Hz]; infinity without one."""
@@ -260,12 +246,6 @@ class PointToPoint(FamilySettings):
         """One for any criterion: for K and N six starts gave nothing better than two, in three times the time."""
         return 1
 
-    def lasting(self, share: float) -> Self:
-        """The same settings with as many moves a second."""
-        if self.moves is None:
-            return self
-        return replace(self, moves=int(np.clip(round(self.moves * share), ptp.FEWEST, ptp.MOST)))
-
 
 @checks_arguments
 @dataclass(frozen=True, slots=True)
@@ -303,12 +283,6 @@ class Spline(FamilySettings):
     def idle(self, criterion: Criterion) -> int:
         """Number of starts without a gain: starts of splines differ more than those of other families."""
         return 2
-
-    def lasting(self, share: float) -> Self:
-        """The same settings with as many knots a second."""
-        if self.knots is None:
-            return self
-        return replace(self, knots=int(np.clip(round(self.knots * share), spline.FEWEST, spline.MOST)))
 
 
 @checks_arguments

@@ -19,6 +19,7 @@ from identification.limit import LimitReport, worst_of
 from identification.limit_proof import prove
 from identification.model import Model
 from identification.motion import Array, Joined, Standstill, Trajectory
+from planner.families import Settings
 from planner.noise import sensor_noise, standing_model
 from planner.plan_figures import PoseWorth, predicted_std_at_poses
 from planner.plans import Plan
@@ -68,7 +69,7 @@ def poses_planned(
     logdet = float(np.linalg.slogdet(information / len(poses))[1])
     bound = candidate_design(regressors).bound(len(scaling))
     criterion = POSE_CRITERIA[request.criterion]
-    noise = request.noise if request.noise is not None else noise_of_average(case)
+    noise = noise_of_average(case)
     worth = PoseWorth(
         remark=remark,
         candidates=len(candidates),
@@ -78,7 +79,7 @@ def poses_planned(
         efficiency=float(np.exp((logdet - bound) / len(scaling))),
         select_s=selected,
     )
-    settings = {"settle_s": setting.settle_s, "average_s": setting.average_s}
+    settings: Settings = {"settle_s": setting.settle_s, "average_s": setting.average_s}
     predicted = predicted_std_at_poses(case, model, scaling, selection, poses, noise)
     seconds = perf_counter() - start
     return Plan(case, request, motion, limits, predicted, noise, case.recording.rate_Hz, worth, settings, seconds)

@@ -1,7 +1,6 @@
 """The page of a comparison: parameters side by side (Table 6), planned and executed motions, and recommendation."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from cases.files import provenance
 from identification.precision import legible, parameter_words, std_text, value_text
@@ -9,7 +8,18 @@ from planner.comparison.comparison import Comparison
 from planner.comparison.entries import Entry
 from planner.reports.page import Chart, colour, note, page, section, table
 
-CLOSE, FAR = [1, 1.1, 1.2, 1.5, 2, 3, 4], [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]  # labels, for the largest ratio
+FIGURES = {
+    "planned_s": "duration as programmed [s]",
+    "executed_s": "duration as executed [s]",
+    "d_efficiency_planned": "D-efficiency as programmed",
+    "d_efficiency": "D-efficiency as executed, behind the evaluation's filter",
+    "path_error_mm": "off the path [mm]",
+    "D": "log det F (D)",
+    "A": "-trace F^-1 (A)",
+    "K": "-mu_1/mu_u (K)",
+    "N": "mu_u²/mu_1 (N)",
+}
+"""Figures of an execution and criteria of a plan, in words."""
 SPREAD = 0.7  # share of the distance between two parameters that the markers of one occupy
 
 
@@ -17,15 +27,16 @@ def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
     """Rows of kind, cost and information of each entry; criteria of the mean information in the reference scaling."""
     rows = [
         ["is", *(e.level for e in entries)],
-        ["family, controller, estimator", *(e.family for e in entries)],
+        ["family or controller", *(e.family for e in entries)],
         ["model", *(str(e.model) for e in entries)],
         ["measuring time [s]", *("-" if e.duration is None else f"{e.duration:.2f}" for e in entries)],
         ["samples", *(str(e.samples) for e in entries)],
         ["force residual [N rms]", *("-" if e.s0 is None else f"{e.s0:.3g}" for e in entries)],
     ]
-    words = {"D": "log det F (D)", "A": "-trace F^-1 (A)", "K": "-mu_1/mu_u (K)", "N": "mu_u²/mu_1 (N)"}
-    for key, label in (*words.items(), ("condition", "condition")):
-        rows.append([label, *(f"{e.criteria[key]:.4g}" if key in e.criteria else "-" for e in entries)])
+    for key, label in FIGURES.items():
+        values = [{**e.notes, **e.criteria}.get(key) for e in entries]
+        if any(value is not None for value in values):
+            rows.append([label, *("-" if value is None else f"{value:.4g}" for value in values)])
     return rows
 
 
@@ -50,101 +61,58 @@ def parameter_rows(entries: Sequence[Entry]) -> list[list[str]]:
     return rows
 
 
-def execution_rows(groups: Sequence[Sequence[Entry]]) -> list[list[str]]:
-    """Rows of planned against executed figures, one a run."""
-    rows = []
-    for group in groups:
-        plan = next((e.name for e in group if e.level == "planned"), "-")
-        for run in (e for e in group if e.notes):
-            keys = ("planned_s", "executed_s", "d_efficiency_planned", "d_efficiency", "path_error_mm")
-            rows.append([plan, run.name, *(f"{run.notes[k]:.3f}" if k in run.notes else "-" for k in keys)])
-    return rows
-
-
 CRITERIA_WORDS = (
     "Criteria of the information of a sample, parameters in units of the case (equations (30)-(33)): D, the log of its "
     "determinant; A, the sum of the variances, with a minus; K, its condition, with a minus; N, its smallest singular "
     "value squared over the largest. Larger is better."
 )
-EXECUTION = ("plan", "run", "planned [s]", "executed [s]", "D-eff. as programmed", "as executed", "off the path [mm]")
 
 
 def compare_page(comparison: Comparison) -> str:
     """The page of `hexcite compare`."""
     groups, entries = comparison.groups, comparison.entries
-    names = tuple(e.name for e in entries)
-    execution = execution_rows(groups)
-    sections = [
-        section("Recommendation", *map(note, comparison.sentences)),
-        section(
-            "Parameters side by side",
-            std_chart(groups),
-            table(parameter_columns(entries), parameter_rows(entries)),
-            note("std of plans and runs: predicted from the information alone, with white noise as the case states."),
-        ),
-        section("Figures", table(("", *names), figure_rows(entries)), note(CRITERIA_WORDS)),
-    ]
-    if execution:
-        words = (
-            "D-efficiency as programmed: of the motion that the controller makes of the text, by its own time law; as "
-            "executed: of what it did, behind the evaluation's filter. The plan's own is among the figures."
-        )
-        sections.append(section("Planned and executed", table(EXECUTION, execution, left=2), note(words)))
     hashes = dict.fromkeys((f"case {e.conditions.case.name}", e.conditions.case.hash) for e in entries)
     return page(
         "Comparison of excitations",
         f"{len(entries)} plans, runs and results of {len(groups)} excitations.",
         (*hashes, *((e.name, e.level) for e in entries), *provenance([])["versions"].items()),
         comparison.warnings,
-        *sections,
+        section("Recommendation", *map(note, comparison.sentences)),
+        section(
+            "Parameters side by side",
+            std_chart(groups),
+            table(parameter_columns(entries), parameter_rows(entries)),
+            note("std of plans: predicted from the information alone, with white noise as the case states."),
+        ),
+        section("Figures", table(("", *(e.name for e in entries)), figure_rows(entries)), note(CRITERIA_WORDS)),
     )
 
 
 def std_chart(groups: Sequence[Sequence[Entry]]) -> Chart:
-    """Standard deviations of all parameters; what belongs together has one colour."""
-    symbols = {"planned": "circle-open", "executed": "diamond", "identified": "circle"}
-    series = [
-        (
-            e.name,
-            {n: t.reported for n, t in e.parameters.items()},
-            {"color": colour(k), "symbol": symbols[e.level]},
-        )
-        for k, group in enumerate(groups)
-        for e in group
-    ]
+    """Standard deviations over the smallest of each parameter; what belongs together has one colour."""
+    symbols = {"planned": "circle-open", "identified": "circle"}
+    entries = [(colour(k), entry) for k, group in enumerate(groups) for entry in group]
+    names = list(dict.fromkeys(n for _, entry in entries for n in entry.parameters))
+    above_zero = {n: [e.parameters[n].reported for _, e in entries if n in e.parameters] for n in names}
+    best = {n: min(filter(None, values), default=0.0) for n, values in above_zero.items()}  # a given value has none
     caption = (
-        "Standard deviations over the smallest of each parameter: open circles predicted by a plan, diamonds for the "
-        "motion as executed, dots identified; a plan, its runs and their results have one colour."
+        "Standard deviations over the smallest of each parameter: open circles predicted by a plan, dots "
+        "identified; a plan, its runs and their results have one colour."
     )
-    return ratio_chart("std", caption, series, height=420)
-
-
-Series = tuple[str, Mapping[str, float], dict[str, str]]
-"""Standard deviations of one method: its name in the legend, deviations by parameter (those that it does not determine
-are missing), and colour and symbol of plotly's markers."""
-
-
-def ratio_chart(name: str, caption: str, series: Sequence[Series], **layout: Any) -> Chart:
-    """Standard deviations over the smallest of each parameter, on a logarithmic axis; 0 (a given value) is omitted."""
-    names = list(dict.fromkeys(n for _, deviations, _ in series for n in deviations))
-    above_zero = {n: [std[n] for _, std, _ in series if std.get(n, 0.0) > 0.0] for n in names}
-    best = {n: min(values) for n, values in above_zero.items() if values}
-    figure = Chart(name, caption, y="times the smallest", **layout)
-    for k, (label, deviations, marker) in enumerate(series):
-        parameters = [n for n in deviations if n in best and deviations[n] > 0.0]
-        aside = SPREAD * ((k + 0.5) / len(series) - 0.5)
+    figure = Chart("std", caption, y="times the smallest", height=420, showlegend=True)
+    for k, (own, entry) in enumerate(entries):
+        std = {n: value.reported for n, value in entry.parameters.items() if value.reported > 0.0}
+        aside = SPREAD * ((k + 0.5) / len(entries) - 0.5)
         figure.add(
             "scatter",
-            x=[names.index(n) + aside for n in parameters],
-            y=[deviations[n] / best[n] for n in parameters],
-            name=label,
+            x=[names.index(n) + aside for n in std],
+            y=[std[n] / best[n] for n in std],
+            name=entry.name,
             mode="markers",
-            marker={"size": 8, **marker},
-            text=[f"{n}: {deviations[n]:.3g}" for n in parameters],
+            marker={"size": 8, "color": own, "symbol": symbols[entry.level]},
+            text=[f"{n}: {std[n]:.3g}" for n in std],
             hovertemplate="%{text} (SI), %{y:.3g} times the smallest",
         )
     ticks = {"tickvals": list(range(len(names))), "ticktext": names, "tickangle": -90}
-    x = {"range": [-0.6, len(names) - 0.4], "showgrid": False, "zeroline": False, **ticks}
-    largest = max((std[n] / best[n] for _, std, _ in series for n in std if n in best), default=1.0)
-    figure.axes(x, {"type": "log", "tickvals": CLOSE if largest < CLOSE[-1] else FAR})
+    figure.axes({"range": [-0.6, len(names) - 0.4], "showgrid": False, "zeroline": False, **ticks}, {"type": "log"})
     return figure

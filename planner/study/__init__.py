@@ -1,27 +1,20 @@
-"""A study: the cells of its file, and its folder with a Parquet file for each finished cell.
-
-A file has a row for the cell's plan and one for each seed of the noise.
-"""
+"""A study: its file, and the cells that follow from it, each a combination of the grid's settings."""
 
 import itertools
-import json
 import math
-from collections.abc import Iterator, Sequence
+from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import BeforeValidator, Field
 
-from cases.basis import KEPT, changes_since
+from cases.basis import study_basis
 from cases.errors import FileProblem, HexciteError
-from cases.files import atomic_file, check_folder, json_text, read_json, write_text
+from cases.schema import Case, fingerprint
 from cases.tables import Part, Positive, read_tables
+from identification.model import full_model
 from planner.families.settings import Fourier, family_class
 from planner.request import OWNERS, Request
-
-if TYPE_CHECKING:
-    import pyarrow as pa
-
 
 MOST_CELLS = 1_000_000
 
@@ -57,6 +50,7 @@ class Grid(Part):
     seed: Values[Whole] = (_USUAL.seed,)
 
 
+SETTINGS = tuple(Grid.model_fields)
 CellSettings = dict[str, Any]
 """One value of each setting of a `Grid`; those of the machine's choice, or of other families, are absent."""
 
@@ -88,7 +82,7 @@ class Spec(Part):
     @property
     def size(self) -> int:
         """Number of combinations of the grid."""
-        return math.prod(len(getattr(self.grid, name)) for name in Grid.model_fields)
+        return math.prod(len(getattr(self.grid, name)) for name in SETTINGS)
 
 
 BUILT_IN = Path(__file__).parent / "specs"
@@ -103,27 +97,28 @@ def load_spec(name: str) -> Spec:
     return read_tables(Spec, path)
 
 
-def settings_of(spec: Spec) -> Iterator[CellSettings]:
-    """The settings of every cell, each once, in the order of the grid; HexciteError where they are too many."""
+def cells_of(spec: Spec, case: Case) -> dict[str, CellSettings]:
+    """Settings of each cell, by a fingerprint of all that its rows follow from.
+
+    Raises:
+        HexciteError: a cell cannot be planned, or there are too many.
+    """
     if spec.size > MOST_CELLS:
-        hours = spec.size * 5.0 / 3600.0
         raise HexciteError(
-            f"study {spec.name}",
-            f"the grid has {spec.size} cells, at most {MOST_CELLS}; at 5 s a cell they would take "
-            f"{hours:.0f} hours of one core: list fewer values",
+            f"study {spec.name}", f"the grid has {spec.size} cells, at most {MOST_CELLS}: list fewer values"
         )
-    names = list(Grid.model_fields)
-    texts: set[str] = set()
-    for values in itertools.product(*(getattr(spec.grid, name) for name in names)):
-        settings = dict(zip(names, values, strict=True))
+    executed = None if spec.execute is None else [*spec.execute.model_dump().values(), case.controller_hash]
+    behind = [executed, fingerprint(study_basis(case)), version("hexcite")]
+    cells = {}
+    for values in itertools.product(*(getattr(spec.grid, name) for name in SETTINGS)):
+        settings = dict(zip(SETTINGS, values, strict=True))
         family = settings["family"]
         # Settings of another family do not make another cell.
         own = [k for k in settings if OWNERS.get(OPTIONS.get(k, k), family) == family]
-        settings = {k: settings[k] for k in own if settings[k] is not None}
-        text = json.dumps(settings, sort_keys=True)
-        if text not in texts:
-            texts.add(text)
-            yield settings
+        settings = {"model": full_model(case)} | {k: settings[k] for k in own if settings[k] is not None}
+        request_of(settings)
+        cells[fingerprint([settings, *behind])] = settings
+    return cells
 
 
 def request_of(settings: CellSettings) -> Request:
@@ -134,82 +129,7 @@ def request_of(settings: CellSettings) -> Request:
     return Request(kind(**own), starts=1, **ours)
 
 
-SETTINGS = tuple(Grid.model_fields)
-PLANNED = -1  # noise seed of the row that holds the plan itself
-
-DONE, FAILED = "done", "failed"
-
-
-def schema() -> "pa.Schema":
-    """Columns of the rows and their types."""
-    import pyarrow as pa
-
-    text, whole, number = pa.string(), pa.int64(), pa.float64()
-    columns = {
-        text: "cell case_hash version family criterion status reason",
-        whole: "noise_seed model order moves knots payload seed iterations parameters inside_95",
-        number: "duration_s period_s seconds score logdet d_efficiency worst_error_in_std mass_error_kg mass_std_kg",
-        pa.bool_(): "converged",
-    }
-    return pa.schema([(name, kind) for kind, names in columns.items() for name in names.split()])
-
-
-ABOUT = "study.json"
-ROWS = "rows"
-
-
-def open_study(folder: Path, about: dict[str, Any]) -> None:
-    """Makes a study folder with study.json."""
-    (folder / ROWS).mkdir(parents=True, exist_ok=True)
-    write_text(folder / ABOUT, json_text(about))
-
-
-def keep(folder: Path, name: str, rows: Sequence[dict[str, Any]]) -> None:
-    """Writes the rows of one cell to a file of their own, `rows/NAME.parquet`: all of them or, if killed here, none."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    with atomic_file(folder / ROWS / f"{name}.parquet") as part:
-        pq.write_table(pa.Table.from_pylist(list(rows), schema()), part)
-
-
-def check_study(folder: Path, about: dict[str, Any]) -> None:
-    """Refuses, before the work starts, a folder that a study cannot use.
-
-    Args:
-        about: entries of study.json; `name` and the used part of the case must be those of an existing study.
-
-    Raises:
-        FileProblem: the folder belongs to another study or to something else, or cannot be written.
-    """
-    if not (folder / ABOUT).exists():
-        check_folder(folder, ("a study", frozenset({ROWS})), overwrite=True)
-        return
-    record = read_json(folder / ABOUT, "hexcite study")
-    if record.get("name") != about["name"]:
-        raise FileProblem(
-            folder, f"holds another study ({record.get('name')}, not {about['name']})", "choose another place with -o"
-        )
-    if changes := changes_since(record, about[KEPT], about["case_hash"]):
-        raise FileProblem(
-            folder,
-            f"holds a study of case {record.get('case')} before {changes[0]}",
-            "choose another place with -o, or restore the case",
-        )
-
-
-def read_rows(folder: Path) -> "pa.Table":
-    """All rows of a study, each once; FileProblem where a file is damaged."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    tables = [schema().empty_table()]
-    for file in sorted((folder / ROWS).glob("*.parquet")):
-        try:
-            tables.append(pq.read_table(file, schema=schema(), partitioning=None))
-        except (OSError, pa.ArrowException) as error:
-            raise FileProblem(file, f"is damaged ({error})", "delete it, its cells are then computed again") from error
-    table = pa.concat_tables(tables)
-    number = table.append_column("row", pa.array(range(len(table))))
-    last = number.group_by(["cell", "noise_seed"]).aggregate([("row", "max")])["row_max"]
-    return table.take(last.sort()) if len(table) else table
+def command_of(settings: CellSettings, case: str) -> str:
+    """The command line that plans a cell anew, from as many starts as pay."""
+    words = [f"--{OPTIONS.get(k, k)} {v}" for k, v in settings.items() if k != "seed"]
+    return " ".join(["hexcite plan", case, *words])

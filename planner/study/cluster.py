@@ -4,7 +4,6 @@ import faulthandler
 import logging
 import os
 import signal
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, version
@@ -89,84 +88,75 @@ def remote_client(address: str) -> Iterator["Client"]:
             f"scheduler {address} cannot be reached within {CONNECT:g} s; is `dask scheduler` running there?"
         ) from error
     with client:
-        same_version(client, address)
+        require_version(client, address)
         yield client
 
 
-def same_version(client: "Client", address: str) -> None:
-    """Raises HexciteError unless every worker has this version of hexcite."""
+def require_version(client: "Client", address: str) -> None:
+    """Raises HexciteError unless there are workers, and every one has this version of hexcite."""
     ours = version("hexcite")
     theirs = client.run(version, "hexcite", on_error="return")
     if not theirs:
         raise HexciteError(f"scheduler {address} has no workers; start `dask worker {address}`")
-    for worker, release in sorted(theirs.items()):
-        if isinstance(release, PackageNotFoundError):
-            raise HexciteError(f"worker {worker} has no hexcite; install hexcite {ours} there")
+    for worker, release in theirs.items():
         if release != ours:
-            raise HexciteError(f"worker {worker} has hexcite {release}, this is {ours}; install the same wheel on both")
+            has = "no hexcite" if isinstance(release, PackageNotFoundError) else f"hexcite {release}"
+            raise HexciteError(f"worker {worker} has {has}, this is {ours}; install the same wheel on both")
 
 
-DESERTED = 300.0  # [s] without any worker after which none is expected; on a busy computer one takes a minute
-LOOK = 10.0  # [s] between two checks for workers while no task ends
 AHEAD = 2  # tasks in the queue for each thread, so that workers do not wait
 
 
 def run_tasks(
     client: "Client", tasks: Iterator[tuple[str, Callable[[], Any]]], time_limit: float
-) -> Iterator[tuple[str, Any, float]]:
-    """Runs tasks; yields as they arrive, in any order, key, answer and seconds on the worker of each.
+) -> Iterator[tuple[str, Any]]:
+    """Runs tasks; yields key and answer of each as they arrive, in any order.
 
-    The answer of a task that failed twice is a HexciteError that says why, in one line, after 0 s. Only a few tasks a
-    thread wait on the cluster at any time, so that a study of any size needs no more memory there.
+    The answer of a task that failed twice is a HexciteError that says why, in one line. Only a few tasks a thread wait
+    on the cluster at any time, so that a study of any size needs no more memory there.
 
     Args:
         client: client of a cluster whose workers have one thread each and can import what the tasks call.
         tasks: keys, each once, and functions.
         time_limit: time limit for one try [s]; a worker that passes it ends, and its nanny starts another.
-
-    Raises:
-        HexciteError: all workers are lost.
     """
-    from distributed import wait
+    from distributed import as_completed
 
     pending: dict[Future, str] = {}
-    last_contact = time.monotonic()
+
+    def submit(count: int) -> list["Future"]:
+        submitted = {
+            client.submit(_on_worker, task, time_limit, pure=False, retries=1): key
+            for key, task in islice(tasks, count)
+        }
+        pending.update(submitted)
+        return list(submitted)
+
     try:
-        while True:
-            threads = sum(client.nthreads().values())
-            last_contact = time.monotonic() if threads else last_contact
-            if time.monotonic() - last_contact > DESERTED:
-                raise HexciteError(f"the cluster has had no workers for {DESERTED:g} s; what is done so far is kept")
-            for key, task in islice(tasks, max(0, AHEAD * max(1, threads) - len(pending))):
-                pending[client.submit(_on_worker, task, time_limit, pure=False, retries=1)] = key
-            if not pending:
-                return
-            try:
-                ended = wait(list(pending), timeout=LOOK, return_when="FIRST_COMPLETED").done
-            except TimeoutError:
-                continue
-            yield from ((pending.pop(future), *_answer(future, time_limit)) for future in ended)
+        first = submit(AHEAD * max(1, sum(client.nthreads().values())))
+        arriving = as_completed(first, loop=client.loop)
+        for future in arriving:
+            yield pending.pop(future), _answer(future, time_limit)
+            arriving.update(submit(1))
     finally:
         client.cancel(list(pending))
 
 
-def _on_worker(task: Callable[[], Any], time_limit: float) -> tuple[Any, float]:
-    """Value and seconds of the call; a watchdog ends the process also where code blocks the interpreter."""
+def _on_worker(task: Callable[[], Any], time_limit: float) -> Any:
+    """The answer of a task; a watchdog ends the process also where code blocks the interpreter."""
     with open(os.devnull, "w") as nowhere:
         faulthandler.dump_traceback_later(time_limit, exit=True, file=nowhere)
         try:
-            start = time.perf_counter()
-            return task(), time.perf_counter() - start
+            return task()
         finally:
             faulthandler.cancel_dump_traceback_later()
 
 
-def _answer(future: "Future", time_limit: float) -> tuple[Any, float]:
+def _answer(future: "Future", time_limit: float) -> Any:
     error = future.exception()
     if error is None:
-        answer: tuple[Any, float] = future.result()
-        return answer
+        return future.result()
     reason = " ".join(f"{type(error).__name__}: {error}".split())
     if type(error).__name__ == "KilledWorker":
         reason = f"its worker died twice: too little memory, or past its limit of {time_limit:g} s"
-    return HexciteError(reason), 0.0
+    return HexciteError(reason)

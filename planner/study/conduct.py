@@ -1,54 +1,136 @@
 """A study from its file to its answer: cells that are missing in its folder are computed, and the best are named."""
 
-import os
-import time
+from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from cases.errors import HexciteError, Interrupted
-from cases.files import read_json, write_text
+import numpy as np
+
+from cases.errors import FileProblem, HexciteError, Interrupted
+from cases.files import check_folder, json_text, read_json, write_text
 from cases.schema import Case
 from cases.units import as_html
+from planner.reports.page import Chart, note, page, section, table
 from planner.request import require_workers
-from planner.study import ABOUT, DONE, PLANNED, Spec, check_study, keep, load_spec, open_study, read_rows, request_of
+from planner.study import SETTINGS, CellSettings, Spec, cells_of, command_of, load_spec, request_of
+from planner.study.cell_rows import FAILED, ROWS, failure, file_of, keep, read_rows, work
 from planner.study.cluster import local_client, remote_client, require_dask, run_tasks
-from planner.study.study_run import about_study, cells_of, failure, missing, work
-from planner.study.summary import SettingsGroup, best_groups, groups, study_page
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+ABOUT = "study.json"
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+GROUPED = [name for name in SETTINGS if name != "seed"]
+MOST_REASONS = 20
+
+
+@dataclass(frozen=True, slots=True)
+class SettingsGroup:
+    """Cells that differ in their seed only; figures are those of cells that are done, NaN where there are none."""
+
+    settings: CellSettings  # settings that they share
+    cells: int  # number of cells
+    done: int  # number of plans
+    converged: float  # share of these whose solver said so
+    best: float  # largest score of the criterion; the larger the better
+    median: float  # median score
+    efficiencies: tuple[float, ...]  # D-efficiencies of the plans
+    seconds: float  # mean time of a cell [s]
+    iterations: float  # mean number of iterations of a cell
+    inside: float  # share of the 95 % intervals of identified parameters that contain the truth
+
+
+def groups(rows: "pa.Table") -> list[SettingsGroup]:
+    """Groups of cells that differ in their seed only, in the order of their settings."""
+    figures = {
+        "cell": "count_distinct", "converged": "mean", "iterations": "mean", "seconds": "sum", "parameters": "sum",
+        "inside_95": "sum", "score": "list", "d_efficiency": "list",
+    }  # fmt: skip
+    found = rows.group_by(GROUPED).aggregate(list(figures.items())).sort_by([(name, "ascending") for name in GROUPED])
+    result = []
+    for row in found.to_pylist():
+        scores = [score for score in row["score_list"] if score is not None]
+        efficiencies = tuple(value for value in row["d_efficiency_list"] if value is not None)
+        cells, intervals = row["cell_count_distinct"], row["parameters_sum"]
+        result.append(
+            SettingsGroup(
+                settings={name: row[name] for name in GROUPED if row[name] is not None},
+                cells=cells,
+                done=len(efficiencies),
+                converged=_number(row["converged_mean"]),
+                best=max(scores, default=np.nan),
+                median=float(np.median(scores)) if scores else np.nan,
+                efficiencies=efficiencies,
+                seconds=_number(row["seconds_sum"]) / cells,
+                iterations=_number(row["iterations_mean"]),
+                inside=row["inside_95_sum"] / intervals if intervals else np.nan,
+            )
+        )
+    return result
+
+
+def _number(value: float | None) -> float:
+    return np.nan if value is None else value
+
+
+def best_groups(settings_groups: list[SettingsGroup]) -> dict[str, SettingsGroup]:
+    """Settings with the best plan for each criterion that has one, in the order of their letters."""
+    best: dict[str, SettingsGroup] = {}
+    for group in settings_groups:
+        letter = group.settings["criterion"]
+        if group.done and (letter not in best or group.best > best[letter].best):
+            best[letter] = group
+    return dict(sorted(best.items()))
+
+
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Study:
     """What a study folder holds; each cell is a plan, and runs of it where the study asks for them."""
 
     folder: Path
+    case: Case
+    spec: Spec
     cells: int  # number of all of them
     computed: int  # how many were computed now
-    done: int
-    failed: int
-    rows: int  # rows of plans and of runs
-    seconds: float  # time that it took now [s]
-    overhead: float | None  # time x cores over the time in cells; None where none was computed
-    best: dict[str, SettingsGroup]  # criterion -> its best settings
+    rows: "pa.Table"  # rows of plans and of runs, see `planner.study.cell_rows.schema`
+
+    @property
+    def best(self) -> dict[str, SettingsGroup]:
+        """The best settings of each criterion."""
+        return best_groups(groups(self.rows))
+
+    @property
+    def failed(self) -> int:
+        """How many cells have a plan or a run that was refused."""
+        import pyarrow.compute as pc
+
+        return len(self.rows.filter(pc.field("status") == FAILED)["cell"].unique())
+
+    @property
+    def done(self) -> int:
+        """How many cells have their plan, and their runs."""
+        return len(self.rows["cell"].unique()) - self.failed
 
     def to_json(self) -> dict[str, Any]:
         """Entries for programs."""
-        figures = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "folder"}
+        counts = {name: getattr(self, name) for name in ("cells", "computed", "done", "failed")}
         best = {letter: {**group.settings, "score": group.best} for letter, group in self.best.items()}
-        return {"study": str(self.folder), **figures, "best": best}
+        return {"study": str(self.folder), **counts, "best": best}
 
     def write_page(self) -> Path:
         """Writes the page of the folder, report.html, and returns its path."""
-        page = study_page(read_json(self.folder / ABOUT, "hexcite study"), read_rows(self.folder))
-        write_text(self.folder / "report.html", page)
+        write_text(self.folder / "report.html", study_page(self.spec, self.case, self.cells, self.rows))
         return self.folder / "report.html"
 
     def __repr__(self) -> str:
         """How many cells are done, and the best settings of each criterion."""
-        best = [f"{letter}: {group.best:.4g} with {group.settings}" for letter, group in sorted(self.best.items())]
+        best = [f"{letter}: {group.best:.4g} with {group.settings}" for letter, group in self.best.items()]
         return "\n".join([f"Study {self.folder}: {self.done} of {self.cells} cells done, {self.failed} failed", *best])
 
     _repr_html_ = as_html
@@ -76,7 +158,7 @@ def study(
         progress: shows a line at the start and at the end of each cell.
 
     Raises:
-        HexciteError: the study cannot be understood, its folder is another's, Dask is missing or the cluster is lost.
+        HexciteError: the study cannot be understood, its folder is another's, Dask is missing.
         Interrupted: Ctrl-C; what is done is kept.
     """
     asked = spec if isinstance(spec, Spec) else load_spec(str(spec))
@@ -89,45 +171,66 @@ def study(
     require_dask()
     place = Path(f"{case.name}-{asked.name}-study") if folder is None else Path(folder)
     cells = cells_of(asked, case)
-    about = about_study(asked, case, len(cells))
-    check_study(place, about)
-    open_cells = missing(cells, asked, place)
-    disturbed = asked.execute is not None and asked.execute.disturbed
-    start, busy, computed, threads = time.perf_counter(), 0.0, 0, workers or os.cpu_count() or 1
-    if open_cells or not (place / ABOUT).exists():
+    _require_own(place, asked, case)
+    missing = [cell for cell in cells if not file_of(place, cell).exists()]
+    computed = 0
+    if missing:
         context = local_client(workers, asked.cells.memory_GB) if scheduler is None else remote_client(scheduler)
         try:
             with context as client:
-                start = time.perf_counter()
-                threads = sum(client.nthreads().values())
-                open_study(place, about)
-                progress(f"{len(open_cells)} of {len(cells)} cells to do, in {place}")
-                tasks = (
-                    (key, partial(work, case, request_of(cells[key]), seeds, disturbed))
-                    for key, seeds in open_cells.items()
-                )
-                for key, answer, cell_s in run_tasks(client, tasks, asked.cells.time_limit_s):
-                    failed, seeds = isinstance(answer, HexciteError), open_cells[key]
-                    shared = {**cells[key], "cell": key, "case_hash": case.hash, "version": version("hexcite")}
-                    rows = [shared | row for row in ([failure(answer)] if failed else answer)]
-                    keep(place, f"{key}-{seeds[0]}" if seeds else key, rows)  # not from 0: more noise extends a study
-                    computed, busy = computed + 1, busy + cell_s
-                    progress(f"{computed} of {len(open_cells)} cells{', the last one failed' if failed else ''}")
+                shared = {"case_hash": case.hash, "version": version("hexcite")}
+                about = {"schema_version": 1, "name": asked.name, "case": case.name, "case_file": case.origin}
+                about |= {**shared, "cells": len(cells), "spec": asked.model_dump(mode="json")}
+                write_text(place / ABOUT, json_text(about))
+                progress(f"{len(missing)} of {len(cells)} cells to do, in {place}")
+                tasks = ((cell, partial(work, case, request_of(cells[cell]), asked.execute)) for cell in missing)
+                for cell, answer in run_tasks(client, tasks, asked.cells.time_limit_s):
+                    rows = [failure(answer)] if isinstance(answer, HexciteError) else answer
+                    keep(file_of(place, cell), [{**cells[cell], "cell": cell, **shared, **row} for row in rows])
+                    computed += 1
+                    progress(f"{computed} of {len(missing)} cells")
         except Interrupted:
             raise Interrupted(f"what is done is kept in {place}, the same command goes on") from None
-    seconds = time.perf_counter() - start
-    table = read_rows(place)
-    statuses = zip(table["status"].to_pylist(), table["noise_seed"].to_pylist(), strict=True)
-    plans = [status for status, seed in statuses if seed == PLANNED]
-    done = plans.count(DONE)
-    return Study(
-        folder=place,
-        cells=len(cells),
-        computed=computed,
-        done=done,
-        failed=len(plans) - done,
-        rows=len(table),
-        seconds=seconds,
-        overhead=seconds * threads / busy if busy else None,
-        best=best_groups(groups(table)),
+    return Study(place, case, asked, len(cells), computed, read_rows(file_of(place, cell) for cell in cells))
+
+
+def _require_own(folder: Path, spec: Spec, case: Case) -> None:
+    """Refuses, before the work starts, a folder of another study or of something else, or that cannot be written."""
+    if not (folder / ABOUT).exists():
+        check_folder(folder, ("a study", frozenset({ROWS})), overwrite=True)
+        return
+    record = read_json(folder / ABOUT, "hexcite study")
+    if (record.get("name"), record.get("case")) != (spec.name, case.name):
+        words = f"holds study {record.get('name')} of case {record.get('case')}, not {spec.name} of {case.name}"
+        raise FileProblem(folder, words, "choose another place with -o")
+
+
+def study_page(spec: Spec, case: Case, cells: int, rows: "pa.Table") -> str:
+    """The page of a study: the best settings, a table of all, and the D-efficiency of their plans."""
+    found = groups(rows)
+    outcomes = zip(rows["status"].to_pylist(), rows["reason"].to_pylist(), strict=True)
+    failures = Counter(str(reason) for status, reason in outcomes if status == FAILED)
+    best = [
+        note(f"Criterion {letter}, best {group.best:.4g}: {command_of(group.settings, case.origin)}")
+        for letter, group in best_groups(found).items()
+    ]
+    varied = [name for name in GROUPED if len({group.settings.get(name) for group in found}) > 1]
+    spread = Chart("spread", "D-efficiency of the plans of each setting, over their seeds.", y="D-efficiency")
+    cells_of_table = []
+    for group in found:
+        texts = [str(group.settings.get(name, "-")) for name in varied]
+        spread.add("box", y=group.efficiencies, name=", ".join(texts), boxpoints="all", showlegend=False)
+        shares = [f"{100 * share:.1f} %" if np.isfinite(share) else "-" for share in (group.converged, group.inside)]
+        numbers = group.best, group.median, group.iterations, group.seconds
+        figures = [f"{number:.4g}" if np.isfinite(number) else "-" for number in numbers]
+        cells_of_table.append((*texts, str(group.cells), str(group.done), *figures, *shares))
+    columns = (*varied, "cells", "done", "best", "median", "iterations", "s a cell", "converged", "coverage")
+    words = "Larger is better: A is minus the trace, K minus the condition, in the reference scaling."
+    return page(
+        f"Study {spec.name}: {case.name}",
+        f"{len(rows)} rows of {cells} cells; a cell is one start of an optimisation, and what it gave.",
+        (("case", f"{case.name} (hash {case.hash})"), ("hexcite", version("hexcite"))),
+        [f"{count} rows failed: {reason}" for reason, count in failures.most_common(MOST_REASONS)],
+        section("Best settings", *(best or [note("No cell is done yet.")]), note(words)),
+        section("Settings", table(columns, cells_of_table, left=len(varied)), spread),
     )

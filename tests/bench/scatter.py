@@ -41,6 +41,6 @@ def _estimates(program: Path, method: str) -> np.ndarray:
     for k in range(MACHINES):
         machine = found.model_copy(update={"pose_error_seed": 100 + k})
         excitation = Excitation(case, method, run.excitation, run.execution, run.trigger, np.zeros((0, 6)), 1000 + k)
-        physical = estimate_parameters(excitation.recorded(0, machine)[0], case).physical
+        physical = estimate_parameters(excitation.recorded(0, machine), case).physical
         rows.append([(v.value, v.reported, v.std) for v in physical.values()])
     return np.array(rows)

@@ -1,6 +1,7 @@
 """What a study costs beside its cells: overhead, memory, and the time to read and draw many rows."""
 
 import operator
+import os
 import resource
 import tempfile
 import time
@@ -9,12 +10,13 @@ from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 
 from cases.schema import load_case
-from planner.study import DONE, PLANNED, Cells, Grid, Spec, keep, open_study, read_rows
+from planner.study import Cells, Grid, Spec
+from planner.study.cell_rows import DONE, PLANNED, file_of, keep, read_rows
 from planner.study.cluster import local_client, run_tasks
-from planner.study.study_run import about_study, run_study
-from planner.study.summary import study_page
+from planner.study.conduct import study, study_page
 
 CELLS = 200
 ROWS, PART = 100_000, 100
@@ -30,18 +32,15 @@ def _overhead() -> list[list[str]]:
     case = load_case("hexapod")
     grid = Grid(order=[2], duration_s=[3.0], criterion=["D", "A"], seed=list(range(CELLS // 2)))
     spec = Spec(schema_version=1, name="bench", grid=grid, cells=Cells(time_limit_s=120.0))
-    with tempfile.TemporaryDirectory() as folder, local_client(None, 2.0) as client:
-        threads = sum(client.nthreads().values())
-        warm = Spec(schema_version=1, name="warm", grid=Grid(order=[2], duration_s=[3.0], seed=list(range(threads))))
-        run_study(client, warm, case, Path(folder) / "warm", lambda outcome: None)
-        busy: list[float] = []
+    with tempfile.TemporaryDirectory() as folder:
         began = time.perf_counter()
-        run_study(client, spec, case, Path(folder) / "study", lambda seconds, _: busy.append(seconds))
-        seconds = time.perf_counter() - began
+        rows = study(case, spec, Path(folder) / "study").rows
+        seconds, threads = time.perf_counter() - began, os.cpu_count() or 1
+    with local_client(None, 2.0) as client:
         began = time.perf_counter()
         count = sum(1 for _ in run_tasks(client, ((str(k), partial(operator.neg, k)) for k in range(TASKS)), 60.0))
         task = (time.perf_counter() - began) / count
-    overhead = seconds * threads / sum(busy)
+    overhead = seconds * threads / pc.sum(rows["seconds"]).as_py()
     return [
         [f"study of {CELLS} cells: time x cores / time in cells", f"{overhead:.3f}", "1.15 or less"],
         ["cores busy with cells", f"{100 / overhead:.0f} %", "over 90 %"],
@@ -72,12 +71,12 @@ def _many_rows() -> list[list[str]]:
             }
             for k in range(ROWS)
         ]  # fmt: skip
-        open_study(folder, about_study(spec, case, ROWS))
-        for part in range(0, ROWS, PART):
-            keep(folder, str(part), rows[part : part + PART])
+        files = [file_of(folder, str(part)) for part in range(0, ROWS, PART)]
+        for part, file in zip(range(0, ROWS, PART), files, strict=True):
+            keep(file, rows[part : part + PART])
         began = time.perf_counter()
-        table: pa.Table = read_rows(folder)
-        page = study_page(about_study(spec, case, ROWS), table)
+        table: pa.Table = read_rows(files)
+        page = study_page(spec, case, ROWS, table)
         seconds = time.perf_counter() - began
     assert len(table) == ROWS
     return [[f"{ROWS} rows read and drawn ({len(page) / 1e6:.1f} MB page)", f"{seconds:.1f} s", "10 s or less"]]

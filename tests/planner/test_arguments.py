@@ -24,7 +24,6 @@ WRONG: dict[str, tuple[Callable[[Case], Any], tuple[str, ...]]] = {
     "plan a family": (lambda case: hx.plan(case, "ptp"), ("family = 'ptp'", "hx.PointToPoint")),
     "plan for long": (lambda case: hx.plan(case, duration="3"), ("duration = '3'", "float")),
     "plan by starts": (lambda case: hx.plan(case, starts=1.5), ("starts = 1.5", "int | None")),
-    "plan to a target": (lambda case: hx.plan(case, targets="m=1kg"), ("targets = 'm=1kg'", "tuple[str, ...]")),
     "compare nothing": (lambda case: hx.compare([]), ("compare", "name plans, runs or results")),
     "plan_poses": (lambda case: hx.plan_poses(case, count="9"), ("count = '9'", "int | None")),
     "bound": (lambda case: hx.bound("hexapod"), ("case = 'hexapod'", "is not Case")),
@@ -48,7 +47,6 @@ WRONG: dict[str, tuple[Callable[[Case], Any], tuple[str, ...]]] = {
     "new_case": (lambda case: hx.new_case(3), ("name = 3", "str")),
     "new_arm": (lambda case: hx.new_arm("arm", 3), ("urdf = 3", "Path")),
     "study": (lambda case: hx.study("hexapod", "paper"), ("case = 'hexapod'", "is not Case")),
-    "validate_recordings": (lambda case: hx.validate_recordings(case, 3), ("recordings = 3", "Path")),
 }
 
 

@@ -14,16 +14,7 @@ from tests.helpers import tells
 from tests.planner.browser import opened
 from tests.planner.command_line import call
 
-PLOTS = (
-    "position-translation",
-    "acceleration-rotation",
-    "limits",
-    "executed",
-    "forces",
-    "residuals",
-    "spectrum",
-    "errors",
-)
+PLOTS = ("errors", "limits", "forces", "residuals", "spectrum")
 FETCHED = {"src", "href", "srcset", "data", "poster", "action", "background"}
 
 

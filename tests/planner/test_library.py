@@ -133,7 +133,7 @@ def test_a_program_that_relies_on_nobody_is_refused_with_the_limits_by_name(by_h
 )  # fmt: skip
 def test_what_was_asked_for_comes_back(family: Any, criterion: str, model: int, payload: int, fewest: int | None,
                                        starts: int | None, seed: int):  # fmt: skip
-    request = Request(family, 12.0, criterion, model, payload, fewest, (), starts, None, seed)
+    request = Request(family, 12.0, criterion, model, payload, fewest, starts, None, seed)
     about = {"family": request.name, "criterion": criterion, "model": model, "payload": payload}
     said = about | request.to_json() | {"settings": {}, "payload_from": request.payloads[0]}
     assert Request.of_json(said) == request
@@ -145,7 +145,7 @@ def test_what_was_asked_for_comes_back(family: Any, criterion: str, model: int, 
     method=st.sampled_from([m for m in METHODS if m not in ("all", "given")]),
 )
 def test_what_was_asked_of_poses_comes_back(count: int | None, method: str):
-    request = PoseRequest("N", count, method, 3, 500, 7, 0.5)
+    request = PoseRequest("N", count, method, 3, 500, 7)
     assert PoseRequest.of_json(request.to_json() | {"criterion": "N", "model": 3}) == request
 
 

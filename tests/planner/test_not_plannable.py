@@ -29,13 +29,6 @@ BEHIND_HOME = {"name": "vice", "x_mm": [-30.0, 30.0], "y_mm": [-30.0, 30.0], "z_
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("--target", "m=-1kg"), ("m=-1kg", "not one positive number")),
-        (("--target", "m=0kg"), ("m=0kg", "not one positive number")),
-        (("--target", "m=1e999kg"), ("m=1e999kg", "not one positive number")),
-        (("--target", "m"), ("--target m:", "write --target m=0.05kg")),
-        (("--target", "zz=1mm"), ("zz is not a parameter of model 9", "choose from m, xC")),
-        (("--target", "zC=1kg"), ("unit kg does not fit zC", "give m or mm or um")),
-        (("--model", "0", "--target", "k0=1N/m"), ("k0 is not a parameter of model 0",)),
         (("--model", "10"), ("model 10", "choose 0, 1")),
         (("--model", "-1"), ("model -1",)),
         (("--payload", "6"), ("payloads.weights", "are 5", "6 cannot be mounted")),
@@ -71,7 +64,6 @@ BEHIND_HOME = {"name": "vice", "x_mm": [-30.0, 30.0], "y_mm": [-30.0, 30.0], "z_
         (("--for", "linuxcnc", "--duration", "0.04"), ("too short for 8 moves", "at least 0.048 s")),
         (("--family", "manual", "--duration", "8"), ("--duration does nothing with --family manual", "leave it out")),
         (("--family", "manual", "--starts", "3"), ("--starts does nothing", "fourier, ptp, spline")),
-        (("--family", "manual", "--target", "m=1kg"), ("--target does nothing",)),
         (("--family", "ptp", "--order", "5"), ("--order does nothing with --family ptp", "choose --family fourier")),
         (("--family", "ptp", "--sequence", "s.toml"), ("--sequence does nothing", "manual")),
         (("--family", "fourier", "--moves", "12"), ("--moves does nothing with --family fourier", "ptp")),
@@ -240,7 +232,7 @@ def test_any_number_for_any_option_is_taken_or_refused_in_one_line(option: str, 
         answer.refusal()
 
 
-@given(option=st.sampled_from(["--target", "--criterion", "--family", "--sequence", "--output"]), value=WORDS)
+@given(option=st.sampled_from(["--criterion", "--family", "--sequence", "--output"]), value=WORDS)
 @settings(max_examples=25, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_any_word_for_any_option_is_taken_or_refused_in_one_line(option: str, value: str):
     answer = call(*STOPPED, f"{option}={value}")
@@ -250,7 +242,7 @@ def test_any_word_for_any_option_is_taken_or_refused_in_one_line(option: str, va
 
 @given(
     command=st.sampled_from([("poses", "hexapod", "--model", "9"), ("bound", "hexapod", "--model", "10")]),
-    option=st.sampled_from(["--count", "--candidates", "--seed", "--noise", "--model", "--time-limit"]),
+    option=st.sampled_from(["--count", "--candidates", "--seed", "--model", "--time-limit"]),
     value=NUMBERS,
 )
 @settings(max_examples=20, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])

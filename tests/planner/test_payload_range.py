@@ -48,4 +48,4 @@ def test_a_plan_for_a_range_is_believed(cache: Path, tmp_path: Path):
     assert Plan.load(tmp_path / "plan").predicted_std == answer["predicted_std"]
     text = (tmp_path / "plan" / "plan.json").read_text(encoding="utf-8")
     (tmp_path / "plan" / "plan.json").write_text(text.replace('"payload_from": 0', '"payload_from": 5'))
-    assert "predicted_std" in refused("post", tmp_path / "plan", "-o", tmp_path / "run.ngc")
+    assert "changed by hand" in refused("post", tmp_path / "plan", "-o", tmp_path / "run.ngc")

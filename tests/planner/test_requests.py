@@ -40,7 +40,7 @@ def test_an_unknown_family_is_named_with_those_that_are_known():
         ("duration", -12.0, "duration -12 s is not positive"),
         ("duration", float("nan"), "duration nan s"),
         ("duration", float("inf"), "duration inf s"),
-        ("duration", float("-inf"), "duration -inf s is not a duration"),
+        ("duration", float("-inf"), "duration -inf s is not at most 600 s"),
         ("period", 1e-320, "outside 0.01 to 600; choose about 2 s"),
         ("duration", 3e9, "duration 3e+09 s"),
         ("starts", 0, "0 starts; choose starts 1 to 1000"),

@@ -7,7 +7,7 @@ from typing import Any, NoReturn
 import pytest
 
 from cases.errors import Interrupted
-from planner.comparison.methods import ValidationSettings, unfinished
+from planner.comparison.trials import ValidationSettings, unfinished
 from planner.comparison.validation import validate
 from tests.planner.comparison.excitations import CASE
 
@@ -18,8 +18,8 @@ class Stopped(Exception):
 
 @pytest.mark.slow
 def test_an_interrupted_validation_uses_the_plans_that_it_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    def run_validation(plans: Path | None = None, name: str = "v") -> Any:
-        settings, out = ValidationSettings("virtual", 1, 0, plans), tmp_path / name
+    def run_validation() -> Any:
+        settings, out = ValidationSettings("virtual", 1, 0), tmp_path / "v"
         with unfinished(out, CASE, settings) as work:
             found = validate(CASE, ["Q5N"], [0, 3], settings, folder=work)
             found.save(out)
@@ -39,17 +39,15 @@ def test_an_interrupted_validation_uses_the_plans_that_it_made(tmp_path: Path, m
 
     kept = ends(Interrupted())
     plan = (kept / "plans" / "Q5N" / "plan.json").read_bytes()
-    monkeypatch.setattr("planner.comparison.methods.poses_planned", None)  # nothing is planned again
+    monkeypatch.setattr("planner.comparison.trials.poses_planned", None)  # nothing is planned again
     ends(Stopped())
     assert (kept / "plans" / "Q5N" / "plan.json").read_bytes() == plan
     monkeypatch.undo()
-    monkeypatch.setattr("planner.comparison.methods.poses_planned", None)
+    monkeypatch.setattr("planner.comparison.trials.poses_planned", None)
     resumed = run_validation()
     assert [p.name for p in tmp_path.iterdir()] == ["v"]
     assert (tmp_path / "v" / "plans" / "Q5N" / "plan.json").read_bytes() == plan
-    at_once = run_validation(tmp_path / "v", "w")
-    assert resumed["rows"] == at_once["rows"]
-    assert resumed["executed"] == at_once["executed"]
+    assert [row["weights"] for row in resumed["rows"]] == [0, 3]
 
 
 def test_what_other_settings_left_behind_is_not_used(tmp_path: Path):

@@ -5,7 +5,7 @@ from pydantic import ValidationError
 
 from cases.errors import HexciteError
 from identification.criteria import Criterion
-from planner.comparison.methods import METHODS, MethodSpec, require_methods
+from planner.comparison.trials import METHODS, MethodSpec, require_methods
 from planner.families.settings import Fourier, Manual, PointToPoint, Spline
 from planner.request import PoseRequest, Request
 

@@ -140,7 +140,6 @@ def test_a_plan_of_a_moving_excitation_is_no_plan_of_poses(folder: Path, recorde
         (("--candidates", "20", "--count", "30"), "only 20 candidates are valid"),
         (("--candidates", "3000", "--method", "backward-change"), "choose backward"),
         (("--seed", "-1"), "seed -1 is negative"),
-        (("--noise", "0"), "noise 0 N is not positive"),
     ],
 )  # fmt: skip
 def test_impossible_wishes_are_refused_in_one_line(tmp_path: Path, words: tuple[str, ...], said: str) -> None:

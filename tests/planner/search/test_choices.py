@@ -12,7 +12,7 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from planner.cli.compare import validate
 from planner.cli.plan import OPTIONS, SEARCHED, plan, refuse_foreign
-from planner.comparison.methods import ValidationSettings
+from planner.comparison.trials import ValidationSettings
 from planner.families import ptp, spline
 from planner.families.settings import FAMILIES, Fourier, PointToPoint, Spline
 from planner.planning import KEPT, search

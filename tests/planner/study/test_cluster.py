@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from distributed import LocalCluster
 
 from cases.errors import HexciteError
-from planner.study.cluster import local_client, remote_client, run_tasks, same_version
+from planner.study.cluster import remote_client, require_version, run_tasks
 from tests.helpers import one_line
 
 
@@ -26,24 +27,27 @@ class Workers:
 
 def test_a_running_cluster_does_the_work(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(Path(__file__).parents[3]))
-    with local_client(2, 1.0) as there, remote_client(there.scheduler.address) as client:
+    with (
+        LocalCluster(2, threads_per_worker=1, dashboard_address=None) as there,
+        remote_client(there.scheduler_address) as client,
+    ):
         found = list(run_tasks(client, ((str(k), partial(operator.neg, k)) for k in range(20)), 60.0))
-    assert {key: value for key, value, _ in found} == {str(k): -k for k in range(20)}
+    assert dict(found) == {str(k): -k for k in range(20)}
 
 
 @pytest.mark.parametrize(
     ("answers", "says"),
     [
         ({}, "has no workers; start `dask worker tcp://a:1`"),
-        ({"w1": version("hexcite"), "w2": PackageNotFoundError("hexcite")}, "worker w2 has no hexcite; install"),
+        ({"w1": version("hexcite"), "w2": PackageNotFoundError("hexcite")}, "worker w2 has no hexcite, this is"),
         ({"w1": "0.0.9"}, "worker w1 has hexcite 0.0.9, this is"),
     ],
 )
 def test_a_worker_without_this_version_is_named(answers: dict[str, object], says: str) -> None:
     with pytest.raises(HexciteError) as caught:
-        same_version(Workers(**answers), "tcp://a:1")
+        require_version(Workers(**answers), "tcp://a:1")
     assert says in one_line(caught.value)
 
 
-def test_workers_of_the_same_version_will_do() -> None:
-    same_version(Workers(w1=version("hexcite"), w2=version("hexcite")), "tcp://a:1")
+def test_workers_of_the_require_version_will_do() -> None:
+    require_version(Workers(w1=version("hexcite"), w2=version("hexcite")), "tcp://a:1")

@@ -8,32 +8,19 @@ from collections.abc import Iterator
 from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 import pytest
 
-from cases.basis import KEPT
 from cases.errors import HexciteError
 from cases.schema import Case
 from planner.request import Request
-from planner.study import (
-    DONE,
-    FAILED,
-    PLANNED,
-    ExecutionSpec,
-    Grid,
-    Spec,
-    cluster,
-    conduct,
-    open_study,
-    read_rows,
-    schema,
-)
-from planner.study.study_run import cells_of, missing
-from planner.study.summary import best_groups, groups
+from planner.study import ExecutionSpec, Grid, Spec, cells_of, cluster, conduct, request_of
+from planner.study.cell_rows import DONE, FAILED, PLANNED, file_of, read_rows, schema, work
+from planner.study.conduct import best_groups, groups
 from tests.helpers import tells
 from tests.planner.command_line import PROGRAM, call, refused
 
@@ -47,30 +34,34 @@ class Pretended:
     """Stands in for the cluster: notes what it was asked to do, answers at once, and stops when it is told to."""
 
     def __init__(self, stop_after: int = 10**9) -> None:
-        self.jobs: list[tuple[Request, tuple[int, ...]]] = []
+        self.jobs: list[Request] = []
         self.stop_after = stop_after
 
     def __call__(self, client: object, tasks: Iterator[tuple[str, partial]], limit: float) -> Iterator:
         for key, job in tasks:
             if len(self.jobs) == self.stop_after:
                 raise KeyboardInterrupt
-            _, request, seeds, _ = job.args
-            self.jobs.append((request, seeds))
+            _, request, execute = job.args
+            self.jobs.append(request)
             plan = {"noise_seed": PLANNED, "status": DONE, "score": float(request.family.order), "converged": True}
-            plan |= {"seconds": 2.0, "iterations": 10}
+            plan |= {"seconds": 2.0, "iterations": 10, "d_efficiency": 0.5}
             noise = [
-                {"noise_seed": s, "status": DONE, "parameters": 20, "inside_95": 19, "seconds": 0.1} for s in seeds
+                {"noise_seed": s, "status": DONE, "parameters": 20, "inside_95": 19, "seconds": 0.1}
+                for s in range(execute.noise_seeds if execute else 0)
             ]
-            yield key, HexciteError("no root") if request.family.order == 7 else [plan, *noise], 2.0
+            yield key, HexciteError("no root") if request.family.order == 7 else [plan, *noise]
 
 
 def run(spec: Spec, case: Case, folder: Path, monkeypatch: pytest.MonkeyPatch, stop_after: int = 10**9) -> Pretended:
     cluster = Pretended(stop_after)
-    client = SimpleNamespace(nthreads=lambda: {"one": 1})
     monkeypatch.setattr(conduct, "run_tasks", cluster)
-    monkeypatch.setattr(conduct, "local_client", lambda workers, memory: nullcontext(client))
+    monkeypatch.setattr(conduct, "local_client", lambda workers, memory: nullcontext())
     conduct.study(case, spec, folder)
     return cluster
+
+
+def rows_of(folder: Path) -> pa.Table:
+    return read_rows(sorted((folder / "rows").glob("*.parquet")))
 
 
 def test_a_stopped_study_goes_on_where_it_was(
@@ -82,7 +73,7 @@ def test_a_stopped_study_goes_on_where_it_was(
     rest = run(spec, hexapod_case, tmp_path, monkeypatch)
     assert len(rest.jobs) == 6
     assert run(spec, hexapod_case, tmp_path, monkeypatch).jobs == []
-    assert len(read_rows(tmp_path)) == 10
+    assert len(rows_of(tmp_path)) == 10
 
 
 def test_an_extended_study_computes_only_what_is_new(
@@ -90,35 +81,34 @@ def test_an_extended_study_computes_only_what_is_new(
 ) -> None:
     run(study(2, [2]), hexapod_case, tmp_path, monkeypatch)
     more = run(study(3, [2, 3]), hexapod_case, tmp_path, monkeypatch)
-    assert sorted((request.family.order, request.seed) for request, _ in more.jobs) == [(2, 2), (3, 0), (3, 1), (3, 2)]
+    assert sorted((request.family.order, request.seed) for request in more.jobs) == [(2, 2), (3, 0), (3, 1), (3, 2)]
 
 
-def test_more_seeds_of_the_noise_are_added_to_the_same_cells(
-    tmp_path: Path, hexapod_case: Case, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    run(study(1, [2], noise=3), hexapod_case, tmp_path, monkeypatch)
-    more = run(study(1, [2], noise=5), hexapod_case, tmp_path, monkeypatch)
-    assert [seeds for _, seeds in more.jobs] == [(3, 4)]
-    table = read_rows(tmp_path)
-    assert sorted(table["noise_seed"].to_pylist()) == [PLANNED, 0, 1, 2, 3, 4]
+def test_a_study_shows_its_own_cells_alone(tmp_path: Path, hexapod_case: Case, monkeypatch: pytest.MonkeyPatch) -> None:
+    run(study(2, [2, 3]), hexapod_case, tmp_path, monkeypatch)
+    fewer = conduct.study(hexapod_case, study(2, [3]), tmp_path)
+    assert set(fewer.rows["order"].to_pylist()) == {3}
+    assert (fewer.cells, fewer.computed, fewer.to_json()["done"]) == (2, 0, 2)
 
 
 def test_a_failed_cell_is_a_row_with_its_reason_and_is_not_tried_again(
     tmp_path: Path, hexapod_case: Case, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    run(study(1, [2, 7]), hexapod_case, tmp_path, monkeypatch)
-    assert run(study(1, [2, 7]), hexapod_case, tmp_path, monkeypatch).jobs == []
-    rows = {r["order"]: r for r in read_rows(tmp_path).to_pylist()}
-    assert (rows[2]["status"], rows[7]["status"]) == (DONE, FAILED)
-    assert rows[7]["reason"] == "no root"
-    assert rows[2]["case_hash"] == hexapod_case.hash
+    run(study(1, [2, 7], noise=3), hexapod_case, tmp_path, monkeypatch)
+    assert run(study(1, [2, 7], noise=3), hexapod_case, tmp_path, monkeypatch).jobs == []
+    good, bad = (rows_of(tmp_path).filter(pc.field("order") == order).to_pylist() for order in (2, 7))
+    assert [(row["noise_seed"], row["status"]) for row in good] == [(k, DONE) for k in (PLANNED, 0, 1, 2)]
+    assert [(row["status"], row["reason"]) for row in bad] == [(FAILED, "no root")]
+    assert good[0]["case_hash"] == hexapod_case.hash
+    found = conduct.study(hexapod_case, study(1, [2, 7], noise=3), tmp_path).to_json()
+    assert (found["done"], found["failed"]) == (1, 1)
 
 
-def test_a_lost_row_is_computed_again(tmp_path: Path, hexapod_case: Case, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_lost_cell_is_computed_again(tmp_path: Path, hexapod_case: Case, monkeypatch: pytest.MonkeyPatch) -> None:
     run(study(3, [2]), hexapod_case, tmp_path, monkeypatch)
-    first, *_ = (tmp_path / "rows").glob("*.parquet")
-    first.unlink()
-    assert len(missing(cells_of(study(3, [2]), hexapod_case), study(3, [2]), tmp_path)) == 1
+    first, *_ = cells_of(study(3, [2]), hexapod_case)
+    file_of(tmp_path, first).unlink()
+    assert len(run(study(3, [2]), hexapod_case, tmp_path, monkeypatch).jobs) == 1
 
 
 def table(rows: list[dict[str, Any]]) -> pa.Table:
@@ -128,18 +118,18 @@ def table(rows: list[dict[str, Any]]) -> pa.Table:
 def test_the_summary_counts_what_the_rows_hold() -> None:
     plans = [
         {"order": 2, "seed": s, "noise_seed": PLANNED, "status": DONE, "score": -s, "converged": s > 0, "seconds": 1.0,
-         "iterations": 5}
+         "iterations": 5, "d_efficiency": 0.5, "cell": str(s)}
         for s in range(4)
     ]  # fmt: skip
     noise = [
-        {"order": 2, "seed": 0, "noise_seed": n, "status": DONE, "parameters": 20, "inside_95": 20 - n}
+        {"order": 2, "seed": 0, "noise_seed": n, "status": DONE, "parameters": 20, "inside_95": 20 - n, "cell": "0"}
         for n in range(3)
     ]  # fmt: skip
     broken = [{"order": 3, "seed": 0, "noise_seed": PLANNED, "status": FAILED, "reason": "none"}]
     good, bad = groups(table(plans + noise + broken))
     assert good.settings == {"family": "fourier", "criterion": "D", "order": 2}
     assert (good.cells, good.done, good.converged, good.best, good.median) == (4, 4, 0.75, 0.0, -1.5)
-    assert (good.intervals, good.inside) == (60, 57 / 60)
+    assert (good.inside, good.seconds) == (57 / 60, 1.0)
     assert (bad.cells, bad.done) == (1, 0)
     assert np.isnan(bad.best)
     assert best_groups([good, bad]) == {"D": good}
@@ -161,13 +151,12 @@ def test_a_study_from_the_command_line(tmp_path: Path) -> None:
     spec.write_text(SMALL)
     first = call("study", "hexapod", "--spec", spec, "--workers", 1, "-o", folder, "--json").json()
     assert (first["cells"], first["done"], first["computed"], first["failed"]) == (2, 2, 2, 0)
-    assert first["overhead"] > 0.5
     again = call("study", "hexapod", "--spec", spec, "--workers", 1, "-o", folder, "--json").json()
     assert (again["done"], again["computed"]) == (2, 0)
     assert again["best"] == first["best"]
     page = (folder / "report.html").read_text()
     assert "hexcite plan hexapod --family fourier --criterion D" in page
-    rows = read_rows(folder).to_pylist()
+    rows = rows_of(folder).to_pylist()
     assert {r["seed"] for r in rows} == {0, 1}
     assert all(r["score"] > -60.0 and r["seconds"] > 0.0 for r in rows)
 
@@ -183,7 +172,7 @@ def test_a_study_that_is_killed_loses_no_cell_and_leaves_no_workers(tmp_path: Pa
             assert process.poll() is None
             time.sleep(0.05)
         process.kill()
-    kept = len(read_rows(folder))
+    kept = len(rows_of(folder))
     assert 3 <= kept < 12
     again = call("study", "hexapod", "--spec", spec, "--workers", 1, "-o", folder, "--json").json()
     assert (again["computed"], again["done"]) == (12 - kept, 12)
@@ -204,11 +193,8 @@ def _holds(environment: Path, entry: str) -> bool:
 
 @pytest.mark.slow
 def test_a_cell_gives_the_same_plan_on_any_worker(tmp_path: Path, hexapod_case: Case) -> None:
-    from planner.study import request_of
-    from planner.study.study_run import work
-
     request = request_of({"family": "fourier", "order": 2, "duration_s": 3.0, "seed": 1})
-    (one,), (other,) = work(hexapod_case, request, ()), work(hexapod_case, request, ())
+    (one,), (other,) = work(hexapod_case, request), work(hexapod_case, request)
     assert one["status"] == DONE
     assert one["score"] == other["score"]
 
@@ -224,20 +210,17 @@ def test_bad_input_is_refused_in_one_line(tmp_path: Path, hexapod_case: Case, mo
     assert "machine: is missing" in refused("study", "ft_wrist", "--spec", spec, "-o", folder)
     assert "cannot be read" in refused("study", "hexapod", "--spec", tmp_path / "none.toml", "-o", folder)
     assert not folder.exists()
-    about = {"name": "small", "case": "mill", "case_hash": "other", KEPT: {}}
-    open_study(folder, about)
-    assert "study of case mill" in refused("study", "hexapod", "--spec", spec, "--workers", 1, "-o", folder)
+    folder.mkdir()
+    (folder / "study.json").write_text('{"name": "small", "case": "mill"}')
+    assert "study small of case mill" in refused("study", "hexapod", "--spec", spec, "--workers", 1, "-o", folder)
 
 
 @pytest.mark.slow
 def test_a_cell_with_payload_is_executed_and_identified_against_its_own_truth(hexapod_case: Case) -> None:
     """The estimate holds the mass of machine and weights: an error against the bare machine's would be 20 kg."""
-    from planner.study import request_of
-    from planner.study.study_run import work
-
     request = request_of({"family": "fourier", "order": 3, "duration_s": 3.0, "seed": 0, "payload": 1})
-    plan, run = work(hexapod_case, request, (7,))
-    assert (plan["status"], run["status"], run["noise_seed"]) == (DONE, DONE, 7)
+    plan, run = work(hexapod_case, request, ExecutionSpec())
+    assert (plan["status"], run["status"], run["noise_seed"]) == (DONE, DONE, 0)
     assert abs(run["mass_error_kg"]) < 4.0 * run["mass_std_kg"] < 0.5
     assert run["inside_95"] <= run["parameters"] == 20
 
@@ -259,5 +242,5 @@ def test_ctrl_c_keeps_what_is_done_and_leaves_no_workers(tmp_path: Path) -> None
     assert process.returncode == 130
     assert tells(said, "hexcite: interrupted", f"{folder}, ", "same command")
     assert said.count("\n") == 1
-    assert len(read_rows(folder)) >= 1
+    assert len(rows_of(folder)) >= 1
     assert not [p for p in Path("/proc").glob("[0-9]*/environ") if _holds(p, f"MARK={tmp_path}")]

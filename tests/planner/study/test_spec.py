@@ -9,9 +9,7 @@ from cases.errors import CaseError, FileProblem, HexciteError
 from cases.schema import Case, load_case
 from planner.families.settings import FAMILIES
 from planner.request import Request
-from planner.study import ExecutionSpec, Grid, Spec, load_spec, request_of, settings_of
-from planner.study.study_run import cell_key, cells_of
-from planner.study.summary import command_of
+from planner.study import ExecutionSpec, Grid, Spec, cells_of, command_of, load_spec, request_of
 from tests.helpers import one_line
 
 HEAD = 'schema_version = 1\nname = "mine"\n'
@@ -22,57 +20,54 @@ def written(folder: Path, text: str) -> str:
     return str(folder / "study.toml")
 
 
-def test_every_combination_is_a_cell_once(tmp_path: Path) -> None:
+def test_every_combination_is_a_cell_once(tmp_path: Path, hexapod_case: Case) -> None:
     spec = load_spec(written(tmp_path, '[grid]\norder = [2, 3]\ncriterion = ["A", "D"]\nseed = [0, 1, 2]\n'))
-    cells = list(settings_of(spec))
+    cells = list(cells_of(spec, hexapod_case).values())
     assert spec.size == 12
     wanted = set(itertools.product("AD", (2, 3), (0, 1, 2)))
     assert {(c["criterion"], c["order"], c["seed"]) for c in cells} == wanted
     assert len(cells) == 12
 
 
-def test_settings_of_another_family_make_no_further_cells() -> None:
+def test_settings_of_another_family_make_no_further_cells(hexapod_case: Case) -> None:
     spec = Spec(schema_version=1, name="x", grid=Grid(family=["fourier", "ptp"], order=[2, 3, 4], moves=[8, 16]))
-    cells = list(settings_of(spec))
+    cells = list(cells_of(spec, hexapod_case).values())
     assert [c["family"] for c in cells] == ["fourier"] * 3 + ["ptp"] * 2
     assert all("moves" not in c for c in cells[:3])
     assert all("order" not in c for c in cells[3:])
 
 
-def test_periods_moves_and_knots_that_are_not_stated_fit_every_duration() -> None:
+def test_periods_moves_and_knots_that_are_not_stated_fit_every_duration(hexapod_case: Case) -> None:
     grid = Grid(family=["fourier", "ptp", "spline"], duration_s=[4.0, 7.0, 12.0])
-    for settings in settings_of(Spec(schema_version=1, name="x", grid=grid)):
+    for settings in cells_of(Spec(schema_version=1, name="x", grid=grid), hexapod_case).values():
         request = request_of(settings)
         assert request == Request(FAMILIES[settings["family"]](), settings["duration_s"], starts=1)
 
 
-def test_ten_million_cells_are_too_many() -> None:
+def test_ten_million_cells_are_too_many(hexapod_case: Case) -> None:
     grid = Grid(seed=list(range(10_000)), order=[2, 3, 4, 5, 6], period_s=[1.0 + 0.01 * k for k in range(200)])
-    with pytest.raises(HexciteError, match=r"10000000 cells, .*1000000; .* hours .*list fewer") as caught:
-        next(settings_of(Spec(schema_version=1, name="x", grid=grid)))
+    with pytest.raises(HexciteError, match=r"10000000 cells, .*1000000: list fewer") as caught:
+        cells_of(Spec(schema_version=1, name="x", grid=grid), hexapod_case)
     one_line(caught.value)
 
 
-def test_a_cell_is_known_by_all_that_changes_its_rows(hexapod_case: Case, wrist_case: Case) -> None:
-    settings = {"family": "fourier", "order": 5}
-    keys = {
-        cell_key(settings, None, hexapod_case, "1.0"),
-        cell_key(settings | {"order": 4}, None, hexapod_case, "1.0"),
-        cell_key(settings, ExecutionSpec(), hexapod_case, "1.0"),
-        cell_key(settings, None, wrist_case, "1.0"),
-        cell_key(settings, None, hexapod_case, "1.1"),
-    }
+def test_a_cell_is_known_by_all_that_changes_its_rows(hexapod_case: Case, monkeypatch: pytest.MonkeyPatch) -> None:
+    def key(case: Case = hexapod_case, order: int = 5, execute: ExecutionSpec | None = None) -> str:
+        (cell,) = cells_of(Spec(schema_version=1, name="x", grid=Grid(order=[order]), execute=execute), case)
+        return cell
+
+    other = hexapod_case.model_copy(update={"gravity_m_s2": (0.0, 0.0, -9.8)})
+    keys = {key(), key(order=4), key(execute=ExecutionSpec()), key(execute=ExecutionSpec(noise_seeds=50)), key(other)}
     assert len(keys) == 5
-    more = ExecutionSpec(noise_seeds=50)  # asks for more rows of the same cell
-    assert cell_key(settings, more, hexapod_case, "1.0") == cell_key(settings, ExecutionSpec(), hexapod_case, "1.0")
-    assert cell_key({"order": 5, "family": "fourier"}, None, hexapod_case, "1.0") in keys
-    renamed = hexapod_case.model_copy(update={"title": "the same machine in other words"})
-    assert cell_key(settings, None, renamed, "1.0") in keys
+    assert key() in keys
+    assert key(hexapod_case.model_copy(update={"title": "the same machine in other words"})) in keys
+    monkeypatch.setattr("planner.study.version", lambda name: "9.9")
+    assert key() not in keys
 
 
 @pytest.mark.parametrize("name", ["paper", "validation"])
-def test_built_in_studies_can_be_planned(name: str) -> None:
-    cells = list(settings_of(load_spec(name)))
+def test_built_in_studies_can_be_planned(name: str, hexapod_case: Case) -> None:
+    cells = list(cells_of(load_spec(name), hexapod_case).values())
     assert len(cells) >= 8
     for settings in cells:
         assert request_of(settings).starts == 1

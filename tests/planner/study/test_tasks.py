@@ -27,7 +27,7 @@ def client() -> Iterator[Client]:
 
 def outcomes(client: Client, function: Any, payloads: dict[str, Any], time_limit: float = 300.0) -> dict[str, Any]:
     tasks = ((key, partial(function, payload)) for key, payload in payloads.items())
-    found = [(key, answer) for key, answer, _ in run_tasks(client, tasks, time_limit)]
+    found = list(run_tasks(client, tasks, time_limit))
     assert len(dict(found)) == len(found)  # each once
     return dict(found)
 
@@ -95,7 +95,7 @@ def sleeper(seconds: float) -> int:
 def test_workers_that_are_killed_from_outside_lose_nothing(client: Client) -> None:
     tasks = iter([(str(k), partial(sleeper, 0.05)) for k in range(40)])
     found = []
-    for key, process, _ in run_tasks(client, tasks, 300.0):
+    for key, process in run_tasks(client, tasks, 300.0):
         assert isinstance(process, int)
         found.append(int(key))
         if len(found) == 5:
