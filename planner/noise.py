@@ -195,6 +195,14 @@ def counted_information(
     return weighted if scattered is None else of_estimate(weighted, scattered)
 
 
+def information_of(model: Model, scaling: Array, trajectory: Trajectory, errors: PoseErrors | None) -> Array:
+    """Mean information, reduced by errors of the pose; all of it where there are none, shape (u, u)."""
+    plain = mean_information(model, scaling, trajectory)
+    if errors is None:
+        return plain
+    return of_estimate(plain, plain + errors.scatter_of(model, scaling, trajectory))
+
+
 def mean_information(model: Model, scaling: Array, trajectory: Trajectory, rate: float = 1000.0) -> Array:
     """Time average of H A^T A H over a trajectory, shape (u, u); W = 1.
 

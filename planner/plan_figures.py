@@ -22,6 +22,7 @@ from planner.noise import (
     PoseErrors,
     counted_information,
     expected_noise,
+    information_of,
     mean_information,
     seen_through,
 )
@@ -156,7 +157,8 @@ def figures_of(
 ) -> tuple[dict[str, float], ExpectedNoise, dict[str, float]]:
     """Figures of a motion with the most payloads mounted: entries of `plan.json`, the noise and `worst_std`.
 
-    The criterion is of the information that the search maximised: with the weights of the case.
+    The criterion is of the information that the search maximised: with the weights of the case, and reduced by errors
+    of the pose.
 
     Raises:
         IdentificationError: the motion does not excite all parameters of the model.
@@ -164,7 +166,10 @@ def figures_of(
     scaling = reference_scaling(case, model)
     mu = singular_values(mean_information(model, scaling, motion), model.names)
     noise = expected_noise(case, model, payloads[-1])
-    weighted = singular_values(mean_information(seen_through(model, noise.whitening), scaling, motion), model.names)
+    weighted, errors = mu, PoseErrors.of(case, noise)
+    if noise.whitening is not None or errors is not None:
+        left = information_of(seen_through(model, noise.whitening), scaling, motion, errors)
+        weighted = singular_values(left, model.names)
     figures = {
         "logdet": CRITERIA[Criterion.D](mu),
         "condition": -CRITERIA[Criterion.K](mu),

@@ -52,7 +52,7 @@ class Bound:
     def __repr__(self) -> str:
         """A few lines: how it was found, the best design, and the bound."""
         return (
-            f"{self.method}\nlog det of the mean information of {self.parameters} parameters, reference scaling, W = 1:\n"
+            f"{self.method}\nlog det of the mean information of {self.parameters} parameters in reference scaling:\n"
             f"the best design that was found has {self.design_logdet:.4f}\n"
             f"no motion exceeds {self.logdet:.4f} ({self.label})"
         )

@@ -8,15 +8,23 @@ h = U^T dF U in the eigenvectors U of F (Lewis and Sendov, SIAM J. Matrix Anal. 
 
     df   = sum_a f_a h_aa
     d^2f = sum_ab f_ab h_aa h_bb + sum_a!=b (f_a - f_b) / (lambda_a - lambda_b) h_ab^2.
+
+Where sensors have errors of the pose, F is the information that these leave, by the states of a motion: with y = A X,
+X = M^-1 F, and r = R X, R_i = sum_j C_ij w_j A_j (see `planner.noise`), a change dA of the regressor of state i, of
+share w_i, and a change dC of its correlations change S = F M^-1 F by w_i (B + B^T), where
+B = y^T (dA - h) + (A - y - r)^T dA X and h = sum_j dC_ij w_j A_j X: a product of rows with slopes, like that of F.
 """
 
 from typing import NamedTuple
 
+import casadi as ca
 import numpy as np
 
 from cases.units import Array
 from identification.criteria import Criterion
-from planner.families.states import SHARE, States
+from identification.model import squared_distances
+from planner.families.states import SHARE, Kernel, States, state_size
+from planner.noise import PoseErrors
 
 EQUAL = 1e-7  # relative difference of eigenvalues below which their quotient is taken as the derivative
 
@@ -87,12 +95,21 @@ def _log_norm(eigenvalues: Array, vectors: Array, exponent: float) -> Local:
 
 
 class InformationOfStates(NamedTuple):
-    """An information matrix F and its derivatives by K states: dF = share (A^T slopes + slopes^T A)."""
+    """An information matrix S and its derivatives by K states: dS = share (rows^T slopes + slopes^T rows)."""
 
     states: Array  # shape (K, d)
     regressors: Array  # A of (21) at each, row by row, shape (K, 6 u)
-    slopes: Array  # their slopes by the components of the state, shape (K, d, 6 u)
-    information: Array  # F, shape (u, u)
+    changes: Array  # their slopes by the components of the state, shape (K, d, 6 u)
+    information: Array  # S, shape (u, u)
+    rows: Array  # shape (K, r u)
+    slopes: Array  # slopes by the components of the state, shape (K, d, r u)
+    own: Array  # dS/d share = (rows^T own + own^T rows) / 2, shape (K, r u)
+
+    @classmethod
+    def white(cls, states: Array, regressors: Array, changes: Array, size: int) -> "InformationOfStates":
+        """Information of u = `size` parameters, where nothing but white noise counts."""
+        square = weighted_square(states, regressors, size)
+        return cls(states, regressors, changes, square, regressors, changes, regressors)
 
 
 def weighted_square(states: Array, regressors: Array, size: int) -> Array:
@@ -111,7 +128,7 @@ def curvature_through_information(
     blocks, width = index.shape
     shares = point.states[:, SHARE, None, None]
     # In the eigenvectors of F: what each unknown of a block adds to F, from all of the block's states at once.
-    projections = (point.regressors.reshape(-1, size) @ local.vectors).reshape(len(shares), -1)
+    projections = (point.rows.reshape(-1, size) @ local.vectors).reshape(len(shares), -1)
     turned_slopes = (point.slopes.reshape(-1, size) @ local.vectors).reshape(*point.slopes.shape)
     flat_slopes = slopes.reshape(len(shares), -1, width)
     own = (flat_slopes.transpose(0, 2, 1) @ turned_slopes) * shares
@@ -122,8 +139,13 @@ def curvature_through_information(
     upper, lower = np.triu_indices(size)
     elements = products[:, :, upper * size + lower] + products[:, :, lower * size + upper]
     if flat_slopes[:, SHARE].any():
-        matrices = projections.reshape(len(shares), -1, size)
-        squares = (matrices.transpose(0, 2, 1) @ matrices).reshape(blocks, -1, size * size)
+        right = left = projections.reshape(len(shares), -1, size)
+        if point.own is not point.rows:
+            right = (point.own.reshape(-1, size) @ local.vectors).reshape(left.shape)
+        squares = left.transpose(0, 2, 1) @ right
+        if point.own is not point.rows:
+            squares = (squares + squares.transpose(0, 2, 1)) / 2.0
+        squares = squares.reshape(blocks, -1, size * size)
         lengths = slopes[:, :, SHARE].transpose(0, 2, 1)
         elements += lengths @ squares[:, :, upper * size + lower]
     flat = index.ravel()
@@ -133,3 +155,62 @@ def curvature_through_information(
     weights = np.where(diagonal, 0.0, 2.0 * local.quotients[upper, lower])  # above the diagonal: each for two
     main = through[:, diagonal]
     return np.asarray((through * weights) @ through.T + main @ local.second @ main.T)
+
+
+class FieldByStates:
+    """Errors of the pose at the states of a motion that lasts for `duration` [s]."""
+
+    def __init__(self, errors: PoseErrors, duration: float) -> None:
+        state = ca.SX.sym("state", state_size(6))
+        self.errors, self.gain = errors, errors.rate * duration
+        self.struts = Kernel(state, errors.hexapod.inverse(state[:6]))
+
+    def _parts(self, states: Array, regressors: Array, struts: Array) -> tuple[Array, Array, Array, Array, Array]:
+        """A, w Q A (Q mixes channels) and R of K states, shapes (K, 6, u), X and S, shapes (u, u).
+
+        X and S are not a number where M is singular: the solver then steps back.
+        """
+        shares = states[:, SHARE, None, None]
+        matrices = regressors.reshape(len(states), 6, -1)
+        weighted_rows = matrices * shares
+        mixed = weighted_rows if self.errors.mixing is None else self.errors.mixing @ weighted_rows
+        answer = self.errors.correlation(struts, struts) @ mixed.reshape(len(states), -1)
+        answer = self.gain * answer.reshape(matrices.shape)
+        scatter = np.tensordot(weighted_rows, matrices + answer, ((0, 1), (0, 1)))
+        plain = np.tensordot(weighted_rows, matrices, ((0, 1), (0, 1)))
+        try:
+            turn = np.linalg.solve(scatter, plain)
+        except np.linalg.LinAlgError:
+            turn = np.full(plain.shape, np.nan)
+        information = plain @ turn
+        return matrices, mixed, answer, np.asarray(turn), np.asarray((information + information.T) / 2.0)
+
+    def information(self, states: Array, regressors: Array) -> Array:
+        """S, shape (u, u), of states, shape (K, d), and A, shape (K, 6 u)."""
+        return self._parts(states, regressors, self.struts.values(states))[-1]
+
+    def with_slopes(self, states: Array, regressors: Array, slopes: Array) -> InformationOfStates:
+        """S and its derivatives; arguments as in `information`, and slopes of A by the states, shape (K, d, 6 u)."""
+        struts, ways = self.struts.slopes(states)
+        matrices, mixed, answer, turn, information = self._parts(states, regressors, struts)
+        y, rotated_answer = matrices @ turn, answer @ turn
+        changed = slopes.reshape(*slopes.shape[:2], 6, -1)
+        shifted = changed - (ways @ self._pulled(struts, mixed @ turn)).reshape(changed.shape)
+        flat = (len(states), -1)
+        return InformationOfStates(
+            states,
+            regressors,
+            slopes,
+            information,
+            np.concatenate([y, matrices - y - rotated_answer], axis=1).reshape(flat),
+            np.concatenate([shifted, changed @ turn], axis=2).reshape(*slopes.shape[:2], -1),
+            np.concatenate([2.0 * (matrices - rotated_answer) - y, np.zeros_like(y)], axis=1).reshape(flat),
+        )
+
+    def _pulled(self, struts: Array, answer: Array) -> Array:
+        """Sum over j of dC_ij/dl_i times answer_j, by each strut, shape (K, 6, 6 u)."""
+        length, flat = self.errors.field.length, answer.reshape(len(answer), -1)
+        distance = np.sqrt(squared_distances(struts, struts)) / length
+        kernel = -3.0 * self.gain / length**2 * np.exp(-np.sqrt(3.0) * distance)
+        whole = kernel @ flat
+        return np.stack([struts[:, k, None] * whole - kernel @ (struts[:, k, None] * flat) for k in range(6)], axis=1)

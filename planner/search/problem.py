@@ -19,6 +19,8 @@ from identification.parameters import nominal_parameters
 from planner.families import Family
 from planner.families.rows import StateRows
 from planner.families.states import Kernel, state_size
+from planner.noise import PoseErrors
+from planner.search.objective import FieldByStates
 from planner.search.program import NonlinearProgram, regressor_kernel
 
 CHECK_RATE = 1000.0  # [1/s] rate at which a motion is checked between the constrained instants
@@ -44,12 +46,15 @@ def largest_shares(program: NonlinearProgram, motion: Trajectory, case: Case) ->
     return tuple(float(np.abs(share).max()) for share in shares)
 
 
-def build_program(case: Case, model: Model, family: Family, scaling: Array, margin: float) -> NonlinearProgram:
+def build_program(
+    case: Case, model: Model, family: Family, scaling: Array, margin: float, errors: PoseErrors | None = None
+) -> NonlinearProgram:
     """The program of criterion D with every limit of a family that can bind.
 
     Args:
         scaling: reference scaling, shape (u,).
         margin: share of each limit that stays unused.
+        errors: errors of the pose, which the information counts.
     """
     layout, limits, states = family.layout(case, margin), near_limits(case), _extreme_states(case)
     first, rows = [], []
@@ -66,6 +71,7 @@ def build_program(case: Case, model: Model, family: Family, scaling: Array, marg
         (*layout.rows, *first, *rows),
         layout.lower,
         layout.upper,
+        errors=None if errors is None else FieldByStates(errors, family.duration),
         limits=tuple(kernel for _, _, kernel in limits),
     )
 

@@ -17,6 +17,7 @@ from identification.model import Model
 from planner.families.rows import LinearRows, Rows, StateRows, pulled_back
 from planner.families.states import SHARE, Kernel, States, state_size
 from planner.search.objective import (
+    FieldByStates,
     InformationOfStates,
     Local,
     criterion_at,
@@ -48,6 +49,8 @@ class NonlinearProgram:
     # without it Newton steps are longer, need no correction, and lead to better optima from afar; the last digits take
     # more of them
     convex: bool = False
+    # errors of the pose, which the information then counts; second derivatives are convex with them
+    errors: FieldByStates | None = None
     limits: tuple[Kernel, ...] = ()  # state -> shares of each non-linear limit that can bind
 
     @property
@@ -108,9 +111,12 @@ class NonlinearProgram:
         return np.concatenate(rows), np.concatenate(columns)
 
     def information(self, unknowns: Array) -> Array:
-        """Mean of H A^T A H over the motion, shape (u, u)."""
+        """Mean of H A^T A H over the motion, less what errors of the pose cost, shape (u, u)."""
         states = np.concatenate(self.states.at(unknowns))
-        return weighted_square(states, self.regressor.values(states), self.size)
+        regressors = self.regressor.values(states)
+        if self.errors is not None:
+            return self.errors.information(states, regressors)
+        return weighted_square(states, regressors, self.size)
 
     def value(self, unknowns: Array) -> float:
         """Value of the criterion."""
@@ -131,17 +137,19 @@ class NonlinearProgram:
             return last[0][1]
         states = np.concatenate(self.states.at(unknowns))
         regressors, slopes = self.regressor.slopes(states)
-        point = InformationOfStates(states, regressors, slopes, weighted_square(states, regressors, self.size))
+        if self.errors is None:
+            point = InformationOfStates.white(states, regressors, slopes, self.size)
+        else:
+            point = self.errors.with_slopes(states, regressors, slopes)
         last[:] = [(unknowns.copy(), point)]
         return point
 
     def _pull(self, point: InformationOfStates, local: Local) -> tuple[Array, Array]:
         """Derivatives of the criterion by the states, for a share of one and times it, shapes (K, d)."""
-        matrices = point.regressors.reshape(len(point.states), -1, self.size)
-        gradient = (matrices @ local.slope).reshape(len(point.states), -1)
+        gradient = (point.rows.reshape(len(point.states), -1, self.size) @ local.slope).reshape(len(point.states), -1)
         plain = 2.0 * (point.slopes @ gradient[:, :, None])[:, :, 0]
         pull = plain * point.states[:, SHARE, None]
-        pull[:, SHARE] = np.einsum("ki,ki->k", gradient, point.regressors)
+        pull[:, SHARE] = np.einsum("ki,ki->k", gradient, point.own)
         return plain, pull
 
     def gradient(self, unknowns: Array) -> Array:
@@ -168,7 +176,11 @@ class NonlinearProgram:
             point = self._point(unknowns)
             local = criterion_at(self.letter, point.information, self.halvings)
             total += factor * curvature_through_information(self.states, unknowns, local, point, size)
-            if not self.convex:
+            if self.errors is not None:  # where field and motion change together this part is flat, and steps too long
+                white = InformationOfStates.white(point.states, point.regressors, point.changes, self.size)
+                local = criterion_at(Criterion.D, white.information)
+                total += factor * curvature_through_information(self.states, unknowns, local, white, size)
+            elif not self.convex:
                 blocks.append((self.states.index, factor * self._curvature_at_states(unknowns, local, point)))
         for index, matrices in blocks:
             flat = (index[:, :, None] * size + index[:, None, :]).ravel()
@@ -200,7 +212,7 @@ class NonlinearProgram:
         shares = point.states[:, SHARE]
         plain, pull = self._pull(point, local)
         projections = (point.regressors.reshape(-1, size) @ local.vectors).reshape(len(point.states), -1)
-        turned_slopes = (point.slopes.reshape(-1, size) @ local.vectors).reshape(*point.slopes.shape)
+        turned_slopes = (point.changes.reshape(-1, size) @ local.vectors).reshape(*point.changes.shape)
         products = (projections.reshape(-1, size) * local.first) @ local.vectors.T
         along = self.regressor.curvature(point.states, 2.0 * products.reshape(len(point.states), -1))
         scaled = (turned_slopes.reshape(-1, size) * local.first).reshape(*turned_slopes.shape)

@@ -16,7 +16,7 @@ from cases.units import Array
 from identification.criteria import CRITERIA, Criterion, reference_scaling, singular_values
 from identification.model import identification_model
 from planner.families import Family
-from planner.noise import expected_noise, mean_information, seen_through
+from planner.noise import PoseErrors, expected_noise, information_of, seen_through
 from planner.search import Failed, SolverStatus, StartRecord
 from planner.search.annealing import annealed_start
 from planner.search.feasibility import MARGIN, keep_limits, require_rest
@@ -141,8 +141,9 @@ class _Run:
         model = identification_model(task.case, task.model)
         self.task, self.family, self.watch = task, task.family, watch
         self.scaling = reference_scaling(task.case, model)
-        self.model = seen_through(model, expected_noise(task.case, model, task.payload).whitening)
-        self.program = build_program(task.case, self.model, self.family, self.scaling, MARGIN + SLIPPED)
+        noise = expected_noise(task.case, model, task.payload)
+        self.model, self.errors = seen_through(model, noise.whitening), PoseErrors.of(task.case, noise)
+        self.program = build_program(task.case, self.model, self.family, self.scaling, MARGIN + SLIPPED, self.errors)
         self.iterations, self.status = 0, SolverStatus.NOT_RUN
         self.converged, self.stopped, self.close = False, False, False
         self.begun = np.zeros(0)  # where the solver began
@@ -157,7 +158,7 @@ class _Run:
 
         Minus infinity where the motion does not determine all parameters.
         """
-        information = mean_information(self.model, self.scaling, self.family.motion(unknowns))
+        information = information_of(self.model, self.scaling, self.family.motion(unknowns), self.errors)
         try:
             mu = singular_values(information, self.model.names)
         except IdentificationError:
@@ -169,7 +170,8 @@ class _Run:
         task, begin, draw = self.task, self.task.begin, np.random.default_rng(self.task.seed)
         if begin is not None:
             worst = self.program.worst(begin)
-            self.close = not task.refine and worst <= CLOSE
+            # What is good for white noise alone is far from what errors of the pose call for.
+            self.close = not task.refine and worst <= CLOSE and self.errors is None
             if self.close or task.refine:
                 self.program = self.program.with_rows_above(begin, NEAR)
                 return begin

@@ -1,5 +1,6 @@
 """Errors that depend on the pose: what a motion tells of a machine that has them, against dense least squares."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,10 +19,11 @@ from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion, sequence_file
 from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
-from planner.noise import PoseErrors, expected_noise, of_estimate
+from planner.noise import PoseErrors, expected_noise, information_of, mean_information, of_estimate
 from planner.plan_figures import predicted_std_at_poses, predicted_std_of
 from planner.search.problem import build_program
 from tests.bench.pose_errors import over_machines
+from tests.helpers import few, taylor_slope
 from tests.random_start import random_start
 
 CASE = load_case("hexapod")
@@ -115,6 +117,45 @@ FAMILIES: dict[str, Family] = {
     "spline": SplineFamily.of(CASE, 20, 2.0),
     "fourier": FourierFamily(3, 2.0, 2, *box_middle(CASE)),
 }
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+@pytest.mark.parametrize("letter", few(*"ADN"))
+def test_the_gradient_is_the_slope_of_the_criterion(name: str, letter: str):
+    family, draw = FAMILIES[name], np.random.default_rng(0)
+    problem = build_program(CASE, MODEL, family, SCALING, 1e-3, errors_of(SIZE, LENGTH))
+    program = replace(problem, letter=letter, halvings=1)
+    at = random_start(family, draw, problem.worst)
+    at = at * (1.0 + 0.02 * draw.normal(size=len(at)))
+    along = draw.normal(size=len(at))
+    along /= np.linalg.norm(along)
+    slope = np.array([program.gradient(at) @ along])
+    assert taylor_slope(lambda h: np.array([program.value(at + h * along)]), 0.0, slope, 2e-3) == pytest.approx(
+        2.0, abs=0.15
+    )
+    bent = program.hessian(at, 1.0, np.zeros(len(program.row_bounds[0])))
+    assert np.isfinite(bent).all()
+    assert np.abs(bent).max() > 0.0
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_the_search_sees_nearly_the_information_of_the_motion(name: str):
+    family, errors = FAMILIES[name], errors_of(SIZE, LENGTH)
+    problem = build_program(CASE, MODEL, family, SCALING, 1e-3, errors)
+    at = random_start(family, np.random.default_rng(0), problem.worst)
+    seen = np.linalg.slogdet(problem.information(at))[1]
+    whole = np.linalg.slogdet(information_of(MODEL, SCALING, family.motion(at), errors))[1]
+    white = np.linalg.slogdet(mean_information(MODEL, SCALING, family.motion(at)))[1]
+    assert seen == pytest.approx(whole, abs=1.0)  # of a log det of 20 parameters: 5 % of a variance
+    assert whole < white - 20.0
+
+
+def test_a_case_that_states_none_is_rated_as_before():
+    family = FAMILIES["ptp"]
+    problem = build_program(CASE, MODEL, family, SCALING, 1e-3, PoseErrors.of(CASE, expected_noise(CASE, MODEL)))
+    assert problem.errors is None
+    motion = family.motion(random_start(family, np.random.default_rng(0), problem.worst))
+    assert np.array_equal(information_of(MODEL, SCALING, motion, None), mean_information(MODEL, SCALING, motion))
 
 
 @pytest.mark.slow
