@@ -151,7 +151,7 @@ class Accelerometer(Part):
 
 
 class TextFile(Part):
-    """How files of text are laid out; these keys do not apply to ROS 2 bags."""
+    """How files of text are laid out; these keys do not apply to Parquet files and ROS 2 bags."""
 
     format: Literal["csv", "halsampler", "twincat-scope", "sinumerik-trace"] = "csv"
     """What wrote the file; `csv` is any table of text."""

@@ -76,7 +76,7 @@ def _decoded(file: Path, raw: Sequence[bytes]) -> tuple[str, list[str]]:
             continue
         if not any("\0" in line for line in lines):
             return encoding, lines
-    raise RecordingError(file, "is not text", "export the recording as CSV")
+    raise RecordingError(file, "is not text", "export the recording as CSV or Parquet")
 
 
 def _dialect(file: Path, lines: Sequence[str], encoding: str, scope: str | None) -> tuple[RecordingFormat, list[bool]]:

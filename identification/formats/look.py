@@ -26,9 +26,9 @@ from cases.recording_format import (
 )
 from cases.schema import Case
 from cases.units import Array, as_html
-from identification.formats.bags import KINDS, joint_names, opened, topic_of, topics_of
+from identification.formats.binary import KINDS, joint_names, opened, topic_of, topics_of
 from identification.formats.layout import look_at_text, matched
-from identification.formats.reading import bag_of, is_bag, read_run, read_tables
+from identification.formats.reading import bag_of, is_bag, is_parquet, read_run, read_tables
 from identification.formats.table import listed
 
 CUTOFF_HZ = 40.0  # of a proposal where the case states none
@@ -91,7 +91,7 @@ def look(file: Path | str, case: Case | None = None) -> Look:
     """What a file of unknown format is likely to be.
 
     Args:
-        file: text, or the folder of a ROS 2 bag.
+        file: text, Parquet, or the folder of a ROS 2 bag.
         case: the machine that it was recorded on; without one, units and completeness follow from the names alone.
 
     Raises:
@@ -106,8 +106,8 @@ def look(file: Path | str, case: Case | None = None) -> Look:
 
 
 def _table(file: Path, case: Case | None, cutoff: float) -> Look:
-    """The look at a file of text."""
-    names, header_units, numbers, settings = look_at_text(file)
+    """The look at a text or a Parquet file."""
+    names, header_units, numbers, settings = _parquet(file) if is_parquet(file) else look_at_text(file)
     places, units = matched(names, header_units, _joints(case))
     places = {ours: k for ours, k in places.items() if k in numbers}
     if settings.get("format") == "twincat-scope":
@@ -151,6 +151,23 @@ def _advice(places: Mapping[str, int], guessed: Mapping[str, str]) -> Iterator[s
     if guessed:
         units = ", ".join(f"{ours} in {unit}" for ours, unit in guessed.items())
         yield f"units guessed from values: {units}; compare them with the recorder's settings"
+
+
+def _parquet(file: Path) -> tuple[list[str], list[str], dict[int, Array], dict[str, Any]]:
+    """As `look_at_text`; a Parquet file needs no settings."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:
+        table = pq.read_table(file)
+    except (pa.ArrowException, OSError) as error:
+        raise RecordingError(file, "is a damaged Parquet file", "copy or export it again") from error
+    numbers = {
+        k: np.asarray(table.column(k).cast(pa.float64(), safe=False).to_numpy())
+        for k, kind in enumerate(table.schema.types)
+        if pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_boolean(kind)
+    }
+    return table.schema.names, [], numbers, {}
 
 
 def _joints(case: Case | None) -> dict[str, str] | None:

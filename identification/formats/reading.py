@@ -1,4 +1,7 @@
-"""From files to the streams of a run: each in its format, recognised by its columns, on one time axis."""
+"""From files to the streams of a run: each in its format, recognised by its columns, on one time axis.
+
+The case names the format; the first bytes say whether a file is Parquet.
+"""
 
 import os
 from collections.abc import Callable, Iterable, Sequence
@@ -13,10 +16,12 @@ from cases.errors import RecordingError
 from cases.machine import POSE
 from cases.recording_format import ROTATION, RecordingFormat
 from cases.schema import Case
-from identification.formats import bags, text, traces
+from identification.formats import binary, text, traces
 from identification.formats.assembly import require_clock, start_of, stream_of
-from identification.formats.table import ColumnTable, Stream, require_room
+from identification.formats.table import ColumnTable, Stream, require_file, require_room, unreadable
 from identification.formats.text import without
+
+_PARQUET = b"PAR1"
 
 _READERS: dict[str, Callable[[Path, RecordingFormat], Iterable[ColumnTable]]] = {
     "csv": text.tables,
@@ -28,8 +33,22 @@ _READERS: dict[str, Callable[[Path, RecordingFormat], Iterable[ColumnTable]]] = 
 
 def read_tables(file: Path, form: RecordingFormat) -> tuple[ColumnTable, ...]:
     """Reads a file: one table for each clock in it; raises RecordingError with the place and the remedy."""
-    reader = bags.bag_tables if is_bag(file) else _READERS[form.format]
+    reader = _READERS[form.format]
+    if is_bag(file):
+        reader = binary.bag_tables
+    elif is_parquet(file):
+        reader = binary.parquet_tables
     return tuple(reader(file, form))
+
+
+def is_parquet(file: Path) -> bool:
+    """Whether a file is Parquet; raises RecordingError where it cannot be read."""
+    require_file(file)
+    try:
+        with file.open("rb") as stream:
+            return stream.read(len(_PARQUET)) == _PARQUET
+    except OSError as error:
+        raise unreadable(file, error) from error
 
 
 def _files(place: Path) -> list[Path]:
@@ -93,9 +112,10 @@ def _file_of(path: Path, case: Case | None) -> tuple[Path, RecordingFormat]:
     try:
         path = bag_of(path)
         if is_bag(path):
-            return path, RecordingFormat() if case is None else bags.bag_format(case)
+            return path, RecordingFormat() if case is None else binary.bag_format(case)
         if path.is_dir():
-            path /= "recording.csv"
+            parquet = path / "recording.parquet"
+            path = parquet if parquet.is_file() else path / "recording.csv"
         ours = path.stem == "recording" and path.with_name("recording.json").is_file()
     except OSError:  # a name that the system refuses; the reader explains it
         ours = False

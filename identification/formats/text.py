@@ -28,7 +28,7 @@ from identification.formats.table import (
 PART = 1 << 22  # bytes that are read at a time
 LONGEST_LINE = 1 << 20  # bytes; a recording of a thousand channels stays far below
 _MARK = b"\xef\xbb\xbf"  # of UTF-8, as Windows editors write it
-_NOT_TEXT = (b"\xff\xfe", b"\xfe\xff", b"PK\x03\x04", b"\x1f\x8b", b"PAR1")  # UTF-16, ZIP (workbooks), gzip, Parquet
+_NOT_TEXT = (b"\xff\xfe", b"\xfe\xff", b"PK\x03\x04", b"\x1f\x8b")  # how UTF-16, ZIP (workbooks too) and gzip begin
 _TYPICAL = ("t_s", "l1_mm", "q1_mm", "x_mm", "r11", "ax", "f1_N", "fx_N")
 
 
@@ -41,7 +41,7 @@ def read_head(file: Path) -> list[bytes]:
     except OSError as error:
         raise unreadable(file, error) from error
     if data.startswith(_NOT_TEXT):
-        raise RecordingError(file, "is UTF-16 text, a workbook, compressed or Parquet", "save it as CSV in UTF-8")
+        raise RecordingError(file, "is UTF-16 text, a workbook, an archive or compressed", "save it as CSV in UTF-8")
     lines = data.removeprefix(_MARK).split(b"\n")
     if not any(line.strip() for line in lines):
         raise RecordingError(file, "is empty, it has blank lines only", "record again")

@@ -20,11 +20,12 @@ CASE = load_case("hexapod")
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with one run: in one CSV file, and as two CSV files of struts and forces."""
+    """A folder with one run: as CSV, as Parquet, and as two CSV files of struts and forces."""
     folder = tmp_path_factory.mktemp("run")
     execution = PoseExecution(Hexapod.of(CASE), Harmonic(seed=1, duration=2.0))
     recording = simulate_recording(CASE, execution, np.array([[0.2, 1.8]]), 0)
-    write_recording(folder / "run.csv", recording, CASE)
+    for name in ("run.csv", "run.parquet"):
+        write_recording(folder / name, recording, CASE)
     rows = [line.split(",") for line in (folder / "run.csv").read_text().splitlines()]
     (folder / "struts.csv").write_text("".join(",".join([*r[:7], r[13]]) + "\n" for r in rows))
     (folder / "forces.csv").write_text("".join(",".join([r[0], *r[7:13]]) + "\n" for r in rows))
@@ -47,6 +48,7 @@ def alone(run: Path, tmp_path_factory: pytest.TempPathFactory) -> dict:
 @pytest.mark.parametrize(
     "files",
     [
+        ("run.parquet",),
         ("forces.csv", "struts.csv"),
         pytest.param(("struts.csv", "forces.csv"), marks=pytest.mark.slow),
     ],

@@ -3,6 +3,8 @@
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 from cases.errors import RecordingError
@@ -48,6 +50,14 @@ def test_rows_without_stamps_follow_each_other_in_the_period_that_the_case_state
     file = written(tmp_path, csv(RUN.numbers()[:, 1:], NAMES[1:]))
     assert read(file, case_with()).t is None
     np.testing.assert_allclose(read(file, case_with(clock={"period_ms": 2.0})).t, 2.0 * RUN.t)
+
+
+@pytest.mark.parametrize("unit", ["ms", "us", "ns"])
+def test_time_stamps_of_parquet_know_their_unit(unit: str, tmp_path: Path) -> None:
+    times = np.datetime64("2026-11-01T08:00:00") + np.round(RUN.t * 1e9).astype("timedelta64[ns]")
+    columns = {n: RUN.numbers()[:, k] for k, n in enumerate(NAMES)} | {"t_s": times.astype(f"M8[{unit}]")}
+    pq.write_table(pa.table(columns), tmp_path / "run.parquet")
+    np.testing.assert_allclose(read(tmp_path / "run.parquet", case_with()).t, RUN.t, atol=1e-9)
 
 
 WRONG = {

@@ -107,7 +107,7 @@ WRONG = {
     "cut off": (csv(RUN.numbers())[:-40].rstrip(), {}, r"line 41: expected 13.* cut off in its last line: remove"),
     "zeros at the end": (csv(RUN.numbers()) + "\0" * 3000, {}, r"line 42: is binary zero, as after a crash"),
     "a spreadsheet": (b"PK\x03\x04" + bytes(500), {}, r"a workbook.*save it as CSV"),
-    "compressed": (b"\x1f\x8b" + bytes(500), {}, r"compressed or Parquet; save it as CSV"),
+    "compressed": (b"\x1f\x8b" + bytes(500), {}, r"compressed; save it as CSV"),
     "a picture": (b"\x89PNG\r\n\x1a\n" + bytes(500), {}, r"is not UTF-8 text|none of the columns|binary"),
     "one endless line": (b"1" * 3_000_000, {}, r"line 1: is longer than a million|none of the columns"),
     "an endless line below": (csv(RUN.numbers()).encode() + b"1" * 6_000_000, {}, r"expected 13 columns, got 1"),

@@ -1,9 +1,11 @@
-"""ROS 2 bags.
+"""Files that hold numbers as numbers: ROS 2 bags and Parquet.
 
 A bag has positions of joints and readings of a force/torque sensor in two topics, each with a clock of its own:
 `sensor_msgs/JointState` and `geometry_msgs/WrenchStamped`, in SI units (REP 103), by the stamps in their headers. A
 host gives these, so that they jitter: samples are taken to be at equal steps, on the straight line through the stamps.
 Joints go by name, for their order differs between messages; messages of other joints on the topic are skipped.
+
+Parquet files have a column a channel, named as in `csv`; clocks are numbers or Parquet's own time stamps.
 """
 
 import struct
@@ -16,11 +18,23 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.recording_format import CLOCK, WRENCH, Clock, RecordingFormat
+from cases.recording_format import CLOCK, TICKS, WRENCH, Clock, RecordingFormat
 from cases.schema import Case
-from identification.formats.table import ColumnTable, Lines, equal_steps, listed, shown
+from cases.units import Array
+from identification.formats.table import (
+    ColumnTable,
+    Lines,
+    Stamps,
+    equal_steps,
+    listed,
+    require_room,
+    shown,
+    unreadable,
+)
+from identification.formats.text import select, without
 
 if TYPE_CHECKING:
+    import pyarrow as pa
     from rosbags.highlevel import AnyReader
 
 STAMP = "header.stamp"
@@ -154,3 +168,59 @@ def _table(
         instants, _ = equal_steps(source, (stamps - stamps[0]) * form.tick, lines)
         stamps = stamps[0] + np.rint(instants / form.tick).astype(np.int64)
     return ColumnTable(source, form, (STAMP, *names), columns, stamps, form.tick, lines)
+
+
+def parquet_tables(file: Path, form: RecordingFormat) -> list[ColumnTable]:
+    """Reads a file; raises RecordingError with the place and the remedy."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq  # costs 50 ms, and few need it
+
+    try:
+        with pq.ParquetFile(file) as parquet:
+            names, rows = tuple(parquet.schema_arrow.names), parquet.metadata.num_rows
+            chosen = select(file, names, form)
+            clock = [names[chosen.pop(CLOCK)]] if CLOCK in chosen else []
+            if not chosen:
+                raise RecordingError(file, without(names, form))
+            if not rows:
+                raise RecordingError(file, "has columns but no rows", "record again")
+            require_room(file, rows, len(chosen))
+            table = parquet.read(columns=[*(names[k] for k in chosen.values()), *clock])
+    except (pa.ArrowException, OSError, ValueError) as error:
+        if isinstance(error, RecordingError):
+            raise
+        if isinstance(error, OSError) and error.errno is not None:
+            raise unreadable(file, error) from error
+        reason = shown(" ".join(str(error).split()) or type(error).__name__, 120)
+        raise RecordingError(file, f"is a damaged Parquet file ({reason})", "copy or export it again") from error
+    values = {ours: _numbers(file, names[k], table) for ours, k in chosen.items()}
+    stamps, tick = _stamps(file, clock[0], table, form.tick) if clock else (None, 0.0)
+    if stamps is None and form.clock.period is not None:
+        stamps, tick = np.arange(rows), form.clock.period
+    return [ColumnTable(str(file), form, names, values, stamps, tick, Lines(1, word="row"))]
+
+
+def _numbers(file: Path, name: str, table: "pa.Table") -> Array:
+    import pyarrow as pa
+
+    column = table.column(name)
+    kind = column.type
+    if not (pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_boolean(kind)):
+        raise RecordingError(f"{file}, {shown(name)}", f"holds {shown(str(kind))}, not numbers", "export it as double")
+    return np.asarray(column.cast(pa.float64(), safe=False).to_numpy())
+
+
+def _stamps(file: Path, name: str, table: "pa.Table", tick: float) -> tuple[Stamps, float]:
+    """Time stamps, and the duration of one unit of them [s]."""
+    import pyarrow as pa
+
+    column = table.column(name)
+    kind = column.type
+    if column.null_count:
+        row = int(np.argmin(column.is_valid().to_numpy()))
+        raise RecordingError(f"{file}, {shown(name)}", f"has no value in row {row + 1}", "remove the row")
+    if pa.types.is_timestamp(kind) or pa.types.is_duration(kind):
+        return column.cast(pa.int64()).to_numpy(), TICKS[kind.unit]
+    if pa.types.is_integer(kind):
+        return column.cast(pa.int64()).to_numpy(), tick
+    return _numbers(file, name, table), tick
