@@ -6,7 +6,7 @@ import os
 import re
 import shutil
 import tempfile
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import chain, count
 from pathlib import Path
@@ -202,6 +202,16 @@ def write_text(path: Path, text: str) -> None:
 
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")  # of TOML, which needs no quotes
+
+
+def toml_text(values: Mapping[str, Any], table: str = "") -> str:
+    """TOML of plain values: tables as sections, those in lists inline."""
+    tables = {key: value for key, value in values.items() if isinstance(value, dict)}
+    lines = [f"{_toml_key(key)} = {toml_value(value)}" for key, value in values.items() if key not in tables]
+    lines = [*([f"[{table}]"] if table and (lines or not tables) else []), *lines]
+    for key, value in tables.items():
+        lines += ["", toml_text(value, f"{table}.{_toml_key(key)}" if table else _toml_key(key))]
+    return "\n".join(lines)
 
 
 def toml_value(value: Any) -> str:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Iterator
 from functools import cached_property
 from itertools import accumulate
+from pathlib import Path
 from typing import Annotated, Literal, NoReturn
 
 from pydantic import Field, PrivateAttr, field_validator, model_validator
@@ -13,6 +14,7 @@ from pydantic import Field, PrivateAttr, field_validator, model_validator
 from cases.chain import Chain, JointMotionLimits, Limits, SerialMachine, joint_problems
 from cases.controller import Controller, ControllerName, Settings, Sinumerik, TwinCat
 from cases.errors import CaseError
+from cases.files import check_file, toml_text, write_text
 from cases.machine import HexapodMachine, MotionLimits, Workspace, box_problems
 from cases.poses import Poses
 from cases.recording_format import STRUTS, RecordingFormat
@@ -88,6 +90,16 @@ class Case(Heading):
     def load(cls, name: str) -> "Case":
         """Loads and validates a case; see `load_case`."""
         return read_tables(cls, find_case(name), "hexcite case check").found_at(lasting_name(name))
+
+    def save(self, path: Path | str, overwrite: bool = False) -> Path:
+        """Writes the case as TOML, which `load` reads back; values at their defaults are left out.
+
+        Raises:
+            FileProblem: the file exists, or cannot be written.
+        """
+        check_file(file := Path(path), (".toml",), overwrite=overwrite)
+        write_text(file, toml_text(self.model_dump(mode="json", exclude_defaults=True)) + "\n")
+        return file
 
     def __repr__(self) -> str:
         """Two lines: what it is, and which parts it has."""

@@ -76,6 +76,8 @@ class StrutSensors(Part):
 
     at: Literal["drive", "platform"]
     """The end of the rod where its sensor sits: between drive and rod, or between rod and platform joint."""
+    each: bool = False
+    """Whether every strut has parameters of its own; else all struts are alike."""
     rod_mass_kg: NonNegative
     """Mass of one rod, nominal like all that follows: predictions and simulated runs go by these values."""
     rod_first_moment_kg_m: NonNegative
@@ -84,6 +86,10 @@ class StrutSensors(Part):
     """First moment of the tube, from the base joint towards the platform joint."""
     inertia_kg_m2: NonNegative
     """Sum of the moments of inertia of the rod about the platform joint and of the tube about the base joint."""
+    viscous_friction_Nms: tuple[NonNegative, NonNegative] | None = None
+    """Viscous friction in base and platform joints; part of the model where it is given."""
+    coulomb_friction_Nm: tuple[NonNegative, NonNegative] | None = None
+    """Friction in the same joints, independent of the speed; part of the model where it is given."""
 
 
 class SensorFrame(Part):

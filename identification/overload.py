@@ -122,9 +122,20 @@ def _in_struts(
     inert = sensors.inertia_kg_m2 + length**2 * mass - 2.0 * length * first_moment
     lever = length * mass - first_moment  # first moment of the rod about the base joint
     across = inert * bend + 2.0 * speed * lever * turning - (sensors.tube_first_moment_kg_m + lever) * weight
-    across /= length  # of the platform on the strut
+    spin = rotation[1] @ turn.transpose(0, 2, 1)  # S(omega) in {B}
+    own, omega = np.cross(n, turning), spin[:, None, (2, 0, 1), (1, 2, 0)]
+    at_base, at_platform = (  # moments against which a strut turns in its base joint, and against the platform
+        viscous * rate + coulomb * rate / np.maximum(np.linalg.norm(rate, axis=2, keepdims=True), 1e-12)
+        for viscous, coulomb, rate in zip(
+            sensors.viscous_friction_Nms or (0.0, 0.0),
+            sensors.coulomb_friction_Nm or (0.0, 0.0),
+            (own, own - omega),
+            strict=True,
+        )
+    )
+    across = (across - np.cross(n, at_base + at_platform)) / length  # of the platform on the strut
     arm = (turn @ machine.platform.points.T).transpose(0, 2, 1)
-    carried = np.hstack([across.sum(axis=1), np.cross(arm, across).sum(axis=1)])
+    carried = np.hstack([across.sum(axis=1), (np.cross(arm, across) - at_platform).sum(axis=1)])
     columns = np.concatenate([n, np.cross(arm, n)], axis=2).transpose(0, 2, 1)
     of_bodies = (wrenches @ state.T).transpose(2, 0, 1).reshape(len(state), -1, 3) @ turn.transpose(0, 2, 1)  # in {B}
     along = np.linalg.solve(columns, (of_bodies.reshape(len(state), -1, 6) + carried[:, None]).transpose(0, 2, 1))

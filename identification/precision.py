@@ -15,12 +15,20 @@ _WORDS = {
     "k1": "deformation: moment by displacement",
     "k2": "deformation: force by tilt",
     "k3": "deformation: moment by tilt",
+} | {f"f_q0_{k}": f"offset of channel {k}" for k in range(1, 7)}
+_WORDS |= {f"K{n}_{k}{a}": f"deformation: channel {k} by {a}" for n in "134" for k in range(1, 7) for a in "xyz"}
+_OF_STRUTS = {
     "mu": "mass of a rod",
     "h": "first moment of a rod",
     "k": "inertia of rod and tube",
     "d": "first moment of a tube",
-} | {f"f_q0_{k}": f"offset of channel {k}" for k in range(1, 7)}
-_WORDS |= {f"K{n}_{k}{a}": f"deformation: channel {k} by {a}" for n in "134" for k in range(1, 7) for a in "xyz"}
+    "cB": "viscous friction of a base joint",
+    "cP": "viscous friction of a platform joint",
+    "tB": "Coulomb friction of a base joint",
+    "tP": "Coulomb friction of a platform joint",
+}
+_WORDS |= _OF_STRUTS
+_WORDS |= {f"{name}_{k}": f"{words}, strut {k}" for name, words in _OF_STRUTS.items() for k in range(1, 7)}
 MOST_TIMES = 10.0  # multiple of a limit up to which a share is shown
 MOST_PLACES = 9  # decimals beyond which a fixed notation is not legible
 
@@ -70,7 +78,8 @@ def bounds_text(check: "LimitCheck") -> str:
 
 def carries_rods(names: Collection[str]) -> bool:
     """Whether these are parameters of sensors in struts that carry whole rods: the body is the platform with rods."""
-    return "d" in names and "mu" not in names
+    kinds = {name.partition("_")[0] for name in names}
+    return "d" in kinds and "mu" not in kinds
 
 
 def parameter_words(name: str, rods: bool = False) -> str:

@@ -14,7 +14,7 @@ Derived from Lagrange's equations; the tests derive them again by automatic diff
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import casadi as ca
 import numpy as np
@@ -27,6 +27,7 @@ from identification.symbolic import rotation
 
 _Wrench = Callable[[State, StrutState], ca.SX]
 """Force and moment on the platform for a unit of a strut's parameter, shape (6,)."""
+SLOW = 1e-3  # [rad/s] below which Coulomb friction of a joint, which has no value at rest, grows with the rate
 
 
 @dataclass(frozen=True)
@@ -37,9 +38,12 @@ class StrutLayout:
     sensors: StrutSensors  # where in the struts they sit, and nominal values of the struts
 
     def blocks(self, moving: bool) -> tuple[Block, ...]:
-        """What the struts add to the regressor; of standstills no inertia, and `d` is then d less h."""
-        blocks = strut_blocks(self.sensors.at == "drive")
-        return blocks if moving else tuple(b for b in blocks if b.parameters[0].name in ("mu", "d"))
+        """What the struts add to the regressor; of standstills no inertia and no friction, and `d` is then d less h."""
+        s, at_drive = self.sensors, self.sensors.at == "drive"
+        if moving:
+            return strut_blocks(at_drive, s.each, s.viscous_friction_Nms is not None, s.coulomb_friction_Nm is not None)
+        still = strut_blocks(at_drive, s.each)
+        return (*([] if at_drive else still[:1]), still[-1])
 
     def structure_at(self, pose: ca.SX) -> ca.SX:
         """J^-T at a pose, shape (6, 6)."""
@@ -63,8 +67,14 @@ class StrutLayout:
                 lumped |= {"I22": x**2 + z**2, "I23": -y * z, "I33": x**2 + y**2}
                 for name, value in lumped.items():
                     values[name] = values.get(name, 0.0) + s.rod_mass_kg * float(value)
+        (base, joint), (base_torque, joint_torque) = (
+            s.viscous_friction_Nms or (0.0, 0.0),
+            s.coulomb_friction_Nm or (0.0, 0.0),
+        )
         net = s.tube_first_moment_kg_m - (0.0 if moving else s.rod_first_moment_kg_m)
-        return values | {"mu": s.rod_mass_kg, "h": s.rod_first_moment_kg_m, "k": s.inertia_kg_m2, "d": net}
+        own = {"mu": s.rod_mass_kg, "h": s.rod_first_moment_kg_m, "k": s.inertia_kg_m2, "d": net}
+        own |= {"cB": base, "cP": joint, "tB": base_torque, "tP": joint_torque}
+        return values | own | {f"{name}_{k}": value for name, value in own.items() for k in range(1, 7)}
 
 
 def moving_struts(
@@ -92,21 +102,34 @@ def structure(state: State) -> ca.SX:
     return ca.horzcat(*(_wrench(strut, strut.direction) for strut in state.struts))
 
 
-def strut_blocks(at_drive: bool) -> tuple[Block, ...]:
-    """What the struts, all alike, add to the regressor of sensors at the drive's end of rods, or at the platform's."""
+def strut_blocks(at_drive: bool, each: bool, viscous: bool = False, coulomb: bool = False) -> tuple[Block, ...]:
+    """What the struts add to the regressor.
+
+    Args:
+        at_drive: whether sensors sit at the drive's end of the rods; at the platform's end otherwise.
+        each: whether every strut has its own parameters; else all struts are alike.
+        viscous: whether the joints have viscous friction.
+        coulomb: whether the joints have Coulomb friction.
+    """
     kinds: list[tuple[str, str, _Wrench]] = [] if at_drive else [("mu", "kg", _rod_mass)]
     kinds += [("h", "kg m", _first_moment_at_drive if at_drive else _first_moment)]
     kinds += [("k", "kg m^2", _inertia), ("d", "kg m", _tube)]
-    return tuple(_block(name, unit, columns) for name, unit, columns in kinds)
+    if viscous:
+        kinds += [(f"c{joint}", "N m s", partial(_friction, platform=joint == "P", coulomb=False)) for joint in "BP"]
+    if coulomb:
+        kinds += [(f"t{joint}", "N m", partial(_friction, platform=joint == "P", coulomb=True)) for joint in "BP"]
+    return tuple(_block(name, unit, columns, each) for name, unit, columns in kinds)
 
 
-def _block(name: str, unit: str, wrench: _Wrench) -> Block:
-    """The block of the sum of the wrenches that each strut adds, shape (6, 1)."""
+def _block(name: str, unit: str, wrench: _Wrench, each: bool) -> Block:
+    """The block of wrenches that each strut adds, shape (6, 6), or of their sum."""
 
     def columns(state: State) -> ca.SX:
-        return ca.sum2(ca.horzcat(*(wrench(state, strut) for strut in state.struts)))
+        added = ca.horzcat(*(wrench(state, strut) for strut in state.struts))
+        return added if each else ca.sum2(added)
 
-    return Block((Parameter(name, unit),), columns, True)
+    names = [f"{name}_{k}" for k in range(1, 7)] if each else [name]
+    return Block(tuple(Parameter(name, unit) for name in names), columns, True)
 
 
 def _wrench(strut: StrutState, force: ca.SX) -> ca.SX:
@@ -143,3 +166,11 @@ def _inertia(state: State, strut: StrutState) -> ca.SX:
 
 def _tube(state: State, strut: StrutState) -> ca.SX:
     return _wrench(strut, -_across(strut, state.gravity) / strut.length)
+
+
+def _friction(state: State, strut: StrutState, platform: bool, coulomb: bool) -> ca.SX:
+    """Force and moment on the platform of friction in the strut's joint at the platform, or at the base."""
+    rate = ca.cross(strut.direction, strut.turning) - (state.omega if platform else 0)
+    moment = -rate / (ca.sqrt(ca.sumsqr(rate) + SLOW**2) if coulomb else 1)
+    balance = _wrench(strut, ca.cross(strut.direction, moment) / strut.length)
+    return balance + ca.vertcat(ca.SX(3, 1), moment) if platform else balance

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from cases.errors import CaseError
+from cases.errors import CaseError, FileProblem
 from cases.schema import Case, load_case
 from cases.tables import built_in_cases, find_case
 from tests.cases.editing import HEXAPOD, edited
@@ -150,3 +150,35 @@ def test_a_case_with_a_machine_but_without_limits_lacks_the_limits(tmp_path: Pat
     case = load_case(edited(tmp_path, HEXAPOD[start:end], ""))
     with pytest.raises(CaseError, match=r"limits\.motion: is missing"):
         case.need_machine("planning")
+
+
+@pytest.mark.parametrize("name", built_in_cases())
+def test_a_case_that_is_saved_loads_as_the_same_case(name: str, tmp_path: Path) -> None:
+    case = load_case(name)
+    found = Case.load(str(case.save(tmp_path / "case.toml")))
+    assert (found, found.hash, found.controller_hash) == (case, case.hash, case.controller_hash)
+    with pytest.raises(FileProblem, match=r"case\.toml: .*overwrite"):
+        case.save(tmp_path / "case.toml")
+
+
+@given(
+    name=st.sampled_from(list(built_in_cases())),
+    title=st.text(),
+    column=st.text(min_size=1),
+    gravity=st.floats(9.7, 9.9),
+    noise=st.floats(1e-300, 1e3),
+)
+def test_saving_and_loading_a_case_are_inverse(
+    name: str, title: str, column: str, gravity: float, noise: float, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    data = load_case(name).model_dump(mode="json", exclude_defaults=True)
+    data |= {"title": title, "gravity_m_s2": [0.0, 0.0, -gravity]}
+    data["recording"] = data["recording"] | {"columns": {"t_s": column}}
+    if data["sensors"].get("force_noise_N") is not None:
+        data["sensors"] = data["sensors"] | {"force_noise_N": noise}
+    try:
+        case = Case.model_validate(data)
+    except ValidationError:
+        return  # a name of a column that the case refuses
+    file = case.save(tmp_path_factory.mktemp("case") / "case.toml")
+    assert Case.load(str(file)) == case

@@ -15,6 +15,7 @@ HEXAPOD = Hexapod.of(CASE)
 GRAVITY = np.array([0.3, -0.2, -9.8])
 BODY = np.array([21.0, 1.3, -0.8, 4.1, 1.1, 0.05, -0.03, 1.3, 0.02, 0.9])  # m, first moments, inertia about {P}
 MU, H, K, D = 3.1, 1.2, 2.3, 2.7
+CB, CP = 0.8, 0.5
 
 
 def states(count: int) -> list[np.ndarray]:
@@ -25,7 +26,7 @@ def states(count: int) -> list[np.ndarray]:
     return list(middle + draw.uniform(-1.0, 1.0, (count, 18)) * size)
 
 
-def columns(at_drive: bool) -> ca.Function:
+def columns(at_drive: bool, each: bool = False, viscous: bool = False, coulomb: bool = False) -> ca.Function:
     """(pose, rates, accelerations) -> what the body's ten and the struts' parameters do to the sensors."""
     pose, rates, accelerations = (ca.SX.sym(n, 6) for n in ("q", "v", "a"))
     turn = rotation(pose[3:])
@@ -34,7 +35,7 @@ def columns(at_drive: bool) -> ca.Function:
     none = ca.SX.zeros(1)
     state = State(none, none, none, turn.T @ ca.DM(GRAVITY), specific, turn.T @ moved[3:], turn.T @ rate[3:])
     state = moving_struts(state, HEXAPOD, pose[:3], turn, moved, rate, GRAVITY)
-    blocks = (MASS, FIRST_MOMENT, INERTIA, *strut_blocks(at_drive))
+    blocks = (MASS, FIRST_MOMENT, INERTIA, *strut_blocks(at_drive, each, viscous, coulomb))
     wrenches = ca.horzcat(*(b.columns(state) for b in blocks))
     return ca.Function("columns", [pose, rates, accelerations], [ca.solve(structure(state), wrenches)])
 
@@ -57,6 +58,7 @@ def lagrange(above: float, first_above: float) -> ca.Function:
     speed = turn.T @ v[:3]
     energy = BODY[0] * ca.dot(speed, speed) / 2 + ca.dot(speed, ca.cross(omega, first)) + omega.T @ inertia @ omega / 2
     height = -ca.dot(ca.DM(GRAVITY), BODY[0] * pose[:3] + turn @ first)
+    lost = ca.SX(0)
     lengths = []
     for k in range(6):
         strut = pose[:3] + turn @ ca.DM(HEXAPOD.platform[k]) - ca.DM(HEXAPOD.base[k])
@@ -71,10 +73,13 @@ def lagrange(above: float, first_above: float) -> ca.Function:
             height += -ca.dot(ca.DM(GRAVITY), mass * place - moment * n)
         energy += K * ca.dot(turning, turning) / 2
         height += -ca.dot(ca.DM(GRAVITY), D * n)
+        spin = ca.cross(n, turning)
+        joint_rate = spin - turn @ omega
+        lost += CB * ca.dot(spin, spin) / 2 + CP * ca.dot(joint_rate, joint_rate) / 2
         lengths.append(length)
     momentum = ca.jacobian(energy, v).T
     change = ca.jtimes(momentum, q, v) + ca.jtimes(momentum, v, a)
-    generalised = change - ca.jacobian(energy, q).T + ca.jacobian(height, q).T
+    generalised = change - ca.jacobian(energy, q).T + ca.jacobian(height, q).T + ca.jacobian(lost, v).T
     at_drives = ca.solve(ca.jacobian(ca.vertcat(*lengths), pose).T, generalised[:6])
     sensors = generalised[6:] + at_drives
     return ca.Function("lagrange", [q, v, a], [at_drives, sensors])
@@ -97,25 +102,34 @@ def lumped() -> np.ndarray:
 
 
 def test_a_sensor_at_the_drive_feels_the_platform_with_the_rods_as_lagrange_says() -> None:
-    matrix = columns(True)
+    matrix = columns(True, viscous=True)
     for state in states(20):
         drives, _ = of_lagrange(state, 0.0, 0.0)
-        found = matrix(state[:6], state[6:12], state[12:]).full() @ np.r_[lumped(), H, K, D]
+        found = matrix(state[:6], state[6:12], state[12:]).full() @ np.r_[lumped(), H, K, D, CB, CP]
         np.testing.assert_allclose(found, drives, rtol=0.0, atol=1e-9 * np.abs(drives).max())
 
 
 def test_a_sensor_at_the_platform_feels_rods_only_across_as_lagrange_says() -> None:
-    matrix = columns(False)
+    matrix = columns(False, viscous=True)
     for state in states(20):
         _, sensors = of_lagrange(state, 0.0, 0.0)
-        found = matrix(state[:6], state[6:12], state[12:]).full() @ np.r_[BODY, MU, H, K, D]
+        found = matrix(state[:6], state[6:12], state[12:]).full() @ np.r_[BODY, MU, H, K, D, CB, CP]
         np.testing.assert_allclose(found, sensors, rtol=0.0, atol=1e-9 * np.abs(sensors).max())
 
 
-@pytest.mark.parametrize(("at_drive", "count"), [(True, 13), (False, 14)])
-def test_every_parameter_can_be_told_from_motion(at_drive: bool, count: int) -> None:
-    matrix = columns(at_drive)
+@pytest.mark.parametrize(("at_drive", "each", "count"), [(True, False, 13), (False, False, 14), (True, True, 28)])
+def test_every_parameter_can_be_told_from_motion(at_drive: bool, each: bool, count: int) -> None:
+    matrix = columns(at_drive, each)
     stacked = np.vstack([matrix(s[:6], s[6:12], s[12:]).full() for s in states(200)])
     scaled = stacked / np.linalg.norm(stacked, axis=0)
     assert scaled.shape[1] == count
     assert np.linalg.matrix_rank(scaled, tol=1e-9) == count
+
+
+def test_coulomb_friction_is_viscous_friction_of_unit_size_at_every_speed() -> None:
+    """Half the speed, half the viscous friction and the same Coulomb friction, away from rest."""
+    viscous, coulomb = columns(True, viscous=True), columns(True, coulomb=True)
+    for state in states(3):
+        fast, slow = (state[:6], state[6:12], np.zeros(6)), (state[:6], state[6:12] / 2, np.zeros(6))
+        np.testing.assert_allclose(viscous(*slow).full()[:, 13:], viscous(*fast).full()[:, 13:] / 2, atol=1e-12)
+        np.testing.assert_allclose(coulomb(*slow).full()[:, 13:], coulomb(*fast).full()[:, 13:], rtol=1e-3, atol=1e-3)

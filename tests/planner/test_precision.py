@@ -42,7 +42,7 @@ def test_what_is_left_out_is_far_below_the_deviation(value: float, std: float) -
 
 def test_a_body_that_carries_rods_is_called_so():
     """Sensors at the drives cannot tell a rod's mass from a point mass in its platform joint."""
-    at_drives, at_platform = ("m", "zC", "IC12", "h", "k", "d"), ("m", "zC", "IC12", "mu", "h", "k", "d")
+    at_drives, at_platform = ("m", "zC", "IC12", "h", "k", "d"), ("m", "zC", "IC12", "mu_1", "h_1", "k_1", "d_1")
     assert carries_rods(at_drives)
     assert not carries_rods(at_platform)
     assert not carries_rods(("m", "zC", "f_q0_1"))
@@ -50,3 +50,5 @@ def test_a_body_that_carries_rods_is_called_so():
     assert parameter_words("IC12", True) == "inertia xy, platform with rods (IC12)"
     assert parameter_words("f_q0_2", True) == "offset of channel 2 (f_q0_2)"
     assert parameter_words("h", True) == "first moment of a rod (h)"
+    assert parameter_words("h_3") == "first moment of a rod, strut 3 (h_3)"
+    assert parameter_words("tP") == "Coulomb friction of a platform joint (tP)"
