@@ -59,7 +59,7 @@ def test_rods_that_the_sensors_carry_are_part_of_the_expected_mass() -> None:
     assert case.nominal is not None
     light = case.model_copy(update={"nominal": case.nominal.model_copy(update={"mass_kg": 10.0})})
     warnings = estimate_parameters(recording, light, 6).warnings
-    assert any(tells(w, "nominal.mass_kg", "rods", "46 kg") for w in warnings), warnings
+    assert any(tells(w, "nominal.mass_kg", "46 kg") for w in warnings), warnings
 
 
 @pytest.mark.parametrize("at", ["drive", "platform"])
@@ -118,7 +118,7 @@ def test_a_standstill_tells_of_a_strut_only_the_difference_of_its_first_moments(
             {"sensors": {"weights": "equal", "force_noise_N": 1.0, "acceleration_noise_m_s2": 0.1}},
             ("accelerations", "remove"),
         ),
-        ({"machine": None, "limits": None, "workspace": None}, ("machine", "base", "platform")),
+        ({"machine": None, "limits": None, "workspace": None}, ("setup", "2x", "hexapod")),
     ],
 )
 def test_what_does_not_go_with_sensors_in_struts_is_named(table: dict[str, object], words: tuple[str, ...]) -> None:

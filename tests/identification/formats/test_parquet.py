@@ -55,11 +55,12 @@ def test_the_name_of_the_file_does_not_matter(tmp_path: Path) -> None:
 
 
 def test_names_units_and_types_are_mapped_as_in_text(tmp_path: Path) -> None:
-    content = columns() | {"l2_mm": (RUN.struts[:, 1] * 1e6).round().astype("int32"), "note": ["x"] * RUN.count}
+    micrometres = {f"l{k + 1}_mm": (RUN.struts[:, k] * 1e6).round().astype("int32") for k in range(6)}
+    content = columns() | micrometres | {"note": ["x"] * RUN.count}
     content = {{"l1_mm": "axis.1", "t_s": "clock"}.get(n, n): v for n, v in content.items()}
     content["clock"] = np.arange(RUN.count, dtype="int64") + 10**15
     content["f3_N"] = RUN.forces[:, 2].astype("float32")
-    case = case_with(columns={"l1_mm": "axis.1", "t_s": "clock"}, units={"l2_mm": "um"}, clock={"unit": "ms"})
+    case = case_with(columns={"l1_mm": "axis.1", "t_s": "clock"}, units={"struts": "um"}, clock={"unit": "ms"})
     recording = read(parquet(tmp_path, content), case)
     np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-12)
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-6)
