@@ -1,10 +1,10 @@
 """`hexcite study`: grids of plans, runs and identifications on a Dask cluster, resumable."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import hexcite as hx
-from planner.cli.console import Json, Workers, answered, argument, option, out, print_table, status
+from planner.cli.console import Json, Workers, answered, argument, option, out, status
 
 
 def study(
@@ -27,19 +27,4 @@ def study(
     with status(f"study {asked.name} of {loaded.name}", json) as remark:
         result = hx.study(loaded, asked, output, workers=workers, scheduler=scheduler, progress=remark)
     answer = {**result.to_json(), "report": str(result.write_page())}
-    if not answered(answer, json):
-        _show(answer, result.best, case)
-
-
-def _show(answer: dict[str, Any], best: dict[str, Any], case: str) -> None:
-    from planner.study.summary import command_of
-
-    rows = [
-        [letter, command_of(group.settings, case), f"{group.best:.4g}", f"{group.median:.4g}", f"{group.done}"]
-        for letter, group in sorted(best.items())
-    ]
-    print_table("Best settings of each criterion", ("criterion", "command", "best", "median", "plans"), rows)
-    print(f"{answer['done']} cells done, {answer['failed']} failed, {answer['computed']} of them now")
-    if answer["overhead"] is not None:
-        print(f"study time x cores / time in cells: {answer['overhead']:.2f}")
-    print(f"report written: {answer['report']}")
+    answered(answer, json, result, f"report written: {answer['report']}")
