@@ -63,12 +63,12 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]
 @contextmanager
 def status(text: str, quiet: bool) -> Iterator[Callable[[str], None]]:
     """A spinner on stderr; yields a function that shows a remark beside it, without a terminal as a line every 10 s."""
-    from rich.console import Console
-
-    console = Console(stderr=True)
     if quiet:
         yield lambda _: None
         return
+    from rich.console import Console
+
+    console = Console(stderr=True)
     if console.is_terminal:
         with console.status(text) as spinner:
             yield lambda remark: spinner.update(f"{text}: {remark}")

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 import hexcite as hx
-from planner.cli.console import Json, Workers, answered, argument, option, out, print_table, status
+from planner.cli.console import Json, Workers, answered, argument, option, out, status
 
 
 def study(
@@ -21,18 +21,10 @@ def study(
 
     It can be stopped at any time: the same command goes on.
     """
-    from planner.study import command_of, load_spec
+    from planner.study import load_spec
 
     loaded, asked = hx.load_case(case), load_spec(spec)
     with status(f"study {asked.name} of {loaded.name}", json) as remark:
         result = hx.study(loaded, asked, output, workers=workers, scheduler=scheduler, progress=remark)
     answer = {**result.to_json(), "report": str(result.write_page())}
-    if answered(answer, json):
-        return
-    rows = [
-        [letter, command_of(group.settings, case), f"{group.best:.4g}", f"{group.median:.4g}", f"{group.done}"]
-        for letter, group in result.best.items()
-    ]
-    print_table("Best settings of each criterion", ("criterion", "command", "best", "median", "plans"), rows)
-    print(f"{answer['done']} cells done, {answer['failed']} failed, {answer['computed']} of them now")
-    print(f"report written: {answer['report']}")
+    answered(answer, json, result, f"report written: {answer['report']}")

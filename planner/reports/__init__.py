@@ -13,12 +13,7 @@ if TYPE_CHECKING:
 
 
 def report(value: "Plan | Result | Comparison | Validation", file: Path | str) -> None:
-    """Writes the page of a value, one HTML file that needs no network.
-
-    Args:
-        value: a plan, a result, a comparison, a validation.
-        file: file to write.
-    """
+    """Writes the page of a value, one HTML file that needs no network."""
     write_text(Path(file), page_of(value))
 
 

@@ -88,8 +88,6 @@ class Chart:
     Args:
         name: unique on the page, also the name of the file to which a browser saves the figure.
         caption: describes the figure, also for a screen reader.
-        x: title of the x axis.
-        y: title of the y axis.
         half: whether it may stand beside another one where the window is wide.
         layout: attributes of the layout; colours of text, grid and background are the page's.
     """
