@@ -21,7 +21,7 @@ class CaseCheck:
     """A case that is valid, and what is known of it."""
 
     case: Case
-    figures: Mapping[str, Any]  # name, title, hash, condition of the sensor frame; with a motion box its limits at rest
+    figures: Mapping[str, Any]  # name, title, setup and hash
     missing: Mapping[str, tuple[str, ...]]  # command -> what it misses in the case; empty where it is ready
     remarks: tuple[str, ...]  # what a person should look at
     reach: Reach | None  # reachable share of the motion box; None where the case has none
@@ -37,7 +37,11 @@ class CaseCheck:
     def __repr__(self) -> str:
         """What it is, what it is ready for, and its reach."""
         ready = ", ".join(command for command, lacks in self.missing.items() if not lacks) or "no command"
-        lines = [repr(self.case), f"ready for: {ready}", *(f"look at {remark}" for remark in self.remarks)]
+        lines = [repr(self.case), f"ready for: {ready}"]
+        for missing in dict.fromkeys(filter(None, self.missing.values())):
+            commands = ", ".join(command for command, lacks in self.missing.items() if lacks == missing)
+            lines.append(f"not ready for: {commands}; the case misses {', '.join(missing)}")
+        lines += [f"look at {remark}" for remark in self.remarks]
         return "\n".join(lines if self.reach is None else [*lines, share_sentences(self.reach)])
 
     _repr_html_ = as_html

@@ -46,8 +46,6 @@ def check(
     json: console.Json = False,
 ) -> None:
     """Validate a case and say how much of its motion box is reachable."""
-    from identification.limit import LimitReport
-
     try:
         with console.status("searching the largest reachable box", json or not propose):
             checked = hx.check_case(case, propose)
@@ -59,36 +57,9 @@ def check(
         raise
     if console.answered({"ok": True, **checked.to_json()}, json):
         return
-    figures, requirements, reach, proposal = checked.figures, checked.missing, checked.reach, checked.proposal
-    print(f"{figures['name']} is valid: {figures['title']} (setup {figures['setup']}, hash {figures['hash']})")
-    print(f"sensor frame: condition {figures['frame_condition']:.3g} (moments in units of the frame's size)")
-    if "limits_in_box" in figures:
-        if "home_struts_mm" in figures:
-            print(f"struts at home: {', '.join(f'{v:.1f}' for v in figures['home_struts_mm'])} mm")
-        # what plans avoid by themselves: nothing is wrong with a case whose corners are out of reach
-        worst = LimitReport.of_json(figures["limits_in_box"]).checks
-        words = {"EXCEEDED": "not everywhere"}
-        rows = [[*row[:-1], words.get(row[-1], "everywhere")] for row in console.limit_rows(worst)]
-        console.print_table(
-            f"Worst of {figures['poses']} poses: home, and corners and middles of the motion box",
-            (*console.LIMIT_COLUMNS[:-1], "satisfied"),
-            rows,
-        )
-    print(f"ready for: {'; '.join(c for c, missing in requirements.items() if not missing) or 'no command'}")
-    for missing in dict.fromkeys(filter(None, requirements.values())):
-        commands = [command for command, lacks in requirements.items() if lacks == missing]
-        print(f"not ready for: {'; '.join(commands)}; the case misses {', '.join(missing)}")
-    for remark in checked.remarks:
-        print(f"look at {remark}")
-    if reach is not None:
-        from planner.reports.case_figures import share_sentences
-
-        print(share_sentences(reach))
-        if proposal is None and not reach.whole:
-            command = f"hexcite case check {case} --propose"
-            print(f"Plans satisfy these limits too. `{command}` finds the largest reachable box.")
-    if proposal is not None:
-        _print_proposal(proposal)
+    print(checked)
+    if checked.proposal is not None:
+        _print_proposal(checked.proposal)
 
 
 def _print_proposal(box: "MotionBox") -> None:
