@@ -19,7 +19,7 @@ class CaseCheck:
     """A case that is valid, and what is known of it."""
 
     case: Case
-    figures: Mapping[str, Any]  # name, title, hash, condition of the sensor frame; with a motion box its limits at rest
+    figures: Mapping[str, Any]  # name, title, setup and hash
     missing: Mapping[str, tuple[str, ...]]  # command -> what it misses in the case; empty where it is ready
     remarks: tuple[str, ...]  # what a person should look at
     reach: Reach | None  # reachable share of the motion box; None where the case has none

@@ -51,10 +51,6 @@ def is_parquet(file: Path) -> bool:
         raise unreadable(file, error) from error
 
 
-def _files(place: Path) -> list[Path]:
-    return sorted(place.iterdir()) if is_bag(place) else [place]
-
-
 def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
     """The streams of one run from its files in any order, that of the forces first; columns say what they hold.
 
@@ -104,7 +100,8 @@ def bag_of(path: Path) -> Path:
 
 def files_of(paths: Sequence[Path]) -> list[Path]:
     """The files that paths mean: a folder of `hexcite run` means the recording in it, a bag all of its files."""
-    return [file for path in paths for file in _files(_file_of(path, None)[0])]
+    places = [_file_of(path, None)[0] for path in paths]
+    return [file for place in places for file in (sorted(place.iterdir()) if is_bag(place) else [place])]
 
 
 def _file_of(path: Path, case: Case | None) -> tuple[Path, RecordingFormat]:
@@ -172,5 +169,5 @@ def _require_one_time(streams: Sequence[Stream]) -> None:
         raise RecordingError(
             latest,
             f"starts {start - end:.6g} s after {early} ends",
-            "give the files of one run, or state how their clocks differ in recording.clock.offset_s",
+            "give the files of one run, with stamps that count from the same moment",
         )

@@ -1,4 +1,4 @@
-"""What `hexcite case check` reports beyond "valid": figures of a case, and values that are valid but suspicious.
+"""What `hexcite case check` reports beyond "valid": whether home can be, its reach, and values that are suspicious.
 
 Such values come from another machine, or are in mistaken units.
 """
@@ -13,60 +13,25 @@ from cases.basis import values
 from cases.errors import CaseError
 from cases.schema import Case, load_case
 from cases.tables import built_in_cases
-from identification.hexapod import Hexapod
-from identification.limit import LimitKind
 from identification.limit_proof import prove
-from identification.model import identification_model
 from identification.motion import StandingPoses
 from identification.precision import share_text
-from planner.reach import Reach, corners_and_middles
+from planner.reach import Reach
 from planner.search.feasibility import remedy
-
-STATIC = (
-    LimitKind.STRUT_LENGTH, LimitKind.BASE_JOINT_ANGLE, LimitKind.PLATFORM_JOINT_ANGLE, LimitKind.SINGULARITY,
-    LimitKind.POSITION, LimitKind.ANGLE, LimitKind.DISTANCE_FROM_BOX,
-)  # fmt: skip
-OF_CHAINS = (
-    LimitKind.DISTANCE_FROM_BOX, LimitKind.DISTANCE_BETWEEN_LINKS, LimitKind.JOINT_TORQUE, LimitKind.JOINT_FORCE,
-)  # fmt: skip
 
 
 def case_figures(case: Case, file: str) -> dict[str, Any]:
-    """Figures of a case; raises CaseError, with its file, where home is out of the machine's reach."""
-    frame = identification_model(case, 0).structure
-    size = 1.0
-    if case.sensor_frame.bars is not None:
-        size = float(np.linalg.norm(case.sensor_frame.bars.lower.points, axis=1).max())
-    elif case.sensor_frame.struts is not None and case.hexapod is not None:
-        size = float(np.linalg.norm(case.hexapod.platform.points, axis=1).max())
-    scaled = frame / np.r_[np.ones(3), np.full(3, size)][:, None]
-    return {
-        "name": case.name,
-        "title": case.title,
-        "setup": case.setup,
-        "hash": case.hash,
-        "frame_condition": float(np.linalg.cond(scaled)),
-    } | (_in_box(case, file) if has_motion_box(case) else {})
-
-
-def _in_box(case: Case, file: str) -> dict[str, Any]:
-    """Limits at rest, at home and in the corners and middles of the motion box; of a chain clearances and torques."""
-    home, limits = case.need_motion("the check of its reach")
-    poses = np.vstack([home, home + limits.pose[0] + corners_and_middles(len(home)) * np.ptp(limits.pose, axis=0)])
-    at_home = prove(StandingPoses(poses[[0, 0]]), case, 1.0)
-    if at_home.violations:
-        broken = at_home.violations[0]
-        problem, hint = broken.sentence(timed=False), "".join(f"; look at {words}" for words in mistaken_units(case))
-        if case.chain is not None:
-            raise CaseError(file, "machine.chain.joints", f"home cannot be: {problem}; choose another home{hint}")
-        raise CaseError(file, "machine.home", f"is out of reach: {problem}; move home or {remedy(broken, case)}{hint}")
-    kinds = STATIC if case.chain is None else OF_CHAINS
-    checks = prove(StandingPoses(poses), case, 1.0).checks
-    entries = {str(c.of): c.to_json() for c in checks if c.kind in kinds}
-    figures = {"poses": len(poses), "limits_in_box": entries} if entries else {}
-    if case.chain is not None:
-        return figures
-    return {"home_struts_mm": (Hexapod.of(case).strut_lengths(poses[:1])[0] * 1e3).tolist()} | figures
+    """Name, title, setup and hash; raises CaseError, with the case's file, where home is out of reach."""
+    if has_motion_box(case):
+        home, _ = case.need_motion("the check of its reach")
+        at_home = prove(StandingPoses(np.array([home, home])), case, 1.0)
+        if at_home.violations:
+            broken = at_home.violations[0]
+            hint = "".join(f"; look at {words}" for words in mistaken_units(case))
+            key = "machine.home" if case.chain is None else "machine.chain.joints"
+            way = f"move home or {remedy(broken, case)}" if case.chain is None else "choose another home"
+            raise CaseError(file, key, f"home cannot be: {broken.sentence(timed=False)}; {way}{hint}")
+    return {"name": case.name, "title": case.title, "setup": case.setup, "hash": case.hash}
 
 
 def has_motion_box(case: Case) -> bool:
