@@ -101,7 +101,7 @@ def grid_candidates(case: Case) -> Array:
     Of a chain, which has no grid, quasi-random poses of the motion box.
 
     Raises:
-        HexciteError: the grid is too fine; the message says what it would need.
+        HexciteError: the grid is too fine; the message says what to do.
         InfeasiblePlan: no pose is valid; the message names the limits that are exceeded.
         CaseError: the case lacks machine or poses.
     """
