@@ -40,11 +40,9 @@ PROOF_RATE_OF_MOVES = 1000.0  # [1/s]; moves between poses are smooth and take a
 def poses_planned(
     request: PoseRequest, case: Case, done: Callable[[int], None] = lambda _: None, given: Array | None = None
 ) -> Plan:
-    """Chooses poses, orders, times and proves them.
+    """Chooses poses, or takes those given, shape (n, k) [m or rad], orders, times and proves them.
 
-    Args:
-        given: poses of the user, for the method `given`, shape (n, k) [m or rad].
-        done: called with the number of poses after each step of the choice.
+    `done` is called with the number of poses after each step of the choice.
 
     Raises:
         HexciteError: the request cannot be met; the message says what to change.
