@@ -35,13 +35,7 @@ EVERY, FEW = 16, 1000  # of so many samples, or more, each 16th is solved first
 
 
 class StrutsDoNotClose(IdentificationError):
-    """No pose has given strut lengths.
-
-    Args:
-        sample: index of the first such sample, from 0.
-        lengths: its struts, shape (6,) [m].
-        place: place of the sample in its file, where there is one.
-    """
+    """No pose has the strut lengths, shape (6,) [m], of a sample, counted from 0, or of a place in a file."""
 
     def __init__(self, sample: int, lengths: Array, place: str | None = None) -> None:
         self.sample, self.lengths = sample, lengths

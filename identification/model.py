@@ -157,11 +157,7 @@ class Model:
         return ca.Function("coordinate_regressor", state, [matrix], {"cse": True})
 
     def matrices(self, positions: ArrayLike, rotations: ArrayLike, twists: ArrayLike, rates: ArrayLike) -> Array:
-        """A for every sample, shape (n, 6, u).
-
-        Of positions (n, 3) [m], rotations (n, 3, 3), twists and their time derivatives (n, 6) [m/s, rad/s, m/s^2,
-        rad/s^2].
-        """
+        """A for every sample, shape (n, 6, u); arguments as of `expression`, with n rows."""
         columns = np.asarray(rotations, dtype=float).transpose(0, 2, 1).reshape(-1, 9)
         return over_samples(self.regressor, positions, columns, twists, rates)[0]
 

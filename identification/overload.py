@@ -52,13 +52,7 @@ class Loads:
         return np.asarray(np.linalg.solve(self.case.sensor_frame.structure, self.wrenches).reshape(-1, 15))
 
     def forces(self, motion: Motion, rotation: tuple[Array, Array, Array], acceleration: Array) -> Array:
-        """Forces, shape (n, channels) [N or N m].
-
-        Args:
-            motion: motion in the coordinates, of n instants; of the struts where sensors sit in them.
-            rotation: R and its first and second time derivative, shapes (n, 3, 3).
-            acceleration: acceleration of the origin of {P}, shape (n, 3) [m/s^2].
-        """
+        """Forces, shape (n, channels) [N or N m], of a motion in the coordinates; the others as in `LoadMotion`."""
         state = _state(rotation, acceleration - self.case.gravity)
         if self.case.sensor_frame.struts is not None:
             return _in_struts(self.case, motion, rotation, state, self.wrenches)

@@ -134,18 +134,10 @@ def _sinc_derivatives(t: Array, w: float) -> tuple[Array, Array, Array]:
 
 
 def decimated(low_pass: Filter, values: Array, rows: Indices, wanted: Sequence[tuple[int, float]]) -> list[Array]:
-    """The filtered signal or derivatives of it at some rows, for several orders and delays.
+    """The filtered signal, shape (n, channels), or derivatives of it, for each of the wanted orders and delays [s].
 
-    Args:
-        values: shape (n, channels).
-        rows: filtered samples that are wanted, ascending, counted after the filter's margin, shape (k,).
-        wanted: orders of the time derivative and delays [s].
-
-    Returns:
-        One array for each of `wanted`, shape (k, channels).
-
-    Raises:
-        RecordingError: fewer samples than the filter is long.
+    Each of shape (k, channels): of filtered samples, ascending, counted after the filter's margin, shape (k,). Raises
+    RecordingError for fewer samples than the filter is long.
     """
     for _, delay in wanted:
         low_pass.require(values, delay)

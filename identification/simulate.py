@@ -156,10 +156,9 @@ def simulate_recording(
 
 
 def truth_rows(case: Case, estimate: "Estimate") -> list[dict[str, Any]]:
-    """Truth, estimate, standard deviation and error of each physical parameter, SI units.
+    """Truth, estimate, reported standard deviation and error of each physical parameter [SI].
 
-    The standard deviation is the larger of (28) and the autocorrelation-robust one. Raises CaseError without a
-    simulation.
+    Raises CaseError without a simulation.
     """
     model = estimate.model
     u = linear_parameters(model, case.need_simulation("the comparison with the truth").parameters)

@@ -37,13 +37,9 @@ _KNOWN = {*_OPERATIONS, ca.OP_TWICE, ca.OP_CONST, ca.OP_INPUT, ca.OP_OUTPUT}
 
 
 def over_samples(function: ca.Function, *arguments: ArrayLike) -> list[Array]:
-    """Values of a function with dense inputs and outputs, of which inputs are column vectors, for each sample.
+    """Values of a function of dense column vectors, given as arrays of shape (n, length), for each sample.
 
-    Args:
-        arguments: one array for each input, shape (n, length of the input).
-
-    Returns:
-        One array for each output: shape (n, rows) for vectors, (n, rows, columns) for matrices.
+    One array for each output: shape (n, rows) for vectors, (n, rows, columns) for matrices.
     """
     inputs = [np.ascontiguousarray(a, dtype=float) for a in arguments]
     count = inputs[0].shape[0]

@@ -7,7 +7,7 @@ service in the network would compute, are never given to it.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import NamedTuple
 
@@ -305,25 +305,20 @@ def fastest_circle(
     """A fast arc within limits on each coordinate, shapes (6,): near the fastest seven-segment one, never beyond.
 
     The time law is the seven-segment profile, slowed as a whole until the motion satisfies every limit on a fine grid.
-    Other arguments as in `CircularMove`. Raises ValueError where it cannot be slowed into its limits.
+    Other arguments as in `CircularMove`.
     """
-    pose = np.asarray(start, dtype=float)
+    pose, middle = np.asarray(start, dtype=float), np.asarray(centre, dtype=float)
     limits = [np.asarray(limit, dtype=float) for limit in (rate, acceleration, jerk)]
-    way = abs(angle) * np.hypot(*_arm(pose, plane, np.asarray(centre, dtype=float)))
+    way = abs(angle) * np.hypot(*_arm(pose, plane, middle))
     profile = fastest_profile(1.0, *(float(limit[list(plane.axes[:2])].min() / way) for limit in limits))
-    for _ in range(60):
-        move = CircularMove(pose, pose[3:], plane, np.asarray(centre, dtype=float), angle, profile)
-        motion = move.at(np.linspace(0.0, move.duration, 4001))
-        shares = [
-            float(np.max(np.abs(values) / limit)) ** (1 / order)
-            for order, (values, limit) in enumerate(
-                zip((motion.rates, motion.accelerations, motion.jerks), limits, strict=True), start=1
-            )
-        ]
-        if max(shares) <= 1.0:
-            return move
-        profile = profile.slowed(1.0 / (max(shares) * (1 + 1e-9)))
-    raise ValueError("an arc cannot be slowed into its limits")
+    move = CircularMove(pose, pose[3:], plane, middle, angle, profile)
+    motion = move.at(np.linspace(0.0, move.duration, 4001))
+    shares = [
+        np.max(np.abs(values) / limit)
+        for values, limit in zip((motion.rates, motion.accelerations, motion.jerks), limits, strict=True)
+    ]
+    most = max(float(share) ** (1 / order) for order, share in enumerate(shares, start=1))
+    return move if most <= 1.0 else replace(move, profile=profile.slowed(1.0 / (most * (1 + 1e-9))))
 
 
 def _arm(pose: Array, plane: Plane, centre: Array) -> Array:

@@ -74,8 +74,15 @@ def require_ways(times: Array, order: NDArray[np.int64]) -> None:
 
 
 def _laws(profiles: list[Profile], instants: int) -> Array:
-    """Share of the way, its rate and acceleration, shape (n, 3, instants + 6) [1, 1/s, 1/s^2]."""
-    return np.array([profile.at(_instants(profile, instants))[:3] for profile in profiles])
+    """Share of the way, its rate and acceleration, shape (n, 3, instants + 6) [1, 1/s, 1/s^2].
+
+    At equal steps, and at the corners of each profile, where velocity and acceleration peak.
+    """
+    laws = []
+    for profile in profiles:
+        steps, corners = np.linspace(0.0, profile.duration, instants), np.cumsum(profile.lengths[:-1])
+        laws.append(profile.at(np.sort(np.r_[steps, corners]))[:3])
+    return np.array(laws)
 
 
 def _slowness(case: Case, start: Array, end: Array, laws: Array) -> Array:
@@ -91,12 +98,6 @@ def _slowness(case: Case, start: Array, end: Array, laws: Array) -> Array:
         for values, limit in zip(struts, most, strict=True)
     )
     return np.asarray(np.maximum(fast, np.sqrt(hard)) / MARGIN)
-
-
-def _instants(profile: Profile, instants: int) -> Array:
-    """Equal steps, and the corners of the profile, where velocity and acceleration peak, shape (instants + 6,) [s]."""
-    corners = np.cumsum(profile.lengths[:-1])
-    return np.sort(np.r_[np.linspace(0.0, profile.duration, instants), corners])
 
 
 STARTS = 12  # first poses that are tried

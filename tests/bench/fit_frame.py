@@ -20,7 +20,7 @@ from cases.schema import Case, load_case
 from identification.criteria import pose_regressors
 from identification.model import identification_model
 from identification.parameters import OFFSETS
-from planner.poses.candidates import grid_candidates
+from planner.poses.planned_poses import grid_candidates
 from tests.bench.table_5 import PUBLISHED, group_deviations
 
 Array = NDArray[np.float64]

@@ -9,8 +9,7 @@ from cases.schema import load_case
 from identification.criteria import POSE_CRITERIA, candidate_scaling, pose_regressors
 from identification.model import identification_model
 from planner.cli.console import print_table
-from planner.poses.candidates import grid_candidates, sampled_candidates
-from planner.poses.planned_poses import poses_planned
+from planner.poses.planned_poses import grid_candidates, poses_planned, sampled_candidates
 from planner.poses.removal import reduce_best
 from planner.request import PoseRequest
 from tests.bench import table_3, table_5

@@ -11,7 +11,7 @@ from identification.model import identification_model
 from identification.parameters import linear_parameters
 from identification.recording import Recording
 from identification.result import Estimate
-from planner.poses.candidates import grid_candidates
+from planner.poses.planned_poses import grid_candidates
 
 TRUE_STATIC_MODEL = 5
 MODELS = (0, 1, 2, 3, 4, 5)

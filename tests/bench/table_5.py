@@ -12,7 +12,7 @@ from cases.schema import Case
 from identification.criteria import POSE_CRITERIA, candidate_scaling, pose_regressors
 from identification.model import identification_model
 from identification.parameters import physical_form
-from planner.poses.candidates import grid_candidates
+from planner.poses.planned_poses import grid_candidates
 from planner.poses.removal import reduce_best
 
 Array = NDArray[np.float64]

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from cases.schema import load_case
 from tests.planner.command_line import ACCEPT, call
 from tests.planner.json_answer import one_json_object
 

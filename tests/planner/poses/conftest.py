@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from cases.schema import Case, load_case
 from identification.criteria import candidate_scaling, pose_regressors
 from identification.model import Model, identification_model
-from planner.poses.candidates import grid_candidates, sampled_candidates
+from planner.poses.planned_poses import grid_candidates, sampled_candidates
 
 
 class Setting(NamedTuple):

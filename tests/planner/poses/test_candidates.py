@@ -11,7 +11,7 @@ from cases.schema import Case, load_case
 from identification.hexapod import Hexapod
 from identification.limit_proof import prove_at
 from identification.motion import Standstill
-from planner.poses.candidates import grid_candidates, sampled_candidates
+from planner.poses.planned_poses import grid_candidates, sampled_candidates
 from planner.poses.space import PoseSpace, valid_poses
 from tests.helpers import one_line, paper_poses
 from tests.planner.poses.conftest import Setting

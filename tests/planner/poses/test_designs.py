@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from identification.criteria import POSE_CRITERIA, pose_regressors, total_information
-from planner.poses.candidates import candidate_design
+from planner.poses.planned_poses import candidate_design
 from planner.poses.removal import reduce_best, refine
 from planner.poses.space import valid_poses
 from tests.helpers import few

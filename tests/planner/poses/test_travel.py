@@ -10,7 +10,7 @@ from cases.schema import load_case
 from identification.hexapod import Hexapod
 from identification.limit_proof import prove
 from identification.motion import StandingPoses
-from planner.poses.candidates import sampled_candidates
+from planner.poses.planned_poses import sampled_candidates
 from planner.poses.travel import duration, fastest_move, require_ways, shortest_order, travel_times
 from tests.postprocessors.changed_case import changed
 
