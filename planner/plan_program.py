@@ -21,15 +21,6 @@ from postprocessors.dialects import DIALECTS, Dialect, Program, dialect_of_file,
 from postprocessors.dialects import dialect as dialect_named
 from postprocessors.writing import proven_program
 
-# Languages in their order: the first that a case can be written in is taken; the last two are tables of points.
-USUAL = (
-    ControllerName.LINUXCNC,
-    ControllerName.SINUMERIK,
-    ControllerName.TWINCAT,
-    ControllerName.URSCRIPT,
-    ControllerName.SETPOINTS,
-    ControllerName.ROS2,
-)
 SLOWEST = 0.01  # share of the planned speed; slower, a run of seconds takes half an hour
 
 
@@ -103,7 +94,7 @@ def usual_dialect(case: Case, path: bool = False) -> str:
     """The first language whose settings the case has; a path in a machine's own axes is written as a table alone."""
     ready = {command for command, missing in readiness(case).items() if not missing}
     own_axes = path and not case.need_motion("a program")[1].of_pose
-    names = USUAL[-2:] if own_axes else USUAL
+    names = [*DIALECTS][-2 if own_axes else 0 :]
     return next((name for name in names if f"post --dialect {name}" in ready), ControllerName.LINUXCNC)
 
 

@@ -69,6 +69,7 @@ class Dialect:
         return self.suffixes[0]
 
 
+# In the order in which they are taken where none is named, if the case has their settings; the last two are tables.
 DIALECTS: dict[str, Dialect] = {
     d.name: d
     for d in (
@@ -80,20 +81,9 @@ DIALECTS: dict[str, Dialect] = {
             linuxcnc_guarantees,
             prepare=prepare_linuxcnc,
         ),
-        Dialect(
-            ControllerName.SINUMERIK,
-            (".mpf",),
-            write_sinumerik,
-            read_sinumerik,
-            sinumerik_guarantees,
-        ),
-        Dialect(
-            ControllerName.TWINCAT,
-            (".nc", ".cnc"),
-            write_twincat,
-            read_twincat,
-            twincat_guarantees,
-        ),
+        Dialect(ControllerName.SINUMERIK, (".mpf",), write_sinumerik, read_sinumerik, sinumerik_guarantees),
+        Dialect(ControllerName.TWINCAT, (".nc", ".cnc"), write_twincat, read_twincat, twincat_guarantees),
+        Dialect(ControllerName.URSCRIPT, (".script",), write_urscript, read_urscript, urscript_guarantees),
         Dialect(
             ControllerName.SETPOINTS,
             (".csv",),
@@ -102,13 +92,6 @@ DIALECTS: dict[str, Dialect] = {
             setpoint_guarantees,
             require_same_table,
             start="the machine must stand at home when the table starts",
-        ),
-        Dialect(
-            ControllerName.URSCRIPT,
-            (".script",),
-            write_urscript,
-            read_urscript,
-            urscript_guarantees,
         ),
         Dialect(
             ControllerName.ROS2,

@@ -68,9 +68,7 @@ class ControllerLog:
     drives: Array  # commanded positions of struts or joints, shape (n, k) [m or rad]
     poses: Array  # commanded coordinates, shape (n, k) [m or rad]
     trigger: NDArray[np.bool_]  # the recording output, shape (n,)
-    # the program line being executed, counted from 1; 0 while nothing moves; a cycle late where the controller reports
-    # it so (LinuxCNC), shape (n,)
-    lines: NDArray[np.int64]
+    lines: NDArray[np.int64]  # program line being executed, a cycle late; 0 while nothing moves, shape (n,)
     left_out: int = 0  # removed cycles of standstill, which only the computer's clock caused
 
 
@@ -88,10 +86,8 @@ def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> tuple[
     for k, (start, end) in enumerate(run.trigger, 1):
         within = run.execution.struts(np.arange(start, end, 1e-3))
         if (way := float(np.ptp(within, axis=0).max())) > STANDS:
-            problem = (
-                f"at pose {k} a drive moved by {way * 1e3:.3g} mm or mrad with the trigger on, on {run.controller}"
-            )
-            raise HexciteError(program, problem, "run again")
+            problem = f"at pose {k} a drive moved by {way * 1e3:.3g} mm or mrad with the trigger on"
+            raise HexciteError(program, f"{problem}, on {run.controller}", "run again")
     actual = run.execution.kinematics(run.trigger.mean(axis=1)).pose
     t = np.arange(0.0, run.execution.duration, 1e-3)
     moving = np.flatnonzero(np.abs(np.diff(run.execution.struts(t), axis=0)).max(axis=1) > 1e-9)

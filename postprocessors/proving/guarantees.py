@@ -113,12 +113,10 @@ class Guarantees:
 
     def sensed(self, check: LimitCheck, move: OwnMove | None = None) -> LimitCheck:
         """The bound of a sensor force or moment where it is proven, else its prediction, which nobody enforces."""
-        bound = next((b for b in self.force_bounds() if b.kind is check.kind and b.status is Status.PROVEN), None)
-        if bound is not None:
-            return replace(bound, of=bound.of._replace(move=move))
-        if move is None:
-            return replace(check, status=Status.NOT_ENFORCED)
-        return self.prediction(check, move, Status.NOT_ENFORCED)
+        own = replace(check, status=Status.NOT_ENFORCED, binding=move is None)
+        bounds = (b for b in self.force_bounds() if b.kind is check.kind and b.status is Status.PROVEN)
+        answer = next(bounds, own)
+        return replace(answer, of=answer.of._replace(move=move))
 
 
 SHORTEST_POINTS = 1e-3  # least distance of points of a joint trajectory [s]: rounding of closer ones would add jerks

@@ -33,7 +33,7 @@ def predicted(part: Untimed, guarantees: Guarantees) -> StraightMove | CircularM
     if part.arc is not None:
         way[list(part.arc[0].axes[:2])] = part.length  # either axis may carry all of it
     velocity, acceleration, jerk = limits_along(way, limits.rate, limits.acceleration, limits.jerk)
-    feed = np.inf if part.share_rate is None else part.share_rate
+    feed = np.inf if part.feed is None else part.feed / part.length
     if part.arc is not None:
         plane, centre, angle = part.arc
         law = guarantees.arc_law(min(feed, velocity), acceleration, jerk, abs(angle))

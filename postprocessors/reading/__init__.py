@@ -72,11 +72,6 @@ class Untimed:
         return float(np.linalg.norm((self.end - self.start)[list(self.counted)]))
 
     @property
-    def share_rate(self) -> float | None:
-        """The feed as a share of the way, from a known start [1/s]; None for a rapid."""
-        return None if self.feed is None else self.feed / self.length
-
-    @property
     def moves(self) -> bool:
         """Whether it moves, or may move from an unknown start."""
         return self.arc is not None or self.start is None or bool(np.any(np.abs(self.end - self.start) > STILL))

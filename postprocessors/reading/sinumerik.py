@@ -93,6 +93,7 @@ class SinumerikInterpreter(ModalState):
         elif name == "FGROUP":
             self.feed_axes = word.arguments
         elif name == "DO" and word.arguments in [(f"$A_OUT[{self.settings.trigger_output}]={k}",) for k in "01"]:
+            self.require_alone(word, block)
             self.motions.switch(self.line, word.arguments[0][-1] == "1", at_once=False)
         elif s is None:
             degree = word.value is not None and abs(word.value - MM_A_DEGREE) <= SAME_RADIUS
@@ -106,9 +107,7 @@ class SinumerikInterpreter(ModalState):
         elif name in ("CTOL=", "OTOL="):
             limit = s.contour_tolerance_mm if name == "CTOL=" else s.orientation_tolerance_deg
             if not 0.0 < float(word.value or 0.0) <= limit:
-                self.fail(
-                    word, f"{name[:-1]} is not above 0 and at most {limit:g}, the tolerance of the case; correct it"
-                )
+                self.fail(word, f"{name[:-1]} is not above 0 and at most {limit:g}, the tolerance of the case")
         elif name not in ("PL=", "I", "J", "K") and not name.startswith("PO["):
             self.refuse(word)
 

@@ -94,6 +94,8 @@ class TwinCatInterpreter(ModalState):
 
     def _word(self, word: Word, block: dict[str, Word]) -> None:
         name = word.name
+        if name.startswith("#"):
+            self.require_alone(word, block)
         if name in ("%", "G4", "G60", "M30", "F", "#MSG", "", *self.axes):
             return
         if name in (_OF_OWN_AXES if self.own_axes else self.group_of):
@@ -141,9 +143,7 @@ class TwinCatInterpreter(ModalState):
         else:
             end, duration, feed = self.target(block, first)
             if (duration is not None) != bool(self.curve) or (self.points > 1 and self.curve and not self.flowing):
-                problem = (
-                    "G93 and a time belong to the points of a path between #SPLINE ON and OFF, and to all of these"
-                )
+                problem = "G93 and a time belong to the points of a path, between #SPLINE ON and OFF, and to no others"
                 self.fail(first, f"{problem}; write G60 in the last point alone")
             self.points += 1
             # the exact stop at the end of a whole path is not a stop within it

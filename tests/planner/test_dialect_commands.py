@@ -42,7 +42,7 @@ def test_the_wrong_language_is_refused_with_its_first_strange_word(tmp_path: Pat
     assert tells(
         refused("check", file, "--case", "hexapod", "--dialect", "fanuc"),
         "'fanuc'",
-        "choose linuxcnc, sinumerik, twincat, setpoints",
+        "choose linuxcnc, sinumerik, twincat, urscript, setpoints",
     )
 
 

@@ -68,6 +68,7 @@ SINUMERIK_WRONG: dict[str, tuple[int, str]] = {
     "PTP": (1, "PTP is not read here"),
     "TRAFOOF\nM30\nG1 X1 F10": (1, "after the end of the program"),
     "M30": (1, "the transformation is still on; write TRAFOOF"),
+    "G1 X1 F10 DO $A_OUT[1]=1": (1, "DO.* stands in a block of its own"),
 }
 TWINCAT_WRONG: dict[str, tuple[int, str]] = {
     "G01 G60 X1 F0": (12, "feed F0 is not positive"),
@@ -126,6 +127,7 @@ TWINCAT_WRONG: dict[str, tuple[int, str]] = {
     "G01 X1.2.3 G60 F1": (9, r"0\.3 is not read here"),
     "#TRAFO OFF\nM30\nG01 X1": (1, "after the end of the program"),
     "M30": (1, "the transformation is still on; write #TRAFO OFF"),
+    "G01 G60 X1 F10 #FGROUP [A,B,C]": (1, "#FGROUP stands in a block of its own"),
 }
 TABLE = [(SINUMERIK, line, *found) for line, found in SINUMERIK_WRONG.items()]
 TABLE += [(TWINCAT, line, *found) for line, found in TWINCAT_WRONG.items()]

@@ -84,7 +84,7 @@ def test_f_counts_lengths_in_mm_and_turns_in_degrees_as_the_text_says(name: str)
         words = {w[0]: float(w[1:]) for w in line.split() if w[0] in "XYZACF"}
         if number in moves:
             way = np.linalg.norm([words[a] - place[a] for a in group])
-            assert moves[number].share_rate == pytest.approx(words["F"] / 60 / way, rel=1e-9)
+            assert moves[number].feed / moves[number].length == pytest.approx(words["F"] / 60 / way, rel=1e-9)
             counted.add(",".join(group))
         place = {a: words[a] for a in "XYZAC"}
     assert counted == {"A,C", "X,Y,Z"}

@@ -63,13 +63,10 @@ def run_linuxcnc(
 ) -> ControllerLog:
     """Runs a program on a LinuxCNC that is configured for the case, without hardware.
 
-    The log starts just before the program does and ends just after it; dwells are as long in it as programmed: the
-    time beyond that, theirs and that of switching outputs, is the wall clock's. Commanded struts are the cubic B-spline
-    (1, 4, 1)/6 of the inverse kinematics of the commanded pose, two cycles late: LinuxCNC interpolates them.
+    Dwells are as long in the log as programmed. Commanded struts are the cubic B-spline (1, 4, 1)/6 of the inverse
+    kinematics of the commanded pose, two cycles late: LinuxCNC interpolates them.
 
     Args:
-        program: a LinuxCNC program; dwells are `G4 P<seconds>` on lines of their own.
-        case: a case with machine, workspace, limits and controller.
         speedup: controller time per wall-clock time, at most; less for programs with short blocks. A run that loses
             cycles, waits for blocks or shortens dwells is repeated at half of it and at a quarter; then that is an
             error.
@@ -78,7 +75,6 @@ def run_linuxcnc(
     Raises:
         HexciteError: LinuxCNC is not installed, refuses the program, stops, loses cycles, waits for blocks or does
             not end in time.
-        CaseError: the case lacks a part.
     """
     path, reading = program.path, program.reading
     if (missing := linuxcnc_missing()) is not None:
