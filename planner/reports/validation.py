@@ -44,11 +44,8 @@ def validation_page(validation: Validation) -> str:
     growth.axes(y={"type": "log"})
     tables: list[Block] = []
     for k, (method, own) in enumerate(by_method.items()):
-        text = f" ({METHODS[method].label})" if method in METHODS else ""
-        tables += [
-            note(f"{method}{text}, {own[0].duration:.1f} s, model {own[0].estimate.model.number}"),
-            table(TABLE_7, table_7(own)),
-        ]
+        words = f"{method} ({METHODS[method].label}), {own[0].duration:.1f} s, model {own[0].estimate.model.number}"
+        tables += [note(words), table(TABLE_7, table_7(own))]
         loads, s0 = [t.load for t in own], [t.s0 for t in own]
         growth.add("scatter", x=loads, y=s0, name=method, mode="lines+markers", line={"color": colour(k)})
     entries = comparison.entries
