@@ -52,8 +52,7 @@ def retime(plan: Plan) -> Plan:
         "duration_before_s": plan.duration,
         **({"stale": list(plan.stale)} if plan.stale else {}),
     }
-    remark = f"re-timed with {method}: {motion.duration:.2f} s instead of {plan.duration:.2f} s"
-    planned = PlannedMotion(motion, settings, limits, remark=remark)
+    planned = PlannedMotion(motion, settings, limits)
     return rated_plan(replace(request, targets=()), case, planned, perf_counter() - start)
 
 

@@ -54,12 +54,8 @@ def bound(
 def _show_bound(answer: dict[str, Any]) -> None:
     parameters, method = answer["certificate"]["p"], answer["certificate"]["method"]
     limit, design = answer["logdet_bound"], answer["logdet_design"]
-    print(
-        f"{answer['case']}, model {answer['model']}, {parameters} parameters. A motion is worth log det of its mean "
-        "information matrix (reference scaling, W = 1)."
-    )
+    print(f"{answer['case']}, model {answer['model']}, {parameters} parameters: log det in reference scaling, W = 1")
     print(f"best distribution found over the {answer['over']}: {design:.4f}, by: {method}")
-    print(f"`hexcite plan` rates motions against it: D-efficiency = exp((log det - {limit:.4f}) / {parameters})")
     kind = "proven" if answer["certified"] else "an ESTIMATE; a longer --time-limit may prove it"
     print(
         f"no motion exceeds log det {limit:.4f} ({kind}, {100 * (limit - design) / parameters:.2g} % of an efficiency "

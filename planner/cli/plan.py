@@ -168,8 +168,6 @@ def show_plan(answer: dict[str, Any], plan: "hx.Plan") -> None:
         print(f"note: {note}")
     title = f"Predicted standard deviations ({assumed_words(plan)})"
     console.print_table(title, ("parameter", "+-", "unit"), plan.deviation_rows())
-    begin, end = (plan.case.words(answer[f"{end}_pose_m_rad"]) for end in ("first", "last"))
-    print(f"from rest at {begin} to rest " + ("there" if begin == end else f"at {end}"))
     count = len({start["seed"] for start in answer["starts"]})  # of one that was explored and refined, once
     starts = f"; {count} start{'s' * (count > 1)}" if count else ""
     print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s{starts}")
