@@ -36,7 +36,6 @@ class Settings(TypedDict, total=False):
         str, ...
     ]  # standard deviations to be met, such as m=0.05kg; the duration is then the longest allowed
     starts: int | None  # number of random starts; as many as pay unless given
-    seconds: float | None  # time for the search [s]
     seed: int  # seed of the starts
     workers: int | None  # processes that search; one a core unless given
 
@@ -71,7 +70,7 @@ def plan(
         family: family of motions; unless given point-to-point moves.
         duration: duration of the excitation [s].
         progress: shows a line now and then.
-        **settings: criterion, model, payload, payload_from, targets, starts, seconds, seed, workers; see `Settings`.
+        **settings: criterion, model, payload, payload_from, targets, starts, seed, workers; see `Settings`.
 
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.
@@ -217,8 +216,6 @@ def follower(asked: Request, case: Case, remark: Callable[[str], None]) -> Liste
 
 
 def _time_left(request: Request, results: Sequence[Start | Failed], seconds: float, parameters: int) -> str:
-    if request.seconds is not None:
-        return f"{max(0.0, request.seconds - seconds):.0f} s left"
     if request.starts is not None:
         rest = request.starts - len(results)
     else:

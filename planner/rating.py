@@ -64,8 +64,7 @@ def weaknesses(planned: PlannedMotion, case: Case) -> tuple[str, ...]:
     refined = [s.record for s in planned.starts if s.record.refined]
     if refined and not planned.interrupted and not refined[0].converged:
         words.append(
-            f"the search had not converged where it ended ({refined[0].solver.words}): more --seconds or "
-            "--starts may find more"
+            f"the search had not converged where it ended ({refined[0].solver.words}): more --starts may find more"
         )
     if planned.starts and (share := planned.starts[0].shrunk) < DRAWN_BACK:
         words.append(
@@ -76,7 +75,7 @@ def weaknesses(planned: PlannedMotion, case: Case) -> tuple[str, ...]:
     if planned.starts and checks and (most := max(checks, key=lambda c: c.ratio)).ratio < FULL:
         words.append(
             f"no limit of speed or force is used beyond {100 * most.ratio:.0f} % ({most.name}): another --seed, "
-            "more --seconds or a smaller box may find more"
+            "more --starts or a smaller box may find more"
         )
     return tuple(words)
 

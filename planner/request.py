@@ -21,7 +21,6 @@ OWNERS = {setting.name: name for name, kind in FAMILIES.items() for setting in f
 """Settings of one family alone, and its name."""
 DURATION = 12.0  # [s] unless another is asked for
 LONGEST = 600.0  # [s] longest excitation; the method is for production breaks
-MOST_SECONDS = 86_400.0  # [s] longest search
 
 
 def require_seed(seed: int) -> None:
@@ -50,7 +49,6 @@ class Request:
     # targets: standard deviations to be met, such as m=0.05kg; the duration is then the longest allowed
     targets: tuple[str, ...] = ()
     starts: int | None = None  # number of random starts; None for as many as pay
-    seconds: float | None = None  # time for the search; None until more starts stop paying
     seed: int = 0  # seed of the starts
     workers: int | None = field(default=None, compare=False)  # processes that search; None for one a core
 
@@ -63,8 +61,6 @@ class Request:
         self.family.check(self.duration)
         if self.starts is not None and not 1 <= self.starts <= 1000:
             raise HexciteError(f"{self.starts} starts; choose --starts 1 to 1000")
-        if self.seconds is not None and not 0.0 < self.seconds <= MOST_SECONDS:
-            raise HexciteError(f"seconds {self.seconds:g} is outside 0 to {MOST_SECONDS:g}; choose about 30")
         require_seed(self.seed)
         require_workers(self.workers)
         if self.payload_from is not None and not 0 <= self.payload_from <= self.payload:
@@ -93,7 +89,7 @@ class Request:
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json` that say what was asked for, beside criterion and model."""
-        entries = {"duration_s": self.duration, "starts": self.starts, "seconds": self.seconds}
+        entries = {"duration_s": self.duration, "starts": self.starts}
         own = {name: str(v) if isinstance(v, Path) else v for name, v in asdict(self.family).items()}
         return {"targets": list(self.targets), "seed": self.seed, "asked": entries | {"family": own}}
 
@@ -116,7 +112,6 @@ class Request:
             None if fewest in (None, data["payload"]) else int(fewest),
             tuple(str(target) for target in data["targets"]),
             entries.get("starts"),
-            entries.get("seconds"),
             int(data.get("seed", settings.get("seed", 0))),
         )
 

@@ -15,7 +15,7 @@ from planner.cli.console import argument, option, out
 MOST_USED = 0.9  # share of a limit from which it is shown
 
 
-SEARCHED = ("duration", "starts", "seconds", "seed", "workers", "target")  # options of families that are optimised
+SEARCHED = ("duration", "starts", "seed", "workers", "target")  # options of families that are optimised
 OPTIONS = {"controller": "for"}  # options whose names differ from those of their parameters
 
 
@@ -59,9 +59,6 @@ def plan(
         option("Standard deviation to be met, as m=0.05kg or zC=0.3mm; --duration is then the longest allowed."),
     ] = None,
     starts: Annotated[int | None, option("Number of random starts; by default as many as pay.")] = None,
-    seconds: Annotated[
-        float | None, option("Time for the search in s; by default until more starts stop paying.")
-    ] = None,
     seed: Annotated[int, option("Seed of the random starts.")] = 0,
     workers: console.Workers = None,
     output: Annotated[Path | None, out("Folder to write; named after case and family by default.")] = None,
@@ -94,7 +91,6 @@ def plan(
         payload_from=fewest,
         targets=tuple(target or ()),
         starts=starts,
-        seconds=seconds,
         seed=seed,
         workers=workers,
     )
