@@ -28,7 +28,6 @@ class Settings(TypedDict, total=False):
     payload: int
     payload_from: int | None
     starts: int | None
-    seconds: float | None
     seed: int
     workers: int | None
 
@@ -62,7 +61,7 @@ def plan(
         family: family of motions; unless given point-to-point moves.
         duration: duration of the excitation [s].
         progress: shows a line now and then.
-        **settings: criterion, model, payload, payload_from, starts, seconds, seed, workers; see `Settings`.
+        **settings: criterion, model, payload, payload_from, starts, seed, workers; see `Settings`.
 
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.

@@ -1,7 +1,6 @@
 """Plans an excitation from start to proof."""
 
 import json
-import time
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
@@ -27,7 +26,6 @@ from planner.search.parallel import (
     Outcome,
     Runner,
     cores,
-    deadlines,
     enough,
     first_ctrl_c,
     most_starts,
@@ -85,10 +83,9 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
         Interrupted: Ctrl-C before any start was done.
     """
     listener(request)
-    explored_until, until = deadlines(request)
     made_for = request.family.made_for(case)
     own, step_time = controlled(case, made_for)
-    results, interrupted = _explored(request, own, listener, run, explored_until)
+    results, interrupted = _explored(request, own, listener, run)
     explored = _without_failures(results)
     score = max((s.record.criterion_value for s in explored if s.record.refined), default=-np.inf)
     # An exploration overestimates, and never underestimates: one below the best result so far cannot win.
@@ -98,7 +95,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
         for s in promising[: request.family.refinements(request.criterion)]
     ]
     if refinements and not interrupted:
-        second, interrupted = run(refinements, listener, until)
+        second, interrupted = run(refinements, listener)
         results += second
     starts = sorted(_without_failures(results), key=lambda s: -s.record.criterion_value)
     failed = tuple(r for r in results if isinstance(r, Failed))
@@ -117,14 +114,13 @@ def _without_failures(results: Sequence[Start | Failed]) -> list[Start]:
     return [result for result in results if isinstance(result, Start)]
 
 
-def _explored(request: Request, case: Case, listener: Listener, run: Runner, until: float) -> Outcome:
+def _explored(request: Request, case: Case, listener: Listener, run: Runner) -> Outcome:
     """Results of all starts, and whether Ctrl-C ended them.
 
     Each of several orders and periods has one start first; the starts that follow go to the best of them.
 
     Args:
         case: case with the limits that its controller enforces.
-        until: when to stop, on the monotonic clock [s].
     """
     families, idle = request.family.families(case, request.duration), request.family.idle(request.criterion)
     parameters, most = len(identification_model(case, request.model).names), most_starts(request)
@@ -139,9 +135,9 @@ def _explored(request: Request, case: Case, listener: Listener, run: Runner, unt
     results: list[Start | Failed] = []
     a_round = max(FEWEST, min(MOST, request.workers or cores()))
     while True:
-        more, interrupted = run(tasks, listener, until)
+        more, interrupted = run(tasks, listener)
         results += more
-        if interrupted or time.monotonic() >= until or enough(results, request, parameters):
+        if interrupted or enough(results, request, parameters):
             return results, interrupted
         starts = sorted(_without_failures(results), key=lambda s: -s.promise)
         ranked = dict.fromkeys(settings.index(s.family.settings) for s in starts)

@@ -8,7 +8,6 @@ from identification.model import identification_model
 from identification.motion import Trajectory
 from planner.bounds.information_limit import information_limit
 from planner.families import Settings
-from planner.families.spline import enough_intervals
 from planner.plan_figures import Worth, figures_of
 from planner.plans import Plan
 from planner.request import Request
@@ -16,7 +15,6 @@ from planner.search import Failed
 from planner.search.solving import DRAWN_BACK, Start
 
 FULL = 0.9  # share of a limit that a good motion uses of at least one
-FEW_KNOTS = 0.9  # share of the knots that a spline can use within the jerk limits: below it more are worth their blocks
 
 
 class PlannedMotion(NamedTuple):
@@ -28,7 +26,6 @@ class PlannedMotion(NamedTuple):
     starts: tuple[Start, ...] = ()  # the best one first
     failed: tuple[Failed, ...] = ()  # starts without a feasible motion
     interrupted: bool = False  # whether Ctrl-C ended the search early
-    remark: str = ""  # what it replaces, and why: a path at another pace
 
 
 def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: float) -> Plan:
@@ -53,7 +50,7 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
         noise_of_accelerations=noise.shaken,
         weights=noise.weights,
         weaknesses=weaknesses(planned, case),
-        notes=notes(planned, case),
+        notes=notes(planned),
     )
     return Plan(
         case, request, motion, planned.limits, predicted, noise.sensors, case.recording.rate_Hz, worth,
@@ -67,8 +64,7 @@ def weaknesses(planned: PlannedMotion, case: Case) -> tuple[str, ...]:
     refined = [s.record for s in planned.starts if s.record.refined]
     if refined and not planned.interrupted and not refined[0].converged:
         words.append(
-            f"the search had not converged where it ended ({refined[0].solver.words}): more --seconds or "
-            "--starts may find more"
+            f"the search had not converged where it ended ({refined[0].solver.words}): more --starts may find more"
         )
     if planned.starts and (share := planned.starts[0].shrunk) < DRAWN_BACK:
         words.append(
@@ -79,12 +75,12 @@ def weaknesses(planned: PlannedMotion, case: Case) -> tuple[str, ...]:
     if planned.starts and checks and (most := max(checks, key=lambda c: c.ratio)).ratio < FULL:
         words.append(
             f"no limit of speed or force is used beyond {100 * most.ratio:.0f} % ({most.name}): another --seed, "
-            "more --seconds or a smaller box may find more"
+            "more --starts or a smaller box may find more"
         )
     return tuple(words)
 
 
-def notes(planned: PlannedMotion, case: Case) -> tuple[str, ...]:
+def notes(planned: PlannedMotion) -> tuple[str, ...]:
     """Notes that a user acts on before the plan is run."""
     settings, words = planned.settings, []
     if steps := [c for c in planned.limits.checks if c.status is Status.STEPS]:
@@ -97,11 +93,4 @@ def notes(planned: PlannedMotion, case: Case) -> tuple[str, ...]:
     if len(tried) > 1:
         chosen = f"order {settings['order']} with period {settings['period_s']:g} s"
         words.append(f"{chosen} is the best of {len(tried)} choices of order and period")
-    if isinstance(knots := settings.get("knots"), int):
-        enough = enough_intervals(case, planned.motion.duration)
-        if knots < FEW_KNOTS * enough:
-            words.append(
-                f"{knots} knots, not the machine, keep accelerations from their limits: --knots {enough} carries "
-                "more information"
-            )
-    return (*words, *([planned.remark] if planned.remark else []))
+    return tuple(words)

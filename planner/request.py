@@ -16,7 +16,6 @@ OWNERS = {setting.name: name for name, kind in FAMILIES.items() for setting in f
 """Settings of one family alone, and its name."""
 DURATION = 12.0  # [s] unless another is asked for
 LONGEST = 600.0  # [s] longest excitation; the method is for production breaks
-MOST_SECONDS = 86_400.0  # [s] longest search
 
 
 def require_seed(seed: int) -> None:
@@ -43,7 +42,6 @@ class Request:
     # fewest payloads; None for just as many. Predicted standard deviations are the largest of the range
     payload_from: int | None = None
     starts: int | None = None  # number of random starts; None for as many as pay
-    seconds: float | None = None  # time for the search; None until more starts stop paying
     seed: int = 0  # seed of the starts
     workers: int | None = field(default=None, compare=False)  # processes that search; None for one a core
 
@@ -54,8 +52,6 @@ class Request:
         self.family.check(self.duration)
         if self.starts is not None and not 1 <= self.starts <= 1000:
             raise HexciteError(f"{self.starts} starts; choose --starts 1 to 1000")
-        if self.seconds is not None and not 0.0 < self.seconds <= MOST_SECONDS:
-            raise HexciteError(f"seconds {self.seconds:g} is outside 0 to {MOST_SECONDS:g}; choose about 30")
         require_seed(self.seed)
         require_workers(self.workers)
         if self.payload_from is not None and not 0 <= self.payload_from <= self.payload:
@@ -82,7 +78,7 @@ class Request:
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json` that say what was asked for, beside criterion and model."""
-        entries = {"duration_s": self.duration, "starts": self.starts, "seconds": self.seconds}
+        entries = {"duration_s": self.duration, "starts": self.starts}
         own = {name: str(v) if isinstance(v, Path) else v for name, v in asdict(self.family).items()}
         return {"seed": self.seed, "asked": entries | {"family": own}}
 
@@ -99,7 +95,6 @@ class Request:
             int(data["payload"]),
             None if fewest == data["payload"] else int(fewest),
             asked["starts"],
-            asked["seconds"],
             int(data["seed"]),
         )
 

@@ -52,9 +52,7 @@ def retime(plan: Plan) -> Plan:
         "duration_before_s": plan.duration,
         **({"stale": list(plan.stale)} if plan.stale else {}),
     }
-    remark = f"re-timed with {method}: {motion.duration:.2f} s instead of {plan.duration:.2f} s"
-    planned = PlannedMotion(motion, settings, limits, remark=remark)
-    return rated_plan(request, case, planned, perf_counter() - start)
+    return rated_plan(request, case, PlannedMotion(motion, settings, limits), perf_counter() - start)
 
 
 def by_controller(motion: Joined, case: Case, place: str) -> Joined:

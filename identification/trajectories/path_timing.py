@@ -86,7 +86,7 @@ def retime(path: Trajectory, case: Case) -> RetimedMotion:
     except ImportError as error:
         raise HexciteError(
             "toppra, which times this path, is not installed; install it (pip install toppra; without a wheel for this "
-            "computer it wants a compiler), or re-time moves with --method ruckig"
+            "computer it wants a compiler), or plan moves"
         ) from error
 
     steps = max(FEWEST_STEPS, int(np.ceil(path.duration * STEPS_PER_SECOND)))

@@ -12,7 +12,7 @@ proven, however early the search stops.
 import heapq
 from collections.abc import Callable
 from itertools import pairwise, product
-from time import monotonic, process_time
+from time import process_time
 
 import numpy as np
 
@@ -20,7 +20,6 @@ from cases.units import Array, Indices
 from planner.bounds.features import CORNER_COORDINATES, CORNERS, GIBBS, PAIRS, PRODUCTS, Features
 
 BATCH = 8  # cells halved at once: calls into NumPy cost as much as the arithmetic of one cell
-REPORT = 0.5  # [s] between two reports of progress
 
 
 Bounds = tuple[Array, Array, Array, Indices]
@@ -43,7 +42,6 @@ def maximise(
     enough: float,
     tolerable: float,
     deadline: float,
-    progress: Callable[[str], None] = lambda _: None,
 ) -> Maximum:
     """Halves cells until no upper bound is above `enough`, or until that has become too expensive.
 
@@ -59,7 +57,7 @@ def maximise(
     """
     heap: list[tuple[float, int, Array, Array, int]] = []
     candidates: list[tuple[float, Array]] = []
-    lower, number, last_report = -np.inf, 0, monotonic()
+    lower, number = -np.inf, 0
 
     def bound(lows: Array, highs: Array, parents: Array) -> None:
         nonlocal lower, number
@@ -86,9 +84,6 @@ def maximise(
             highs += [left, cell_high]
             parents += [-upper, -upper]
         bound(np.array(lows), np.array(highs), np.array(parents))
-        if monotonic() - last_report > REPORT:
-            last_report = monotonic()
-            progress(f"largest value between {lower:.4f} and {-heap[0][0]:.4f}, {len(heap)} cells open")
     candidates.sort(key=lambda m: -m[0])
     points = np.array([p for _, p in candidates]) if candidates else np.empty((0, 0))
     return -heap[0][0], lower, points

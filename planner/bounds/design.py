@@ -56,7 +56,7 @@ def optimal_design(
     def largest(inverse: Array, _: Array) -> Maximum:
         levels = size * (1.0 + gap), size * (1.0 + gap / 2)
         bounding = partial(box_bounds, features, features.form(inverse))
-        upper, lower, points = maximise(bounding, *first_cells(features), *levels, deadline, progress)
+        upper, lower, points = maximise(bounding, *first_cells(features), *levels, deadline)
         return upper, lower, np.unique(np.round(points, 12), axis=0)[:EXCHANGED]
 
     return exchanged(features.matrices, _first_states(), largest, gap, deadline, progress)

@@ -12,7 +12,7 @@ from cases.files import PLAN, check_folder, output_place
 from planner.cli import console
 from planner.cli.console import argument, option, out
 
-SEARCHED = ("duration", "starts", "seconds", "seed", "workers")  # options of families that are optimised
+SEARCHED = ("duration", "starts", "seed", "workers")  # options of families that are optimised
 OPTIONS = {"controller": "for"}  # options whose names differ from those of their parameters
 
 
@@ -52,9 +52,6 @@ def plan(
         str, option("How many of the case's payloads are mounted: a number, or a range such as 0-5.")
     ] = "0",
     starts: Annotated[int | None, option("Number of random starts; by default as many as pay.")] = None,
-    seconds: Annotated[
-        float | None, option("Time for the search in s; by default until more starts stop paying.")
-    ] = None,
     seed: Annotated[int, option("Seed of the random starts.")] = 0,
     workers: console.Workers = None,
     output: Annotated[Path | None, out("Folder to write; named after case and family by default.")] = None,
@@ -86,7 +83,6 @@ def plan(
         payload=most,
         payload_from=fewest,
         starts=starts,
-        seconds=seconds,
         seed=seed,
         workers=workers,
     )

@@ -28,19 +28,7 @@ DEGREE = 3
 FEWEST, MOST = 20, 150  # intervals
 FINE = 4  # instants an interval at which positions, rates, struts and joints may be constrained
 START_SHARE = 0.8
-ROUNDING = 1e-6  # of a number of intervals
 GAUSS = (0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0))
-
-
-def enough_intervals(case: Case, duration: float) -> int:
-    """Number of intervals at which a spline uses accelerations as far as the limits of jerk allow; MOST at most.
-
-    Between knots accelerations are straight lines: with knots further apart than it takes to go from one limit of
-    acceleration to the other at the limit of jerk, the motion cannot reach full acceleration.
-    """
-    box = case.need_motion("planning")[1]
-    swing = float(np.min(2 * box.acceleration / box.jerk))
-    return min(MOST, int(np.ceil(duration / swing * (1 - ROUNDING))))
 
 
 def _spline(knots: Array, coefficients: Array) -> "BSpline":

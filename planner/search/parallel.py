@@ -2,14 +2,13 @@
 
 A search ends as soon as the last starts, as many as the family waits for (`idle`), did not raise the best by
 `WORTHWHILE`, the first `FAILURES` all failed, or there were `MOST`. They are counted in an order that does not depend
-on which of them was done first. `--starts N` asks for N of them instead, `--seconds S` for as many as time allows.
+on which of them was done first. `--starts N` asks for N of them instead.
 """
 
 import math
 import os
 import signal
 import sys
-import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -27,24 +26,14 @@ from planner.request import Request
 from planner.search import Failed
 from planner.search.solving import Start, Task, run_safely
 
-MOST = 40  # starts at most by default; `--seconds` has no such limit
+MOST = 40  # starts at most by default
 FAILURES = 3  # in a row from the first on
 WORTHWHILE = 0.005  # of an efficiency
-EXPLORING = 0.6  # share of `--seconds` that goes into explorations, where their best are refined afterwards
-ENDLESS = 1000
-
-
-def deadlines(request: Request) -> tuple[float, float]:
-    """When explorations and when the whole search end, on the monotonic clock [s]; infinity without `--seconds`."""
-    seconds = math.inf if request.seconds is None else request.seconds
-    share = EXPLORING if request.family.refinements(request.criterion) else 1.0
-    now = time.monotonic()
-    return now + share * seconds, now + seconds
 
 
 def most_starts(request: Request) -> int:
     """Number of starts at most."""
-    return request.starts or (MOST if request.seconds is None else ENDLESS)
+    return request.starts or MOST
 
 
 def enough(results: Sequence[Start | Failed], request: Request, parameters: int) -> bool:
@@ -54,7 +43,7 @@ def enough(results: Sequence[Start | Failed], request: Request, parameters: int)
         results: results of all starts until now, in the order of their seeds.
         parameters: their number u.
     """
-    if len(results) >= most_starts(request) or request.starts is not None or request.seconds is not None:
+    if len(results) >= most_starts(request) or request.starts is not None:
         return len(results) >= most_starts(request)
     failed = all(isinstance(result, Failed) for result in results)
     idle = FAILURES if failed else request.family.idle(request.criterion)
@@ -119,17 +108,15 @@ def _work(task: Task) -> Start | Failed:
     return run_safely(task, lambda objective: bool(_stop.is_set()))
 
 
-Runner = Callable[[Sequence[Task], Listener, float], Outcome]
-"""Runs a round of starts until a time on the monotonic clock [s]."""
+Runner = Callable[[Sequence[Task], Listener], Outcome]
+"""Runs a round of starts."""
 
 
-def run_here(tasks: Sequence[Task], listener: Listener, until: float) -> Outcome:
+def run_here(tasks: Sequence[Task], listener: Listener) -> Outcome:
     """Runs tasks one after the other in this process: for those who bring processes of their own."""
     results: list[Start | Failed] = []
     for task in tasks:
-        if time.monotonic() >= until and results:
-            break
-        result = run_safely(task, lambda objective: time.monotonic() >= until)
+        result = run_safely(task, lambda objective: False)
         listener(result)
         results.append(result)
     return results, False
@@ -188,7 +175,7 @@ def ctrl_c_waits() -> Iterator[None]:
 def workers(pressed: Event, most: int | None = None) -> Iterator[Runner]:
     """Processes, one a core or at most `most`, that run rounds of starts until the context ends.
 
-    Ctrl-C lets running starts end with what they have reached and drops those that wait; so does the end of the time.
+    Ctrl-C lets running starts end with what they have reached and drops those that wait.
 
     Args:
         pressed: event that Ctrl-C sets.
@@ -197,7 +184,7 @@ def workers(pressed: Event, most: int | None = None) -> Iterator[Runner]:
     stop = context.Event()
     pool = ProcessPoolExecutor(most or cores(), mp_context=context, initializer=_begin, initargs=(stop,))
 
-    def run(tasks: Sequence[Task], listener: Listener, until: float) -> Outcome:
+    def run(tasks: Sequence[Task], listener: Listener) -> Outcome:
         if pressed.is_set():
             return [], True
         stop.clear()
@@ -211,7 +198,7 @@ def workers(pressed: Event, most: int | None = None) -> Iterator[Runner]:
             for future in finished:
                 results[places[future]] = _result(future)
                 listener(results[places[future]])
-            if pressed.is_set() or time.monotonic() >= until:
+            if pressed.is_set():
                 stop.set()
                 pending = {f for f in pending if not f.cancel()}
         return [result for _, result in sorted(results.items())], pressed.is_set()

@@ -20,7 +20,6 @@ from planner.cli.console import print_table
 from planner.execution import execute
 from postprocessors.dialects import read_program
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing
-from tests.bench.anytime import anytime
 from tests.bench.coverage import coverage, idealised
 from tests.bench.criteria import criteria_table
 from tests.bench.crossed import COLUMNS, crossed
@@ -136,7 +135,6 @@ def main() -> None:
     print_table("Files that a command runs through", COLUMNS, crossed())
     with tempfile.TemporaryDirectory() as name:
         families(Path(name), command)
-        anytime(Path(name), command, picture=Path("bench-anytime.png"))
     portfolio()
     for title, rows in sections():
         print_table(title, ("figure", "measured", "wanted"), rows)

@@ -3,7 +3,7 @@
 Prints for each the D-efficiency of a plan of 10 s, that of the best of some random feasible walks of as many moves, and
 what the search cost. The cases stand in `tests/bench/robots`, with their sources.
 
-Usage: python tests/bench/robots.py [--seconds 20] [--walks 100] [robot ..]
+Usage: python tests/bench/robots.py [--starts 4] [--walks 100] [robot ..]
 """
 
 import argparse
@@ -33,13 +33,13 @@ ROBOTS = Path(__file__).parent / "robots"
 DURATION, RATE = 10.0, 1000.0  # [s], [1/s]
 
 
-def planned(name: str, seconds: float, walks: int) -> list[str]:
-    """A row of the table: what a search of some seconds finds on a robot, beside chance."""
+def planned(name: str, starts: int, walks: int) -> list[str]:
+    """A row of the table: what a search finds on a robot, beside chance."""
     case = load_case(str(ROBOTS / name))
     model = identification_model(case, 6)
     scaling, bound = reference_scaling(case, model), information_limit(case, model)
     began = process_time()
-    plan = make(Request(PointToPoint(), DURATION, model=6, seconds=seconds), case, silent, run_here)
+    plan = make(Request(PointToPoint(), DURATION, model=6, starts=starts), case, silent, run_here)
     cost = process_time() - began
     family = PointToPointFamily.of(case, PointToPoint().count(case, DURATION), DURATION)
     chance = []
@@ -58,10 +58,10 @@ def main() -> None:
     every = sorted(folder.name for folder in ROBOTS.iterdir())
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", metavar="robot", help=f"all by default: {', '.join(every)}")
-    parser.add_argument("--seconds", type=float, default=20.0, help="of each search")
+    parser.add_argument("--starts", type=int, default=4, help="of each search")
     parser.add_argument("--walks", type=int, default=100, help="random walks beside each plan")
     given = parser.parse_args()
-    rows = [planned(name, given.seconds, given.walks) for name in given.names or every]
+    rows = [planned(name, given.starts, given.walks) for name in given.names or every]
     columns = ("robot", "joints", "moves", "D-efficiency", "best of the walks", "times", "processor time")
     print_table(f"Moves of {DURATION:g} s beside {given.walks} random walks", columns, rows)
 

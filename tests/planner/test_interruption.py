@@ -5,7 +5,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from cases.errors import Interrupted
@@ -52,7 +51,7 @@ def test_ctrl_c_before_a_search_keeps_it_from_beginning(hexapod_case: Case, monk
 
     def make(request: Request, case: Case, listener: Listener, run: Callable) -> Found:
         ctrl_c()
-        told.append(run([object()], listener, np.inf))  # no task: it would fail
+        told.append(run([object()], listener))  # no task: it would fail
         return Found()
 
     planned(make, "fourier", hexapod_case, monkeypatch)

@@ -1,7 +1,6 @@
 """A plan keeps all limits, by a computation that shares nothing with the planner, and is worth more than chance."""
 
 import math
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -9,7 +8,6 @@ import pytest
 
 from cases.schema import Case
 from identification.criteria import box_middle, reference_scaling
-from identification.limit import LimitReport
 from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.symbolic import over_samples
@@ -17,7 +15,6 @@ from identification.trajectories.curves import FourierMotion
 from planner.families.fourier import DENSITY, FourierFamily
 from planner.noise import mean_information
 from planner.plans import Plan
-from planner.rating import PlannedMotion, notes
 from planner.search.feasibility import MARGIN, keep_limits
 from planner.search.problem import build_program
 from tests.postprocessors.independent import strut_lengths
@@ -136,15 +133,3 @@ def test_every_limit_is_proven(planned: dict[str, Any]):
     kinds |= {"angular jerk", "strut length", "strut velocity", "strut acceleration", "base joint angle"}
     kinds |= {"platform joint angle", "singularity", "workspace position"}
     assert set(planned["limits"]) >= kinds
-
-
-@pytest.mark.parametrize(("knots", "advice"), [(60, 1), (100, 1), (110, 0), (120, 0), (150, 0)])
-def test_a_spline_whose_knots_keep_it_from_full_acceleration_says_how_many_would_do(
-    knots: int, advice: int, hexapod_case: Case
-):
-    """At 200 rad/s^3 it takes 0.1 s from -10 to 10 rad/s^2, at 100 m/s^3 0.12 s from -6 to 6 m/s^2."""
-    found = PlannedMotion(SimpleNamespace(duration=12.0), {"knots": knots}, LimitReport(()))
-    words = notes(found, hexapod_case)
-    assert [f"{knots} knots, not the machine" in n and "--knots 120 carries more" in n for n in words] == [
-        True
-    ] * advice

@@ -56,7 +56,7 @@ def test_a_search_that_had_not_converged(interrupted: bool, found: PlannedMotion
         assert weak == ()
     else:
         (told,) = weak
-        assert tells(told, "not converged", "iteration limit", "more --seconds")
+        assert tells(told, "not converged", "iteration limit", "more --starts")
 
 
 def test_only_the_best_refined_start_need_have_converged(found: PlannedMotion, start: Start, said: Said):

@@ -82,7 +82,7 @@ def _without_none(value):
 @cache
 def _plans() -> tuple[dict[str, bytes], ...]:
     """Files of plans: a hand-made motion, a Fourier series, moves, poses."""
-    quick = ("--starts", 1, "--seconds", 2, "--duration", 6)
+    quick = ("--starts", 1, "--duration", 6)
     commands = (
         ("plan", "hexapod", "--family", "manual"),
         ("plan", "hexapod", "--family", "fourier", "--order", 2, "--model", 0, *quick),

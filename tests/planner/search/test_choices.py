@@ -136,7 +136,7 @@ def test_each_choice_is_looked_at_and_the_best_get_all_other_starts(
     request = replace(request, starts=len(periods) + 2 * KEPT)
     tried: list[Task] = []
 
-    def run(tasks: Sequence[Task], listener: Listener, until: float) -> Outcome:
+    def run(tasks: Sequence[Task], listener: Listener) -> Outcome:
         tried.extend(tasks)
         return [_made_up(task) for task in tasks], False
 
@@ -155,7 +155,7 @@ def test_each_choice_is_looked_at_and_the_best_get_all_other_starts(
 def test_the_best_of_two_series_is_refined(hexapod_case: Case):
     rounds: list[list[bool]] = []
 
-    def run(tasks: Sequence[Task], listener: Listener, until: float) -> Outcome:
+    def run(tasks: Sequence[Task], listener: Listener) -> Outcome:
         rounds.append([task.refine for task in tasks])
         return [_made_up(task) for task in tasks], False
 
