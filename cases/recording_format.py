@@ -78,6 +78,12 @@ TICKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "filetime": 1e-7}  # unit
 
 Separator = Annotated[str, Field(pattern=r"^[^\w\"'.+\-\r\n]$")]
 Count = Annotated[int, Field(strict=True, ge=0)]
+StreamName = Literal["struts", "pose", "rotation", "accelerometer", "forces"]
+SHIFTED: Mapping[StreamName, tuple[str, ...]] = {
+    "struts": (*STRUTS, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS), "pose": POSE, "rotation": ROTATION,
+    "accelerometer": ACCELEROMETER, "forces": (*BAR_FORCES, *WRENCH),
+}  # fmt: skip
+"""Columns whose clock `clock.offset_s` may shift, by the names that it uses."""
 
 
 class Clock(Part):
@@ -87,6 +93,8 @@ class Clock(Part):
     """Unit of a stamp; `filetime`: 100 ns. By default s; of `twincat-scope` ms."""
     period_ms: Positive | None = None
     """Time between rows, for files without stamps."""
+    offset_s: dict[StreamName, Number] = Field(default_factory=dict)
+    """Added to the stamps of a stream: where clocks count from different epochs, or stamps are late."""
 
     @property
     def period(self) -> float | None:

@@ -19,6 +19,7 @@ from cases.recording_format import (
     OVERRIDE,
     ROLE_UNITS,
     ROTATION,
+    SHIFTED,
     STRUTS,
     TRIGGER,
     RecordingFormat,
@@ -104,10 +105,20 @@ def _require(table: ColumnTable, ours: str, good: Flags, problem: str, remedy: s
 
 
 def start_of(table: ColumnTable) -> Fraction:
-    """Time of the first sample [s], exact: a double has too few digits for epochs in ns."""
+    """Time of the first sample [s], exact: a double has too few digits for epochs in ns. Raises RecordingError."""
     assert table.stamps is not None
+    shifts = {
+        table.form.clock.offset_s.get(name, 0.0) for name, columns in SHIFTED.items() if {*columns} & {*table.values}
+    }
+    if len(shifts) > 1:
+        raise RecordingError(
+            table.source,
+            "its columns share a clock, recording.clock.offset_s shifts them by different times",
+            "give them one offset",
+        )
     # the tick is a decimal fraction of a second, which limit_denominator finds behind its binary rounding
-    return Fraction(table.stamps[0].item()) * Fraction(table.tick).limit_denominator(10**12)
+    tick = Fraction(table.tick).limit_denominator(10**12)
+    return Fraction(table.stamps[0].item()) * tick + Fraction(max(shifts, default=0.0))
 
 
 def _group(table: ColumnTable, channels: tuple[str, ...]) -> Array | None:

@@ -53,8 +53,8 @@ def bag_format(case: Case) -> RecordingFormat:
     columns = {ours: stated.get(ours, name) for ours, name in joints.items()}
     columns |= dict(zip(WRENCH, AXES, strict=True)) | {CLOCK: STAMP}
     units = {"joints": "rad", "drives": "m"} | case.recording.units
-    update = {"format": "csv", "columns": columns, "units": units, "clock": Clock(unit="ns")}
-    return case.recording.model_copy(update=update)
+    clock = Clock(unit="ns", offset_s=case.recording.clock.offset_s)
+    return case.recording.model_copy(update={"format": "csv", "columns": columns, "units": units, "clock": clock})
 
 
 def bag_tables(bag: Path, form: RecordingFormat) -> Iterator[ColumnTable]:

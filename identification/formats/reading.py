@@ -169,5 +169,5 @@ def _require_one_time(streams: Sequence[Stream]) -> None:
         raise RecordingError(
             latest,
             f"starts {start - end:.6g} s after {early} ends",
-            "give the files of one run, with stamps that count from the same moment",
+            "give the files of one run, or state how their clocks differ in recording.clock.offset_s",
         )

@@ -266,14 +266,19 @@ def lost_samples(t: Array | None, least: float = GAP, step: float | None = None)
     return np.where(steps > least * usual, counts, 0.0).astype(np.int64)
 
 
+def usual_step(stamps: Stamps) -> float:
+    """Usual time between the stamps of a host, at least two; late ones and lost samples do not count."""
+    span = min(_SEEN, len(stamps) - 1)
+    return float(np.median(stamps[span:] - stamps[:-span])) / span
+
+
 def equal_steps(source: str, t: Array, lines: Lines) -> tuple[Array, float]:
     """Sampling instants behind the jitter of a host's stamps, shape (n,) [s], and their step [s].
 
     They are a straight line through the stamps, ascending, at least two, shape (n,) [s], which leaves room for samples
     that were lost; behind a gap it begins anew, with the same step. Raises RecordingError where a stamp is too far off.
     """
-    span = min(_SEEN, len(t) - 1)
-    usual = float(np.median(t[span:] - t[:-span])) / span  # late stamps and lost samples do not count
+    usual = usual_step(t)
     section = np.r_[0, np.cumsum(lost_samples(t, HOST_GAP, usual) > 0)] if len(t) > 2 else np.zeros(len(t), dtype=int)
     count = np.bincount(section)
     index = _numbers(t, usual)

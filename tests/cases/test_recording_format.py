@@ -76,6 +76,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "names below the header": ("header_rows = 2\nnames_row = 3", "recording", "names_row = 3 is not among .* = 2 "),
     "unknown clock": ('clock = { unit = "min" }', "recording.clock.unit", "'min': .*'s', 'ms', 'us', 'ns' or 'f"),
     "period of nothing": ("clock = { period_ms = 0.0 }", "recording.clock.period_ms", "0.0: .*greater than 0"),
+    "shift of nothing": ("clock = { offset_s = { strut = 1.0 } }", "recording.clock.offset_s.strut", "strut"),
     "sampler without names": (HAL, "recording", "column_names is missing; files of halsampler"),
     "sampler without period": (f'{HAL}\ncolumn_names = ["l1_mm"]', "recording", "clock.period_ms is missing; fi"),
     "scope without decimal sign": (SCOPE, "recording", "decimal is missing; files of twincat-scope"),

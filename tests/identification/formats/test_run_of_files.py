@@ -11,7 +11,7 @@ from cases.recording_format import BAR_FORCES, STRUTS
 from cases.schema import load_case
 from identification.recording import Recording, read
 from tests.helpers import one_line
-from tests.identification.formats.runs import HEXAPOD, Truth, csv, written
+from tests.identification.formats.runs import HEXAPOD, Truth, case_with, csv, written
 
 RUN = Truth()
 NTNU = Path(__file__).parents[4] / "shared/data/ft_wrist_ntnu"
@@ -45,6 +45,22 @@ def require_streams(recording: Recording) -> None:
 def test_files_make_one_run_in_any_order(reverse: bool, tmp_path: Path) -> None:
     paths = files(tmp_path)
     require_streams(read(paths[::-1] if reverse else paths, HEXAPOD))
+
+
+def test_a_clock_that_is_late_is_set_right_by_the_case(tmp_path: Path) -> None:
+    require_streams(read(files(tmp_path, late=0.0084), case_with(clock={"offset_s": {"struts": -0.0084}})))
+
+
+def test_clocks_of_another_epoch_are_brought_together(tmp_path: Path) -> None:
+    case = case_with(clock={"offset_s": {"struts": -3600.0}})
+    require_streams(read(files(tmp_path, late=3600.0), case))
+
+
+def test_columns_of_one_clock_cannot_be_shifted_apart(tmp_path: Path) -> None:
+    numbers = np.column_stack([RUN.t, RUN.struts * 1e3, RUN.forces])
+    file = written(tmp_path, csv(numbers, ["t_s", *STRUTS, *BAR_FORCES]))
+    with pytest.raises(RecordingError, match=r"share a clock.*recording\.clock\.offset_s"):
+        read(file, case_with(clock={"offset_s": {"struts": 0.1}}))
 
 
 def test_files_whose_samples_coincide_are_joined(tmp_path: Path) -> None:
@@ -96,7 +112,7 @@ def damaged(folder: Path) -> dict[str, tuple[list[Path], str]]:
         "two runs": ([forces, struts, later], r"later.*: has struts, as .*struts.csv does; give the files of one run"),
         "no forces": ([struts], r"struts.csv: no forces: none of the columns f1_N, .*; it has t_s, l1_mm"),
         "no pose": ([forces], r"forces.csv: no pose: none of the columns l1_mm"),
-        "not together": ([forces, later], r"struts.csv: starts 99.96\d* s after .*forces.csv ends; .*same moment"),
+        "not together": ([forces, later], r"struts.csv: starts 99.96\d* s after .*forces.csv ends; .*offset_s"),
         "one without a clock": (
             [forces, alone],
             r"forces.csv, .*alone.csv: .*not all of them have time stamps; give files of one run",
