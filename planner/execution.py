@@ -1,7 +1,7 @@
 """Runs a program on a controller, simulates the sensors for what was really executed, and rates the run."""
 
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -80,7 +80,7 @@ def execute(
         "planned_s": planned.duration,
         **rating,
         "peaks_of_limit": {str(kind): share for kind, share in peaks.items()},
-        "exceeded": list(exceeded(peaks, program.guarantees, run.real)),
+        "exceeded": exceeded(peaks, program.guarantees, run.real),
         "units": "SI with the unit in each column name",
     }
     return run, replace(recording, case=case, record=record)
@@ -100,17 +100,15 @@ def executed_peaks(execution: Execution, case: Case) -> dict[LimitKind, float]:
     return worst
 
 
-def exceeded(peaks: Mapping[LimitKind, float], guarantees: Guarantees, real: bool) -> Iterator[str]:
-    """A sentence on limits that the executing controller exceeded, the `real` one or one that stands in for it."""
+def exceeded(peaks: Mapping[LimitKind, float], guarantees: Guarantees, real: bool) -> list[str]:
+    """Sentences on limits that the executing controller exceeded, the `real` one or one that stands in for it."""
     over = {kind for kind, share in peaks.items() if share > 1.01}
     if not real:  # it keeps these itself, as the case says, and takes longer than the built-in one
         over -= {kind for kind in over if kind.family in guarantees.enforced}
-    if over:
-        yield (
-            f"EXCEEDED BY THE CONTROLLER, which does not enforce them: {', '.join(sorted(over))}; know what "
-            "the drives bear before a real machine runs this (what is above the evaluation's filter does not reach the "
-            "estimate)"
-        )
+    words = "know what the drives bear before a real machine runs this"
+    return (
+        [f"EXCEEDED BY THE CONTROLLER, which does not enforce them: {', '.join(sorted(over))}; {words}"] if over else []
+    )
 
 
 def carried_out(program: Program, case: Case, on: str) -> ExecutedRun:

@@ -74,10 +74,10 @@ def test_a_limit_that_only_the_built_in_controller_passes_is_not_put_down_to_the
     """The case says that a TwinCAT keeps strut accelerations; the built-in controller and LinuxCNC do not."""
     guarantees = twincat_guarantees(Reading("p", (), 0), CASE)
     peaks = {LimitKind.ANGULAR_VELOCITY: 1.0, LimitKind.STRUT_ACCELERATION: 1.03}
-    (sentence,) = exceeded(peaks, guarantees, real)
-    assert tells(sentence, *(("EXCEEDED BY THE CONTROLLER",) if real else ("exceeded by", "built-in", ": strut acc")))
-    assert ("TwinCAT keeps it itself" in sentence) is not real
-    assert list(exceeded({LimitKind.JERK: 1.005}, guarantees, real)) == []
+    sentences = exceeded(peaks, guarantees, real)
+    assert len(sentences) == real
+    assert all(tells(sentence, "EXCEEDED BY THE CONTROLLER", ": strut acceleration") for sentence in sentences)
+    assert exceeded({LimitKind.JERK: 1.005}, guarantees, real) == []
 
 
 def test_a_program_is_written_in_the_language_that_its_suffix_names(planned: dict[str, Any], tmp_path: Path):
