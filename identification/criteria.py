@@ -4,9 +4,6 @@ With mu_1 >= ... >= mu_u the singular values of the scaled regressor, F = A^T A 
 different motions are comparable in one scaling only: the reference scaling (CONVENTIONS).
 
 Of a set of poses to stand at, F is the sum of A^T A over the set.
-
-Which parameters a regressor determines (section 5): Pearson correlation of the columns, QR decomposition of the scaled
-regressor with the paper's numerical zero (Figure 3), and singular values.
 """
 
 from collections.abc import Callable, Sequence
@@ -101,46 +98,6 @@ def information(model: Model, scaling: Array, states: tuple[Array, Array, Array]
     """Mean of H A^T A H over states (equal sensors, W = 1), shape (u, u)."""
     matrices = over_samples(model.coordinate_regressor, *states)[0].reshape(-1, len(scaling)) * scaling
     return np.asarray(matrices.T @ matrices / len(states[0]))
-
-
-@dataclass(frozen=True, slots=True)
-class Identifiability:
-    """What a regressor says about the parameters of its columns."""
-
-    names: tuple[str, ...]  # names of the columns
-    rank: int  # singular values above the numerical zero
-    numerical_zero: float  # the paper's m n eps max|R_ii|
-    singular_values: Array  # singular values of the scaled regressor, descending, shape (u,)
-    correlation: Array  # Pearson coefficients of the columns, shape (u, u); 0 for a column without variation
-    r: Array  # R of the QR decomposition of the scaled regressor (26), shape (u, u), no negative diagonal elements
-
-    @property
-    def condition(self) -> float:
-        """mu_1 / mu_u, infinite where the rank is not full."""
-        full = self.rank == len(self.names)
-        return float(self.singular_values[0] / self.singular_values[-1]) if full else float("inf")
-
-    def strongest(self, count: int = 5) -> list[tuple[str, str, float]]:
-        """The pairs of parameters with the largest correlation, the largest first."""
-        upper = np.triu(np.abs(self.correlation), 1)
-        order = np.argsort(-upper, axis=None)[:count]
-        pairs = [np.unravel_index(int(k), upper.shape) for k in order]
-        return [(self.names[i], self.names[j], float(self.correlation[i, j])) for i, j in pairs]
-
-
-def analyse(regressors: Array, names: Sequence[str]) -> Identifiability:
-    """Analyses a regressor A_j, shape (n, 6, u), weighted if channels differ in unit."""
-    matrix = regressors.reshape(-1, regressors.shape[2])
-    norms = np.linalg.norm(matrix, axis=0)
-    scaled = matrix / np.where(norms > 0.0, norms, 1.0)  # (26)
-    r = np.asarray(np.linalg.qr(scaled, mode="r"))
-    r = r * np.where(np.diag(r) < 0.0, -1.0, 1.0)[:, None]
-    singular = np.linalg.svd(r, compute_uv=False)
-    zero = float(matrix.shape[0] * np.finfo(float).eps * np.abs(np.diag(r)).max())  # Figure 3
-    rank = int(np.sum(singular > zero))
-    with np.errstate(divide="ignore", invalid="ignore"):  # columns without variation
-        correlation = np.nan_to_num(np.atleast_2d(np.corrcoef(matrix, rowvar=False)))
-    return Identifiability(tuple(names), rank, zero, singular, correlation, r)
 
 
 def pose_regressors(model: Model, poses: Array) -> Array:

@@ -20,7 +20,6 @@ from identification.model import (
     full_model,
     identification_model,
     machine_of,
-    squared_distances,
 )
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
@@ -82,14 +81,6 @@ def pose_fields(disturbances: Disturbances, home: Array, poses: Array) -> Array:
         field = np.cos(angle) @ np.cos(phases).T - np.sin(angle) @ np.sin(phases).T
         fields.append(size * np.sqrt(2.0 / WAVES) * field)
     return np.array(fields)
-
-
-def pose_covariance(disturbances: Disturbances, home: Array, poses: Array, weight: float) -> Array:
-    """Covariance over machines of a sensor's error between poses, under a weight [N], shape (n, n) [N^2]."""
-    reduced = (poses - home) / _lengths(disturbances)
-    squares = squared_distances(reduced, reduced)
-    variance = disturbances.pose_error_N**2 + (weight * disturbances.pose_error_of_load) ** 2
-    return np.asarray(variance * np.exp(-squares / 2.0))
 
 
 def _lengths(disturbances: Disturbances) -> Array:

@@ -12,6 +12,8 @@ from scipy.spatial.transform import Rotation
 
 from cases.errors import HexciteError
 from cases.schema import Case
+from cases.sensors import Disturbances
+from cases.units import DEG, MM
 from identification.motion import Motion
 from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import StraightMove
@@ -145,3 +147,12 @@ def _segments(move: StraightMove) -> Iterator[tuple[Array, float]]:
         coefficients = shares[:, None] * way
         coefficients[0] += move.start
         yield coefficients, float(durations[k])
+
+
+def pose_covariance(disturbances: Disturbances, home: np.ndarray, poses: np.ndarray, weight: float) -> np.ndarray:
+    """Covariance over machines of a sensor's error between poses, under a weight [N], shape (n, n) [N^2]."""
+    lengths = np.repeat([disturbances.pose_error_length_mm * MM, disturbances.pose_error_angle_deg * DEG], 3)
+    reduced = (poses - home) / lengths
+    squares = ((reduced[:, None] - reduced) ** 2).sum(axis=2)
+    variance = disturbances.pose_error_N**2 + (weight * disturbances.pose_error_of_load) ** 2
+    return np.asarray(variance * np.exp(-squares / 2.0))

@@ -9,14 +9,12 @@ import numpy as np
 
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.criteria import Identifiability
 from identification.limit import LimitReport, Status
 from identification.motion import Motion
 from identification.precision import bounds_text
-from planner.reports.page import COLOURS, GREY, Block, Chart, colour, table
+from planner.reports.page import COLOURS, GREY, Chart, colour
 
 MOST_SHARE = 120.0  # [%] largest share of a limit that a chart shows
-MAGNITUDE = ((0.0, "rgba(0,114,178,0)"), (1.0, "rgba(0,114,178,1)"))
 
 
 def motion_blocks(case: Case, motion: Motion) -> tuple[Chart, ...]:
@@ -81,14 +79,3 @@ def limits_chart(report: LimitReport) -> Chart:
 def unit_of(channels: Sequence[str]) -> str:
     """The units in which the names of the channels end, such as `fx_N`, `mz_Nm`."""
     return ", ".join(dict.fromkeys(name.rsplit("_", 1)[-1].replace("Nm", "N m") for name in channels))
-
-
-def identifiability_blocks(determined: Identifiability) -> tuple[Block, ...]:
-    """Correlations of the scaled regressor's columns (chart 3 of the paper), and the strongest pairs."""
-    figure = Chart("correlation", "Magnitude of the correlation of the regressor's columns.", height=560)
-    names, values = determined.names, np.abs(determined.correlation).astype(np.float32)
-    bar = {"thickness": 12, "outlinewidth": 0}
-    figure.add("heatmap", x=names, y=names, z=values, zmin=0, zmax=1, colorscale=MAGNITUDE, colorbar=bar)
-    figure.axes({"tickangle": -90}, {"autorange": "reversed"})
-    rows = ((f"{a} ~ {b}", f"{value:+.3f}") for a, b, value in determined.strongest())
-    return (figure, table(("strongest correlations", "value"), rows))

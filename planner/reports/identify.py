@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
 from markupsafe import Markup
 
 from cases.schema import Case
@@ -12,6 +13,7 @@ from identification.signals import Residuals
 from planner.reports.figures import unit_of
 from planner.reports.page import GREY, Block, Chart, note, page, section, table, tiles
 
+MAGNITUDE = ((0.0, "rgba(0,114,178,0)"), (1.0, "rgba(0,114,178,1)"))
 PARAMETER_COLUMNS = ("parameter", "value", "±", "unit", "95 % from", "to", "std (28)", "std robust")
 
 
@@ -27,6 +29,7 @@ def identify_page(result: Result) -> str:
     sections = [section("Parameters with standard deviations", _headline(result), *parameter_blocks(result))]
     if residuals is not None:
         sections.append(section("Forces and residuals", *residual_blocks(case, residuals)))
+    sections.append(section("Parameters that take each other's part", *correlation_blocks(result)))
     return page(
         f"Identification: {case.title}",
         f"Model {record.model} identified from {record.samples} {samples} of {source}.",
@@ -47,6 +50,30 @@ def _headline(result: Result) -> Markup:
     condition, rank = result.record.condition, result.record.rank
     figures += [noise_tile(result), (f"{condition:.3g}", f"condition of the scaled regressor, rank {rank}")]
     return tiles(*figures)
+
+
+def correlation_blocks(result: Result) -> tuple[Block, ...]:
+    """Correlations of the estimated parameters by (28), and the strongest pairs."""
+    std = np.sqrt(np.diag(result.covariance))
+    free = np.flatnonzero(std > 0.0)  # what was given correlates with nothing
+    correlation = result.covariance[np.ix_(free, free)] / np.outer(std[free], std[free])
+    names = [result.model.names[k] for k in free]
+    figure = Chart(
+        "correlation",
+        "Magnitude of the correlation of two estimates; near 1 only their sum or difference is known well.",
+        height=560,
+    )
+    bar = {"thickness": 12, "outlinewidth": 0}
+    values = np.abs(correlation).astype(np.float32)
+    figure.add("heatmap", x=names, y=names, z=values, zmin=0, zmax=1, colorscale=MAGNITUDE, colorbar=bar)
+    figure.axes({"tickangle": -90}, {"autorange": "reversed"})
+    first, second = np.triu_indices(len(names), 1)
+    strongest = np.argsort(-np.abs(correlation[first, second]))[:5]
+    rows = [
+        (f"{names[i]} ~ {names[j]}", f"{correlation[i, j]:+.3f}")
+        for i, j in zip(first[strongest], second[strongest], strict=True)
+    ]
+    return (figure, table(("strongest correlations", "value"), rows))
 
 
 def noise_tile(result: Result) -> tuple[str, str]:

@@ -20,10 +20,10 @@ from cases.tables import find_case
 from identification.model import identification_model
 from identification.motion import Trajectory
 from identification.parameters import body_parameters, physical_form
-from identification.simulate import pose_covariance
 from identification.symbolic import over_samples
 from planner.cli.console import print_table
 from planner.plans import Plan
+from tests.helpers import pose_covariance
 
 Command = Callable[..., tuple[float, str]]
 

@@ -18,11 +18,10 @@ from identification.simulate import (
     Circumstances,
     circumstances,
     loaded_truth,
-    pose_covariance,
     pose_fields,
 )
 from identification.trajectories.executed import Execution, mode_frequency, rippled, vibrating
-from tests.helpers import Harmonic, paper_poses
+from tests.helpers import Harmonic, paper_poses, pose_covariance
 from tests.simulated_machine import PoseExecution, simulate_standstills, true_forces
 
 CASE = load_case("hexapod")

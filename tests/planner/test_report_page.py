@@ -185,7 +185,7 @@ def test_a_narrow_page_by_night_fits_and_is_readable(browser: Browser, page_file
 
 def test_an_identification_has_its_page(result_tab: Opened):
     page, errors, requests = result_tab
-    names = {"forces", "residuals", "spectrum"}
+    names = {"correlation", "forces", "residuals", "spectrum"}
     assert {f"plot-{n}" for n in names} <= set(page.evaluate("[...document.querySelectorAll('.plot')].map(e=>e.id)"))
     assert "onerror" in page.locator(".lead").inner_text()
     assert page.locator("img").count() == 0
@@ -197,7 +197,7 @@ def test_plotly_accepts_every_attribute_of_a_chart(page_file: Path, result_page:
     from plotly.graph_objects import Figure
 
     charts = [c for file in (page_file, result_page) for c in CHART.findall(file.read_text(encoding="utf-8"))]
-    assert len(charts) == 6 + 3
+    assert len(charts) == 6 + 4
     for chart in charts:
         Figure(json.loads(chart))
 
