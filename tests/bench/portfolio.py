@@ -2,7 +2,7 @@
 
     python tests/bench/portfolio.py                                        # the table, every machine and family
     python tests/bench/portfolio.py desktop tall drawn_7 --families ptp    # some of it; drawn_SEED is drawn
-    python tests/bench/portfolio.py desktop --options "--seconds 10"       # with more words for hexcite plan
+    python tests/bench/portfolio.py desktop --options "--starts 1"         # with more words for hexcite plan
     python tests/bench/portfolio.py --write FOLDER                         # the case files, one folder a machine
     python tests/bench/portfolio.py --search 600 desktop --families ptp    # looks for better plans, 600 s a family
 
