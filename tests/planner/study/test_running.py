@@ -241,6 +241,6 @@ def test_ctrl_c_keeps_what_is_done_and_leaves_no_workers(tmp_path: Path) -> None
         _, said = process.communicate(timeout=300)
     assert process.returncode == 130
     assert tells(said, "hexcite: interrupted", f"{folder}, ", "same command")
-    assert said.count("\n") == 1
+    assert len([line for line in said.splitlines() if not line.startswith("study small of hexapod: ")]) == 1  # progress
     assert len(rows_of(folder)) >= 1
     assert not [p for p in Path("/proc").glob("[0-9]*/environ") if _holds(p, f"MARK={tmp_path}")]
