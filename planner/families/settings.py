@@ -262,9 +262,8 @@ class PointToPoint(FamilySettings):
 
     def lasting(self, share: float) -> Self:
         """The same settings with as many moves a second."""
-        if self.moves is None:
-            return self
-        return replace(self, moves=int(np.clip(round(self.moves * share), ptp.FEWEST, ptp.MOST)))
+        moves = self.moves and int(np.clip(round(self.moves * share), ptp.FEWEST, ptp.MOST))
+        return replace(self, moves=moves)
 
 
 @checks_arguments
@@ -306,9 +305,8 @@ class Spline(FamilySettings):
 
     def lasting(self, share: float) -> Self:
         """The same settings with as many knots a second."""
-        if self.knots is None:
-            return self
-        return replace(self, knots=int(np.clip(round(self.knots * share), spline.FEWEST, spline.MOST)))
+        knots = self.knots and int(np.clip(round(self.knots * share), spline.FEWEST, spline.MOST))
+        return replace(self, knots=knots)
 
 
 @checks_arguments

@@ -8,10 +8,8 @@ import pytest
 
 from cases.errors import HexciteError, InfeasiblePlan, Interrupted
 from cases.schema import Case
-from identification.limit import LimitReport
 from planner.families.settings import Fourier, Manual, PointToPoint, Spline, family_class
 from planner.library import shortest_plan
-from planner.rating import PlannedMotion, notes
 from planner.request import Request, parse_targets
 from tests.helpers import one_line, tells
 
@@ -102,13 +100,6 @@ def test_a_duration_in_which_nothing_is_found_is_too_short_and_no_reason_to_give
     request = Request(PointToPoint(), targets=("m=0.05kg",))
     plan = shortest_plan(request, hexapod_case, planner_with(0.1, failing=2, by=InfeasiblePlan)[0])
     assert 4.0 < plan.motion.duration < 12.0
-
-
-def test_a_plan_tells_what_its_targets_use(hexapod_case: Case):
-    request = Request(targets=("m=0.05kg", "zC=0.3mm"))
-    found = PlannedMotion(motion=None, settings={}, limits=LimitReport(()))
-    worst = {"m": (0.0491, 0), "zC": (1.5e-4, 0)}
-    assert notes(found, request, hexapod_case, worst) == ("targets: m 0.0491 of 0.05 kg, zC 0.15 of 0.3 mm",)
 
 
 @pytest.mark.parametrize("family", ["ptp", "spline"])
