@@ -31,13 +31,6 @@ START_SHARE = 0.8
 GAUSS = (0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0))
 
 
-def _spline(knots: Array, coefficients: Array) -> "BSpline":
-    """A cubic spline; SciPy's are loaded here, because every command that reads a plan loads this module."""
-    from scipy.interpolate import BSpline
-
-    return BSpline(knots, coefficients, DEGREE)
-
-
 @dataclass(frozen=True, slots=True)
 class SplineFamily(Family):
     """Cubic splines from rest to rest over equal intervals."""
@@ -73,13 +66,15 @@ class SplineFamily(Family):
 
     def _basis(self) -> "BSpline":
         """All basis functions, as one spline with matrix coefficients from unknowns."""
+        from scipy.interpolate import BSpline  # every command that reads a plan loads this module
+
         step = self.duration / self.intervals
         inner = np.arange(self.intervals + 1) * step
         knots = np.r_[[0.0] * DEGREE, inner, [self.duration] * DEGREE]
         spread = np.zeros((self.intervals + DEGREE, self.unknowns))
         spread[:3, 0] = spread[-3:, -1] = 1.0
         spread[3:-3, 1:-1] = np.eye(self.unknowns - 2)
-        return _spline(knots, spread)
+        return BSpline(knots, spread, DEGREE)
 
     def _at(self, shares: tuple[float, ...]) -> Array:
         """Instants at shares of each interval."""
@@ -131,10 +126,10 @@ class SplineFamily(Family):
 
     def motion(self, unknowns: Array) -> PolynomialMotion:
         """The motion of unknowns of shape (q n,), row by row."""
-        basis = self._basis()
-        coefficients = basis.c @ (unknowns.reshape(self.unknowns, -1) * self.half) + self.middle
-        spline, step, begins = _spline(basis.t, coefficients), self.duration / self.intervals, self._at((0.0,))
+        basis, values = self._basis(), unknowns.reshape(self.unknowns, -1) * self.half
+        step, begins = self.duration / self.intervals, self._at((0.0,))
         # Taylor's coefficients at the start of each interval; the third derivative is constant and jumps there.
         places = [begins] * DEGREE + [begins + step / 2]
-        taylor = np.array([spline(t, nu=order) / factorial(order) for order, t in enumerate(places)])
+        taylor = np.array([basis(t, nu=order) @ values / factorial(order) for order, t in enumerate(places)])
+        taylor[0] += self.middle
         return PolynomialMotion(taylor, np.full(self.intervals, step))

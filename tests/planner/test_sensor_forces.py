@@ -6,7 +6,7 @@ import pytest
 import planner.search.problem as problem_module
 from cases.schema import Case, load_case
 from identification.criteria import box_middle, reference_scaling
-from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, Status
+from identification.limit import LimitKind
 from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import Motion, rotation_motion
@@ -14,14 +14,10 @@ from identification.overload import SHARE, Loads
 from planner.families import Family
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
-from planner.families.settings import PointToPoint
 from planner.families.spline import SplineFamily
 from planner.families.states import state_size
-from planner.rating import PlannedMotion, notes
-from planner.request import Request
 from planner.search.problem import build_program, near_limits, state_limits
 from planner.search.solving import Start, Task, run_start
-from tests.helpers import tells
 from tests.postprocessors.changed_case import changed
 from tests.random_start import random_start
 
@@ -89,12 +85,3 @@ def test_a_load_that_binds_shapes_the_motion(name: str, weak: Case, monkeypatch:
     )
     shrunk = explored_and_refined(weak, name)
     assert shaped.record.logdet > shrunk.record.logdet + 0.5  # of ten parameters: each is known at least 2.5 % better
-
-
-def test_the_plan_says_which_load_bound_it():
-    check = LimitCheck(
-        Limit(LimitKind.SENSOR_FORCE), "sensor 3, 5 payloads", 800.0, 800.0, "N", 0.999, 1.0, Status.PROVEN
-    )
-    found = PlannedMotion(None, {}, LimitReport((check,)))
-    (note,) = notes(found, Request(PointToPoint()), None, {})
-    assert tells(note, "sensor force", "sensor 3", "5 payloads")
