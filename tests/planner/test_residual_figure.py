@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import welch
 
 from cases.schema import Case
 from identification.hexapod import Hexapod
@@ -27,3 +28,12 @@ def test_residuals_behind_the_filter_are_those_of_the_estimate(hexapod_case: Cas
     rms = np.sqrt(np.mean(found.evaluated**2, axis=0))
     np.testing.assert_allclose(rms, np.sqrt(np.mean(estimate.fit.residuals**2, axis=0)), rtol=0.05)
     assert (rms < 0.5 * np.sqrt(np.mean(found.values**2, axis=0))).all()  # white noise: most lies above the pass band
+
+
+@pytest.mark.parametrize("samples", [7, 1000, 1024, 5001])
+def test_the_spectrum_is_welchs(samples: int) -> None:
+    forces = 3.0 + np.random.default_rng(0).normal(size=(samples, 6))
+    found = Residuals(np.arange(samples) * 1e-3, forces, np.zeros_like(forces), 1e-3)
+    frequency, power = welch(forces, 1000.0, nperseg=min(1024, samples), axis=0)
+    np.testing.assert_allclose(found.spectrum()[0], frequency)
+    np.testing.assert_allclose(found.spectrum()[1], np.sqrt(power), atol=1e-12)
