@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import fft, irfft, next_fast_len
+from scipy.fft import fft, irfft, next_fast_len, rfft, rfftfreq
 
 from cases.errors import RecordingError
 from cases.units import Array, Flags, Indices
@@ -237,8 +237,11 @@ class Residuals:
 
     def spectrum(self) -> tuple[Array, Array]:
         """Amplitude spectral density of each channel, by Welch's method, shapes (k,) [Hz] and (k, 6) [N/sqrt(Hz)]."""
-        from scipy.signal import welch  # slow to load, and pages alone need it
-
         assert self.step is not None, "standstills have no spectrum"
-        frequencies, power = welch(self.values, 1.0 / self.step, nperseg=min(SEGMENT, len(self.t)), axis=0)
-        return frequencies, np.sqrt(power)
+        size = min(SEGMENT, len(self.t))  # segments under a Hann window that overlap by half, each less its mean
+        overlapping = np.lib.stride_tricks.sliding_window_view(self.values, size, axis=0)[:: size - size // 2]
+        window = np.hanning(size + 1)[:-1]
+        spectra = rfft((overlapping - overlapping.mean(axis=2, keepdims=True)) * window)
+        power = np.mean(np.abs(spectra) ** 2, axis=0).T * self.step / np.sum(window**2)
+        power[1 : (size + 1) // 2] *= 2.0  # of the frequencies below zero; those in the middle have no such twin
+        return rfftfreq(size, self.step), np.sqrt(power)  # scipy.signal has the same, and loads for half a second
