@@ -119,7 +119,7 @@ def test_a_program_that_relies_on_nobody_is_refused_with_the_limits_by_name(by_h
 
 @given(
     family=st.one_of(
-        st.builds(hx.Fourier, st.integers(1, 7), st.just(3.0), st.booleans()),
+        st.builds(hx.Fourier, st.integers(2, 7), st.just(3.0), st.booleans()),
         st.builds(hx.PointToPoint, st.none() | st.integers(8, 64)),
         st.builds(hx.Spline, st.none() | st.integers(20, 150)),
         st.builds(hx.Manual, st.none() | st.just("steps.toml")),
@@ -133,7 +133,7 @@ def test_a_program_that_relies_on_nobody_is_refused_with_the_limits_by_name(by_h
 )  # fmt: skip
 def test_what_was_asked_for_comes_back(family: Any, criterion: str, model: int, payload: int, fewest: int | None,
                                        starts: int | None, seed: int):  # fmt: skip
-    request = Request(family, 12.0, criterion, model, payload, fewest, starts, None, seed)
+    request = Request(family, 12.0, criterion, model, payload, fewest, starts, seed)
     about = {"family": request.name, "criterion": criterion, "model": model, "payload": payload}
     said = about | request.to_json() | {"settings": {}, "payload_from": request.payloads[0]}
     assert Request.of_json(said) == request
