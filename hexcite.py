@@ -9,8 +9,8 @@
     result = hx.identify(recording, case)
     result["m"].value, result["m"].reported
 
-Values are in SI and radians. Each has a short `repr`, `save` and `load`; `hx.report(value, "page.html")` makes its
-page. What stands here is public, and nothing else. It is imported when it is first used; an argument of a wrong type
+Values are in SI and radians and have a short `repr`. Plans, programs, recordings and results have `save` and `load`;
+`hx.report(value, "page.html")` makes the page of a plan, result, comparison or validation. What stands here is public, and nothing else. It is imported when it is first used; an argument of a wrong type
 is refused with its name, its value and what it should be.
 """
 

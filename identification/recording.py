@@ -3,8 +3,8 @@
 Columns (CONVENTIONS): `t_s` (absent: each row is an averaged standstill), struts `l1_mm`..`l6_mm` (of a chain its
 joints `q1_deg`.. or `q1_mm`..; or drive positions `q1_mm`.., a pose `x_mm`..`c_deg`, a rotation matrix `r11`..`r33`
 sensor to world), forces `f1_N`..`f6_N` or `fx_N`..`mz_Nm`, optionally an accelerometer `ax`..`az`, `trigger` 0/1,
-`override_percent` of the feed. The case's `[recording]` maps file formats, other
-names, units and clocks. A run may come as several files with their own clocks.
+`override_percent` of the feed. The case's `[recording]` maps file formats, other names, units and clocks. A run may
+come as several files with their own clocks.
 """
 
 from collections.abc import Mapping, Sequence

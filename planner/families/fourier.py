@@ -3,7 +3,7 @@
 x(t) = x0 + sum_l a_l/(l w) sin(l w t) - b_l/(l w) cos(l w t) for each coordinate. Rest at t = 0 (and so after every
 period) is linear in the coefficients: sum a_l = 0 (rate) and sum l b_l = 0 (acceleration; a motion that starts out of a
 standstill with bounded jerk starts without acceleration). The coefficients are therefore written as a basis of the null
-space of these two rows, and the solver needs no constraint. Order 1 has no unknowns then.
+space of these two rows, and the solver needs no constraint. Order 1 would stand still.
 """
 
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""The page of an identification: parameters with error bars, and the residuals."""
+"""The page of an identification: parameters with standard deviations, residuals, and correlations of the estimates."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -87,7 +87,7 @@ def noise_tile(result: Result) -> tuple[str, str]:
 
 
 def parameter_blocks(result: Result) -> tuple[Block, ...]:
-    """Figure and table of the parameters."""
+    """Table of the parameters."""
     rows, freedom, rods = [], float(result.record.degrees_of_freedom), carries_rods(result.parameters)
     for name, p in result.parameters.items():
         scale, unit = legible(p.unit)
