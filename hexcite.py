@@ -10,8 +10,9 @@
     result["m"].value, result["m"].reported
 
 Values are in SI and radians and have a short `repr`. Plans, programs, recordings and results have `save` and `load`;
-`hx.report(value, "page.html")` makes the page of a plan, result, comparison or validation. What stands here is public, and nothing else. It is imported when it is first used; an argument of a wrong type
-is refused with its name, its value and what it should be.
+`hx.report(value, "page.html")` makes the page of a plan, result, comparison or validation. What stands here is public,
+and nothing else. It is imported when it is first used; an argument of a wrong type is refused with its name, its value
+and what it should be.
 """
 
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""The page of an identification: parameters with standard deviations, residuals, and correlations of the estimates."""
+"""The page of an identification: parameters with standard deviations, residuals, correlations of the estimates."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
