@@ -85,7 +85,7 @@ def plan_poses(
     progress: Callable[[int], None] | None = None,
     **settings: Unpack[PoseSettings],
 ) -> Plan:
-    """The most informative poses to stand at, in the fastest order, proven.
+    """The most informative poses to stand at, in a short order, proven.
 
     Args:
         at: poses of one's own instead, to see what they are worth beside chosen ones: a CSV file, or coordinates of the

@@ -78,7 +78,7 @@ def identify(
 
 
 def look(
-    recording: Annotated[Path, argument("File of unknown format: text or Parquet.")],
+    recording: Annotated[Path, argument("File of unknown format, text or Parquet, or the folder of a ROS 2 bag.")],
     case: Annotated[
         str | None, option("Built-in name, folder or file: by its machine units are known, and what is missing.")
     ] = None,

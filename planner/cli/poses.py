@@ -26,7 +26,7 @@ def poses(
 ) -> None:
     """Choose the most informative poses to stand still at.
 
-    They are visited in the fastest order.
+    They are visited in a short order.
     """
     from cases.tables import find_case
     from identification.model import static_model

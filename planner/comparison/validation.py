@@ -127,7 +127,7 @@ def validate(
     mounted = mounted_weights(case, mounted)
     case.need_machine("a validation")
     require_controller(settings.on)
-    disturbances = case.need_simulation("a validation without recordings").disturbances
+    disturbances = case.need_simulation("a validation").disturbances
     with ExitStack() as places, threadpool_limits(limits=1, user_api="blas"):
         work = Path(folder or places.enter_context(tempfile.TemporaryDirectory(prefix="hexcite-validation-")))
         found, controllers, failed = list[Trial](), dict[str, str](), dict[str, str]()
