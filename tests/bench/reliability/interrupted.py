@@ -50,7 +50,7 @@ WORKS = {
     ),
     "study": Work(("study", "hexapod", "--spec", "small.toml", "--workers", "1", "--json"), "study"),
 }  # fmt: skip
-STUDY = 'schema_version = 1\nname = "small"\n[grid]\nfamily = "fourier"\norder = [1, 2]\nmodel = [0]\nseed = [0]\n'
+STUDY = 'schema_version = 1\nname = "small"\n[grid]\nfamily = "fourier"\norder = [2, 3]\nmodel = [0]\nseed = [0]\n'
 
 
 def prepared(folder: Path) -> None:
