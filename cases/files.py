@@ -1,5 +1,6 @@
 """Files and folders that are either whole or absent, also when the process is killed while it writes."""
 
+import errno
 import hashlib
 import json
 import os
@@ -7,7 +8,7 @@ import re
 import shutil
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from itertools import chain, count
 from pathlib import Path
 from typing import Any, NoReturn
@@ -178,21 +179,32 @@ def atomic_folder(path: Path, kind: FolderKind, overwrite: bool = False) -> Iter
 
 
 def _put(part: Path, path: Path, overwrite: bool) -> Path:
-    """Renames a folder to `path`, or to a free name where another stands there and stays; returns where it is."""
-    aside = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".old", dir=path.parent))
-    old = aside / path.name
+    """Renames a folder to `path`, or to a free name where another stands there and stays; returns where it is.
+
+    Other commands may write the same folder at the same time: whoever comes first or last, each finds a place.
+    """
+    place, aside = path, list[Path]()
     try:
-        if path.exists() and (overwrite or not any(path.iterdir())):
-            os.rename(path, old)
-        place = free_name(path)
-        os.rename(part, place)
-        return place
+        while True:
+            try:
+                os.rename(part, place)
+                return place
+            except OSError as error:
+                if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
+                    raise
+            with suppress(FileNotFoundError):  # another command has just set it aside
+                if overwrite or not any(path.iterdir()):
+                    aside.append(Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".old", dir=path.parent)))
+                    os.rename(path, aside[-1] / path.name)
+                else:
+                    place = free_name(path)
     except OSError:
-        if old.exists() and not path.exists():
-            os.rename(old, path)
+        if aside and not path.exists():
+            os.rename(aside[-1] / path.name, path)
         raise
     finally:
-        shutil.rmtree(aside, ignore_errors=True)
+        for old in aside:
+            shutil.rmtree(old, ignore_errors=True)
 
 
 def write_text(path: Path, text: str) -> None:

@@ -56,8 +56,11 @@ def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
         _require(table, OVERRIDE, (override >= 0.0) & (override <= MOST_OVERRIDE), "is not a feed override", ratio)
     flags = None if trigger is None else switched(trigger)
     if trigger is not None and flags is None:
-        near = np.isin(trigger, (trigger.min(), trigger.max()))
-        _require(table, TRIGGER, near, "has more than two levels", "export the trigger as a switch, or leave it out")
+        off = np.minimum(
+            np.abs(trigger), np.abs(trigger - trigger.max())
+        )  # 0 and the largest are the levels of a switch
+        remedy = f"export the trigger as a switch between 0 and {trigger.max():g}, or leave it out"
+        _require(table, TRIGGER, off < off.max(), "is no level of a switch", remedy)
     readings = None if (mounted := table.form.accelerometer) is None else _group(table, ACCELEROMETER)
     stream = Stream(
         source=table.source,

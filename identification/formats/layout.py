@@ -14,6 +14,7 @@ from cases.recording_format import (
     ACCELEROMETER,
     BAR_FORCES,
     CLOCK,
+    COLUMNS,
     DRIVES,
     OVERRIDE,
     ROLE_UNITS,
@@ -204,7 +205,7 @@ def _meaning(name: str, bare: str) -> tuple[tuple[str, ...], int] | None:
     for group in _GROUPS:
         if name in group:
             return group, group.index(name) + 1
-    if _NOT_MEASURED.search(bare):
+    if name in COLUMNS or _NOT_MEASURED.search(bare):  # joints of a chain are found by `_of_joints`
         return None
     key = re.sub(r"[_ .\-#/]+", "", bare)
     for pattern, group, first in _PATTERNS:

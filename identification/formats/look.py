@@ -110,6 +110,7 @@ def _table(file: Path, case: Case | None, cutoff: float) -> Look:
     names, header_units, numbers, settings = _parquet(file) if is_parquet(file) else look_at_text(file)
     places, units = matched(names, header_units, _joints(case))
     places = {ours: k for ours, k in places.items() if k in numbers}
+    units = {ours: unit for ours, unit in units.items() if ours != CLOCK or unit in TICKS}
     if settings.get("format") == "twincat-scope":
         places[CLOCK], units[CLOCK] = names.index("Name"), "ms"
     if case is not None and case.sensor_frame.transducer is not None and BAR_FORCES[0] in places:
@@ -167,7 +168,7 @@ def _parquet(file: Path) -> tuple[list[str], list[str], dict[int, Array], dict[s
         for k, kind in enumerate(table.schema.types)
         if pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_boolean(kind)
     }
-    return table.schema.names, [], numbers, {}
+    return table.schema.names, [], {k: values for k, values in numbers.items() if np.isfinite(values).any()}, {}
 
 
 def _joints(case: Case | None) -> dict[str, str] | None:

@@ -137,6 +137,8 @@ def parse(
     except (pa.ArrowException, UnicodeDecodeError) as error:
         if isinstance(lines, Section):
             return parse(file, lines.text(), form, fields, numbers, stamps)
+        for part in _halves(lines):  # the damage is in one of them
+            parse(file, part, form, fields, numbers, stamps)
         raise _explained(file, lines, fields, positions, form, str(error)) from error
     columns = {k: table.column(str(k)) for k in positions}
     for k in stamps:
@@ -146,6 +148,15 @@ def parse(
             text = lines.text() if isinstance(lines, Section) else lines
             raise _explained(file, text, fields, positions, form, f"column {k} holds no numbers")
     return columns
+
+
+def _halves(block: Block) -> tuple[Block, ...]:
+    """Two halves of many lines; none of few."""
+    first, data = block
+    middle = data.rfind(b"\n", 0, len(data) // 2) + 1
+    if len(data) <= PART or not middle:
+        return ()
+    return (first, data[:middle]), (first + data.count(b"\n", 0, middle), data[middle:])
 
 
 def decoded(file: Path, lines: Sequence[bytes], form: RecordingFormat) -> list[str]:
@@ -163,9 +174,11 @@ def cells(line: str, form: RecordingFormat) -> list[str]:
 
 def select(file: Path, names: Sequence[str], form: RecordingFormat) -> dict[str, int]:
     """Our columns among those of a file, each with its position; raises RecordingError where one is there twice."""
-    positions = {}
+    positions, given = {}, set(form.columns.values())
     for ours in COLUMNS:
         theirs = form.file_name(ours)
+        if theirs in given and ours not in form.columns:
+            continue  # the case gives the column of that name another meaning
         if names.count(theirs) > 1:
             raise RecordingError(file, f"column {shown(theirs)} is there twice", "rename or remove one")
         if theirs in names:

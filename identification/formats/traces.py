@@ -21,6 +21,8 @@ from identification.formats.table import Block, ColumnTable, Stamps, is_number, 
 from identification.formats.text import cells, decoded, parse, read_head, section_of, select, table_of, without
 
 _NAME, _END = "Name", "EOF"
+# FILETIME of the year 2000 in its own units; stamps in ms stay below for four million years.
+_LEAST_FILETIME = 1.26e17
 _LATE = 2  # samples by which the last of channels with one clock may differ
 
 
@@ -48,6 +50,9 @@ def scope_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     for group in _groups({ours: stamps[k] for ours, k in clock_of.items()}):
         clock = min((stamps[clock_of[ours]] for ours in group), key=len)
         if len(clock):  # else it is a channel that was not recorded
+            if (float(clock[0]) >= _LEAST_FILETIME) != (form.clock_unit == "filetime"):
+                problem = f"its time stamps, such as {clock[0]}, are not in {form.clock_unit}"
+                raise RecordingError(file, problem, "set recording.clock.unit in the case: 'ms' or 'filetime'")
             values = {ours: columns[positions[ours]].to_numpy()[: len(clock)] for ours in group}
             yield ColumnTable(str(file), form, channels, values, clock, form.tick, places)
 

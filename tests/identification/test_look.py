@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 from cases.errors import RecordingError
@@ -208,6 +210,23 @@ def test_what_is_not_a_table_is_refused_in_a_line(content: bytes, fact: str, tmp
         look(file)
     assert str(file) in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_a_file_of_another_machine_is_looked_at(wrist_case: Case, tmp_path: Path) -> None:
+    """Bars of a hexapod may be a wrist's channels; joints in degrees are no drives in mm; a time in minutes is none."""
+    rows = "\n".join(f"{k / 1000:.3f}" + ",1" * 12 for k in range(400))
+    names = [*(f"q{k}_deg" for k in range(1, 7)), *(f"f{k}_N" for k in range(1, 7))]
+    file = tmp_path / "file.csv"
+    file.write_text(f"t_s,{','.join(names)}\n{rows}\n")
+    assert set(look(file, wrist_case).settings["columns"].values()) == {f"f{k}_N" for k in range(1, 7)}
+    assert "columns" not in look(file).settings
+    file.write_text(f"time [m],{','.join(names)}\n{rows}\n")
+    assert look(file).rate == pytest.approx(1000.0)
+
+
+def test_an_empty_parquet_file_is_not_read(hexapod_case: Case, tmp_path: Path) -> None:
+    pq.write_table(pa.table({f"l{k}_mm": np.zeros(0) for k in range(1, 7)}), tmp_path / "file.parquet")
+    assert not look(tmp_path / "file.parquet", hexapod_case).reads
 
 
 def test_a_slow_recording_gets_a_low_pass_that_its_rate_carries(hexapod_case: Case, tmp_path: Path) -> None:

@@ -88,6 +88,7 @@ def test_loading_undoes_saving(result: Result) -> None:
         result.save(Path(name) / "result")
         loaded = Result.load(Path(name) / "result", CASE)
     assert loaded == result
+    assert len({loaded, result}) == 1
     assert loaded.findings == result.findings
     assert loaded != Result(CASE, result.record.replaced(samples=result.record.samples + 1))
 

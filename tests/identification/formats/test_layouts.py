@@ -69,6 +69,12 @@ def test_names_in_the_letters_of_windows_are_found(tmp_path: Path) -> None:
         read(file, case_with(columns={"l1_mm": "Länge"}))
 
 
+def test_a_column_that_the_case_gives_another_meaning_has_only_this_one(tmp_path: Path) -> None:
+    drives = {f"l{k}_mm": f"q{k}_mm" for k in range(1, 7)}
+    file = written(tmp_path, csv(RUN.numbers(), [drives.get(n, n) for n in NAMES]))
+    np.testing.assert_allclose(read(file, case_with(columns=drives)).struts, RUN.struts, rtol=1e-8)
+
+
 WRONG = {
     "semicolons": (csv(RUN.numbers(), delimiter=";"), {}, r"none of .* it has t_s;l1_mm;.*separator.* hexcite look"),
     "commas": (csv(RUN.numbers()), {"delimiter": ";"}, r"none of .* it has t_s,l1_mm,.*separator.* hexcite look"),

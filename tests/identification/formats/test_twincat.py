@@ -150,6 +150,7 @@ DAMAGES = {
     "one channel missing": (GOOD.replace("force 3", "fors 3", 1), {}, r"column force 3 is missing; it has .*fors 3"),
     "a hole in a clock": (GOOD.replace("\n5\t", "\n \t", 1), {}, r"line 19: a clock has no value but goes on below"),
     "channels filled with previous values": (GOOD.replace("\n5\t", "\n4\t", 1), {}, r"line 19.*4 ms comes after|part"),
+    "ticks for milliseconds": (GOOD, {"clock": {"unit": "filetime"}}, r"such as 0.*, are not in filetime; set .*'ms'"),
     "text": (GOOD.replace("\n5\t", "\nfive\t", 1), {}, r"line 19, time of MAIN.strut\[1\]: 'five' is not a number"),
     "two of one name": (GOOD.replace("force 3", "force 2", 1), {"columns": COLUMNS}, r"column force 2 is there twice"),
 }  # fmt: skip
