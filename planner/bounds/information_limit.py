@@ -26,7 +26,7 @@ from planner.bounds.features import box_features
 from planner.search.feasibility import require_identifiable
 
 PROVEN = "multiplicative and exchange steps; dmax proven by branch and bound over angles and rates, corners of the rest"
-ESTIMATE = "multiplicative and exchange steps; dmax by branch and bound that ran out of time, an estimate"
+ESTIMATE = "multiplicative and exchange steps; dmax by branch and bound, an estimate: a longer time limit may prove it"
 SEARCHED = "multiplicative and exchange steps; dmax by climbing from many states of the box, an estimate"
 VERSION = 2  # of the method: a new one does not read old cache files
 SEARCHED_GAP = 5e-3  # the same where dmax is searched for: half a percent of an efficiency

@@ -100,7 +100,7 @@ MISTAKES: dict[str, tuple[str, str, str, str]] = {
     ),
     "pose error without length": ("range_N = 5000.0", "pose_error_N = 1.0", "", "pose_error_length_mm is missing"),
     "pose error without size": ("range_N = 5000.0", LENGTH, "", "pose_error_N or .* is missing"),
-    "another unit of noise": ("range_N = 5000.0", "strut_noise_mm = 0.1", "sensors.strut_noise_mm", "noise_um"),
+    "another unit of noise": ("range_N = 5000.0", "pose_error_mm = 0.1", "sensors.pose_error_mm", "pose_error_"),
     "another version": ("schema_version = 1", "schema_version = 2", "schema_version", "2: .*1"),
     "setup of another sensor": ('setup = "1b"', 'setup = "R"', "", r"sensor_frame\.transducer"),
     "unknown setup": ('setup = "1b"', 'setup = "r"', "setup", "'r': .*'1a', '1b', '2x' or 'R'"),

@@ -27,7 +27,7 @@ def test_a_new_case_is_its_template_under_another_name(like: str, tmp_path: Path
     assert "Table" not in text  # sources of the template's numbers are not those of the new machine's
     lines = text.splitlines()
     advised = [lines[k - 1] for k, line in enumerate(lines) if line in ("[sensors]", "[recording]")]
-    assert "force_noise_N" in advised[0]
+    assert "pose_error_N" in advised[0]
     assert "units" in advised[1]
 
 

@@ -272,7 +272,7 @@ def test_what_cannot_be_compared_is_refused(chain: Chain, shared: Path, tmp_path
     assert "nowhere: does not exist" in refused("compare", tmp_path / "nowhere", "-o", tmp_path / "c")
     assert "is a file" in refused("compare", shared / "excitation.ngc", "-o", tmp_path / "c")
     call("compare", shared / "plan", shared / "result", "-o", tmp_path / "old")
-    assert "old: is a comparison" in refused("compare", tmp_path / "old", "-o", tmp_path / "c")
+    assert "old: holds no plan, run or result" in refused("compare", tmp_path / "old", "-o", tmp_path / "c")
     nameless = shutil.copytree(shared / "recording", tmp_path / "nameless")
     (nameless / "recording.json").write_text("{}")
     assert tells(refused("compare", nameless, "-o", tmp_path / "c"), "nameless: ", "which machine it is from", "--case")

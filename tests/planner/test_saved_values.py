@@ -30,7 +30,7 @@ DURATION = 3.0
 NUMBERS = st.floats(-1e6, 1e6)
 FAMILIES = st.sampled_from([hx.Fourier(order=5, period=DURATION), hx.PointToPoint(moves=10), hx.Spline(knots=30)])
 RECORDS = st.builds(
-    StartRecord, st.integers(0, 2**32), st.booleans(), st.none() | NUMBERS, NUMBERS, NUMBERS,
+    StartRecord, st.integers(0, 2**32), st.booleans(), NUMBERS, NUMBERS,
     st.sampled_from(SolverStatus), st.booleans(), st.integers(0, 3000), st.floats(0.0, 1e5),
 )  # fmt: skip
 SEARCHES = st.tuples(

@@ -91,7 +91,7 @@ def test_the_command_of_a_cell_is_one_that_hexcite_takes() -> None:
             "gird: is an unknown key; did you mean grid? known keys here are cells, execute, ",
         ),
         ('[grid]\norder = "five"\n', "'five': input should be a valid integer"),
-        ("[grid]\norder = []\n", "has 0 entries, fewer than 1"),
+        ("[grid]\norder = []\n", "has 0 entries, at least 1"),
         ("[cells]\ntime_limit_s = 0.0\n", "greater than 0"),
         ("[execute]\nnoise_seeds = 0\n", "greater than or equal to 1"),
         ('[execute]\non = "moon"\n', "'moon': input should be 'virtual'"),
