@@ -124,8 +124,6 @@ def test_the_page_warns_of_nothing_that_nobody_can_change(plans: Plans):
     warned = re.findall(r'(?s)<ul class="warnings".*?</ul>', page)
     assert not any("bound" in words or "estimate" in words for words in warned)
     assert "(an estimate)" in page
-    notes = re.findall(r'(?s)<p class="note">(.*?)</p>', page)
-    assert any("--sequence" in note for note in notes)
 
 
 def test_the_bound_holds_for_random_designs():

@@ -122,11 +122,9 @@ def test_a_plan_tells_what_the_payload_does_to_the_noise(weights: str, tmp_path:
         plans.append(
             (json.loads((tmp_path / f"plan{len(plans)}" / "plan.json").read_text()), " ".join(done.out.split()))
         )
-    (bare, _), (loaded, printed), (plain, untold) = plans
+    (bare, _), (loaded, printed), (plain, _) = plans
     assert tells(printed, "2 payloads")
     assert f"weights {weights} " in printed
-    assert ("identify --weights stated" in printed) == (weights == "equal")
-    assert "noise of the accelerations" not in untold
     assert loaded["predicted_std"]["m"] > bare["predicted_std"]["m"] > plain["predicted_std"]["m"]
     assert loaded["d_efficiency"] == bare["d_efficiency"] == plain["d_efficiency"]  # W = 1: comparable
 
