@@ -16,7 +16,9 @@ from cases.files import DAMAGED, read_json
 from cases.schema import Case, fingerprint
 from cases.tables import LARGEST
 from identification.limit import LimitReport
+from identification.model import identification_model
 from identification.motion import Joined, Standstill, Trajectory
+from identification.parameters import physical_form
 from identification.trajectories.curves import FourierMotion, PolynomialMotion
 from identification.trajectories.moves import CircularMove, Plane, StraightMove, unit_profile
 from planner.plan_figures import PoseWorth, Worth
@@ -72,8 +74,12 @@ def load_plan(kind: "type[Plan]", folder: Path, case: Case | None, stale: bool) 
     with _refusing(file):
         request = PoseRequest.of_json(data) if of_poses else Request.of_json(data)
         worth = TypeAdapter[PoseWorth | Worth](PoseWorth if of_poses else Worth).validate_python(data)
+        limits = LimitReport.of_json(data["limits"])
+        names = [p.name for p in physical_form(identification_model(own, request.model)).parameters]
+        if list(entries.predicted_std) != names or not limits.checks:
+            raise KeyError("predicted_std" if limits.checks else "limits")
         plan = kind(
-            own, request, motion, LimitReport.of_json(data["limits"]), entries.predicted_std, entries.assumed_noise_N,
+            own, request, motion, limits, entries.predicted_std, entries.assumed_noise_N,
             entries.assumed_rate_Hz, worth, entries.settings, entries.solve_s, entries.interrupted,
             folder, fingerprint_of(file.read_bytes()), remarks,
         )  # fmt: skip
@@ -178,6 +184,8 @@ def motion_of_entries(data: Mapping[str, Any]) -> Trajectory:
     if "fourier" in data:
         if "run_in_s" in data["fourier"]:  # of order 1, which versions before this one planned
             raise ValueError("run_in_s")
+        if data["fourier"]["repeats"] % 1:  # it would end in motion
+            raise ValueError("repeats")
         return FourierMotion(**_read(data["fourier"], _FOURIER))
     if "moves" in data:
         parts = tuple(_move(number, entry) for number, entry in enumerate(data["moves"]))

@@ -231,7 +231,8 @@ class PointToPoint(FamilySettings):
         if duration < count * least * (1.0 - ROUNDING):
             raise HexciteError(
                 f"duration {duration:g} s is too short for {count} moves: by controller.cycle_ms and limits of jerk "
-                f"each takes {least:g} s; choose at least {count * least:g} s, or fewer --moves ({ptp.FEWEST} or more)"
+                f"each takes {least:g} s; choose at least {count * least:g} s"
+                + (f", or fewer --moves ({ptp.FEWEST} or more)" if count > ptp.FEWEST else "")
             )
 
     def families(self, case: Case, duration: float) -> tuple[Family, ...]:

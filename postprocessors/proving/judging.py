@@ -62,9 +62,12 @@ def require_timing(part: Timed, by: Guarantees, file: str) -> None:
     known = (steps >= shortest * (1 - 1e-6)) & (steps <= longest * (1 + 1e-6))
     if not (right := known & (np.abs(cycles - np.round(cycles)) <= PARTS)).all():
         k = int(np.argmin(right))
-        times = f"{1e3 * shortest:g} to {1e3 * longest:g} ms" + (" in whole cycles" if by.even_blocks else "")
+        most = f"to {1e3 * longest:g} ms" if np.isfinite(longest) else "ms and more"
+        times = f"{1e3 * shortest:g} {most}" + (" in whole cycles" if by.even_blocks else "")
         problem = f"the timed block takes {1e3 * steps[k]:.6g} ms; {by.controller} keeps times of {times}"
         remedy = "write such blocks (controller.block_ms), or a move at a feed (G94) with an exact stop"
+        if isinstance(part.points, PolynomialMotion):
+            remedy = "make its pieces longer (poly_block_ms of SINUMERIK), or plan for this controller with --for"
         raise ProgramError(file, part.lines[k], 0, f"{problem}: {remedy}")
 
 

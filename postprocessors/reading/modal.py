@@ -102,8 +102,12 @@ class ModalState(ABC):
     @classmethod
     def word_of(cls, match: re.Match[str], column: int) -> Word:
         """The word of a match of `word`, here of a letter and its number."""
-        letter, number = match["letter"].upper(), float(match["number"])
-        return Word(f"{letter}{number:g}", column) if letter in "GM" else Word(letter, column, number)
+        letter, number = match["letter"].upper(), match["number"]
+        if letter not in "GM":
+            return Word(letter, column, float(number))
+        # LinuxCNC knows G91.1; to the others only whole numbers are G and M functions
+        plain = cls.title is None or number.isdigit()
+        return Word(f"{letter}{float(number):.15g}" if plain else letter + number, column)
 
     def read_program(self, lines: Iterable[str]) -> Reading:
         """Reads all lines; errors as `Dialect.read`."""

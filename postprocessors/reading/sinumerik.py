@@ -125,6 +125,9 @@ class SinumerikInterpreter(ModalState):
             self._require_standing(first)
             self.arc(block, first, self.active("G60"))
         else:
+            other = next((word for name, word in block.items() if name not in ("G1", "F", *self.axes)), None)
+            if other is not None and self.active("COMPCAD"):
+                self.fail(other, "the compressor takes nothing but G1, coordinates and F; write COMPOF before")
             end, duration, feed = self.target(block, first)
             if duration is None:
                 self._require_standing(first)

@@ -15,6 +15,7 @@ from postprocessors.reading.modal import ModalState, Word
 
 LONGEST_LINE = 4096  # beyond it: error 20301
 FEWEST_POINTS = 3  # fewest points of an AKIMA spline, its start included
+MOST_MESSAGES = 10  # unread ones stop the controller
 _READS = (
     "TwinCAT programs consist of G01 with G60 (of a platform also arcs, and G93 paths in #SPLINE, #HSC or G261), G04 "
     "0.3, the case's M functions, commands and modal words as hexcite post writes them, comments behind ; and M30"
@@ -62,6 +63,7 @@ class TwinCatInterpreter(ModalState):
         self.needed = {self._stated(name): (name,) for name in needed}
         self.curve = ""  # the word that closes the open path of points
         self.points = 0  # of that path, its start included
+        self.messages = 0
 
     @classmethod
     def word_of(cls, match: re.Match[str], column: int) -> Word:
@@ -96,6 +98,9 @@ class TwinCatInterpreter(ModalState):
         name = word.name
         if name.startswith("#"):
             self.require_alone(word, block)
+        self.messages += name == "#MSG"
+        if self.messages > MOST_MESSAGES:
+            self.fail(word, f"the controller stops at {MOST_MESSAGES} messages that nobody reads; remove some")
         if name in ("%", "G4", "G60", "M30", "F", "#MSG", "", *self.axes):
             return
         if name in (_OF_OWN_AXES if self.own_axes else self.group_of):
@@ -108,6 +113,8 @@ class TwinCatInterpreter(ModalState):
         elif name in self.stated:
             if " ".join(word.arguments) != self.stated[name]:
                 self.fail(word, f"{name} is not what the case says; write {self._stated(name)}")
+            if name == "#KIN ID" and self.transformed:
+                self.fail(word, "the kinematics cannot change while the transformation is on; write #TRAFO OFF")
             if name.startswith("#TRAFO"):
                 self.transformed = name == "#TRAFO ON"
                 self.said -= {"#TRAFO ON", "#TRAFO OFF"}

@@ -73,6 +73,7 @@ def test_a_plan_without_an_entry_that_is_needed_is_refused(key: str, copy: Path)
         (("fourier", "period_s"), "three"),
         (("fourier", "repeats"), 0),
         (("fourier", "repeats"), -1),
+        (("fourier", "repeats"), 2.5),
         (("fourier", "repeats"), 1e9),
         (("fourier",), None),
         (("fourier", "centre_m_rad"), [0.0, 0.9]),
@@ -157,6 +158,13 @@ def test_a_plan_of_an_earlier_version_is_read_without_its_fingerprint(saved_plan
     again = Plan.load(copy)
     assert again.predicted_std == saved_plan.predicted_std
     assert again.duration == saved_plan.duration
+
+
+@pytest.mark.parametrize(("path", "entry"), [(("predicted_std", "m"), "predicted_std"), (("limits",), "limits")])
+def test_a_plan_without_a_fingerprint_is_complete(path: tuple[str, ...], entry: str, copy: Path):
+    rewrite(copy, "content")
+    rewrite(copy, *path, **({"to": {}} if entry == "limits" else {}))
+    assert f"{entry}' is missing or damaged; plan again" in refused("post", copy, "-o", copy.parent / "p.ngc", "--json")
 
 
 def count_of_blocks(program: Path) -> int:
