@@ -28,6 +28,16 @@ _PARENT, _CHILD = "#parent", "#child"
 """Keys of a joint's links, which no attribute can have."""
 
 
+_COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
+
+
+class _WithoutDoctype(ElementTree.TreeBuilder):
+    """Refuses what could expand without end, in whatever encoding."""
+
+    def doctype(self, *_: object) -> None:
+        raise ValueError("has a DOCTYPE, which a URDF does not need; remove it")
+
+
 def read_urdf(file: Path, flange: str | None) -> tuple[str, list[tuple[Joint, JointLimit]], ChainFrame]:
     """The root link, the joints that move a link, from the root on, and the link in the last one's moved frame.
 
@@ -36,11 +46,10 @@ def read_urdf(file: Path, flange: str | None) -> tuple[str, list[tuple[Joint, Jo
     """
     try:
         text = file.read_bytes()
-        if b"<!DOCTYPE" in text:
-            raise ValueError("has a DOCTYPE, which a URDF does not need; remove it")
-        if b"xacro:" in text or b"${" in text:
+        plain = _COMMENT.sub(b"", text)  # xacro keeps comments as they are
+        if b"xacro:" in plain or b"${" in plain:
             raise ValueError("is xacro, not URDF; expand it first: xacro FILE.urdf.xacro > robot.urdf")
-        return _chain(ElementTree.fromstring(text), flange)
+        return _chain(ElementTree.fromstring(text, ElementTree.XMLParser(target=_WithoutDoctype())), flange)
     except OSError as error:
         raise CaseError(file, "", f"cannot be read ({error.strerror}); name a readable URDF file") from error
     except (ElementTree.ParseError, LookupError) as error:

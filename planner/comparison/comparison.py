@@ -89,10 +89,9 @@ def recommend(entries: Sequence[Sequence[Entry]]) -> Comparison:
     """Groups with the excitation of the smallest standard deviations, by the best evidence that all of them have."""
     different, remarks = list[str](), list[str]()
     common = [level for level in ("identified", "planned") if all(any(e.level == level for e in g) for g in entries)]
-    if common:
-        level, selection = common[0], [e for g in entries for e in g if e.level == common[0]]
-    else:
-        level, selection = "mixed", [e for g in entries for e in g if e.level == g[-1].level]
+    level = common[0] if common else "mixed"
+    selection = [e for g in entries for e in g if e.level == (level if common else g[-1].level) and not _told(e, g)]
+    if not common:
         remarks.append("predictions stand beside identified values: predictions know nothing of the machine's errors")
     alike = under_equal_conditions(selection)
     if len(alike) > 1:
@@ -109,6 +108,13 @@ def recommend(entries: Sequence[Sequence[Entry]]) -> Comparison:
         level=level,
         ratios={name: ratio for _, ratios, _ in rated for name, ratio in ratios.items()},
         sentences=(*different, *reasons, *remarks),
+    )
+
+
+def _told(entry: Entry, group: Sequence[Entry]) -> bool:
+    """Whether it is a run whose result stands beside it: a run with figures of the execution, and a result without."""
+    return bool(entry.notes) and any(
+        not o.notes and o.conditions.recordings & entry.conditions.recordings for o in group
     )
 
 

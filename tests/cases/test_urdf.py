@@ -158,6 +158,15 @@ def test_what_stands_beside_the_way_may_be_broken(tmp_path: Path) -> None:
         read_urdf(file, "finger2")
 
 
+def test_comments_that_xacro_keeps_do_no_harm_and_a_doctype_is_refused_in_any_encoding(tmp_path: Path) -> None:
+    kept = ur10().replace('<link name="tool0"/>', '<!-- <xacro:tool prefix="${a}"/> --><link name="tool0"/>')
+    assert new_arm("arm", file_with(tmp_path, kept), "tool0", tmp_path / "arm").is_file()
+    file = tmp_path / "wide.urdf"
+    file.write_bytes('<!DOCTYPE robot [<!ENTITY a "b">]><robot/>'.encode("utf-16"))
+    with pytest.raises(CaseError, match="has a DOCTYPE"):
+        new_arm("wide", file, "tool0", tmp_path / "wide")
+
+
 def test_an_axis_of_any_length_is_a_direction(tmp_path: Path) -> None:
     text = ur10().replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 -2.5"/>', 1)
     np.testing.assert_array_equal(read_urdf(file_with(tmp_path, text), "tool0")[1][0][0].axis, [0.0, 0.0, -1.0])

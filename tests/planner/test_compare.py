@@ -176,6 +176,13 @@ def test_every_run_of_a_plan_and_every_result_of_a_run_takes_part(hexapod_case: 
     assert advice.ratios == pytest.approx({"r": 5.0, "s": 5.0, "r2": 1.0, "r1": 2.0, "s1": 3.0, "other": 4.0})
 
 
+def test_a_run_is_not_compared_with_its_own_result(hexapod_case: Case):
+    result = entry(hexapod_case, "result", 0.1, 12.0)
+    run = replace(result, name="run", notes={"executed_s": 12.0})
+    assert recommend([[run, result]]).best is None
+    assert recommend([[run, result], [entry(hexapod_case, "other", 0.2, 12.0)]]).ratios.keys() == {"result", "other"}
+
+
 def test_warnings_of_the_best_are_told(hexapod_case: Case):
     a, b = entry(hexapod_case, "a", 0.1, 12.0), entry(hexapod_case, "b", 0.2, 12.0)
     doubtful = replace(a, warnings=("contact in rows 3 to 9",))
