@@ -99,8 +99,6 @@ def test_a_bag_of_a_robot_is_identified(stored: StoragePlugin, tmp_path: Path) -
         found = result[name]
         assert abs(found.value - true) < 4.0 * found.reported, name
     assert result["m"].reported < 0.005
-    # 0.3 N and 0.01 N m in a sample, where the case states 0.5 and 0.02: a few times less than stated, however averaged
-    assert 1.0 < result.record.noise_sources["force_sensors"] < 6.0
 
 
 def test_both_clocks_run_evenly_and_lost_messages_are_missing(tmp_path: Path) -> None:
