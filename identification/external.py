@@ -13,7 +13,7 @@ from cases.files import atomic_file, check_file
 from cases.recording_format import CLOCK, WRENCH
 from cases.schema import Case
 from cases.units import Array, as_html
-from identification.finding import Finding, Kind, changed_cases, sentences, warning
+from identification.finding import Finding, Kind, changed_cases, note, sentences, warning
 from identification.findings.fit_checks import WARM_UP, channel_words
 from identification.outcome import Result
 from identification.parameters import offset_columns
@@ -129,13 +129,28 @@ def shifted_all_along(residuals: Array, variance: Array, case: Case) -> list[Fin
     return [warning(Kind.OFFSETS, f"{sentence}offset has drifted, or something presses all along; {WARM_UP}")]
 
 
+def drifted_since(change: Array, std: Array, case: Case, source: str) -> list[Finding]:
+    """A note where a tare finds other offsets than a result, `source`.
+
+    By the change of the offsets, shape (6,) [N, or N and N m], and its standard deviation.
+    """
+    sure = np.abs(change) / np.maximum(std, np.finfo(float).tiny)
+    worst = int(np.argmax(sure))
+    if not sure[worst] > DRIFTED:
+        return []
+    channel, unit = channel_words(case, worst)
+    sentence = f"the offset of {channel} has drifted by {change[worst]:+.2g} {unit} ({sure[worst]:.0f} standard "
+    return [note(Kind.OFFSETS, f"{sentence}deviations) since {source}: what was computed with that is off by it")]
+
+
 STILL = 1e-4  # [m or rad] that drives may move in a standstill: encoder noise and drift, not motion
 
 
 def tare(recording: Recording, result: Result) -> Result:
     """The result with sensor offsets f_q0 (11) identified anew from a standstill without contact; all else stays.
 
-    The uncertainty of all else at the pose of the standstill is part of that of the offsets.
+    The uncertainty of all else at the pose of the standstill is part of that of the offsets. A note says which offset
+    has drifted since the result.
 
     Raises:
         IdentificationError: the machine moves, or there are fewer than two samples.
@@ -160,6 +175,7 @@ def tare(recording: Recording, result: Result) -> Result:
     variance = np.maximum(residuals.var(axis=0, ddof=1) / count, variance_of_mean(residuals))
     offsets = offset_columns(model)
     values, covariance, robust = result.values.copy(), result.covariance.copy(), result.covariance_robust.copy()
+    drift = drifted_since(change, np.sqrt(variance + np.diag(robust)[offsets]), case, result.source)
     values[offsets] += change
     others = still.matrices.mean(axis=0)
     others[:, offsets] = 0.0
@@ -171,7 +187,7 @@ def tare(recording: Recording, result: Result) -> Result:
     parameters = entries_of_parameters(physical, values, covariance, robust)
     record = result.record.replaced(
         **parameters,
-        findings=(*result.findings, *changed_cases(stale)),
+        findings=(*result.findings, *drift, *changed_cases(stale)),
         tared_with=str(recording.paths[0]) if recording.paths else recording.source,
         **({"stale": stale} if stale else {}),
     )

@@ -4,6 +4,7 @@ import faulthandler
 import logging
 import os
 import signal
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, version
@@ -104,6 +105,8 @@ def require_version(client: "Client", address: str) -> None:
             raise HexciteError(f"worker {worker} has {has}, this is {ours}; install the same wheel on both")
 
 
+DESERTED = 300.0  # [s] without any worker after which none is expected; on a busy computer one takes a minute
+LOOK = 10.0  # [s] between two checks for workers while no task ends
 AHEAD = 2  # tasks in the queue for each thread, so that workers do not wait
 
 
@@ -119,25 +122,30 @@ def run_tasks(
         client: client of a cluster whose workers have one thread each and can import what the tasks call.
         tasks: keys, each once, and functions.
         time_limit: time limit for one try [s]; a worker that passes it ends, and its nanny starts another.
+
+    Raises:
+        HexciteError: all workers are lost.
     """
-    from distributed import as_completed
+    from distributed import wait
 
     pending: dict[Future, str] = {}
-
-    def submit(count: int) -> list["Future"]:
-        submitted = {
-            client.submit(_on_worker, task, time_limit, pure=False, retries=1): key
-            for key, task in islice(tasks, count)
-        }
-        pending.update(submitted)
-        return list(submitted)
-
+    last_contact = time.monotonic()
     try:
-        first = submit(AHEAD * max(1, sum(client.nthreads().values())))
-        arriving = as_completed(first, loop=client.loop)
-        for future in arriving:
-            yield pending.pop(future), _answer(future, time_limit)
-            arriving.update(submit(1))
+        while True:
+            threads = sum(client.nthreads().values())
+            last_contact = time.monotonic() if threads else last_contact
+            if time.monotonic() - last_contact > DESERTED:
+                raise HexciteError(f"the cluster has had no workers for {DESERTED:g} s; what is done so far is kept")
+            for key, task in islice(tasks, max(0, AHEAD * max(1, threads) - len(pending))):
+                pending[client.submit(_on_worker, task, time_limit, pure=False, retries=1)] = key
+            if not pending:
+                return
+            try:
+                with client.as_current():
+                    ended = wait(list(pending), timeout=LOOK, return_when="FIRST_COMPLETED").done
+            except TimeoutError:
+                continue
+            yield from ((pending.pop(future), _answer(future, time_limit)) for future in ended)
     finally:
         client.cancel(list(pending))
 

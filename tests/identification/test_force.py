@@ -93,6 +93,8 @@ def test_a_tare_moves_the_offsets_by_the_drift_and_nothing_else(saved: Result) -
     moved = np.array([n.startswith("f_q0") for n in names])
     np.testing.assert_allclose((drifted.values - base.values)[moved], 2.5, atol=1e-9)
     np.testing.assert_array_equal(drifted.values[~moved], saved.values[~moved])
+    assert any("has drifted" in note for note in drifted.notes), (drifted.notes, base.values[moved], saved["f_q0_1"])
+    assert not any("has drifted" in note for note in base.notes)
 
 
 def test_after_a_tare_forces_of_that_pose_are_known_as_well_as_its_mean(saved: Result) -> None:

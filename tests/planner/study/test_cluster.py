@@ -10,6 +10,7 @@ import pytest
 from distributed import LocalCluster
 
 from cases.errors import HexciteError
+from planner.study import cluster
 from planner.study.cluster import remote_client, require_version, run_tasks
 from tests.helpers import one_line
 
@@ -33,6 +34,16 @@ def test_a_running_cluster_does_the_work(monkeypatch: pytest.MonkeyPatch) -> Non
     ):
         found = list(run_tasks(client, ((str(k), partial(operator.neg, k)) for k in range(20)), 60.0))
     assert dict(found) == {str(k): -k for k in range(20)}
+
+
+def test_a_study_ends_where_all_workers_are_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "DESERTED", 1.0)
+    monkeypatch.setattr(cluster, "LOOK", 0.2)
+    with LocalCluster(1, threads_per_worker=1, processes=False, dashboard_address=None) as there:
+        client = there.get_client()
+        there.scale(0)
+        with pytest.raises(HexciteError, match="no workers for 1 s"):
+            list(run_tasks(client, ((str(k), partial(operator.neg, k)) for k in range(20)), 60.0))
 
 
 @pytest.mark.parametrize(
