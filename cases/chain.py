@@ -11,7 +11,7 @@ from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from cases.machine import KeepOut, MotionLimits, Tool
 from cases.sensors import RigidBody
-from cases.tables import Number, Part, Positive, Range, Vector, frozen, kind_of, own_units, si
+from cases.tables import Number, Part, Positive, Range, Vector, frozen, kind_of, own_units, si, spelled
 from cases.units import DEG, MM, Array
 
 MOST_JOINTS = 12
@@ -37,7 +37,7 @@ class Joint(ChainFrame):
     `position_mm`.
     """
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z][\w./-]*$")]
+    name: Annotated[str, spelled(r"[A-Za-z][\w./-]*", "a name: letters, digits and any of _ . / -, a letter first")]
     """Name of the joint, as in ROS; messages use it."""
     kind: Literal["revolute", "continuous", "prismatic"]
     """Turns between ends (revolute), turns without ends (continuous), or slides (prismatic)."""

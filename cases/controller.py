@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Literal, TypeVar
 
 from pydantic import AfterValidator, Field, WithJsonSchema, model_validator
 
-from cases.tables import Part, Positive, kind_of, si_value
+from cases.tables import Part, Positive, kind_of, si_value, spelled
 from cases.units import DEG, MINUTE, MM
 
 
@@ -33,7 +33,9 @@ class UrScript(Part):
 
     table: ClassVar = "urscript"
 
-    program_name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,30}$")]
+    program_name: Annotated[
+        str, spelled(r"[A-Za-z][A-Za-z0-9_]{0,30}", "a name: letters, digits and _, a letter first")
+    ]
     """Name of the function that the program is: letters, digits and underscores."""
     trigger_output: Annotated[int, Field(strict=True, ge=0, le=7)]
     """Standard digital output that is on while the excitation runs; RTDE records it with the robot's clock."""
@@ -66,8 +68,8 @@ def _angle_words(words: tuple[str, str, str]) -> tuple[str, str, str]:
     return words
 
 
-Word = Annotated[str, Field(pattern=r"^[A-Z]{1,7}[0-9]?$")]
-Call = Annotated[str, Field(pattern=r"^[A-Z][A-Z0-9_]*(?:\([0-9](?:,[0-9])*\))?$")]
+Word = Annotated[str, spelled(r"[A-Z]{1,7}[0-9]?", "a word: one to seven capitals, a digit may follow")]
+Call = Annotated[str, spelled(r"[A-Z][A-Z0-9_]*(?:\([0-9](?:,[0-9])*\))?", "a command such as TRAORI or TRAORI(1)")]
 AngleWords = Annotated[tuple[Word, Word, Word], AfterValidator(_angle_words)]
 
 
@@ -87,7 +89,7 @@ class SinumerikAxes(BlockMemory):
 
     table: ClassVar = "sinumerik"
 
-    program_name: Annotated[str, Field(pattern=SINUMERIK_NAME)]
+    program_name: Annotated[str, spelled(SINUMERIK_NAME, "a name of a SINUMERIK program such as EXCITE_1")]
     """Internal name: 2 to 24 capitals, digits and underscores that begin with two letters or `_` and a letter."""
     trigger_output: Annotated[int, Field(strict=True, ge=1, le=1024)]
     """Number of the digital output $A_OUT that a synchronised action switches."""
@@ -145,7 +147,7 @@ class TwinCatAxes(BlockMemory):
 
     table: ClassVar = "twincat"
 
-    program_name: Annotated[str, Field(pattern=TWINCAT_NAME)]
+    program_name: Annotated[str, spelled(TWINCAT_NAME, "a name of a TwinCAT program such as EXCITE_1")]
     """Name in the `%` line."""
     slope: Literal["STEP", "TRAPEZ"]
     """`#SLOPE TYPE`: TRAPEZ limits the jerk, STEP does not."""

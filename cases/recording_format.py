@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from cases.machine import POSE
-from cases.tables import Number, Part, Positive, Six, Vector, frozen, si
+from cases.tables import Number, Part, Positive, Six, Vector, frozen, si, spelled
 from cases.units import DEG, MM, MS, UM, Array
 
 CLOCK, TRIGGER, OVERRIDE = "t_s", "trigger", "override_percent"
@@ -76,7 +76,7 @@ _ORTHOGONALITY = 1e-3  # of a mounting matrix, which is typed by hand with a few
 TICKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "filetime": 1e-7}  # units of time stamps [s]
 
 
-Separator = Annotated[str, Field(pattern=r"^[^\w\"'.+\-\r\n]$")]
+Separator = Annotated[str, spelled(r"[^\w\"'.+\-\r\n]", "one character that no number has, such as a semicolon")]
 Count = Annotated[int, Field(strict=True, ge=0)]
 StreamName = Literal["struts", "pose", "rotation", "accelerometer", "forces"]
 SHIFTED: Mapping[StreamName, tuple[str, ...]] = {

@@ -9,7 +9,7 @@ from itertools import accumulate
 from pathlib import Path
 from typing import Annotated, Literal, NoReturn
 
-from pydantic import Field, PrivateAttr, field_validator, model_validator
+from pydantic import PrivateAttr, field_validator, model_validator
 
 from cases.chain import Chain, JointMotionLimits, Limits, SerialMachine, joint_problems
 from cases.controller import Controller, ControllerName, Settings, Sinumerik, TwinCat
@@ -19,7 +19,7 @@ from cases.machine import HexapodMachine, MotionLimits, Workspace, box_problems
 from cases.poses import Poses
 from cases.recording_format import STRUTS, RecordingFormat
 from cases.sensors import Payloads, RigidBody, SensorFrame, Sensors, Simulation, together
-from cases.tables import ALSO, Part, Vector, find_case, frozen, kind_of, lasting_name, read_tables
+from cases.tables import ALSO, Part, Vector, find_case, frozen, kind_of, lasting_name, read_tables, spelled
 from cases.units import DEG, MINUTE, MM, Array, as_html
 
 # 9.76 on the highest mountain of the tropics to 9.83 at the poles; other values are typing errors or in another unit.
@@ -36,7 +36,7 @@ class Heading(Part):
 
     schema_version: Literal[1]
     """Version of this description."""
-    name: str = Field(pattern=r"^[a-z][a-z0-9_]*$")
+    name: Annotated[str, spelled(r"[a-z][a-z0-9_]*", "a name: small letters, digits and _, a letter first")]
     """Small letters, digits and underscores."""
     title: str
     """What it is, in a line."""

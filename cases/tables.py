@@ -93,6 +93,17 @@ _OWN = {"mm": MM, "um": UM, "deg": DEG, "ms": MS}
 _ENDING = re.compile(r"_(mm|um|deg|ms)(_s\d?)?$")
 
 
+def spelled(pattern: str, words: str) -> AfterValidator:
+    """A check of the spelling of a text, by a pattern and in words for people."""
+
+    def checked(text: str) -> str:
+        if re.fullmatch(pattern, text) is None:
+            raise ValueError(f"{text!r}: is not {words}; correct the value")
+        return text
+
+    return AfterValidator(checked)
+
+
 def own_units(keys: Iterable[str]) -> Array:
     """SI values of the units that keys and columns end in, shape (keys,); 1 where they are SI, or have none."""
     return np.array([_OWN[match[1]] if (match := _ENDING.search(key)) else 1.0 for key in keys])
@@ -178,7 +189,7 @@ def _explained(model: type[BaseModel], path: Path, error: ValidationError, all_b
 
 def _key(problem: ErrorDetails) -> str:
     """Where a problem is, counted as people count."""
-    parts = [part for part in problem["loc"] if not _tag(part)]
+    parts = [part for part in problem["loc"] if not _tag(part) and part != "[key]"]
     return ".".join(str(part) if isinstance(part, str) else f"[{part + 1}]" for part in parts).replace(".[", "[")
 
 

@@ -164,15 +164,16 @@ class Hexapod:
         most = np.full(6, limits.strut_velocity_m_s), np.full(6, limits.strut_acceleration_m_s2)
         return over_samples(self.strut_motion, pose, rates, accelerations)[1:], most
 
-    def _solved(self, lengths: Array) -> tuple[Array, Array, Flags]:
-        """As `_newton` from home; of many samples those between two that are solved begin between their poses."""
+    def _solved(self, lengths: Array, near: Array | None = None) -> tuple[Array, Array, Flags]:
+        """As `_newton` from `near` or home; of many samples those between two that are solved begin between them."""
         home, rows = np.tile(self.home, (len(lengths), 1)), np.arange(len(lengths))
-        if len(lengths) < FEW:
+        if near is None and len(lengths) < FEW:
             return self._newton(lengths, home)
-        coarse, _, closed = self._newton(lengths[::EVERY], home[::EVERY])
-        coarse[~closed] = self.home
-        between = np.column_stack([np.interp(rows, rows[::EVERY], values) for values in coarse.T])
-        pose, jacobians, closed = self._newton(lengths, between)
+        if near is None:
+            coarse, _, closed = self._newton(lengths[::EVERY], home[::EVERY])
+            coarse[~closed] = self.home
+            near = np.column_stack([np.interp(rows, rows[::EVERY], values) for values in coarse.T])
+        pose, jacobians, closed = self._newton(lengths, near)
         again = ~closed
         pose[again], jacobians[again], closed[again] = self._newton(lengths[again], home[again])
         return pose, jacobians, closed
@@ -203,24 +204,27 @@ class Hexapod:
             pose[active] = over_samples(self.newton_step, pose[active], step)[0]
         return pose, jacobians, closed
 
-    def kinematics(self, lengths: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike) -> Kinematics:
+    def kinematics(
+        self, lengths: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike, near: Array | None = None
+    ) -> Kinematics:
         """Pose, twist and twist rate from strut motion, shapes (n, 6) [m, m/s, m/s^2]: (7), (8), (9).
 
         (9) is used in the equivalent form v' = J_Hex (q'' - d/dt(J_Hex^-1) v), since J_Hex is known by its inverse.
         Raises StrutsDoNotClose.
         """
-        motion, closed = self.kinematics_where_closed(*map(np.asarray, (lengths, velocities, accelerations)))
+        first, second = np.asarray(velocities), np.asarray(accelerations)
+        motion, closed = self.kinematics_where_closed(np.asarray(lengths), first, second, near)
         _require_closed(closed, lengths)
         return motion
 
     def kinematics_where_closed(
-        self, lengths: Array, velocities: Array, accelerations: Array
+        self, lengths: Array, velocities: Array, accelerations: Array, near: Array | None = None
     ) -> tuple[Kinematics, Flags]:
         """Kinematics of samples whose struts need not close, in any order; and which close.
 
         They mean nothing where struts do not close.
         """
-        pose, jacobian, closed = self._solved(lengths)
+        pose, jacobian, closed = self._solved(lengths, near)
         pose[~closed], jacobian[~closed] = self.home, np.eye(6)
         moving = np.asarray(np.linalg.solve(jacobian, velocities[:, :, None])[:, :, 0], dtype=np.float64)
         drift = over_samples(self.jacobian_drift, pose, moving)[0]

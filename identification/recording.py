@@ -77,7 +77,9 @@ class Recording(Stream):
             return read(paths, case)
         record = record_of(place)
         if not record:
-            raise RecordingError(place, "does not say which machine it is from", "name it with --case")
+            raise RecordingError(
+                place, "does not say which machine it is from", "name it with --case, or a folder of hexcite run"
+            )
         file, again = place / "recording.json", "run the program again"
         own = case_of(file, record, again)
         remarks = require_unchanged(file, record, recording_basis(own), own, stale, again)

@@ -145,7 +145,9 @@ class SerialChain:
         outputs = [ca.densify(value) for value in (position, ca.vec(turn), twist, twist_rate)]
         return ca.Function("chain_motion", [q, rates, accelerations], outputs, {"cse": True})
 
-    def kinematics(self, q: ArrayLike, rates: ArrayLike, accelerations: ArrayLike) -> Kinematics:
+    def kinematics(
+        self, q: ArrayLike, rates: ArrayLike, accelerations: ArrayLike, near: Array | None = None
+    ) -> Kinematics:
         """Pose, twist and twist rate of {P} from the motion of the joints, shapes (k, n), one row a sample.
 
         Where the pitch is a right angle the roll is 0.

@@ -230,8 +230,11 @@ class Machine(Protocol):
     def coordinates(self, drives: ArrayLike, /) -> Array:
         """The coordinates of measured drives, shapes (k, n) [m or rad]; raises IdentificationError without any."""
 
-    def kinematics(self, drives: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike, /) -> Kinematics:
+    def kinematics(
+        self, drives: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike, near: Array | None = None, /
+    ) -> Kinematics:
         """Motion of the load's frame from that of the drives, shapes (k, n) [m or rad].
 
+        Poses `near` those of the load's frame, shape (k, 6) [m, rad], are where a search for them may begin.
         Raises IdentificationError where no coordinates have such drives.
         """

@@ -93,8 +93,11 @@ class Run(Moving):
         for begin in range(0, len(self.rows), PIECE):
             piece = slice(begin, begin + PIECE)
             parts = [s[piece] for s in struts]
+            motions: list[Kinematics] = []
             try:
-                motions = [self.machine.kinematics(*parts[k : k + 3]) for k in range(0, len(parts), 3)]
+                for k in range(0, len(parts), 3):  # delays differ by so little that their poses are close
+                    near = motions[0].pose if motions else None
+                    motions.append(self.machine.kinematics(parts[k], parts[k + 1], parts[k + 2], near))
             except StrutsDoNotClose as error:  # say where in the file it is
                 row = int(self.filter.margin + self.rows[begin + error.sample])
                 raise StrutsDoNotClose(row, error.lengths, self.recording.lines.place(row)) from error

@@ -101,6 +101,8 @@ def bound(
 ) -> Bound:
     """Upper bound of the information of a motion inside the limits of a case, with its certificate.
 
+    A proven one is read from the cache if it was computed before; an estimate is computed again.
+
     Args:
         case: machine and limits.
         model: number in Table 2; by default the largest that a motion can identify.

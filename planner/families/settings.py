@@ -123,11 +123,12 @@ class Fourier(FamilySettings):
         limit = _highest_frequency(case)
         for order, period in self._choices(case, duration):
             if order / period > limit:
-                option = "--period" if self.period or duration >= order / limit else "--duration"
+                most = int(duration * limit / order * (1 + ROUNDING))  # whole periods that pass
+                option = "--period" if self.period or most else "--duration"
                 raise HexciteError(
                     f"period {period:g} s is too short: order {order} reaches {order / period:g} Hz, the evaluation "
                     f"passes up to {limit:g} Hz (half of recording.filter_cutoff_Hz); choose {option} "
-                    f"{order / limit:g} or more"
+                    f"{duration / most if most else order / limit:g} or more"
                 )
 
     def families(self, case: Case, duration: float) -> tuple[FourierFamily, ...]:
