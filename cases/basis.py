@@ -46,7 +46,7 @@ def study_basis(case: Case) -> dict[str, Any]:
 
 
 def motion_hash(case: Case) -> str:
-    """Fingerprint of what programs are proven against: machine, workspace and limits."""
+    """Fingerprint of what programs are proven against: setup, machine, workspace, limits and the control cycle."""
     return fingerprint(values(case, _MOTION))
 
 
@@ -101,7 +101,7 @@ def changes_since(about: Mapping[str, Any], now: Mapping[str, Any], case_hash: s
 def require_unchanged(
     file: Path, about: Mapping[str, Any], now: Mapping[str, Any], case: Case, stale: bool, again: str
 ) -> tuple[str, ...]:
-    """What to write into everything that is made of an artefact, where it is stale; nothing where it is not.
+    """What to write into everything that is made of an artefact: what it says itself, and what has changed since.
 
     `now` are the values of the case today by dotted key; `again` says what makes such an artefact anew. Raises
     FileProblem where the case has changed, and `stale` is not set.

@@ -94,7 +94,7 @@ def usual_dialect(case: Case, path: bool = False) -> str:
     """The first language whose settings the case has; a path in a machine's own axes is written as a table alone."""
     ready = {command for command, missing in readiness(case).items() if not missing}
     own_axes = path and not case.need_motion("a program")[1].of_pose
-    names = [*DIALECTS][-2 if own_axes else 0 :]
+    names = [name for name, language in DIALECTS.items() if language.same is not None or not own_axes]  # tables have it
     return next((name for name in names if f"post --dialect {name}" in ready), ControllerName.LINUXCNC)
 
 
@@ -168,7 +168,7 @@ def written_for_another(content: bytes, case: Case) -> str | None:
     if name != case.name:
         return f"written for another case, {name}; this is {case.name}"
     if machine != motion_hash(case):
-        return f"written for {case.name} with other values in [machine], [workspace] or [limits] than it has now"
+        return f"written for {case.name} with another [machine], [workspace], [limits] or controller.cycle_ms"
     if settings != case.controller_hash:
         return "written with other settings of [controller]: signs and words may mean something else"
     return None

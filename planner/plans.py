@@ -184,6 +184,8 @@ class Plan:
             "limits": self.limits.to_json(),
             **motion_entries(self.motion),
         }
+        if self.stale:
+            entries["stale"] = list(self.stale)
         return entries | {"content": content_of(entries)}
 
     @property

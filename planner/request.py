@@ -130,7 +130,7 @@ def read_value(text: str, units: Mapping[str, str], option: str, example: str, m
     name, unit = match["name"], (match["unit"] or "").replace("^", "").replace(" ", "")
     if name not in units:
         words = f"{name} is not a parameter of model {model}; choose from {', '.join(units)}"
-        raise HexciteError(f"{option} {text}", f"{words}")
+        raise HexciteError(f"{option} {text}", words)
     factor, for_people = legible(units[name])
     scales = {re.sub(r"[ ^]", "", own): scale for own, scale in ((units[name], 1.0), (for_people, 1.0 / factor))}
     if unit not in scales:

@@ -50,9 +50,9 @@ def retime(plan: Plan) -> Plan:
         "retimed_with": method,
         "retimed_from": str((plan.folder or Path(plan.name)).resolve()),
         "duration_before_s": plan.duration,
-        **({"stale": list(plan.stale)} if plan.stale else {}),
     }
-    return rated_plan(request, case, PlannedMotion(motion, settings, limits), perf_counter() - start)
+    rated = rated_plan(request, case, PlannedMotion(motion, settings, limits), perf_counter() - start)
+    return replace(rated, stale=plan.stale)
 
 
 def by_controller(motion: Joined, case: Case, place: str) -> Joined:

@@ -69,7 +69,7 @@ class Dialect:
         return self.suffixes[0]
 
 
-# In the order in which they are taken where none is named, if the case has their settings; the last two are tables.
+# In the order in which they are taken where none is named, if the case has their settings.
 DIALECTS: dict[str, Dialect] = {
     d.name: d
     for d in (

@@ -43,8 +43,9 @@ def enough(results: Sequence[Start | Failed], request: Request, parameters: int)
         results: results of all starts until now, in the order of their seeds.
         parameters: their number u.
     """
-    if len(results) >= most_starts(request) or request.starts is not None:
-        return len(results) >= most_starts(request)
+    every = len(results) >= most_starts(request)
+    if every or request.starts is not None:
+        return every
     failed = all(isinstance(result, Failed) for result in results)
     idle = FAILURES if failed else request.family.idle(request.criterion)
     return without_gain(results, request.criterion, parameters) >= idle

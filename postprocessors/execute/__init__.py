@@ -76,7 +76,9 @@ STANDS = 1e-4  # [m or rad] largest motion of a drive while the trigger is on: i
 
 
 def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> tuple[float, float]:
-    """How long it took from home to home [s], and how far the machine stood from the program's poses, shape (n, k) [m].
+    """How long it took from home to home [s], and how far the machine stood from the program's poses at most [m].
+
+    `poses` are those of the program, shape (n, k) [m or rad].
 
     Raises HexciteError where the trigger did not come on once at each pose, or the machine moved while it was on.
     """

@@ -188,5 +188,8 @@ def test_a_plan_whose_case_was_edited_since_is_refused(copy: Path, hexapod_file:
     hexapod_file.write_text(edited.replace("[500.0", "[600.0").replace("range_N = 5000.0", "range_N = 6000.0"))
     call("post", copy, *ACCEPT, "-o", copy.parent / "stale.ngc", "--stale", "--json").json()
     assert "sensors.range_N was 5000, is 6000" in (copy.parent / "stale.ngc").read_text()
+    call("retime", copy, "-o", copy.parent / "retimed", "--stale", "--json").json()
+    (remark,) = Plan.load(copy.parent / "retimed").stale  # it stays with what is made of it
+    assert "sensors.range_N was 5000, is 6000" in remark
     hexapod_file.unlink()
     assert "no such case" in refused("post", copy, "-o", copy.parent / "gone.ngc", "--json")
