@@ -170,7 +170,7 @@ def test_a_trigger_may_be_a_voltage_with_noise(tmp_path: Path, recording: Record
     np.testing.assert_array_equal(read(file, hexapod_case).trigger, recording.trigger)
     voltage[400] = f"{rows[400].rpartition(',')[0]},2.4"
     file.write_text("\n".join([header, *voltage]) + "\n")
-    with pytest.raises(RecordingError, match=r"line \d+, trigger: .*two levels") as caught:
+    with pytest.raises(RecordingError, match=r"line \d+, trigger: 2\.4 .*switch") as caught:
         read(file, hexapod_case)
     one_line(caught.value)
 
