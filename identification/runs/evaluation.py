@@ -74,14 +74,16 @@ class Run(Moving):
         middle, unknowns = float(np.clip(delay, -room, room)), len(values)
         around = (middle, middle - SMOOTHING_STEP, middle + SMOOTHING_STEP) if self.nuisances == SMOOTHED else ()
         columns = np.empty((len(self.rows), 6, unknowns + len(self.nuisances)))
-        for piece, (kinematics, other_kinematics, *others) in self._motions(delay, other_delay, *around):
-            matrices, own = regressors(self.model, kinematics), columns[piece]
+        delays = tuple(dict.fromkeys((delay, other_delay, *around)))  # the middle is the delay itself as a rule
+        for piece, motions in self._motions(*delays):
+            at = dict(zip(delays, motions, strict=True))
+            matrices, own = regressors(self.model, at[delay]), columns[piece]
             own[:, :, :unknowns] = matrices
-            own[:, :, -1] = (expected_forces(self.model, other_kinematics, values) - matrices @ values) / (
+            own[:, :, -1] = (expected_forces(self.model, at[other_delay], values) - matrices @ values) / (
                 other_delay - delay
             )
-            if others:
-                now, before, after = (expected_forces(self.model, motion, values) for motion in others)
+            if around:
+                now, before, after = (expected_forces(self.model, at[moment], values) for moment in around)
                 own[:, :, unknowns] = (before + after - 2.0 * now) / SMOOTHING_STEP**2
         return columns
 
