@@ -20,7 +20,7 @@ def test_moves_of_joints_last_whole_cycles_and_are_as_fast_as_one_joint_can_be(j
     case = chain_case(joints)
     home, box = case.need_motion("a test")
     draw = np.random.default_rng(SEED)
-    places = home + np.vstack([draw.uniform(*(0.4 * box.pose)) for _ in range(3)])
+    places = home + np.vstack([draw.uniform(*(0.2 * box.pose)) for _ in range(3)])
     slow = Joined(tuple(
         StraightMove.fastest(a, b, 0.5 * box.rate, 0.25 * box.acceleration, 0.125 * box.jerk)
         for a, b in pairwise(places)
