@@ -61,7 +61,7 @@ def test_bytes_that_are_no_ascii_line_of_the_controller_are_refused_with_their_p
     ("machine", "settings", "said"),
     [
         ("", "", None),
-        ("0", "", r"for hexapod with other values in .machine., .workspace. or .limits."),
+        ("0", "", r"for hexapod with another .machine., .workspace., .limits."),
         ("", "0", "other settings of .controller."),
     ],
 )
