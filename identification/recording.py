@@ -147,7 +147,7 @@ def read(paths: Path | str | Sequence[Path | str], case: Case) -> Recording:
     main, *others = read_run(places, case)
     pa.default_memory_pool().release_unused()  # as much again as the recording, which it keeps for its next table
     record = record_of(places[0]) if len(places) == 1 else {}
-    own: dict[str, Any] = {part.name: getattr(main, part.name) for part in fields(main)}
+    own = {part.name: getattr(main, part.name) for part in fields(main)}
     return Recording(**own, others=tuple(others), case=case, paths=tuple(places), record=record)
 
 

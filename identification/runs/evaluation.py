@@ -15,7 +15,7 @@ its standard deviations.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -52,7 +52,8 @@ class Run(Moving):
 
     def at(self, rows: Indices) -> Self:
         """The run evaluated at other filtered samples, shape (n,)."""
-        return replace(self, rows=rows, **signals_at(self.recording, self.filter, rows))
+        t, recorded, forces = signals_at(self.recording, self.filter, rows)
+        return replace(self, rows=rows, t=t, recorded=recorded, forces=forces)
 
     def regressors(self, delay: float) -> Array:
         """A at the instants t_k - delay, shape (n, 6, u)."""
@@ -168,12 +169,12 @@ class Run(Moving):
         return Residuals(every.t, every.recorded, predicted, self.filter.step, every.forces)
 
 
-def signals_at(recording: Recording, low_pass: Filter, rows: Indices) -> dict[str, Any]:
-    """Times, and forces as recorded and behind the filter, by field of `Samples`, at filtered samples, shape (n,)."""
+def signals_at(recording: Recording, low_pass: Filter, rows: Indices) -> tuple[Array, Array, Array]:
+    """Times, and forces as recorded and behind the filter, at filtered samples, shape (n,)."""
     assert recording.t is not None
     at = low_pass.margin + rows
     filtered = decimated(low_pass, recording.forces, rows, [(0, 0.0)])[0]
-    return {"t": recording.t[at], "recorded": recording.forces[at], "forces": filtered}
+    return recording.t[at], recording.forces[at], filtered
 
 
 SAMPLED = 1.0 / 12.0  # of T^2: the largest b that sampling alone makes

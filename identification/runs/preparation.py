@@ -140,9 +140,10 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
             f"{len(window)} samples of motion are {len(rows)} independent ones behind a "
             f"{low_pass.cutoff:g} Hz filter; record longer",
         )
+    t, recorded, forces = signals_at(recording, low_pass, rows)
     return Run(
-        model=model, samples=len(window), window=warnings, filter=low_pass, recording=recording,
-        machine=machine_of(case), rows=rows, spoilt=invalid, **signals_at(recording, low_pass, rows),
+        model=model, t=t, recorded=recorded, forces=forces, samples=len(window), window=warnings, filter=low_pass,
+        recording=recording, machine=machine_of(case), rows=rows, spoilt=invalid,
     )  # fmt: skip
 
 
