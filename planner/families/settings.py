@@ -99,7 +99,7 @@ class Fourier(FamilySettings):
     name: ClassVar[str] = "fourier"
 
     def __post_init__(self) -> None:
-        _require(self.order, "order", ORDERS[0], ORDERS[-1], "3 to 7: above 7 only jerk grows")
+        _require(self.order, "order", ORDERS[0], ORDERS[-1], "3 to 7")
         _require(self.period, "period", SHORTEST_PERIOD, LONGEST_PERIOD, f"about {USUAL_PERIOD:g} s")
 
     def base_period(self, duration: float) -> float:
