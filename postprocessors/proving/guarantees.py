@@ -24,10 +24,8 @@ Law = Callable[[float, float, float], Profile]
 
 Limits of velocity, acceleration and jerk on the share of the way [1/s, 1/s^2, 1/s^3] -> time law of that share, 0 to 1.
 """
-ARC_SHARES = (
-    math.sqrt(0.75),
-    0.5,
-)  # of the acceleration limit, that an arc is assumed to use along its path and across it
+# Shares of the acceleration limit that an arc is assumed to use along its path and across it.
+ARC_SHARES = math.sqrt(0.75), 0.5
 
 
 def limits_jerk(law: Law) -> bool:

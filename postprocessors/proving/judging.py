@@ -159,10 +159,8 @@ def _asked(part: Untimed, motion: StraightMove | CircularMove, by: Guarantees) -
 
 
 FINE, ROUGH, ROUGH_RATE = 100, 10, 4000.0  # most instants in a block, of both grids, and in a second of the rough one
-NEAR_LIMIT, WORST_BLOCKS = (
-    0.9,
-    30,
-)  # share of a limit from which a block has a fine grid, and how many of the worst have
+# Share of a limit from which a block has a fine grid, and how many of the worst have.
+NEAR_LIMIT, WORST_BLOCKS = 0.9, 30
 
 
 def prove_path(motion: TimedPoints | PolynomialMotion | Tabulated, case: Case, in_box: bool) -> LimitReport:
