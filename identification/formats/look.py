@@ -27,7 +27,8 @@ from cases.recording_format import (
 from cases.schema import Case
 from cases.units import Array, as_html
 from identification.formats.binary import KINDS, joint_names, opened, topic_of, topics_of
-from identification.formats.layout import look_at_text, matched
+from identification.formats.layout import look_at_text
+from identification.formats.meaning import matched
 from identification.formats.reading import bag_of, is_bag, is_parquet, read_run, read_tables
 from identification.formats.table import listed
 
