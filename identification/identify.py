@@ -21,7 +21,8 @@ from identification.estimation.estimators import Method
 from identification.estimation.fit import require_alive
 from identification.finding import Kind, changed_cases, warning
 from identification.findings.contact import contact_findings, free_of_contact, touched
-from identification.findings.fit_checks import fit_findings, leaves_much
+from identification.findings.fit_checks import fit_findings
+from identification.findings.noise_level import doubtful
 from identification.findings.wiring import other_wiring
 from identification.formats.reading import files_of
 from identification.model import Model, full_model, identification_model
@@ -161,8 +162,8 @@ def estimate_parameters(
                 if said := other_wiring(recording, case, model, negative=error.quantity == "m"):
                     raise IdentificationError(said) from error
                 raise
-            doubtful = estimate.warnings or leaves_much(estimate.fit, estimate.evaluated.forces, case)
-            if doubtful and (said := other_wiring(recording, case, model)):
+            doubt = doubtful(estimate.evaluated, estimate.fit, case, estimate.findings)
+            if doubt and (said := other_wiring(recording, case, model)):
                 raise IdentificationError(said)
         return estimate
     except (IdentificationError, RecordingError) as error:

@@ -26,7 +26,6 @@ from identification.signals import fair_part
 SUSPICIOUS_RATIO = 1.5  # of robust to white standard deviations: the residuals are far from white
 SYSTEMATIC = 0.35  # lag-one autocorrelation of residuals beyond that of filtered white noise
 LEAST_SERIES = 50  # samples from which on an autocorrelation is estimated
-MUCH = 0.1  # rms of the residuals over that of what varies
 LEAST_EXPLAINED = 0.5  # of the forces' variance; a model that explains less does not belong to the run
 SUSPICIOUS_DELAY = 0.02  # [s]; more than any filter of a force channel, and a sign of unrelated streams
 
@@ -50,12 +49,6 @@ def systematic(recording: Recording, case: Case, fitted: Fitted) -> list[Finding
         "a compensated wrench, or coloured noise; look at their figure in the report"
     )
     return [warning(Kind.MODEL, sentence)]
-
-
-def leaves_much(fit: Fit, forces: Array, case: Case) -> bool:
-    """Whether a fit leaves a tenth or more of what varies in the forces, shape (n, 6), or in the moments among them."""
-    units = (slice(0, 3), slice(3, 6)) if case.sensor_frame.has_moments else (slice(0, 6),)
-    return any(np.mean(fit.residuals[:, u] ** 2) > MUCH**2 * np.mean(forces[:, u].var(axis=0)) for u in units)
 
 
 def far_from_white(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
