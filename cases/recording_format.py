@@ -10,21 +10,22 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from cases.machine import POSE
+from cases.orientation import QUATERNION, ROTATION
 from cases.tables import Number, Part, Positive, Six, Vector, frozen, si, spelled
-from cases.units import DEG, MM, MS, UM, Array
+from cases.unit_names import ANGLES, FORCES, LENGTHS, MOMENTS, SHARES, TIMES, Units
+from cases.units import MS, Array
 
 CLOCK, TRIGGER, OVERRIDE = "t_s", "trigger", "override_percent"
 STRUTS = tuple(f"l{k}_mm" for k in range(1, 7))
 DRIVES = tuple(f"q{k}_mm" for k in range(1, 7))
 JOINT_ANGLES = tuple(f"q{k}_deg" for k in range(1, 13))
 JOINT_WAYS = tuple(f"q{k}_mm" for k in range(7, 13))  # of a chain; those before are the names of drives too
-ROTATION = tuple(f"r{i}{j}" for i in range(1, 4) for j in range(1, 4))
 ACCELEROMETER = ("ax", "ay", "az")
 BAR_FORCES = tuple(f"f{k}_N" for k in range(1, 7))
 WRENCH = ("fx_N", "fy_N", "fz_N", "mx_Nm", "my_Nm", "mz_Nm")
 COLUMNS = (
-    CLOCK, *STRUTS, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS, *POSE, *ROTATION, *ACCELEROMETER, *BAR_FORCES, *WRENCH,
-    TRIGGER, OVERRIDE,
+    CLOCK, *STRUTS, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS, *POSE, *QUATERNION, *ROTATION, *ACCELEROMETER, *BAR_FORCES,
+    *WRENCH, TRIGGER, OVERRIDE,
 )  # fmt: skip
 
 
@@ -37,11 +38,6 @@ def setpoint_columns(coordinates: tuple[str, ...], struts: bool) -> tuple[str, .
     """Columns of a table of set points: the motion, of a pose that of the struts behind it, and the trigger."""
     behind = (*STRUTS, *(f"ld{k}_mm_s" for k in range(1, 7)), *(f"ldd{k}_mm_s2" for k in range(1, 7))) if struts else ()
     return (*motion_columns(coordinates), *behind, TRIGGER)
-
-
-_LENGTH = {"mm": MM, "m": 1.0, "um": UM, "nm": 1e-9, "cm": 10.0 * MM, "in": 25.4 * MM}
-_ANGLE = {"deg": DEG, "rad": 1.0, "mrad": 1e-3}
-_FORCE, _MOMENT = {"N": 1.0, "kN": 1e3, "mN": 1e-3}, {"Nm": 1.0, "Nmm": 1e-3, "kNm": 1e3}
 
 
 class Role(StrEnum):
@@ -57,23 +53,23 @@ class Role(StrEnum):
     OVERRIDE = "override"
 
 
-# The columns of each role, and the units they may have; the first is that of our names.
-_ROLES: tuple[tuple[Role, Iterable[str], Mapping[str, float]], ...] = (
-    (Role.STRUTS, STRUTS, _LENGTH),
-    (Role.DRIVES, (*DRIVES, *JOINT_WAYS), _LENGTH),
-    (Role.JOINTS, JOINT_ANGLES, _ANGLE),
-    (Role.POSITIONS, POSE[:3], _LENGTH),
-    (Role.ANGLES, POSE[3:], _ANGLE),
-    (Role.FORCES, (*BAR_FORCES, *WRENCH[:3]), _FORCE),
-    (Role.MOMENTS, WRENCH[3:], _MOMENT),
-    (Role.OVERRIDE, (OVERRIDE,), {"%": 0.01, "1": 1.0}),
+# The columns of each role, and the units they may have.
+_ROLES: tuple[tuple[Role, Iterable[str], Units], ...] = (
+    (Role.STRUTS, STRUTS, LENGTHS),
+    (Role.DRIVES, (*DRIVES, *JOINT_WAYS), LENGTHS),
+    (Role.JOINTS, JOINT_ANGLES, ANGLES),
+    (Role.POSITIONS, POSE[:3], LENGTHS),
+    (Role.ANGLES, POSE[3:], ANGLES),
+    (Role.FORCES, (*BAR_FORCES, *WRENCH[:3]), FORCES),
+    (Role.MOMENTS, WRENCH[3:], MOMENTS),
+    (Role.OVERRIDE, (OVERRIDE,), SHARES),
 )
-ROLE_UNITS: Mapping[Role, Mapping[str, float]] = {role: units for role, _, units in _ROLES}
+ROLE_UNITS: Mapping[Role, Units] = {role: units for role, _, units in _ROLES}
 ROLE_OF = {column: role for role, columns, _ in _ROLES for column in columns}
 
 
 _ORTHOGONALITY = 1e-3  # of a mounting matrix, which is typed by hand with a few digits: beyond this it is no rotation
-TICKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "filetime": 1e-7}  # units of time stamps [s]
+TICKS = TIMES  # units of time stamps [s]
 
 
 Separator = Annotated[str, spelled(r"[^\w\"'.+\-\r\n]", "one character that no number has, such as a semicolon")]
@@ -89,7 +85,7 @@ SHIFTED: Mapping[StreamName, tuple[str, ...]] = {
 class Clock(Part):
     """The time stamps of a file."""
 
-    unit: Literal["s", "ms", "us", "ns", "filetime"] | None = None
+    unit: Literal["s", "ms", "us", "ns", "filetime", "min", "h"] | None = None
     """Unit of a stamp; `filetime`: 100 ns. By default s; of `twincat-scope` ms."""
     period_ms: Positive | None = None
     """Time between rows, for files without stamps."""
@@ -206,7 +202,7 @@ class RecordingFormat(TextFile):
             if list(self.columns.values()).count(theirs) > 1:
                 raise ValueError(f"columns maps {theirs!r} to two of our columns; give each column one meaning")
         for role, unit in self.units.items():
-            if unit not in ROLE_UNITS[role]:
+            if ROLE_UNITS[role].symbol(unit) is None:
                 raise ValueError(f"units.{role} = {unit!r} is not known; give {', '.join(ROLE_UNITS[role])}")
         return self
 
@@ -234,8 +230,8 @@ class RecordingFormat(TextFile):
         """SI value of a column's unit in the file, by its role in `units`, or that of its name."""
         if (role := ROLE_OF.get(ours)) is None:
             return 1.0
-        factors = ROLE_UNITS[role]
-        return factors[self.units.get(role, next(iter(factors)))]
+        units = ROLE_UNITS[role]
+        return units[units.symbol(self.units.get(role, units.usual)) or units.usual]
 
     @property
     def clock_unit(self) -> str:

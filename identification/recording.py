@@ -18,7 +18,8 @@ import numpy as np
 from cases.basis import KEPT, case_of, recording_basis, require_unchanged
 from cases.errors import FileProblem, RecordingError
 from cases.files import RUN, atomic_folder, check_folder, json_text, read_json
-from cases.recording_format import ACCELEROMETER, CLOCK, OVERRIDE, ROLE_OF, ROTATION, TRIGGER, Role
+from cases.orientation import ROTATION
+from cases.recording_format import ACCELEROMETER, CLOCK, OVERRIDE, ROLE_OF, TRIGGER, Role
 from cases.schema import Case
 from cases.tables import own_units
 from cases.units import Array, Indices, as_html

@@ -12,13 +12,13 @@ import numpy as np
 
 from cases.errors import RecordingError
 from cases.machine import POSE
+from cases.orientation import ROTATION
 from cases.recording_format import (
     ACCELEROMETER,
     CLOCK,
     DRIVES,
     OVERRIDE,
     ROLE_UNITS,
-    ROTATION,
     SHIFTED,
     STRUTS,
     TRIGGER,

@@ -4,6 +4,7 @@ import re
 from collections.abc import Mapping, Sequence
 
 from cases.machine import POSE
+from cases.orientation import ROTATION
 from cases.recording_format import (
     ACCELEROMETER,
     BAR_FORCES,
@@ -11,19 +12,12 @@ from cases.recording_format import (
     COLUMNS,
     DRIVES,
     OVERRIDE,
-    ROLE_UNITS,
-    ROTATION,
     STRUTS,
-    TICKS,
     TRIGGER,
     WRENCH,
 )
+from cases.unit_names import QUANTITIES
 
-_UNITS = {
-    "µm": "um", "µs": "us", "μm": "um", "μs": "us", "sec": "s", "msec": "ms", "°": "deg", "grad": "deg", "N*m": "Nm",
-    "N m": "Nm", "N·m": "Nm", "N*mm": "Nmm",
-}  # fmt: skip
-_KNOWN = {*TICKS, *(unit for units in ROLE_UNITS.values() for unit in units)} - {"filetime", "1"}
 _BRACKETED = re.compile(r"[\[(<]\s*([^\])>]*?)\s*[\])>]")
 _SUFFIX = re.compile(r"(?<=[A-Za-z0-9])[_ /]+([A-Za-zµμ%/]+)$")
 _NOT_MEASURED = re.compile(r"soll|target|cmd|command|setp|desired|_ref|vel|speed|geschw|ld_?\d|qd_?\d")
@@ -82,9 +76,9 @@ def matched(
 
 
 def unit_of(text: str) -> str | None:
-    """A unit as hexcite writes it, in brackets or not; None where it is not known."""
-    unit = _UNITS.get(text := text.strip("[]() "), text)
-    return unit if unit in _KNOWN else None
+    """A unit as hexcite writes it, in brackets or not; None where it is not one that a column of ours can have."""
+    symbols = (units.symbol(text) for units in QUANTITIES)
+    return next((symbol for symbol in symbols if symbol not in (None, "filetime", "1")), None)
 
 
 def _without_unit(name: str, unit: str) -> tuple[str, str | None]:

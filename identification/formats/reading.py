@@ -14,7 +14,8 @@ import numpy as np
 
 from cases.errors import RecordingError
 from cases.machine import POSE
-from cases.recording_format import ROTATION, RecordingFormat
+from cases.orientation import ROTATION
+from cases.recording_format import RecordingFormat
 from cases.schema import Case
 from identification.formats import binary, text, traces
 from identification.formats.assembly import require_clock, start_of, stream_of

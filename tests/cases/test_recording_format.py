@@ -74,7 +74,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "header rows below zero": ("header_rows = -1", "recording.header_rows", "-1: .*greater than or equal to 0"),
     "half a header row": ("header_rows = 1.5", "recording.header_rows", "1.5: "),
     "names below the header": ("header_rows = 2\nnames_row = 3", "recording", "names_row = 3 is not among .* = 2 "),
-    "unknown clock": ('clock = { unit = "min" }', "recording.clock.unit", "'min': .*'s', 'ms', 'us', 'ns' or 'f"),
+    "unknown clock": ('clock = { unit = "day" }', "recording.clock.unit", "'day': .*'s', 'ms', 'us', 'ns', 'f"),
     "period of nothing": ("clock = { period_ms = 0.0 }", "recording.clock.period_ms", "0.0: .*greater than 0"),
     "shift of nothing": ("clock = { offset_s = { strut = 1.0 } }", "recording.clock.offset_s.strut", "strut"),
     "sampler without names": (HAL, "recording", "column_names is missing; files of halsampler"),

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from cases.errors import RecordingError
-from cases.recording_format import ROTATION
+from cases.orientation import ROTATION
 from cases.schema import Case, load_case
 from identification.recording import read
 from tests.helpers import one_line
