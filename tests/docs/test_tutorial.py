@@ -43,3 +43,5 @@ def test_a_page_is_compared_by_words_and_figures() -> None:
         transcript.matched(["first 1"], ["first 1", "second"])
     assert not transcript.far_off("off 1.0 of 12.0 s", "off 1.1 of 12.2 s")
     assert transcript.far_off("off 1.0 of 12.0 s", "off 1.9 of 12.2 s")
+    assert not transcript.far_off("strayed 0.001 mm", "strayed 0.002 mm")  # 1.4 and 1.6 um
+    assert transcript.far_off("strayed 0.001 mm", "strayed 0.003 mm")
