@@ -25,7 +25,7 @@ from planner.search.parallel import (
     Listener,
     Outcome,
     Runner,
-    cores,
+    Schedule,
     enough,
     first_ctrl_c,
     most_starts,
@@ -36,7 +36,7 @@ from planner.search.solving import Start, Task
 
 SHIPPED = Path(__file__).with_name("families") / "shipped.json"
 KEPT = 3  # number of the best orders and periods that get more starts
-FEWEST, MOST = 2, 8  # starts in a round
+AHEAD = 8  # starts that may run at a time: what a start is depends on the results of those so many before it
 
 
 def shipped_start(family: Family, case: Case) -> Array | None:
@@ -95,7 +95,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
         for s in promising[: request.family.refinements(request.criterion)]
     ]
     if refinements and not interrupted:
-        second, interrupted = run(refinements, listener)
+        second, interrupted = run(Schedule.of(refinements), listener)
         results += second
     starts = sorted(_without_failures(results), key=lambda s: -s.record.criterion_value)
     failed = tuple(r for r in results if isinstance(r, Failed))
@@ -124,25 +124,27 @@ def _explored(request: Request, case: Case, listener: Listener, run: Runner) -> 
     """
     families, idle = request.family.families(case, request.duration), request.family.idle(request.criterion)
     parameters, most = len(identification_model(case, request.model).names), most_starts(request)
-    seeds, settings = iter(seeds_of(request.seed, most + len(families))), [family.settings for family in families]
-
-    def fresh(family: Family) -> Task:
-        return Task(case, request.model, family, request.criterion, next(seeds), request.payload)
-
     first = max(len(families), min(1 + idle, most))
-    tasks = [fresh(families[k % len(families)]) for k in range(first)]
-    tasks[0] = replace(tasks[0], begin=shipped_start(tasks[0].family, case))
-    results: list[Start | Failed] = []
-    a_round = max(FEWEST, min(MOST, request.workers or cores()))
-    while True:
-        more, interrupted = run(tasks, listener)
-        results += more
-        if interrupted or enough(results, request, parameters):
-            return results, interrupted
-        starts = sorted(_without_failures(results), key=lambda s: -s.promise)
-        ranked = dict.fromkeys(settings.index(s.family.settings) for s in starts)
-        best = [families[k] for k in ranked] or families
-        tasks = [fresh(best[k % min(KEPT, len(best))]) for k in range(min(a_round, most - len(results)))]
+    seeds, settings = seeds_of(request.seed, max(first, most)), [family.settings for family in families]
+
+    def task(k: int, results: Sequence[Start | Failed]) -> Task | None:
+        known = max(first, k + 1 - AHEAD)
+        if k >= first and (k >= most or len(results) < known):
+            return None
+        if k < first:
+            family = families[k % len(families)]
+        else:
+            starts = sorted(_without_failures(results[:known]), key=lambda s: -s.promise)
+            ranked = dict.fromkeys(settings.index(s.family.settings) for s in starts)
+            best = [families[n] for n in ranked] or families
+            family = best[(k - first) % min(KEPT, len(best))]
+        begin = shipped_start(family, case) if k == 0 else None
+        return Task(case, request.model, family, request.criterion, seeds[k], request.payload, begin=begin)
+
+    def are_enough(results: Sequence[Start | Failed]) -> bool:
+        return len(results) >= first and enough(results, request, parameters)
+
+    return run(Schedule(task, are_enough), listener)
 
 
 def seeds_of(seed: int, starts: int) -> list[int]:

@@ -1,8 +1,9 @@
 """Starts in parallel processes: how they are getting on, stopped on Ctrl-C without losing them, until they are enough.
 
-A search ends as soon as the last starts, as many as the family waits for (`idle`), did not raise the best by
-`WORTHWHILE`, the first `FAILURES` all failed, or there were `MOST`. They are counted in an order that does not depend
-on which of them was done first. `--starts N` asks for N of them instead.
+A search ends with the first start after which the last ones, as many as the family waits for (`idle`), did not raise
+the best by `WORTHWHILE`, the first `FAILURES` all failed, or there were `MOST`. `--starts N` asks for N of them
+instead. Starts have an order, and results that come before their turn wait for it: neither the number of processes nor
+what else the computer does changes the result.
 """
 
 import math
@@ -12,7 +13,8 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from multiprocessing import get_context, parent_process
 from threading import Event, Thread, current_thread, main_thread
 from types import FrameType, ModuleType
@@ -78,7 +80,40 @@ Listener = Callable[[Request | Start | Failed | None], None]
 arrives, and with None between the results, while starts are running."""
 
 Outcome = tuple[list[Start | Failed], bool]
-"""Results of a round of starts, and whether Ctrl-C ended it early."""
+"""Results of starts in their order, and whether Ctrl-C ended them early."""
+
+
+@dataclass(frozen=True, slots=True)
+class Schedule:
+    """Starts in their order, and when they are enough."""
+
+    # number of a start, and results of the starts before it until now, in their order -> the start; None where there
+    # are no more, or where it depends on results that are not there yet
+    task: Callable[[int, Sequence[Start | Failed]], Task | None]
+    # whether results, in the order of their starts, are enough
+    enough: Callable[[Sequence[Start | Failed]], bool]
+
+    @classmethod
+    def of(cls, tasks: Sequence[Task]) -> "Schedule":
+        """All of some starts."""
+        return cls(lambda k, _: tasks[k] if k < len(tasks) else None, lambda results: len(results) >= len(tasks))
+
+
+class Results:
+    """Results that arrive in any order, taken in that of their starts until they are enough."""
+
+    def __init__(self, schedule: Schedule) -> None:
+        self.schedule = schedule
+        self.in_order: list[Start | Failed] = []
+        self.early: dict[int, Start | Failed] = {}  # by the numbers of starts behind one that is still running
+        self.enough = schedule.enough(())
+
+    def add(self, number: int, result: Start | Failed) -> None:
+        """Takes the result of a start."""
+        self.early[number] = result
+        while not self.enough and len(self.in_order) in self.early:
+            self.in_order.append(self.early.pop(len(self.in_order)))
+            self.enough = self.schedule.enough(self.in_order)
 
 
 def silent(event: Request | Start | Failed | None) -> None:
@@ -109,18 +144,18 @@ def _work(task: Task) -> Start | Failed:
     return run_safely(task, lambda objective: bool(_stop.is_set()))
 
 
-Runner = Callable[[Sequence[Task], Listener], Outcome]
-"""Runs a round of starts."""
+Runner = Callable[[Schedule, Listener], Outcome]
+"""Runs starts until they are enough."""
 
 
-def run_here(tasks: Sequence[Task], listener: Listener) -> Outcome:
-    """Runs tasks one after the other in this process: for those who bring processes of their own."""
-    results: list[Start | Failed] = []
-    for task in tasks:
+def run_here(schedule: Schedule, listener: Listener) -> Outcome:
+    """Runs starts one after the other in this process: for those who bring processes of their own."""
+    results = Results(schedule)
+    while not results.enough and (task := schedule.task(len(results.in_order), results.in_order)) is not None:
         result = run_safely(task, lambda objective: False)
         listener(result)
-        results.append(result)
-    return results, False
+        results.add(len(results.in_order), result)
+    return results.in_order, False
 
 
 def cores() -> int:
@@ -174,7 +209,7 @@ def ctrl_c_waits() -> Iterator[None]:
 
 @contextmanager
 def workers(pressed: Event, most: int | None = None) -> Iterator[Runner]:
-    """Processes, one a core or at most `most`, that run rounds of starts until the context ends.
+    """Processes, one a core or at most `most`, that run starts until the context ends.
 
     Ctrl-C lets running starts end with what they have reached and drops those that wait.
 
@@ -183,32 +218,43 @@ def workers(pressed: Event, most: int | None = None) -> Iterator[Runner]:
     """
     context = get_context("spawn")  # not forked: MUMPS and threads of a parent do not survive that
     stop = context.Event()
-    pool = ProcessPoolExecutor(most or cores(), mp_context=context, initializer=_begin, initargs=(stop,))
+    width = most or cores()
+    pool = ProcessPoolExecutor(width, mp_context=context, initializer=_begin, initargs=(stop,))
 
-    def run(tasks: Sequence[Task], listener: Listener) -> Outcome:
-        if pressed.is_set():
-            return [], True
+    def run(schedule: Schedule, listener: Listener) -> Outcome:
         stop.clear()
-        results: dict[int, Start | Failed] = {}
-        with ctrl_c_waits(), _without_script():
-            places = {pool.submit(_work, task): k for k, task in enumerate(tasks)}
-        pending = set(places)
-        while pending:
-            finished, pending = wait(pending, POLL, FIRST_COMPLETED)
-            listener(None)
-            for future in finished:
-                results[places[future]] = _result(future)
-                listener(results[places[future]])
-            if pressed.is_set():
-                stop.set()
-                pending = {f for f in pending if not f.cancel()}
-        return [result for _, result in sorted(results.items())], pressed.is_set()
+        results, upcoming = Results(schedule), 0
+        running: dict[Future[Start | Failed], int] = {}
+        with suppress(BrokenProcessPool):  # of which the results of the starts that were running tell
+            while not pressed.is_set() and not results.enough:
+                while len(running) < width and (task := schedule.task(upcoming, results.in_order)) is not None:
+                    with ctrl_c_waits(), _without_script():
+                        running[pool.submit(_work, task)] = upcoming
+                    upcoming += 1
+                if not running:
+                    break
+                _take(running, results, listener)
+        stop.set()  # for starts that are not waited for, and for Ctrl-C, which leaves what they have reached
+        while running:
+            _take(running, results, listener)
+        late = sorted(results.early.items()) if pressed.is_set() else []
+        return [*results.in_order, *(result for _, result in late)], pressed.is_set()
 
     try:
         yield run
     finally:
         stop.set()
         pool.shutdown(wait=False, cancel_futures=True)  # they end beside what follows
+
+
+def _take(running: dict[Future[Start | Failed], int], results: Results, listener: Listener) -> None:
+    """Waits a moment for starts, and takes those that are done."""
+    finished, _ = wait(running, POLL, FIRST_COMPLETED)
+    listener(None)
+    for future in finished:
+        result = _result(future)
+        listener(result)
+        results.add(running.pop(future), result)
 
 
 def _result(future: Future[Start | Failed]) -> Start | Failed:

@@ -14,7 +14,7 @@ from planner.cli import ctrl_c_raises
 from planner.families.settings import family_class
 from planner.plans import Plan
 from planner.request import Request
-from planner.search.parallel import Listener, Outcome, silent
+from planner.search.parallel import Listener, Outcome, Schedule, silent
 from tests.planner.command_line import call
 
 
@@ -51,7 +51,7 @@ def test_ctrl_c_before_a_search_keeps_it_from_beginning(hexapod_case: Case, monk
 
     def make(request: Request, case: Case, listener: Listener, run: Callable) -> Found:
         ctrl_c()
-        told.append(run([object()], listener))  # no task: it would fail
+        told.append(run(Schedule.of([object()]), listener))  # no task: it would fail
         return Found()
 
     planned(make, "fourier", hexapod_case, monkeypatch)

@@ -1,12 +1,13 @@
 """Free order and period: whole numbers of periods near the frequency at which velocity and acceleration both bind."""
 
-from collections.abc import Sequence
 from dataclasses import asdict, replace
 from inspect import signature
 from typing import get_type_hints
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from cases.errors import HexciteError
 from cases.schema import Case
@@ -17,8 +18,8 @@ from planner.families import ptp, spline
 from planner.families.settings import FAMILIES, Fourier, PointToPoint, Spline
 from planner.planning import KEPT, search
 from planner.request import OWNERS, Request
-from planner.search import SolverStatus, StartRecord
-from planner.search.parallel import Listener, Outcome, silent
+from planner.search import Failed, SolverStatus, StartRecord
+from planner.search.parallel import Listener, Outcome, Results, Schedule, silent
 from planner.search.solving import Start, Task
 from tests.helpers import one_line
 
@@ -98,8 +99,8 @@ def test_defaults_and_ranges_of_a_command_are_those_of_the_library():
     assert (defaults["duration"], defaults["criterion"]) == (usual.duration, usual.criterion)
     assert (defaults["seed"], defaults["order"]) == (usual.seed, Fourier().order)
     defaults = {name: parameter.default for name, parameter in signature(validate).parameters.items()}
-    settings = asdict(ValidationSettings())
-    assert {name: defaults[name] for name in settings} == settings
+    usual = asdict(ValidationSettings())
+    assert {name: defaults[name] for name in usual} == usual
     texts = get_type_hints(plan, include_extras=True)
     for option, kind in (("moves", ptp), ("knots", spline)):
         assert f", {kind.FEWEST} to {kind.MOST};" in texts[option].__metadata__[0].help
@@ -126,6 +127,15 @@ def _made_up(task: Task) -> Start:
     return Start(tried, unknowns, task.family, 1.0, unknowns, promise)
 
 
+def _all_of(schedule: Schedule) -> tuple[list[Task], list[Start | Failed]]:
+    """All starts of a schedule, one after the other, with made-up results."""
+    results, tasks = Results(schedule), []
+    while not results.enough and (task := schedule.task(len(tasks), results.in_order)) is not None:
+        tasks.append(task)
+        results.add(len(tasks) - 1, _made_up(task))
+    return tasks, results.in_order
+
+
 @pytest.mark.parametrize(("criterion", "refinements"), [("D", 2), ("K", 4)])
 def test_each_choice_is_looked_at_and_the_best_get_all_other_starts(
     criterion: str, refinements: int, hexapod_case: Case
@@ -136,9 +146,10 @@ def test_each_choice_is_looked_at_and_the_best_get_all_other_starts(
     request = replace(request, starts=len(periods) + 2 * KEPT)
     tried: list[Task] = []
 
-    def run(tasks: Sequence[Task], listener: Listener) -> Outcome:
+    def run(schedule: Schedule, listener: Listener) -> Outcome:
+        tasks, results = _all_of(schedule)
         tried.extend(tasks)
-        return [_made_up(task) for task in tasks], False
+        return results, False
 
     found = search(request, hexapod_case, silent, run)
     assert len(periods) > KEPT
@@ -155,9 +166,49 @@ def test_each_choice_is_looked_at_and_the_best_get_all_other_starts(
 def test_the_best_of_two_series_is_refined(hexapod_case: Case):
     rounds: list[list[bool]] = []
 
-    def run(tasks: Sequence[Task], listener: Listener) -> Outcome:
+    def run(schedule: Schedule, listener: Listener) -> Outcome:
+        tasks, results = _all_of(schedule)
         rounds.append([task.refine for task in tasks])
-        return [_made_up(task) for task in tasks], False
+        return results, False
 
     search(Request(Fourier(order=2), duration=3.0), hexapod_case, silent, run)
     assert rounds == [[False, False], [True]]
+
+
+@given(width=st.integers(1, 40), seed=st.integers(0, 2**32 - 1), starts=st.sampled_from((None, 5, 30)))
+@settings(max_examples=4)
+def test_neither_the_number_of_processes_nor_their_pace_changes_what_is_found(
+    width: int, seed: int, starts: int | None, hexapod_case: Case
+):
+    """Starts end in any order, as many at a time as there are processes: the same starts are made and counted."""
+    draw = np.random.default_rng(seed)
+
+    def result_of(task: Task) -> Start | Failed:
+        if task.seed % 7 == 0:
+            return Failed(task.seed, "made up")
+        made = _made_up(task)
+        return replace(made, promise=made.promise + (task.seed % 11 - 5) * 0.3)
+
+    def in_parallel(schedule: Schedule, listener: Listener) -> Outcome:
+        results, running, number = Results(schedule), {}, 0
+        while not results.enough:
+            while len(running) < width and (task := schedule.task(number, results.in_order)) is not None:
+                running[number], number = result_of(task), number + 1
+            if not running:
+                break
+            done = int(draw.choice(list(running)))
+            results.add(done, running.pop(done))
+        return results.in_order, False
+
+    def one_by_one(schedule: Schedule, listener: Listener) -> Outcome:
+        results, number = Results(schedule), 0
+        while not results.enough and (task := schedule.task(number, results.in_order)) is not None:
+            results.add(number, result_of(task))
+            number += 1
+        return results.in_order, False
+
+    request = Request(Fourier(order=2, free_period=True), duration=3.0, starts=starts)
+    found = [search(request, hexapod_case, silent, run) for run in (in_parallel, one_by_one)]
+    assert len(found[0].starts) > 1
+    assert [start.record for start in found[0].starts] == [start.record for start in found[1].starts]
+    assert found[0].failed == found[1].failed
