@@ -2,11 +2,14 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from cases.files import provenance
 from identification.precision import legible, parameter_words, std_text, value_text
 from planner.comparison.comparison import Comparison
 from planner.comparison.entries import Entry
-from planner.reports.page import Chart, colour, note, page, section, table
+from planner.reports.chart import Axis, Chart, Points, colour
+from planner.reports.page import Head, note, page, section, table
 
 FIGURES = {
     "planned_s": "duration as programmed [s]",
@@ -74,6 +77,7 @@ def compare_page(comparison: Comparison) -> str:
     hashes = dict.fromkeys((f"case {e.conditions.case.name}", e.conditions.case.hash) for e in entries)
     return page(
         "Comparison of excitations",
+        comparison_head(comparison),
         f"{len(entries)} plans, runs and results of {len(groups)} excitations.",
         (*hashes, *((e.name, e.level) for e in entries), *provenance([])["versions"].items()),
         comparison.warnings,
@@ -88,9 +92,15 @@ def compare_page(comparison: Comparison) -> str:
     )
 
 
+def comparison_head(comparison: Comparison) -> Head:
+    """What the page of a comparison begins with: the recommendation."""
+    cases = ", ".join(dict.fromkeys(e.conditions.case.name for e in comparison.entries))
+    first = comparison.sentences[0] if comparison.sentences else "Nothing can be recommended"
+    return Head(f"{first[0].upper()}{first[1:]}.", not comparison.warnings, cases)
+
+
 def std_chart(groups: Sequence[Sequence[Entry]]) -> Chart:
     """Standard deviations over the smallest of each parameter; what belongs together has one colour."""
-    symbols = {"planned": "circle-open", "identified": "circle"}
     entries = [(colour(k), entry) for k, group in enumerate(groups) for entry in group]
     names = list(dict.fromkeys(n for _, entry in entries for n in entry.parameters))
     above_zero = {n: [e.parameters[n].reported for _, e in entries if n in e.parameters] for n in names}
@@ -99,20 +109,18 @@ def std_chart(groups: Sequence[Sequence[Entry]]) -> Chart:
         "Standard deviations over the smallest of each parameter: open circles predicted by a plan, dots "
         "identified; a plan, its runs and their results have one colour."
     )
-    figure = Chart("std", caption, y="times the smallest", height=420, showlegend=True)
+    series = []
     for k, (own, entry) in enumerate(entries):
         std = {n: value.reported for n, value in entry.parameters.items() if value.reported > 0.0}
         aside = SPREAD * ((k + 0.5) / len(entries) - 0.5)
-        figure.add(
-            "scatter",
-            x=[names.index(n) + aside for n in std],
-            y=[std[n] / best[n] for n in std],
-            name=entry.name,
-            mode="markers",
-            marker={"size": 8, "color": own, "symbol": symbols[entry.level]},
-            text=[f"{n}: {std[n]:.3g}" for n in std],
-            hovertemplate="%{text} (SI), %{y:.3g} times the smallest",
-        )
-    ticks = {"tickvals": list(range(len(names))), "ticktext": names, "tickangle": -90}
-    figure.axes({"range": [-0.6, len(names) - 0.4], "showgrid": False, "zeroline": False, **ticks}, {"type": "log"})
-    return figure
+        at, height = np.array([names.index(n) + aside for n in std]), np.array([std[n] / best[n] for n in std])
+        words = tuple(f"{n}: {std[n]:.3g} (SI), {std[n] / best[n]:.3g} times the smallest" for n in std)
+        series.append(Points(at, height, entry.name, own, words, hollow=entry.level == "planned"))
+    return Chart(
+        "std",
+        caption,
+        tuple(series),
+        Axis(ends=(-0.6, len(names) - 0.4), names=tuple(names), tilt=90.0),
+        Axis("times the smallest", logarithmic=True),
+        height=420,
+    )

@@ -3,13 +3,16 @@
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from identification.limit import Status
 from identification.precision import legible, parameter_words, std_text, value_text
 from planner.demonstration import Demo
-from planner.reports.figures import limits_chart
+from planner.reports.chart import COLOURS, Axis, Band, Chart, Points
+from planner.reports.figures import limits_table
 from planner.reports.identify import noise_tile, residual_blocks, run_inputs
-from planner.reports.machine import pictured
-from planner.reports.page import COLOURS, Chart, note, page, section, table, tiles
+from planner.reports.page import Head, note, page, section, table, tiles
+from planner.reports.scene import moving_machine
 from postprocessors.proving.homing import planned_excitation
 
 
@@ -29,8 +32,15 @@ def demo_page(chain: Demo) -> str:
         f"{chain.program.reading.blocks} blocks, {chain.program.proof.duration:.2f} s, read back by code that shares "
         "nothing with the writer; paths checked at 10 kHz."
     )
+    agree = chain.worst < AGREES and not result.warnings
+    verdict = (
+        f"The largest error of a parameter is {chain.worst:.2g} reported standard deviations: the calibration "
+        f"{'agrees' if agree else 'does NOT agree'} with the simulated machine."
+    )
+    facts = (("program", str(chain.program.path)), ("run on", str(run["controller"])))
     return page(
         case.title,
+        Head(verdict, agree, case.name, facts),
         f"Planned, programmed, proven, executed on {run['controller']} and identified with model "
         f"{result.record.model}. Sensors and encoders are simulated, with the imperfections that the case states "
         f"({source}). More about the motion is in plan/report.html, about the estimate in result/report.html.",
@@ -48,17 +58,18 @@ def demo_page(chain: Demo) -> str:
             note(f"{inside} of {len(chain.truth)} truths lie in the 95 % interval of their estimate."),
             table(TRUTH_COLUMNS, map(truth_cells, chain.truth)),
         ),
-        *pictured(case, planned_excitation(chain.program)),
+        section("The machine along the plan", moving_machine(case, planned_excitation(chain.program))),
         section(
             "Proof of the program's text",
             note(proof),
-            limits_chart(limits),
+            limits_table(limits),
             *([note(f"What its text cannot prove: {unproven}.")] if unproven else []),
         ),
         section("Forces and residuals", *residual_blocks(case, result.residuals)),
     )
 
 
+AGREES = 4.0  # reported standard deviations: none of twenty errors is beyond it by chance
 TRUTH_COLUMNS = ("parameter", "truth", "estimate", "std", "error", "error / std", "unit")
 
 
@@ -79,19 +90,13 @@ def errors_chart(rows: Sequence[dict[str, Any]]) -> Chart:
         "Points: estimate less truth in reported standard deviations, one standard deviation as the bar; bands: 95 % "
         "and 4 standard deviations."
     )
-    figure = Chart("errors", caption, y="(estimate - truth) / std", height=380)
-    for half, opacity in ((4.0, 0.10), (1.96, 0.16)):
-        figure.add_band(half, COLOURS[0], opacity)
-    bars = {"type": "constant", "value": 1.0, "thickness": 1.2, "width": 5}
-    figure.add(
-        "scatter",
-        x=names,
-        y=errors,
-        mode="markers",
-        marker={"color": COLOURS[0], "size": 9},
-        error_y=bars,
-        showlegend=False,
-    )
     reach = max(5.0, 1.15 * max(abs(e) for e in errors))
-    figure.axes({"tickangle": -45}, {"range": [-reach, reach]})
-    return figure
+    return Chart(
+        "errors",
+        caption,
+        (Points(np.arange(float(len(names))), np.array(errors), "", COLOURS[0], bar=1.0, in_legend=False),),
+        Axis(names=tuple(names), tilt=45.0),
+        Axis("(estimate - truth) / std", ends=(-reach, reach)),
+        bands=(Band(4.0, COLOURS[0], 0.10), Band(1.96, COLOURS[0], 0.16)),
+        height=380,
+    )

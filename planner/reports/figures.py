@@ -1,20 +1,18 @@
-"""Interactive figures of a report, drawn with plotly: functions take data and return a figure without colours of text.
-
-Okabe and Ito's colours (everybody can distinguish them) come from the page; what is set here reads on light and dark.
-"""
+"""Figures and tables that several pages show: a motion with its limits, and how close it comes to each."""
 
 from collections.abc import Sequence
 
 import numpy as np
+from markupsafe import Markup
 
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.limit import LimitReport, Status
+from identification.limit import TOLERANCE, LimitCheck, LimitReport, Status
 from identification.motion import Motion
-from identification.precision import bounds_text
-from planner.reports.page import COLOURS, GREY, Chart, colour
+from identification.precision import bounds_text, share_text
+from planner.reports.chart import Axis, Chart, Rule, colour, lines
 
-MOST_SHARE = 120.0  # [%] largest share of a limit that a chart shows
+MOST_SHARE = 1.2  # largest share of a limit for which a bar has room
 
 
 def motion_blocks(case: Case, motion: Motion) -> tuple[Chart, ...]:
@@ -33,47 +31,59 @@ def motion_blocks(case: Case, motion: Motion) -> tuple[Chart, ...]:
         ):
             if not own.any():
                 continue
-            caption = (
-                f"{name[0].upper()}{name[1:]} of each {kind} over time; dashed: the limits of the axis in its colour."
-            )
-            key = f"{name.split()[0]}-{kind}"
             labels = [label for label, its in zip(box.labels, own, strict=True) if its]
-            figure = Chart(key, caption, "time [s]", f"{name} [{unit}]", half=not own.all(), height=280)
-            figure.add_lines(motion.t, values[:, own] * factor, labels, 1.6)
-            for row in limit[:, own] * factor:
-                for k, value in enumerate(row):
-                    figure.add_line({"y": float(value)}, colour(k))
-            charts.append(figure)
+            chart = Chart(
+                f"{name.split()[0]}-{kind}",
+                f"{name[0].upper()}{name[1:]} of each {kind} over time; dashed: the limits of the axis in its colour.",
+                lines(motion.t, values[:, own] * factor, labels, 1.6),
+                Axis("time [s]"),
+                Axis(f"{name} [{unit}]"),
+                tuple(
+                    Rule("y", float(value), colour(k)) for row in limit[:, own] * factor for k, value in enumerate(row)
+                ),
+                height=280,
+                half=not own.all(),
+            )
+            charts.append(chart)
     return tuple(charts)
 
 
-FILLS = {Status.PROVEN: COLOURS[5], Status.ENFORCED: COLOURS[2]}  # of all others COLOURS[1]
+# What a reader asks first: is a limit exceeded, which does nobody enforce, and then those that are ensured.
+_ORDER = (Status.STEPS, Status.NOT_ENFORCED, Status.PROVEN, Status.ENFORCED)
+_WORDS = {
+    Status.PROVEN: "proven", Status.ENFORCED: "enforced by the controller", Status.NOT_ENFORCED: "nobody enforces it",
+    Status.STEPS: "the controller steps, and does not limit it",
+}  # fmt: skip
 
 
-def limits_chart(report: LimitReport) -> Chart:
-    """Share of each limit that is used, coloured by who guarantees it: the proof, the controller, or nobody."""
-    caption = "Largest use of each limit; 100 % is the limit. Blue: proven; green: enforced by the controller."
-    if nobody := [c.name for c in report.checks if c.status not in FILLS]:
-        caption += (
-            f" Orange: nobody enforces {', '.join(nobody)}; the machine must bear what is shown (cut off at "
-            f"{MOST_SHARE:g} %)."
-        )
-    checks = report.checks[::-1]
-    figure = Chart("limits", caption, "share of the limit [%]", height=130 + 30 * len(checks))
-    figure.add(
-        "bar",
-        x=[min(100 * c.ratio, MOST_SHARE) for c in checks],
-        y=[c.name for c in checks],
-        orientation="h",
-        text=[f"{c.worst:.4g} of {bounds_text(c)} {c.unit}" for c in checks],
-        textposition="inside",
-        insidetextanchor="start",
-        marker={"color": [FILLS.get(c.status, COLOURS[1]) for c in checks]},
-        textfont={"color": ["#102a43" if c.status is Status.PROVEN else "#ffffff" for c in checks]},
+def limits_table(report: LimitReport) -> Markup:
+    """Use of each limit as a bar, what is exceeded first, then what nobody enforces, then what is ensured."""
+    ordered = sorted(report.checks, key=lambda c: (c.ratio <= 1.0 + TOLERANCE, _ORDER.index(c.status), -c.ratio))
+    rows = Markup("\n").join(map(_bar, ordered))
+    return Markup('<div class="bars" role="list" aria-label="use of each limit">\n{}\n</div>').format(rows)
+
+
+def _bar(check: LimitCheck) -> Markup:
+    exceeded = check.ratio > 1.0 + TOLERANCE
+    state = "over" if exceeded else "open" if check.status in (Status.NOT_ENFORCED, Status.STEPS) else "sure"
+    text = (
+        '<div role="listitem" class="{}"><span class="what">{}</span><span class="track"><i style="width: {:.2f}%"></i>'
+        "</span><span class=share>{}</span><span class=value>{} of {} {}, {}</span></div>"
     )
-    figure.add_line({"x": 100}, GREY, 2, "solid")
-    figure.axes({"range": [0, MOST_SHARE]})
-    return figure
+    value, words = value_of(check), f"{'EXCEEDED, ' if exceeded else ''}{_WORDS[check.status]}"
+    width = 100.0 * min(check.ratio, MOST_SHARE) / MOST_SHARE
+    share = share_text(check.ratio, 1)
+    return Markup(text).format(state, check.name, width, share, value, bounds_text(check), powers(check.unit), words)
+
+
+def value_of(check: LimitCheck) -> str:
+    """The worst value with four digits, without powers of ten."""
+    return f"{check.worst:.4g}" if abs(check.worst) < 1e4 else f"{float(f'{check.worst:.3g}'):,.0f}".replace(",", " ")
+
+
+def powers(unit: str) -> str:
+    """A unit with its powers raised."""
+    return unit.replace("^2", "²").replace("^3", "³")
 
 
 def unit_of(channels: Sequence[str]) -> str:

@@ -10,10 +10,10 @@ from cases.schema import Case
 from identification.outcome import RUN_ENTRIES, Result
 from identification.precision import carries_rods, legible, value_cells, value_text, with_deviation
 from identification.signals import Residuals
+from planner.reports.chart import Axis, Chart, Heat, Rule, lines
 from planner.reports.figures import unit_of
-from planner.reports.page import GREY, Block, Chart, note, page, section, table, tiles
+from planner.reports.page import Block, Head, note, page, section, table, tiles
 
-MAGNITUDE = ((0.0, "rgba(0,114,178,0)"), (1.0, "rgba(0,114,178,1)"))
 PARAMETER_COLUMNS = ("parameter", "value", "±", "unit", "95 % from", "to", "std (28)", "std robust")
 
 
@@ -32,11 +32,25 @@ def identify_page(result: Result) -> str:
     sections.append(section("Parameters that take each other's part", *correlation_blocks(result)))
     return page(
         f"Identification: {case.title}",
+        identified_head(result),
         f"Model {record.model} identified from {record.samples} {samples} of {source}.",
         (("case", f"{case.name} (hash {case.hash})"), ("recording", source), *origin),
         result.warnings,
         *sections,
     )
+
+
+def identified_head(result: Result) -> Head:
+    """What the page of a result begins with."""
+    parameters, warnings = result.parameters, result.warnings
+    mass = parameters.get("m")
+    value = "" if mass is None else f"Mass {with_deviation(mass.value, mass.reported)} kg. "
+    first = f"{warnings[0][0].upper()}{warnings[0][1:]}." if warnings else "Nothing speaks against this run."
+    more = f" {len(warnings) - 1} more below." if len(warnings) > 1 else ""
+    facts = [("recording", str(result.record.recording))]
+    if (program := (result.record.run or {}).get("program")) is not None:
+        facts.append(("program", str(program)))
+    return Head(f"{value}{first}{more}", not warnings, result.case.name, tuple(facts))
 
 
 def _headline(result: Result) -> Markup:
@@ -61,12 +75,11 @@ def correlation_blocks(result: Result) -> tuple[Block, ...]:
     figure = Chart(
         "correlation",
         "Magnitude of the correlation of two estimates; near 1 only their sum or difference is known well.",
+        (Heat(np.abs(correlation)),),
+        Axis(names=tuple(names), tilt=90.0),
+        Axis(names=tuple(names), downwards=True),
         height=560,
     )
-    bar = {"thickness": 12, "outlinewidth": 0}
-    values = np.abs(correlation).astype(np.float32)
-    figure.add("heatmap", x=names, y=names, z=values, zmin=0, zmax=1, colorscale=MAGNITUDE, colorbar=bar)
-    figure.axes({"tickangle": -90}, {"autorange": "reversed"})
     first, second = np.triu_indices(len(names), 1)
     strongest = np.argsort(-np.abs(correlation[first, second]))[:5]
     rows = [
@@ -117,18 +130,27 @@ def residual_blocks(case: Case, residuals: Residuals) -> tuple[Block, ...]:
     channels = case.sensor_frame.channels
     at, unit = "time [s]" if residuals.step is not None else "standstill", unit_of(channels)
     source = "recorded" if residuals.filtered is None else "recorded, behind the evaluation's low-pass"
-    forces = Chart("forces", f"Lines: {source}. Dotted: the identified model.", at, f"force [{unit}]", height=340)
-    forces.add_lines(residuals.t, residuals.explained, channels, 1)
-    forces.add_lines(residuals.t, residuals.predicted, channels, 2, "dot")
-    caption = "What the model leaves of each channel. Noise without a pattern is good; waves and steps have a cause."
-    rest = Chart("residuals", caption, at, f"recorded - model [{unit}]", height=320)
-    rest.add_lines(residuals.t, residuals.evaluated, channels, 0.8)
+    standing = residuals.step is None  # a few points, not a line
+    forces = Chart(
+        "forces",
+        f"Lines: {source}. Dotted: the identified model.",
+        lines(residuals.t, residuals.explained, channels, 1.0, dots=standing)
+        + lines(residuals.t, residuals.predicted, channels, 2.0, "dot", dots=standing),
+        Axis(at),
+        Axis(f"force [{unit}]"),
+        height=340,
+    )
+    rest = Chart(
+        "residuals",
+        "What the model leaves of each channel. Noise without a pattern is good; waves and steps have a cause.",
+        lines(residuals.t, residuals.evaluated, channels, 0.8, dots=standing),
+        Axis(at),
+        Axis(f"recorded - model [{unit}]"),
+        height=320,
+    )
     charts = [forces, rest]
-    if residuals.step is not None:
+    if not standing:
         charts.append(spectrum_chart(residuals, channels, case.recording.filter_cutoff_Hz))
-    else:
-        for trace in (*forces.data, *rest.data):
-            trace.update(mode="lines+markers", marker={"size": 4})
     rms = [(values**2).mean(axis=0) ** 0.5 for values in (residuals.evaluated, residuals.values)]
     rows = ((name, *(f"{r[k]:.3g}" for r in rms)) for k, name in enumerate(channels))
     return (*charts, table(("channel", "residual as evaluated, rms", "of the forces as recorded"), rows))
@@ -153,10 +175,12 @@ def spectrum_chart(residuals: Residuals, channels: Sequence[str], cutoff: float 
             f" Dashed: the evaluation's low-pass at {cutoff:g} Hz; what lies above it, as ripple of a controller, the "
             "estimate does not see."
         )
-    titles = "frequency [Hz]", f"residual [{unit_of(channels)}/√Hz]"
-    figure = Chart("spectrum", caption, *titles, height=320)
-    figure.add_lines(frequency[1:], density[1:], channels, 1.2)
-    if cutoff is not None:
-        figure.add_line({"x": cutoff}, GREY)
-    figure.axes({"type": "log"}, {"type": "log"})
-    return figure
+    return Chart(
+        "spectrum",
+        caption,
+        lines(frequency[1:], density[1:], channels, 1.2),
+        Axis("frequency [Hz]", logarithmic=True),
+        Axis(f"residual [{unit_of(channels)}/√Hz]", logarithmic=True),
+        () if cutoff is None else (Rule("x", cutoff),),
+        height=320,
+    )

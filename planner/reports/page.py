@@ -1,7 +1,8 @@
 """The report page: one HTML file that needs no network, put together from tiles, tables, notes and figures.
 
 Every function here returns HTML in which texts are escaped; plotly, compressed, the figures' data and the script are
-part of the file. Words of the field are explained where they stand.
+part of the file. Each figure is there twice: as a picture, for print and until the script has drawn it, and as data.
+Words of the field are explained where they stand.
 """
 
 import base64
@@ -9,20 +10,21 @@ import gzip
 import html
 import json
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
+from datetime import datetime
 from functools import cache
 from importlib import resources
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from markupsafe import Markup, escape
 from numpy.typing import NDArray
 
-from cases.units import Array
+from planner.reports.chart import Chart
+from planner.reports.interactive import plotly_figure
+from planner.reports.scene import Scene
+from planner.reports.still import machine_picture, picture
 
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
-GREY = "#8593a1"
-MOST_POINTS = 2000  # points of a line: more cannot be seen, and the page stays small
 TERMS = {
     "std (28)": "standard deviation if the residuals are white noise, equation (28) of Friedrich & Ihlenfeldt 2021",
     "std robust": "standard deviation that allows for residuals alike from one sample or pose to the next",
@@ -64,92 +66,40 @@ def plain(value: Any) -> Any:
     return {key: plain(each) for key, each in value.items()} if isinstance(value, dict) else value
 
 
-def colour(k: int) -> str:
-    """Colour of a line or an entry by its number, from 0; the seventh is grey."""
-    return (*COLOURS, GREY)[k % 7]
+Block = Markup | Chart | Scene
+"""Block of a page: HTML, a figure, or a machine in 3-D."""
 
 
-def thinned(x: Array, y: Array) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """A line of at most `MOST_POINTS` points that looks the same: of each stretch its lowest and highest sample."""
-    if len(x) <= MOST_POINTS:
-        return x.astype(np.float32), y.astype(np.float32)
-    size = -(-len(x) // (MOST_POINTS // 2))
-    stretches = np.pad(y, (0, -len(y) % size), mode="edge").reshape(-1, size)
-    both = np.stack([stretches.argmin(axis=1), stretches.argmax(axis=1)], axis=1)
-    indices = np.unique(np.minimum(np.arange(len(stretches))[:, None] * size + both, len(x) - 1))
-    return x[indices].astype(np.float32), y[indices].astype(np.float32)
+def _html(block: Block) -> Markup:
+    match block:
+        case Chart():
+            return _figure(block)
+        case Scene():
+            return _player(block)
+        case _:
+            return block
 
 
-class Chart:
-    """An interactive figure, traces and layout; keyword arguments are attributes of plotly's reference.
-
-    Plotly's Python classes check each value anew, which took longer than all else on a page; tests let them check it.
-
-    Args:
-        name: unique on the page, also the name of the file to which a browser saves the figure.
-        caption: describes the figure, also for a screen reader.
-        half: whether it may stand beside another one where the window is wide.
-        layout: attributes of the layout; colours of text, grid and background are the page's.
-    """
-
-    def __init__(self, name: str, caption: str, x: str = "", y: str = "", *, half: bool = False, **layout: Any) -> None:
-        self.name, self.caption, self.half = name, caption, half
-        self.data: list[dict[str, Any]] = []
-        titles = {f"{axis}axis": {"title": {"text": text}} if text else {} for axis, text in (("x", x), ("y", y))}
-        self.layout: dict[str, Any] = {**titles, "shapes": [], **layout}
-
-    def add(self, kind: str, **attributes: Any) -> None:
-        """Adds a trace of a type: scatter, bar, heatmap, box."""
-        self.data.append({"type": kind, **attributes})
-
-    def add_lines(self, x: Array, y: Array, names: Sequence[str], width: float, dash: str = "solid") -> None:
-        """Adds a line for each column of `y`, shape (n, k), each in its colour; dashed ones need no legend."""
-        for k, name in enumerate(names):
-            line = {"color": colour(k), "width": width, "dash": dash}
-            few_x, few_y = thinned(x, y[:, k])
-            self.add("scatter", x=few_x, y=few_y, name=name, line=line, legendgroup=name, showlegend=dash == "solid")
-
-    def add_line(self, at: dict[str, float], colour: str, width: float = 1, dash: str = "dash") -> None:
-        """Adds a straight line across the whole figure, at `{"x": 3.0}` or `{"y": 3.0}`."""
-        ((axis, value),) = at.items()
-        along = "y" if axis == "x" else "x"
-        place = {f"{along}ref": f"{along} domain", f"{axis}ref": axis, f"{along}0": 0, f"{along}1": 1}
-        ends = {f"{axis}0": value, f"{axis}1": value}
-        line = {"color": colour, "dash": dash, "width": width}
-        self.layout["shapes"].append({"type": "line", **place, **ends, "line": line})
-
-    def add_band(self, half: float, colour: str, opacity: float) -> None:
-        """Adds a band across the whole figure, from -half to half of the y axis."""
-        place = {"xref": "x domain", "yref": "y", "x0": 0, "x1": 1, "y0": -half, "y1": half}
-        look = {"fillcolor": colour, "opacity": opacity, "line": {"width": 0}, "layer": "below"}
-        self.layout["shapes"].append({"type": "rect", **place, **look})
-
-    def axes(self, x: Mapping[str, Any] = {}, y: Mapping[str, Any] = {}) -> None:
-        """Sets attributes of the axes."""
-        self.layout["xaxis"].update(x)
-        self.layout["yaxis"].update(y)
-
-    def __html__(self) -> Markup:
-        """The figure as it stands on a page."""
-        kind = Markup(' class="half"') if self.half else ""
-        plot = _plot(f"plot-{self.name}", self.caption, self.layout.get("height", 300))
-        script = Markup('<script type="application/json" data-plot="{}">{}</script>')
-        data = script.format(self.name, script_json(plain({"data": self.data, "layout": self.layout})))
-        caption = Markup("<figcaption>{}</figcaption>").format(explained(self.caption))
-        return Markup("<figure{}>\n{}\n{}\n{}\n</figure>").format(kind, plot, data, caption)
+def _figure(chart: Chart) -> Markup:
+    """A figure as it stands on a page: its picture, which the script replaces by one that answers."""
+    kind = Markup(' class="half"') if chart.half else ""
+    plot = _plot(f"plot-{chart.name}", chart.caption, chart.height, picture(chart))
+    script = Markup('<script type="application/json" data-plot="{}">{}</script>')
+    data = script.format(chart.name, script_json(plain(plotly_figure(chart))))
+    caption = Markup("<figcaption>{}</figcaption>").format(explained(chart.caption))
+    return Markup("<figure{}>\n{}\n{}\n{}\n</figure>").format(kind, plot, data, caption)
 
 
-def _plot(name: str, words: str, height: int) -> Markup:
-    text = '<div class="plot" id="{}" role="img" aria-label="{}" style="min-height: {}px"></div>'
-    return Markup(text).format(name, words, height)
-
-
-Block = Markup | Chart
-"""Block of a page: HTML, or an object with `__html__`."""
+def _plot(name: str, words: str, height: int, still: str) -> Markup:
+    text = (
+        '<img class="still" alt="{}" src="data:image/svg+xml;base64,{}">\n'
+        '<div class="plot" id="{}" role="img" aria-label="{}" style="min-height: {}px"></div>'
+    )
+    return Markup(text).format(words, base64.b64encode(still.encode()).decode("ascii"), name, words, height)
 
 
 def _joined(parts: Iterable[Block]) -> Markup:
-    return Markup("\n").join(parts)
+    return Markup("\n").join(map(_html, parts))
 
 
 def tiles(*figures: tuple[str, str]) -> Markup:
@@ -177,8 +127,8 @@ def table(columns: Sequence[str], rows: Iterable[Sequence[str]], left: int = 1) 
     return Markup(text).format(", ".join(filter(None, columns)), _joined((head, *body)))
 
 
-def player(scene: dict[str, Any]) -> Markup:
-    """The hexapod moving in 3-D, with buttons to play and a slider to scrub; a scene of `planner.reports.machine`."""
+def _player(scene: Scene) -> Markup:
+    """A machine moving in 3-D, with buttons to play and a slider to scrub."""
     text = """<figure>
 {}
 <div class="player">
@@ -187,9 +137,11 @@ def player(scene: dict[str, Any]) -> Markup:
 <output id="instant"></output>
 </div>
 <script type="application/json" id="scene">{}</script>
-<figcaption>Drag to turn, wheel to zoom.</figcaption>
+<figcaption>{}<span class="screen"> Drag to turn, wheel to zoom.</span></figcaption>
 </figure>"""
-    return Markup(text).format(_plot("machine", "the machine in 3-D along its path", 560), script_json(scene))
+    words = "The machine in some of its poses." if scene.steps else "The machine where its path begins, and the path."
+    plot = _plot("machine", "the machine in 3-D along its path", 560, machine_picture(scene))
+    return Markup(text).format(plot, script_json(scene.to_json()), words)
 
 
 def section(title: str, *blocks: Block) -> Markup:
@@ -198,7 +150,18 @@ def section(title: str, *blocks: Block) -> Markup:
     return Markup(text).format(title, _joined(blocks))
 
 
-def page(title: str, lead: str, inputs: Iterable[tuple[str, str]], warnings: Sequence[str], *sections: Markup) -> str:
+class Head(NamedTuple):
+    """What every page begins with."""
+
+    verdict: str  # in a sentence
+    good: bool  # whether nothing speaks against it
+    machine: str
+    facts: tuple[tuple[str, str], ...] = ()  # program, recording and the like: names and values
+
+
+def page(
+    title: str, head: Head, lead: str, inputs: Iterable[tuple[str, str]], warnings: Sequence[str], *sections: Markup
+) -> str:
     """A page as HTML.
 
     Args:
@@ -211,9 +174,13 @@ def page(title: str, lead: str, inputs: Iterable[tuple[str, str]], warnings: Seq
     last = section("Inputs and versions", table(("input", "value"), inputs, left=2))
     files = resources.files("planner.reports") / "templates"
     parts = {name: Markup((files / f"page.{name}").read_text(encoding="utf-8")) for name in ("css", "js", "html")}
+    facts = (("machine", head.machine), *head.facts, ("page made", f"{datetime.now().astimezone():%Y-%m-%d %H:%M %Z}"))
     return parts.pop("html").format(
         **parts,
         title=title,
+        mood="good" if head.good else "doubt",
+        verdict=explained(head.verdict),
+        facts=_joined(Markup("<div><dt>{}</dt><dd>{}</dd></div>").format(*fact) for fact in facts),
         lead=explained(lead),
         warnings=listed,
         sections=_joined((*sections, last)),

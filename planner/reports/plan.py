@@ -3,12 +3,14 @@
 from markupsafe import Markup
 
 from cases.files import provenance
+from identification.limit import TOLERANCE
 from identification.motion import sample
 from planner.plans import Plan
-from planner.reports.figures import limits_chart, motion_blocks
-from planner.reports.machine import pictured
-from planner.reports.page import note, page, section, table, tiles
+from planner.reports.figures import limits_table, motion_blocks
+from planner.reports.page import Head, note, page, section, table, tiles
+from planner.reports.scene import moving_machine, posing_machine
 
+KEPT = "No limit of the case is exceeded: proven at 10 kHz."
 DRAWN_RATE = 500.0  # [1/s]
 
 
@@ -19,14 +21,19 @@ def plan_page(plan: Plan) -> str:
     inputs = [(name, str(value)) for name, value in entries.items() if not isinstance(value, list | dict)]
     notes = [f"{text[0].upper()}{text[1:]}." for text in plan.remarks]
     deviations = table(("parameter", "predicted std", "unit"), plan.deviation_rows())
+    exceeded = [check.name for check in plan.limits.checks if check.ratio > 1.0 + TOLERANCE]
+    words = f"EXCEEDED, which its controller does not limit: {', '.join(exceeded)}." if exceeded else KEPT
+    verdict = " ".join([words, *(f"{doubt[0].upper()}{doubt[1:]}." for doubt in plan.doubts)])
+    scene = posing_machine(case, plan.poses) if len(plan.poses) else moving_machine(case, plan.motion)
     return page(
         f"Plan: {case.title}",
-        f"{plan.headline}. Every limit is proven at 10 kHz.",
+        Head(verdict, not (plan.doubts or exceeded), case.name, (("plan", plan.headline),)),
+        "What the motion is, how precise its run will make the parameters, and how close it comes to each limit.",
         (("case", f"{case.name} (hash {case.hash})"), *inputs, *provenance([])["versions"].items()),
         plan.doubts,
         section("What the plan promises", _headline(plan), deviations, *map(note, notes)),
-        *pictured(case, plan.motion, plan.poses),
-        section("How close it comes to each limit", limits_chart(plan.limits)),
+        section("The machine along the plan", scene),
+        section("How close it comes to each limit", limits_table(plan.limits)),
         section("The motion and its limits", *motion_blocks(case, sample(plan.motion, DRAWN_RATE))),
     )
 

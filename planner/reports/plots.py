@@ -13,7 +13,7 @@ from cases.units import MM
 from identification.formats.look import Column, Look
 from identification.limited_chain import chain_frames
 from identification.motion import Array, StandingPoses
-from planner.reports.machine import box_outlines, room, tool_outlines
+from planner.reports.scene import box_outlines, room, tool_outlines
 
 Lines = dict[str, tuple[str, Iterable[Array]]]
 """Entry of the legend -> colour, and lines of points, shapes (n, 3) [mm]."""

@@ -2,12 +2,15 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from cases.files import provenance
 from identification.precision import legible
 from planner.comparison.trials import METHODS, SHOWN, Trial
 from planner.comparison.validation import Validation
-from planner.reports.compare import figure_rows, parameter_columns, parameter_rows, std_chart
-from planner.reports.page import Block, Chart, colour, note, page, section, table
+from planner.reports.chart import Axis, Chart, Line, colour
+from planner.reports.compare import comparison_head, figure_rows, parameter_columns, parameter_rows, std_chart
+from planner.reports.page import Block, note, page, section, table
 
 TABLE_7 = ("load", "s0", *(label for n in SHOWN for label in ((n,) if n[0] == "k" else (n, "dev."))))
 LEAST_DEVIATION = 1e-12  # the first trial is its own theory
@@ -40,18 +43,20 @@ def validation_page(validation: Validation) -> str:
     for trial in validation.trials:
         by_method.setdefault(trial.method, []).append(trial)
     caption = "s0 over the load: vibration and errors of the pose make it grow with the mass that is moved."
-    growth = Chart("s0", caption, "load [kg]", "s0 [N]", height=340, showlegend=True)
-    growth.axes(y={"type": "log"})
+    series: list[Line] = []
     tables: list[Block] = []
     for k, (method, own) in enumerate(by_method.items()):
         words = f"{method} ({METHODS[method].label}), {own[0].duration:.1f} s, model {own[0].estimate.model.number}"
         tables += [note(words), table(TABLE_7, table_7(own))]
-        loads, s0 = [t.load for t in own], [t.s0 for t in own]
-        growth.add("scatter", x=loads, y=s0, name=method, mode="lines+markers", line={"color": colour(k)})
+        loads, s0 = np.array([t.load for t in own]), np.array([t.s0 for t in own])
+        series.append(Line(loads, s0, method, colour(k), dots=True))
+    load, noise = Axis("load [kg]"), Axis("s0 [N]", logarithmic=True)
+    growth = Chart("s0", caption, tuple(series), load, noise, height=340)
     entries = comparison.entries
     mounted = ", ".join(dict.fromkeys(f"{trial.load:.0f}" for trial in validation.trials))
     return page(
         f"Validation with payloads: {case.title}",
+        comparison_head(comparison)._replace(machine=validation.machine),
         f"Known weights of {mounted} kg mounted one after the other and identified by {len(by_method)} methods on "
         f"{validation.machine}.",
         (

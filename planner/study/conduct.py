@@ -14,7 +14,8 @@ from cases.errors import FileProblem, HexciteError, Interrupted
 from cases.files import check_folder, json_text, read_json, write_text
 from cases.schema import Case
 from cases.units import as_html
-from planner.reports.page import Chart, note, page, section, table
+from planner.reports.chart import Axis, Box, Chart
+from planner.reports.page import Head, note, page, section, table
 from planner.request import require_workers
 from planner.study import SETTINGS, CellSettings, Spec, cells_of, command_of, load_spec, request_of
 from planner.study.cell_rows import FAILED, ROWS, failure, file_of, keep, read_rows, work
@@ -215,22 +216,26 @@ def study_page(spec: Spec, case: Case, cells: int, rows: "pa.Table") -> str:
         for letter, group in best_groups(found).items()
     ]
     varied = [name for name in GROUPED if len({group.settings.get(name) for group in found}) > 1]
-    spread = Chart("spread", "D-efficiency of the plans of each setting, over their seeds.", y="D-efficiency")
+    spread: list[Box] = []
     cells_of_table = []
     for group in found:
         texts = [str(group.settings.get(name, "-")) for name in varied]
-        spread.add("box", y=group.efficiencies, name=", ".join(texts), boxpoints="all", showlegend=False)
+        spread.append(Box(tuple(group.efficiencies), ", ".join(texts)))
         shares = [f"{100 * share:.1f} %" if np.isfinite(share) else "-" for share in (group.converged, group.inside)]
         numbers = group.best, group.median, group.iterations, group.seconds
         figures = [f"{number:.4g}" if np.isfinite(number) else "-" for number in numbers]
         cells_of_table.append((*texts, str(group.cells), str(group.done), *figures, *shares))
     columns = (*varied, "cells", "done", "best", "median", "iterations", "s a cell", "converged", "coverage")
     words = "Larger is better: A is minus the trace, K minus the condition, in the reference scaling."
+    caption = "D-efficiency of the plans of each setting, over their seeds."
+    chart = Chart("spread", caption, tuple(spread), y=Axis("D-efficiency"))
+    verdict = f"{len(rows)} of {cells} cells are done, {sum(failures.values())} failed."
     return page(
         f"Study {spec.name}: {case.name}",
+        Head(verdict, len(rows) == cells and not failures, case.name, (("study", spec.name),)),
         f"{len(rows)} rows of {cells} cells; a cell is one start of an optimisation, and what it gave.",
         (("case", f"{case.name} (hash {case.hash})"), ("hexcite", version("hexcite"))),
         [f"{count} rows failed: {reason}" for reason, count in failures.most_common(MOST_REASONS)],
         section("Best settings", *(best or [note("No cell is done yet.")]), note(words)),
-        section("Settings", table(columns, cells_of_table, left=len(varied)), spread),
+        section("Settings", table(columns, cells_of_table, left=len(varied)), chart),
     )

@@ -263,7 +263,7 @@ def test_a_result_of_ones_own_machine_is_compared_by_its_file(chain: Chain, shar
 def test_what_belongs_together_has_one_colour(chain: Chain, shared: Path):
     found = groups([read_entry(shared / name) for name in ("result", "plan", "recording")])
     other = replace(found[0][0], name="another")
-    colours = [trace["marker"]["color"] for trace in std_chart([*found, [other]]).data]
+    colours = [points.colour for points in std_chart([*found, [other]]).series]
     assert len(set(colours[:3])) == 1
     assert colours[3] != colours[0]
 

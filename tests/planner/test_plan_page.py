@@ -11,7 +11,7 @@ from identification.precision import std_text
 from tests.helpers import few
 from tests.planner.browser import Opened, opened
 
-PLOTS = {"limits", "position-translation", "acceleration-rotation"}
+PLOTS = {"position-translation", "acceleration-rotation"}
 SCREENS = {"a phone by night": (400, "dark"), "a wide screen by day": (1400, "light")}
 FITS = "document.documentElement.scrollWidth <= window.innerWidth"
 
@@ -28,6 +28,8 @@ def test_a_plan_has_its_page(tab: Opened, planned: dict[str, Any]):
     assert page.evaluate(FITS)
     shown = set(page.evaluate("[...document.querySelectorAll('.plot')].map(e => e.id)"))
     assert {f"plot-{name}" for name in PLOTS} <= shown
+    bars = page.locator(".bars .value").all_inner_texts()
+    assert any("1 m/s" in bar and "proven" in bar for bar in bars)  # the case's limit of the struts' velocity
     assert "0.00 of 12.00 s" in page.locator("#instant").inner_text()
     assert f"{planned['d_efficiency']:.3f}" in page.locator(".tiles").first.inner_text()
     assert (errors, requests) == ([], [])

@@ -3,7 +3,9 @@
 import base64
 import json
 import re
+import subprocess
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,31 +13,26 @@ import pytest
 from markupsafe import Markup
 from playwright.sync_api import Browser
 from playwright.sync_api import Page as Tab
+from pypdf import PdfReader
 
 from cases.schema import Case
 from identification.hexapod import Hexapod
+from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, Status
 from identification.motion import sample
 from identification.recording import write_recording
 from identification.simulate import simulate_recording
-from planner.reports.figures import motion_blocks
-from planner.reports.machine import moving_machine, posing_machine
-from planner.reports.page import (
-    TERMS,
-    Chart,
-    explained,
-    note,
-    page,
-    script_json,
-    section,
-    table,
-    thinned,
-)
+from planner.reports.chart import Axis, Chart, Heat, Line, thinned
+from planner.reports.figures import limits_table, motion_blocks
+from planner.reports.interactive import plotly_figure
+from planner.reports.page import TERMS, Head, explained, note, page, script_json, section, table
+from planner.reports.scene import moving_machine, posing_machine
 from tests.helpers import Harmonic
-from tests.planner.browser import DRAWN, PATIENCE, Opened, opened
+from tests.planner.browser import CHROMIUM, DRAWN, FLAGS, PATIENCE, Opened, opened
 from tests.planner.command_line import call
 from tests.postprocessors.changed_case import changed
 from tests.simulated_machine import PoseExecution
 
+HEAD = Head("All is well.", True, "hexapod")
 HOSTILE = "<img src=x onerror=\"document.title='taken over'\"><b>column</b></script>"
 CHART = re.compile(r'data-plot="[^"]+">(.*?)</script>', re.DOTALL)
 FITS = "document.documentElement.scrollWidth <= window.innerWidth"
@@ -51,13 +48,13 @@ def motion() -> Harmonic:
 @pytest.fixture(scope="module")
 def page_file(hexapod_case: Case, motion: Harmonic, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A page with everything that outsiders can name named in HTML."""
-    plots = motion_blocks(hexapod_case, sample(motion, 200.0))
-    plots[0].caption = HOSTILE
-    for trace in plots[0].data:
-        trace["name"] = HOSTILE
+    first, *others = motion_blocks(hexapod_case, sample(motion, 200.0))
+    named = tuple(replace(series, name=HOSTILE) for series in first.series)
+    plots = (replace(first, caption=HOSTILE, series=named), *others)
     wide = tuple(f"a wide column {k}" for k in range(30))
     text = page(
         HOSTILE,
+        Head(HOSTILE, False, HOSTILE, ((HOSTILE, HOSTILE),)),
         HOSTILE,
         ((HOSTILE, HOSTILE),),
         (HOSTILE,),
@@ -103,9 +100,9 @@ def test_nothing_overflows_and_nothing_fails_on_a_wide_screen(tab: Opened):
 
 def test_what_looks_like_html_stays_text(tab: Opened):
     assert tab.page.title() == f"hexcite: {HOSTILE}"
-    for place in ("h1", ".lead", ".warnings li", "h2", "figcaption", "td"):
+    for place in ("h1", ".verdict", "dd", "dt", ".lead", ".warnings li", "h2", "figcaption", "td"):
         assert HOSTILE in tab.page.locator(place).all_inner_texts(), place
-    assert tab.page.locator("img").count() == 0
+    assert tab.page.locator("img:not(.still)").count() == 0
     assert "<b>column</b>" in tab.page.locator(".legendtext").first.text_content()
 
 
@@ -148,7 +145,9 @@ def test_the_machine_plays_to_the_end_and_stops(tab: Opened):
 def test_platform_joints_on_the_page_are_where_the_struts_end(tab: Opened, hexapod_case: Case, motion: Harmonic):
     """The page turns the joints with its own code: strut lengths that it draws are those of the kinematics."""
     scrub(tab.page, 70)
-    struts = tab.page.evaluate("(({x, y, z}) => [x, y, z])(document.getElementById('machine').data[2])")
+    struts = tab.page.evaluate(
+        "(({x, y, z}) => [x, y, z])(document.getElementById('machine').data.find(d => d.name === 'struts'))"
+    )
     ends = np.array(struts, dtype=float).T.reshape(6, 3, 3)
     drawn = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     true = Hexapod.of(hexapod_case).strut_lengths(motion.at([70 * 4.0 / 200]).pose)[0] * 1e3
@@ -188,7 +187,7 @@ def test_an_identification_has_its_page(result_tab: Opened):
     names = {"correlation", "forces", "residuals", "spectrum"}
     assert {f"plot-{n}" for n in names} <= set(page.evaluate("[...document.querySelectorAll('.plot')].map(e=>e.id)"))
     assert "onerror" in page.locator(".lead").inner_text()
-    assert page.locator("img").count() == 0
+    assert page.locator("img:not(.still)").count() == 0
     assert (errors, requests) == ([], [])
 
 
@@ -203,18 +202,18 @@ def test_plotly_accepts_every_attribute_of_a_chart(page_file: Path, result_page:
 
 
 def test_numbers_of_a_chart_reach_the_page_whatever_they_are():
-    chart = Chart("numbers", "Numbers.")
-    values = np.array([[1.0, np.nan], [np.inf, 2.0]], np.float32)
-    chart.add("heatmap", z=values, x=[np.float64(1.0), None, float("nan")])
-    chart.add("bar", x=np.arange(2), y=np.array([1.5, 2.5]), name="</script>")
-    told = script_json({"data": chart.data})
+    values = np.array([[1.0, np.nan], [np.inf, 2.0]])
+    heat = Chart("heat", "Numbers.", (Heat(values),), Axis(names=("</script>", "b")), Axis(names=("</script>", "b")))
+    line = Chart("line", "Numbers.", (Line(np.arange(2.0), np.array([1.5, 2.5]), "</script>", "#000000"),))
+    told = script_json([plotly_figure(heat), plotly_figure(line)])
     assert "<" not in told
-    heatmap, bar = json.loads(told)["data"]
-    assert heatmap["x"] == [1.0, None, None]
+    (heatmap,), (trace,) = (each["data"] for each in json.loads(told))
+    assert heatmap["x"] == ["</script>", "b"]
     assert (heatmap["z"]["dtype"], heatmap["z"]["shape"]) == ("f4", "2, 2")
     np.testing.assert_array_equal(np.frombuffer(base64.b64decode(heatmap["z"]["bdata"]), "<f4"), values.ravel())
-    assert (bar["x"], bar["name"]) == ([0, 1], "</script>")
-    assert np.frombuffer(base64.b64decode(bar["y"]["bdata"]), "<f8").tolist() == [1.5, 2.5]
+    assert trace["name"] == "</script>"
+    assert np.frombuffer(base64.b64decode(trace["y"]["bdata"]), "<f4").tolist() == [1.5, 2.5]
+    assert json.loads(script_json([1.0, None, float("nan"), float("inf")])) == [1.0, None, None, None]
 
 
 def test_a_pose_set_is_stepped_through(browser: Browser, hexapod_case: Case, motion: Harmonic, tmp_path: Path):
@@ -224,7 +223,7 @@ def test_a_pose_set_is_stepped_through(browser: Browser, hexapod_case: Case, mot
     case = changed(hexapod_case, workspace__keep_out=[box], workspace__tool=[tool])
     poses = motion.at(np.linspace(0.0, 4.0, 7)).pose
     file = tmp_path / "report.html"
-    text = page("poses", "", (), (), section("machine", posing_machine(case, poses)))
+    text = page("poses", HEAD, "", (), (), section("machine", posing_machine(case, poses)))
     file.write_text(text, encoding="utf-8")
     with opened(browser, file) as tab:
         scrub(tab.page, 4)
@@ -239,7 +238,7 @@ def test_twenty_seconds_are_at_most_three_megabytes_beside_plotly(hexapod_case: 
 
     motion = Harmonic(seed=0, duration=20.0)
     drawn = *motion_blocks(hexapod_case, sample(motion, 1000.0)), moving_machine(hexapod_case, motion)
-    assert len(page("long", "", (), (), section("motion", *drawn))) - len(get_plotlyjs()) < 3e6
+    assert len(page("long", HEAD, "", (), (), section("motion", *drawn))) - len(get_plotlyjs()) < 3e6
 
 
 def test_a_thinned_line_keeps_its_extremes():
@@ -282,13 +281,82 @@ def test_figures_tables_and_words_speak_to_a_screen_reader(result_tab: Opened):
     assert all(len(term.get_attribute("title") or "") > 10 for term in terms)
 
 
-@pytest.mark.slow
-def test_paper_is_white_though_the_screen_is_dark(browser: Browser, result_page: Path):
-    with opened(browser, result_page, scheme="dark") as tab:
-        tab.page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
-        assert tab.page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
-        tab.page.evaluate("window.dispatchEvent(new Event('afterprint'))")
-        assert tab.page.evaluate("getComputedStyle(document.body).backgroundColor") != "rgb(255, 255, 255)"
+@pytest.mark.parametrize("size", ["A4", "Letter"])
+def test_what_is_printed_stays_inside_the_paper_and_is_white(browser: Browser, result_page: Path, size: str):
+    """Also where the screen is dark: pictures stand in place of figures, and nothing that only a screen can do."""
+    width = {"A4": 794, "Letter": 816}[size] - 2 * 45  # less the page's margins of 12 mm
+    with opened(browser, result_page, width, "dark") as tab:
+        tab.page.emulate_media(media="print", color_scheme="dark")
+        assert tab.page.evaluate("getComputedStyle(document.documentElement).backgroundColor") == "rgb(255, 255, 255)"
+        right = tab.page.evaluate(
+            "Math.max(...[...document.querySelectorAll('body *')].map(e => e.getBoundingClientRect().right))"
+        )
+        assert right <= width + 1
+        shown = tab.page.locator("figure .still")
+        assert shown.count() == tab.page.locator("figure").count() == 4
+        for place in (".plot", ".player", ".screen", ".modebar"):
+            assert not any(each.is_visible() for each in tab.page.locator(place).all()), place
+
+
+def test_paper_printed_at_once_has_every_figure(result_page: Path, tmp_path: Path):
+    """The browser prints as soon as it has read the file: no script has drawn anything by then."""
+    assert CHROMIUM is not None
+    paper = tmp_path / "report.pdf"
+    command = [CHROMIUM, *FLAGS, f"--user-data-dir={tmp_path / 'user'}", "--no-pdf-header-footer"]
+    subprocess.run([*command, f"--print-to-pdf={paper}", result_page.as_uri()], check=True, capture_output=True)
+    text = "\n".join(leaf.extract_text() for leaf in PdfReader(paper).pages)
+    for axis in ("recorded - model [N]", "force [N]", "frequency [Hz]", "mxC"):  # one of each figure
+        assert axis in text
+    assert "Drag to turn" not in text
+    assert "drawn" not in text
+
+
+def test_pictures_stand_where_no_script_runs(browser: Browser, result_page: Path):
+    context = browser.new_context(java_script_enabled=False)
+    try:
+        tab = context.new_page()
+        tab.goto(result_page.resolve().as_uri())
+        pictures = tab.locator("figure .still")
+        assert pictures.count() == 4
+        for picture in pictures.all():
+            assert picture.is_visible()
+            assert picture.bounding_box()["height"] > 150
+            assert len(picture.get_attribute("alt")) > 10
+    finally:
+        context.close()
+
+
+def test_a_page_begins_with_verdict_machine_recording_and_date(result_tab: Opened):
+    facts = dict(
+        zip(
+            result_tab.page.locator("dt").all_inner_texts(),
+            result_tab.page.locator("dd").all_inner_texts(),
+            strict=True,
+        )
+    )
+    assert facts["machine"] == "hexapod"
+    assert facts["recording"].endswith(".csv")
+    assert re.match(r"\d{4}-\d\d-\d\d \d\d:\d\d", facts["page made"])
+    verdict = result_tab.page.locator(".verdict")
+    assert "Mass" in verdict.inner_text()
+    assert verdict.bounding_box()["y"] < result_tab.page.locator("table").first.bounding_box()["y"]
+
+
+def test_limits_stand_in_the_order_of_what_a_reader_asks():
+    def check(kind: LimitKind, ratio: float, status: Status) -> LimitCheck:
+        return LimitCheck(Limit(kind), "x", 10.0 * ratio, 10.0, kind.unit, ratio, 0.0, status, binding=False)
+
+    checks = (
+        check(LimitKind.POSITION, 0.9, Status.PROVEN),
+        check(LimitKind.VELOCITY, 0.99, Status.ENFORCED),
+        check(LimitKind.STRUT_VELOCITY, 0.5, Status.NOT_ENFORCED),
+        check(LimitKind.JERK, 1200.0, Status.STEPS),
+        check(LimitKind.STRUT_LENGTH, 0.95, Status.PROVEN),
+    )
+    text = limits_table(LimitReport(checks))
+    names = re.findall(r'class="what">([^<]*)<', text)
+    assert names == ["jerk (x)", "strut velocity (x)", "strut length (x)", "position (x)", "velocity (x)"]
+    assert "12 000 of 10 m/s³" in text
 
 
 def test_words_of_the_field_are_explained_and_html_is_not_let_in():

@@ -32,6 +32,7 @@ function draw(div, data, layout) {
     displayModeBar: narrow.matches ? false : "hover", // on a phone it is there always, and covers the legend
     toImageButtonOptions: { format: "svg", filename: "hexcite-" + div.id },
   };
+  div.classList.add("live"); // in place of its picture; plotly measures what it draws into
   return Plotly.newPlot(div, data, { ...layout, template: template() }, config);
 }
 
@@ -41,63 +42,40 @@ function numbers(packed) {
   return new Float32Array(raw.buffer);
 }
 
-// Points of {P}, in mm, in a pose (x, y, z in mm, roll, pitch, yaw in rad): R = Rz(yaw) Ry(pitch) Rx(roll).
-function placed(points, pose) {
-  const [x, y, z, a, b, c] = pose;
-  const [ca, sa, cb, sb, cc, sc] = [Math.cos(a), Math.sin(a), Math.cos(b), Math.sin(b), Math.cos(c), Math.sin(c)];
-  return points.map(([u, v, w]) => [
-    x + cc * cb * u + (cc * sb * sa - sc * ca) * v + (cc * sb * ca + sc * sa) * w,
-    y + sc * cb * u + (sc * sb * sa + cc * ca) * v + (sc * sb * ca - cc * sa) * w,
-    z - sb * u + cb * sa * v + cb * ca * w,
-  ]);
-}
+const columns = (lines) => [0, 1, 2].map((k) => lines.flatMap((line) => [...line.map((p) => p[k]), null]));
+const BASE = 0; // the frame that stands still
 
-const closed = (points) => [...points, points[0]];
-const segments = (from, to) => from.flatMap((p, k) => [p, to[k], [null, null, null]]);
-const apart = (lines) => lines.flatMap((line) => [...line, [null, null, null]]);
-const columns = (points) => [0, 1, 2].map((k) => points.map((p) => p[k]));
-
+// Lines of the machine's parts, whose points are given in frames that move: rows of (R p) of each frame, in mm.
 function machine(div, scene) {
-  const t = numbers(scene.t), poses = numbers(scene.poses);
-  const pose = (k) => poses.subarray(6 * k, 6 * k + 6);
-  const moving = (k) => {
-    const joints = placed(scene.platform, pose(k));
-    const shapes = [segments(scene.base, joints), closed(joints)];
-    if (scene.lower.length) {
-      const lower = placed(scene.lower, pose(k)), upper = placed(scene.upper, pose(k));
-      shapes.push(segments(lower, upper), closed(upper));
-    }
-    if (scene.tools.length) shapes.push(apart(scene.tools.map((line) => placed(line, pose(k)))));
-    shapes.push([Array.from(pose(k).subarray(0, 3))]);
-    return shapes.map(columns);
+  const t = numbers(scene.t), frames = numbers(scene.frames), size = 12 * scene.moving;
+  const placed = (point, frame, k) => {
+    if (frame === BASE) return point;
+    const from = size * k + 12 * (frame - 1), [u, v, w] = point;
+    return [0, 4, 8].map((row) => frames[from + row] * u + frames[from + row + 1] * v + frames[from + row + 2] * w + frames[from + row + 3]);
   };
-  const trace = (xyz, name, style) => ({
-    type: "scatter3d", mode: "lines", x: xyz[0], y: xyz[1], z: xyz[2], name, hoverinfo: "name", ...style,
-  });
-  const styles = [
-    ["struts", { line: { width: 7, color: PALETTE[0] } }],
-    ["platform", { line: { width: 8, color: PALETTE[1] } }],
-    ["sensors", { line: { width: 5, color: PALETTE[4] } }],
-    ["frame", { line: { width: 5, color: PALETTE[4] }, showlegend: false }],
-  ];
-  const tip = ["origin of {P}", { mode: "markers", marker: { size: 4, color: PALETTE[2] }, showlegend: false }];
-  const tools = ["tools", { line: { width: 4, color: PALETTE[5] } }];
-  const named = [...styles.slice(0, scene.lower.length ? 4 : 2), ...(scene.tools.length ? [tools] : []), tip];
-  const path = columns(Array.from(t, (_, k) => Array.from(pose(k).subarray(0, 3))));
-  const still = [
-    trace(columns(closed(scene.base)), "base", { line: { width: 6, color: PALETTE[3] } }),
-    trace(path, scene.steps ? "poses" : "path", scene.steps
-      ? { mode: "markers", marker: { size: 2, color: PALETTE[2] } } : { line: { width: 2, color: PALETTE[2] } }),
-  ];
-  if (scene.boxes.length) still.push(trace(columns(apart(scene.boxes)), "kept out", { line: { width: 3, color: "#888888" } }));
-  const data = [...still, ...moving(0).map((xyz, k) => trace(xyz, ...named[k]))];
+  const lines = (part, k) => part.lines.map((line) => line.points.map((p, i) => placed(p, line.frames[i], k)));
+  const stands = (part) => part.lines.every((line) => line.frames.every((frame) => frame === BASE));
+  const trace = (part, k) => {
+    const [x, y, z] = columns(lines(part, k)), dots = part.lines.every((line) => line.points.length === 1);
+    const style = dots ? { mode: "markers", marker: { size: part.width, color: part.colour } }
+      : { mode: "lines", line: { width: part.width, color: part.colour } };
+    return { type: "scatter3d", x, y, z, name: part.name, hoverinfo: "name", showlegend: part.legend, ...style };
+  };
+  const path = columns([Array.from(t, (_, k) => placed([0, 0, 0], scene.moving, k))]);
+  const walked = {
+    type: "scatter3d", x: path[0], y: path[1], z: path[2], hoverinfo: "name", name: scene.steps ? "poses" : "path",
+    ...(scene.steps ? { mode: "markers", marker: { size: 2, color: PALETTE[2] } }
+      : { mode: "lines", line: { width: 2, color: PALETTE[2] } }),
+  };
+  const data = [walked, ...scene.parts.map((part) => trace(part, 0))];
+  const moving = scene.parts.map((part, k) => [part, k + 1]).filter(([part]) => !stands(part));
   const axis = (title, range) => ({ title: { text: title }, range, autorange: false });
   const far = narrow.matches ? 1.55 : 1.0; // labels need room beside the machine
   const layout = {
-    height: 560, uirevision: "keep", margin: { l: 0, r: 0, t: 30, b: 0 },
+    height: narrow.matches ? 400 : 560, uirevision: "keep", margin: { l: 0, r: 0, t: 30, b: 0 },
     scene: {
       aspectmode: "data", camera: { eye: { x: 1.35 * far, y: -1.6 * far, z: 0.7 * far }, center: { x: 0, y: 0, z: -0.2 } },
-      xaxis: axis("x [mm]", scene.range[0]), yaxis: axis("y [mm]", scene.range[1]), zaxis: axis("z [mm]", scene.range[2]),
+      xaxis: axis("x [mm]", scene.ends[0]), yaxis: axis("y [mm]", scene.ends[1]), zaxis: axis("z [mm]", scene.ends[2]),
     },
   };
 
@@ -118,8 +96,8 @@ function machine(div, scene) {
     busy = true;
     while (shown !== wanted) {
       shown = wanted;
-      const shapes = moving(shown), index = shapes.map((_, i) => still.length + i);
-      await Plotly.restyle(div, { x: shapes.map((s) => s[0]), y: shapes.map((s) => s[1]), z: shapes.map((s) => s[2]) }, index);
+      const shapes = moving.map(([part]) => columns(lines(part, shown)));
+      await Plotly.restyle(div, { x: shapes.map((s) => s[0]), y: shapes.map((s) => s[1]), z: shapes.map((s) => s[2]) }, moving.map(([, k]) => k));
     }
     busy = false;
   }
@@ -178,10 +156,7 @@ function recolour() {
   for (const div of document.querySelectorAll(".plot.js-plotly-plot")) Plotly.relayout(div, { template: template() });
 }
 
-drawAll().catch((error) => {
-  for (const div of document.querySelectorAll(".plot:empty")) div.textContent = "This browser cannot draw the figure: " + error.message;
+drawAll().catch(() => {
+  document.documentElement.dataset.drawn = "pictures"; // this browser cannot draw: the pictures stay
 });
 dark.addEventListener("change", recolour);
-for (const [event, paper] of [["beforeprint", true], ["afterprint", false]]) {
-  window.addEventListener(event, () => { document.documentElement.classList.toggle("paper", paper); recolour(); });
-}

@@ -6,8 +6,8 @@ import pytest
 from cases.machine import KeepOut, Tool
 from identification.limited_hexapod import distance_of_points
 from planner.reach import standing_ratios
-from planner.reports.machine import box_outlines, room, tool_outlines
 from planner.reports.plots import case_figure
+from planner.reports.scene import box_outlines, room, tool_outlines
 from tests.helpers import HOME
 from tests.postprocessors.changed_case import changed
 

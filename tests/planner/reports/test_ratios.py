@@ -6,7 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from planner.reports.chart import Points
 from planner.reports.compare import SPREAD, std_chart
+from planner.reports.page import section
 
 
 def entry(name: str, deviations: dict[str, float]) -> Any:
@@ -21,24 +23,29 @@ GROUPS = (
 )
 
 
+def series() -> list[Points]:
+    return [points for points in std_chart(GROUPS).series if isinstance(points, Points)]
+
+
 def test_each_parameter_is_measured_by_its_smallest_deviation():
-    a, b, c = std_chart(GROUPS).data
-    assert a["y"] == pytest.approx([2.0, 2.0])
-    assert b["y"] == pytest.approx([1.0, 1.0])
-    assert c["y"] == pytest.approx([1.0])
-    assert "zC: 3e-05" in a["text"]
+    a, b, c = series()
+    assert a.y == pytest.approx([2.0, 2.0])
+    assert b.y == pytest.approx([1.0, 1.0])
+    assert c.y == pytest.approx([1.0])
+    assert "zC: 3e-05" in a.words[1]
 
 
 def test_markers_stand_at_their_parameter_and_side_by_side():
-    figure = std_chart(GROUPS)
-    ticks = figure.layout["xaxis"]["ticktext"]
-    assert ticks == ["m", "zC", "k0", "IC33"]
-    places = np.concatenate([trace["x"] for trace in figure.data])
+    ticks = std_chart(GROUPS).x.names
+    assert ticks == ("m", "zC", "k0", "IC33")
+    places = np.concatenate([points.x for points in series()])
     assert len(np.unique(places.round(6))) == len(places)
-    named = [label.split(":")[0] for trace in figure.data for label in trace["text"]]
+    named = [label.split(":")[0] for points in series() for label in points.words]
     assert [ticks[round(x)] for x in places] == named
     assert np.abs(places - places.round()).max() < SPREAD / 2
 
 
 def test_names_are_text():
-    assert "&lt;b&gt;c&lt;/b&gt;" in std_chart(GROUPS).__html__()
+    block = section("deviations", std_chart(GROUPS))
+    assert "&lt;b&gt;c&lt;/b&gt;" in block
+    assert "<b>c" not in block
