@@ -55,6 +55,13 @@ class LimitKind(StrEnum):
         return _FAMILIES.get(self, self)
 
     @property
+    def least(self) -> bool:
+        """Whether it is a lower limit alone: what comes closest to it is the smallest value."""
+        return self in (
+            LimitKind.SINGULARITY, LimitKind.DISTANCE_FROM_BOX, LimitKind.DISTANCE_BETWEEN_LINKS,
+        )  # fmt: skip
+
+    @property
     def kinetic(self) -> bool:
         """Whether it depends on a motion's time law; limits of geometry do not."""
         return self.family in KINETIC
@@ -176,6 +183,11 @@ class LimitCheck:
         return self.of.kind
 
     @property
+    def closeness(self) -> tuple[float, float]:
+        """How close it is to its limit, to compare two of one limit: by the share, and far from a box by the way."""
+        return self.ratio, -self.worst if self.kind.least else 0.0
+
+    @property
     def kept(self) -> bool:
         """Whether the limit is satisfied, as far as the motion itself is responsible for it."""
         return not self.binding or self.ratio <= 1.0 + TOLERANCE
@@ -184,6 +196,8 @@ class LimitCheck:
         """One phrase with value and limit, and the time where it matters."""
         digits = next(d for d in range(4, 18) if f"{self.worst:.{d}g}" != f"{self.limit:.{d}g}" or d == 17)
         time_text = f" at {self.time:.3f} s" if timed else ""
+        if self.kind.least:
+            return f"{self.name} falls to {self.worst:.{digits}g} {self.unit}{time_text}, at least {self.limit:.4g}"
         return f"{self.name} reaches {self.worst:.{digits}g} {self.unit}{time_text}, limit {self.limit:.4g}"
 
     def to_json(self) -> dict[str, Any]:
@@ -245,7 +259,7 @@ def worst_of(reports: Iterable[LimitReport]) -> LimitReport:
     for report in reports:
         for check in report.checks:
             previous = worst.setdefault(check.of, check)
-            if check.ratio > previous.ratio:
+            if check.closeness > previous.closeness:
                 previous, check = check, previous
             weaker = max(previous.status, check.status, key=list(Status).index)
             worst[check.of] = previous if weaker is previous.status else replace(previous, status=weaker)

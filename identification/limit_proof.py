@@ -204,9 +204,13 @@ def _evaluated(
 
 def worst_case(quantity: Quantity, t: Array) -> LimitCheck:
     """Where the largest share is used; `t` are the instants, shape (n,) [s]."""
-    column = int(np.argmax(quantity.ratio.max(axis=0)))
-    row = int(np.argmax(quantity.ratio[:, column]))
     kind = quantity.of.kind
+    column = int(np.argmax(quantity.ratio.max(axis=0)))
+    if kind.least and quantity.ratio[:, column].max() == 0.0:  # far from all of them: the nearest is told
+        column = int(np.argmin(quantity.values.min(axis=0)))
+        row = int(np.argmin(quantity.values[:, column]))
+    else:
+        row = int(np.argmax(quantity.ratio[:, column]))
     value, low, high = (float(v * kind.scale) for v in (quantity.values[row, column], *quantity.limits[:, column]))
     return LimitCheck(
         quantity.of,

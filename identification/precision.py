@@ -71,7 +71,7 @@ def share_text(ratio: float, decimals: int = 2) -> str:
 def bounds_text(check: "LimitCheck") -> str:
     """The limit, or both where there are two."""
     if check.bounds is None:
-        return f"{check.limit:.4g}"
+        return f"at least {check.limit:.4g}" if check.kind.least else f"{check.limit:.4g}"
     low, high = check.bounds
     return f"±{high:.4g}" if low == -high else f"{low:.4g} to {high:.4g}"
 

@@ -68,12 +68,12 @@ def _bar(check: LimitCheck) -> Markup:
     state = "over" if exceeded else "open" if check.status in (Status.NOT_ENFORCED, Status.STEPS) else "sure"
     text = (
         '<div role="listitem" class="{}"><span class="what">{}</span><span class="track"><i style="width: {:.2f}%"></i>'
-        "</span><span class=share>{}</span><span class=value>{} of {} {}, {}</span></div>"
+        "</span><span class=share>{}</span><span class=value>{} {}, {}; {}</span></div>"
     )
-    value, words = value_of(check), f"{'EXCEEDED, ' if exceeded else ''}{_WORDS[check.status]}"
+    words = f"{'EXCEEDED, ' if exceeded else ''}{_WORDS[check.status]}"
     width = 100.0 * min(check.ratio, MOST_SHARE) / MOST_SHARE
-    share = share_text(check.ratio, 1)
-    return Markup(text).format(state, check.name, width, share, value, bounds_text(check), powers(check.unit), words)
+    share, allowed = share_text(check.ratio, 1), f"{'' if check.kind.least else 'limit '}{bounds_text(check)}"
+    return Markup(text).format(state, check.name, width, share, value_of(check), powers(check.unit), allowed, words)
 
 
 def value_of(check: LimitCheck) -> str:

@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 
 from cases.errors import CaseError
-from cases.machine import MotionLimits
+from cases.machine import MotionLimits, turned
 from cases.schema import Case, load_case
 from identification.hexapod import Hexapod
-from identification.limit import LimitReport
+from identification.limit import LimitKind, LimitReport
 from identification.limit_proof import prove
 from identification.motion import Motion, Standstill, TimedPoints, Trajectory, sample
 from identification.symbolic import over_samples
 from identification.trajectories.moves import StraightMove
 from tests.helpers import HOME, Harmonic
+from tests.postprocessors.changed_case import changed
 
 CASE = load_case("hexapod")
 RATE = 500.0  # [1/s] of the proofs here
@@ -169,3 +170,19 @@ def test_the_report_names_time_and_place_on_the_callers_clock() -> None:
 def test_a_case_without_machine_cannot_be_proven(wrist_case: Case) -> None:
     with pytest.raises(CaseError, match=r"machine: .*missing.*proof of limits"):
         prove(Harmonic(), wrist_case)
+
+
+def test_far_from_a_box_the_nearest_approach_is_told(hexapod_case: Case):
+    """The share is 0 all along, yet a reader compares the least distance, whichever part of the run has it."""
+    box = {"name": "post", "x_mm": [1200.0, 1300.0], "y_mm": [-50.0, 50.0], "z_mm": [900.0, 1000.0]}
+    case, move = changed(hexapod_case, workspace__keep_out=[box]), Harmonic(seed=1, duration=3.0)
+    check = next(c for c in prove(move, case, 2000.0).checks if c.kind is LimitKind.DISTANCE_FROM_BOX)
+    assert check.ratio == 0.0
+    poses, machine = move.at(np.linspace(0.0, 3.0, 601)).pose, case.need_machine("a test")[0]
+    tops = np.array([p[:3] + machine.platform.points @ turned(p[3:]).T for p in poses])
+    share = np.linspace(0.0, 1.0, 201)[:, None, None, None]
+    struts = machine.base.points + share * (tops - machine.base.points)  # points along them
+    low, high = np.array([1.2, -0.05, 0.9]), np.array([1.3, 0.05, 1.0])
+    nearest = np.linalg.norm(struts - np.clip(struts, low, high), axis=-1).min()
+    assert check.worst == pytest.approx(1e3 * nearest, abs=1.0)
+    assert "at least" in check.sentence()

@@ -356,7 +356,7 @@ def test_limits_stand_in_the_order_of_what_a_reader_asks():
     text = limits_table(LimitReport(checks))
     names = re.findall(r'class="what">([^<]*)<', text)
     assert names == ["jerk (x)", "strut velocity (x)", "strut length (x)", "position (x)", "velocity (x)"]
-    assert "12 000 of 10 m/s³" in text
+    assert "12 000 m/s³, limit 10;" in text
 
 
 def test_words_of_the_field_are_explained_and_html_is_not_let_in():
