@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cases.schema import Case
+from cases.schema import Case, load_case
 from planner.reach import standing_ratios
 from planner.reports.plots import case_figure
 from tests.planner.command_line import call, refused
@@ -58,3 +58,19 @@ def test_a_new_case_is_checked_and_drawn(tmp_path: Path) -> None:
 def test_joints_and_sensors_are_numbered_to_be_compared_with_the_drawing(hexapod_case: Case) -> None:
     texts = [text.get_text() for text in case_figure(hexapod_case).axes[0].texts]
     assert [texts.count(str(k)) for k in range(1, 7)] == [3] * 6  # base joint, platform joint, sensor
+
+
+def test_the_drawing_has_radii_heights_and_strut_lengths(hexapod_case: Case) -> None:
+    machine, _, _ = hexapod_case.need_machine("test")
+    figure = case_figure(hexapod_case)
+    _, above, beside = figure.axes
+    assert {"base: radius 700", "platform: radius 250"} <= {text.get_text() for text in above.texts}
+    assert {"base: z = 0", "platform: z = 900"} <= {text.get_text() for text in beside.texts}
+    home = machine.platform.points + machine.home.vector[:3]  # level
+    for length in np.linalg.norm(home - machine.base.points, axis=1) * 1e3:
+        assert f"{length:.4g}" in figure.get_supxlabel()
+
+
+def test_joints_that_lie_above_each_other_are_named_together() -> None:
+    _, above, _ = case_figure(load_case("ur10_wrist")).axes
+    assert any(text.get_text().startswith("base, shoulder") for text in above.texts)
