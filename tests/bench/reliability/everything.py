@@ -11,6 +11,7 @@ from pathlib import Path
 
 from tests.bench.reliability.folders import tally_of_cases, tally_of_plans, tally_of_results
 from tests.bench.reliability.programs import DIALECTS
+from tests.bench.reliability.rearranged import tally_of_rearranged
 from tests.bench.reliability.recordings import tally_of_other_files, tally_of_runs
 from tests.bench.reliability.tally import Tally
 
@@ -36,8 +37,9 @@ def tallies(counts: dict[str, int], first: int = 0) -> Iterator[Tally]:
         yield tally_of_cases(seeds("cases"), folder)
         yield tally_of_plans(seeds("folders", 0.5), folder)
         yield tally_of_results(seeds("folders", 0.5), folder)
-        yield tally_of_other_files(seeds("recordings", 0.5), folder)
-        yield tally_of_runs(seeds("recordings", 0.5), folder)
+        yield tally_of_rearranged(seeds("recordings", 0.5), folder)
+        yield tally_of_other_files(seeds("recordings", 0.25), folder)
+        yield tally_of_runs(seeds("recordings", 0.25), folder)
 
 
 def reliability_rows(counts: dict[str, int] = COUNTS) -> list[list[str]]:
