@@ -149,8 +149,8 @@ STILL = 1e-4  # [m or rad] that drives may move in a standstill: encoder noise a
 def tare(recording: Recording, result: Result) -> Result:
     """The result with sensor offsets f_q0 (11) identified anew from a standstill without contact; all else stays.
 
-    The uncertainty of all else at the pose of the standstill is part of that of the offsets. A note says which offset
-    has drifted since the result.
+    The uncertainty of all else at the pose of the standstill is part of that of the offsets. `record.tared` holds the
+    offset of each channel before and after; a note says which has drifted since the result.
 
     Raises:
         IdentificationError: the machine moves, or there are fewer than two samples.
@@ -175,7 +175,8 @@ def tare(recording: Recording, result: Result) -> Result:
     variance = np.maximum(residuals.var(axis=0, ddof=1) / count, variance_of_mean(residuals))
     offsets = offset_columns(model)
     values, covariance, robust = result.values.copy(), result.covariance.copy(), result.covariance_robust.copy()
-    drift = drifted_since(change, np.sqrt(variance + np.diag(robust)[offsets]), case, result.source)
+    std, before = np.sqrt(variance + np.diag(robust)[offsets]), values[offsets].copy()
+    drift = drifted_since(change, std, case, result.source)
     values[offsets] += change
     others = still.matrices.mean(axis=0)
     others[:, offsets] = 0.0
@@ -189,6 +190,15 @@ def tare(recording: Recording, result: Result) -> Result:
         **parameters,
         findings=(*result.findings, *drift, *changed_cases(stale)),
         tared_with=str(recording.paths[0]) if recording.paths else recording.source,
+        tared={
+            channel_words(case, k)[0]: {
+                "before": float(before[k]),
+                "after": float(values[offsets][k]),
+                "change_std": float(std[k]),
+                "unit": channel_words(case, k)[1],
+            }
+            for k in range(len(std))
+        },
         **({"stale": stale} if stale else {}),
     )
     return Result(case, record)

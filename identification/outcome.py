@@ -16,7 +16,7 @@ from cases.units import Array, as_html
 from identification.estimation.fit import Value
 from identification.finding import Finding, sentences
 from identification.model import Model, identification_model
-from identification.precision import carries_rods, parameter_lines, value_cells
+from identification.precision import aligned, carries_rods, parameter_lines, std_text, value_cells, value_text
 from identification.result import SCHEMA_VERSION, Estimate, ResultEntries, physical_values
 from identification.signals import Residuals
 
@@ -178,7 +178,21 @@ class Result:
         )
         lag = self.record.delay_s
         lines = [] if lag is None else [f"forces lag the motion by {lag.value * 1e3:.3f} +- {lag.std * 1e3:.3f} ms"]
-        return "\n".join([*parameter_lines(self.parameters), which, *lines, *self.notes, repr(self)])
+        return "\n".join([*parameter_lines(self.parameters), which, *lines, *self._tared(), *self.notes, repr(self)])
+
+    def _tared(self) -> list[str]:
+        """A table of the offsets before and after a tare."""
+        if not self.record.tared:
+            return []
+        rows = [
+            (
+                name, value_text(entry["before"], entry["change_std"]), value_text(entry["after"], entry["change_std"]),
+                value_text(entry["after"] - entry["before"], entry["change_std"]), std_text(entry["change_std"]),
+                entry["unit"],
+            )
+            for name, entry in self.record.tared.items()
+        ]  # fmt: skip
+        return aligned(("offset", "before", "after", "change", "+-", "unit"), *rows)
 
     _repr_html_ = as_html
 

@@ -133,6 +133,7 @@ class Origin(BaseModel, strict=True, frozen=True, allow_inf_nan=False, populate_
     run: Entries | None = None
     standstills: Entries | None = None
     tared_with: str | None = None
+    tared: Mapping[str, Entries] | None = None  # of each channel its offset `before` and `after`, with `change_std`
     stale: tuple[str, ...] = ()
 
 

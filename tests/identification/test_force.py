@@ -275,3 +275,17 @@ def test_a_case_of_ones_own_is_looked_at_too(saved: Result, tmp_path: Path) -> N
         Result.load(file, changed)
     (remark,) = Result.load(file, changed, stale=True).remarks
     assert remark.startswith("stale: ")
+
+
+def test_a_tare_names_every_channel_before_and_after(saved: Result) -> None:
+    shift = np.array([0.0, 0.5, 0.0, -2.0, 0.0, 0.1])
+    still = standing()
+    tared = tare(replace(still, forces=still.forces + shift), saved)
+    table = tared.record.tared
+    assert list(table) == [f"f{k}_N" for k in range(1, 7)]
+    for k, entry in enumerate(table.values(), 1):
+        assert entry["before"] == saved[f"f_q0_{k}"].value
+        assert entry["after"] == tared[f"f_q0_{k}"].value
+        assert abs(entry["after"] - entry["before"] - shift[k - 1]) < 4.0 * entry["change_std"]
+    for name in table:
+        assert re.search(rf"^ *{name} .* N$", str(tared), re.MULTILINE)
