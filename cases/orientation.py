@@ -98,3 +98,14 @@ ROLL_PITCH_YAW = CONVENTIONS["xyz extrinsic"]
 """What a recording has that states no other, and our own poses have: R = Rz(c) Ry(b) Rx(a)."""
 OF_ANGLES = tuple(c for c in CONVENTIONS.values() if c.columns == ANGLES)
 """Conventions whose numbers are three angles or a rotation vector: the same columns may mean any of them."""
+
+
+def ways_to_write(text: str) -> str:
+    """What to write in place of a name that is none of the conventions', a maker's perhaps."""
+    word = text.casefold().strip()
+    hints = [
+        f"of {c.users} it is {c.name!r}" for c in CONVENTIONS.values() if len(word) > 2 and word in c.users.casefold()
+    ]
+    names = "an order of three axes with how they turn, such as 'xyz intrinsic' (moved) or 'zyx extrinsic' (fixed)"
+    others = ", ".join(f"'{c.name}'" for c in CONVENTIONS.values() if c.form != "angles")
+    return "; ".join([*hints, f"give {names}, or {others}"])

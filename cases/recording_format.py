@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from cases.machine import POSE
-from cases.orientation import QUATERNION, ROTATION
+from cases.orientation import CONVENTIONS, QUATERNION, ROTATION, ways_to_write
 from cases.tables import Number, Part, Positive, Six, Vector, frozen, si, spelled
 from cases.unit_names import ANGLES, FORCES, LENGTHS, MOMENTS, SHARES, TIMES, Units
 from cases.units import MS, Array
@@ -182,7 +182,15 @@ class RecordingFormat(TextFile):
     columns: dict[str, str] = Field(default_factory=dict)
     """Our column name -> the file's, for files that use other names."""
     units: dict[Role, str] = Field(default_factory=dict)
-    """What columns hold, `struts`, `forces` and the like -> the file's unit."""
+    """What columns hold, `struts`, `forces` and the like -> the file's unit; by default that of its labels, else of our
+    names."""
+    scale: dict[str, Number] = Field(default_factory=dict)
+    """Our column name -> what a 1 in the file is in the unit of that name: of counts of a converter, or where a sign
+    turns."""
+    offset: dict[str, Number] = Field(default_factory=dict)
+    """Our column name -> what a 0 in the file is in the unit of that name."""
+    orientation: str | None = None
+    """How the file writes orientations; by default `xyz extrinsic`, roll, pitch and yaw, where it has angles."""
     clock: Clock = Clock()
     """The time stamps."""
     drives: Drives | None = None
@@ -207,6 +215,21 @@ class RecordingFormat(TextFile):
         return self
 
     @model_validator(mode="after")
+    def _known_meaning(self) -> Self:
+        for key, table, without in (("scale", self.scale, (TRIGGER,)), ("offset", self.offset, (TRIGGER, CLOCK))):
+            for ours in table:
+                if ours not in COLUMNS or ours in without:
+                    numbers = ", ".join(column for column in COLUMNS if column not in without)
+                    raise ValueError(f"{key}: {ours!r} is none of our columns of numbers; they are {numbers}")
+        if zero := next((ours for ours, value in self.scale.items() if value == 0.0), None):
+            raise ValueError(f"scale.{zero} is 0, which makes all values equal; give what a 1 in the file is")
+        if self.scale.get(CLOCK, 1.0) < 0.0:
+            raise ValueError(f"scale.{CLOCK} is below 0; time increases")
+        if self.orientation is not None and self.orientation not in CONVENTIONS:
+            raise ValueError(f"orientation = {self.orientation!r} is not known; {ways_to_write(self.orientation)}")
+        return self
+
+    @model_validator(mode="after")
     def _nothing_left_to_guess(self) -> Self:
         if self.names_row is not None and self.names_row > (self.header_rows or 0):
             raise ValueError(f"names_row = {self.names_row} is not among header_rows = {self.header_rows or 0} lines")
@@ -227,11 +250,18 @@ class RecordingFormat(TextFile):
         return self.columns.get(ours, ours)
 
     def factor(self, ours: str) -> float:
-        """SI value of a column's unit in the file, by its role in `units`, or that of its name."""
+        """SI value of a 1 in a column: by its scale, else its role in `units`, else the unit of its name."""
         if (role := ROLE_OF.get(ours)) is None:
-            return 1.0
+            return self.scale.get(ours, 1.0)
         units = ROLE_UNITS[role]
+        if ours in self.scale:
+            return self.scale[ours] * units[units.usual]
         return units[units.symbol(self.units.get(role, units.usual)) or units.usual]
+
+    def shift(self, ours: str) -> float:
+        """SI value of a 0 in a column."""
+        units = ROLE_UNITS.get(ROLE_OF[ours]) if ours in ROLE_OF else None
+        return self.offset.get(ours, 0.0) * (1.0 if units is None else units[units.usual])
 
     @property
     def clock_unit(self) -> str:

@@ -11,6 +11,7 @@ from cases.units import as_html
 class Kind(StrEnum):
     """What a finding is about."""
 
+    FORMAT = "format"  # how a file was read: units, orientation, clocks that were joined
     DAMAGE = "damage"  # samples that no estimate may use
     WINDOW = "window"  # which part of a recording counts
     CLOCK = "clock"  # rates, delays, lost time

@@ -12,7 +12,7 @@ import numpy as np
 
 from cases.errors import RecordingError
 from cases.machine import POSE
-from cases.orientation import ROTATION
+from cases.orientation import ANGLES, CONVENTIONS, OF_ANGLES, QUATERNION, ROLL_PITCH_YAW, ROTATION, Convention
 from cases.recording_format import (
     ACCELEROMETER,
     CLOCK,
@@ -50,7 +50,8 @@ def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
     if table.stamps is not None:
         t = (table.stamps - table.stamps[0]) * table.tick + float(start_of(table) - origin)
     table, missing, missing_in = _marked(table)
-    rotation, trigger, override = _group(table, ROTATION), _single(table, TRIGGER), _single(table, OVERRIDE)
+    trigger, override = _single(table, TRIGGER), _single(table, OVERRIDE)
+    poses, rotations = _pose(table, case)
     if override is not None:
         ratio = "state recording.units.override = '1' if it is a ratio"
         _require(table, OVERRIDE, (override >= 0.0) & (override <= MOST_OVERRIDE), "is not a feed override", ratio)
@@ -66,15 +67,16 @@ def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
         source=table.source,
         t=t,
         struts=_struts(table, case),
-        rotations=None if rotation is None else rotation.reshape(-1, 3, 3),
+        rotations=rotations,
         forces=_group(table, case.sensor_frame.channels),
         trigger=flags,
         override=override,
-        poses=_group(table, POSE),
+        poses=poses,
         specific_forces=None if readings is None or mounted is None else readings @ mounted.matrix.T,
         lines=table.lines,
         missing=missing,
         missing_in=missing_in,
+        findings=table.findings,
     )
     if not stream.channels:
         wanted = (STRUTS[0], POSE[0], ROTATION[0], case.sensor_frame.channels[0])
@@ -82,12 +84,6 @@ def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
         raise RecordingError(
             table.source, unmounted if ACCELEROMETER[0] in table.values else without(table.names, table.form, wanted)
         )
-    if stream.rotations is not None:
-        turns = stream.rotations
-        error = np.abs(turns @ turns.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
-        error = np.maximum(error, np.abs(np.linalg.det(turns) - 1.0))
-        order = "check order and sign of the columns r11..r33"
-        _require(table, ROTATION[0], error <= ORTHOGONALITY, "begins a matrix that is not a rotation", order)
     if STRUTS[0] in table.values:
         _require_reach(stream, case, table.form)
     if stream.specific_forces is not None:
@@ -130,22 +126,110 @@ def _group(table: ColumnTable, channels: tuple[str, ...]) -> Array | None:
     if not any(present):
         return None
     if not all(present):
-        missing = table.form.file_name(channels[present.index(False)])
-        raise RecordingError(
-            table.source,
-            f"column {missing} is missing",
-            f"it has {listed(table.names)}: add it or map its name in [recording.columns] of the case",
-        )
+        raise _incomplete(table, channels[present.index(False)])
     group = np.empty((len(channels), table.rows)).T  # each channel in one piece, for it is worked on channel by channel
     for k, ours in enumerate(channels):
-        np.multiply(table.values[ours], table.form.factor(ours), out=group[:, k])
+        np.multiply(table.values[ours], table.factors[ours], out=group[:, k])
+        if shift := table.form.shift(ours):
+            group[:, k] += shift
     return group
+
+
+def _incomplete(table: ColumnTable, ours: str) -> RecordingError:
+    """The error for a column that is missing beside others."""
+    return RecordingError(
+        table.source,
+        f"column {table.form.file_name(ours)} is missing",
+        f"it has {listed(table.names)}: add it or map its name in [recording.columns] of the case",
+    )
 
 
 def _single(table: ColumnTable, ours: str) -> Array | None:
     """A column of its own in SI units, shape (n,); None if the file has none such."""
     column = _group(table, (ours,))
     return None if column is None else column[:, 0]
+
+
+def _pose(table: ColumnTable, case: Case) -> tuple[Array | None, Array | None]:
+    """Poses of a hexapod, shape (n, 6) [m, rad], and orientations, shape (n, 3, 3); None where the table has none.
+
+    A chain's pose follows from its joints, that of a sensor without a machine is its orientation.
+    """
+    if case.chain is not None:
+        return None, None
+    turns, positions = _orientation(table), None if case.hexapod is None else _group(table, POSE[:3])
+    angles = {*ANGLES} & table.values.keys()
+    if positions is None and not (angles and case.hexapod is not None):
+        return None, turns
+    if positions is None or turns is None:
+        raise _incomplete(table, POSE[0] if positions is None else ANGLES[0])
+    roll_pitch_yaw = _roll_pitch_yaw(turns)
+    if table.stamps is not None:
+        roll_pitch_yaw = np.unwrap(roll_pitch_yaw, axis=0)  # from row to row less than half a turn
+    return np.hstack([positions, roll_pitch_yaw]), None
+
+
+# How a table writes orientations whose case does not say it, by its columns; the first of them is used.
+_UNSTATED = (ROLL_PITCH_YAW, CONVENTIONS["matrix"], CONVENTIONS["quaternion"])
+_SAME_TURN = 0.01  # [rad] between two orientations of one row that files write with few digits
+
+
+def _orientation(table: ColumnTable) -> Array | None:
+    """Orientations, shape (n, 3, 3); None where the table has none.
+
+    Raises RecordingError where the table writes them twice, the case does not say which counts, and they differ.
+    """
+    stated = table.form.orientation
+    columns = {*ANGLES, *QUATERNION, *ROTATION} & table.values.keys()
+    if stated is not None:
+        return _turns(table, CONVENTIONS[stated]) if columns else None
+    present = [convention for convention in _UNSTATED if columns & {*convention.columns}]
+    turns = [_turns(table, convention) for convention in present]
+    for convention, others in zip(present[1:], turns[1:], strict=True):
+        if _apart(turns[0], others) > _SAME_TURN:
+            fitting = (c.name for c in OF_ANGLES if _apart(_turns(table, c), others) <= _SAME_TURN)
+            names = [next(fitting, present[0].name) if present[0].columns == ANGLES else present[0].name]
+            first, other = (shown(table.form.file_name(c.columns[0])) for c in (present[0], convention))
+            problem = f"orientations from {first} on and from {other} on differ"
+            remedy = " or ".join(f"'{name}'" for name in (*names, convention.name))
+            raise RecordingError(table.source, problem, f"state recording.orientation = {remedy}")
+    return turns[0] if turns else None
+
+
+def _apart(turns: Array, others: Array) -> float:
+    """Median angle between orientations of the same rows [rad]."""
+    traces = np.einsum("nij,nij->n", turns[:_FIRST], others[:_FIRST])
+    return float(np.median(np.arccos(np.clip((traces - 1.0) / 2.0, -1.0, 1.0))))
+
+
+def _turns(table: ColumnTable, convention: Convention) -> Array:
+    """Orientations that the table writes by a convention, shape (n, 3, 3); raises RecordingError."""
+    values = _group(table, convention.columns)
+    if values is None:
+        raise _incomplete(table, convention.columns[0])
+    first = convention.columns[0]
+    if convention.form == "quaternion":
+        good = np.abs(np.linalg.norm(values, axis=1) - 1.0) <= _UNIT_NORM
+        order = "check the names of the columns qw, qx, qy, qz"
+        _require(table, first, good, "begins a quaternion whose norm is not 1", order)
+    elif convention.form == "rotation vector":
+        good = np.linalg.norm(values, axis=1) <= _MOST_TURN
+        unit = "state recording.units.angles, 'deg' or 'rad'"
+        _require(table, first, good, "begins a rotation vector of more than a turn", unit)
+    turns = convention.matrices(values)
+    if convention.form == "matrix":
+        error = np.abs(turns @ turns.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
+        error = np.maximum(error, np.abs(np.linalg.det(turns) - 1.0))
+        order = "check order and sign of the columns r11..r33"
+        _require(table, first, error <= ORTHOGONALITY, "begins a matrix that is not a rotation", order)
+    return turns
+
+
+def _roll_pitch_yaw(turns: Array) -> Array:
+    """Roll, pitch and yaw of rotation matrices, shape (n, 3) [rad]."""
+    roll = np.arctan2(turns[:, 2, 1], turns[:, 2, 2])
+    pitch = np.arcsin(np.clip(-turns[:, 2, 0], -1.0, 1.0))
+    return np.column_stack([roll, pitch, np.arctan2(turns[:, 1, 0], turns[:, 0, 0])])
 
 
 def _struts(table: ColumnTable, case: Case) -> Array | None:
@@ -173,6 +257,8 @@ def _struts(table: ColumnTable, case: Case) -> Array | None:
 
 # Rotation matrices are printed with a few digits; beyond this they are not rotations (transposed columns, wrong order).
 ORTHOGONALITY = 1e-3
+_UNIT_NORM = 0.01  # by which the norm of a quaternion of a few digits may differ from 1
+_MOST_TURN = 2.0 * np.pi * 1.001  # [rad] of a rotation vector; controllers turn its sense where it exceeds half a turn
 # A motion changes the usual specific force of a run by less; a wrong unit (g for m/s^2) by a factor of ten.
 _OTHER_UNIT = 3.0
 # Nothing that is measured is so large in any unit, not even ticks of 100 ns since 1601.
@@ -218,7 +304,7 @@ def _require_reach(stream: Stream, case: Case, form: RecordingFormat) -> None:
 
 
 MOST_MISSING = 0.3  # of a column's rows; one with more is sampled at another rate, or is broken
-_KEPT = frozenset((*ROTATION, TRIGGER, OVERRIDE))
+_KEPT = frozenset((*ROTATION, *QUATERNION, TRIGGER, OVERRIDE))
 MOST_PUT_BACK = 3  # samples in a row
 _SWITCHING: tuple[Channel, ...] = ("trigger", "override", "rotations")  # a lost sample gets their last value
 

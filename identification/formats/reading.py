@@ -19,6 +19,7 @@ from cases.recording_format import RecordingFormat
 from cases.schema import Case
 from identification.formats import binary, text, traces
 from identification.formats.assembly import require_clock, start_of, stream_of
+from identification.formats.quantities import with_units
 from identification.formats.table import ColumnTable, Stream, require_file, require_room, unreadable
 from identification.formats.text import without
 
@@ -39,7 +40,7 @@ def read_tables(file: Path, form: RecordingFormat) -> tuple[ColumnTable, ...]:
         reader = binary.bag_tables
     elif is_parquet(file):
         reader = binary.parquet_tables
-    return tuple(reader(file, form))
+    return tuple(with_units(table) for table in reader(file, form))
 
 
 def is_parquet(file: Path) -> bool:
@@ -55,7 +56,8 @@ def is_parquet(file: Path) -> bool:
 def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
     """The streams of one run from its files in any order, that of the forces first; columns say what they hold.
 
-    Files whose samples coincide are joined. Raises RecordingError for anything that prevents the use of the run.
+    What reading made known of any of them are findings of the first. Files whose samples coincide are joined. Raises
+    RecordingError for anything that prevents the use of the run.
     """
     if not paths:
         raise RecordingError("no recording is named; give the files of one run")
@@ -70,7 +72,8 @@ def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
     origin = min((start_of(table) for table in tables if table.stamps is not None), default=Fraction(0))
     streams = [stream_of(table, case, origin) for table in tables]
     _require_whole(streams, case, [name for table in tables for name in table.names])
-    streams = _joined(streams)
+    findings = tuple(finding for stream in streams for finding in stream.findings)
+    streams = _joined([replace(stream, findings=()) for stream in streams])
     _require_one_time(streams)
     main = next(s for s in streams if s.forces is not None)
     if case.setup == "1a" and main.forces is not None:  # the frame does not move
@@ -79,11 +82,7 @@ def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
         from identification.hexapod import Hexapod
 
         main = replace(main, struts=Hexapod.of(case).strut_lengths(main.poses))
-    elif main.struts is None and main.poses is not None:
-        from scipy.spatial.transform import Rotation
-
-        main = replace(main, rotations=Rotation.from_euler("xyz", main.poses[:, 3:]).as_matrix())
-    return main, *(s for s in streams if s.forces is None)
+    return replace(main, findings=findings), *(s for s in streams if s.forces is None)
 
 
 _STORED = (".mcap", ".db3")  # of a bag

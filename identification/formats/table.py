@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from cases.errors import RecordingError
 from cases.recording_format import RecordingFormat
 from cases.units import Array, Flags
+from identification.finding import Finding
 
 Stamps = NDArray[np.float64] | NDArray[np.int64]
 Channel = Literal["struts", "rotations", "forces", "trigger", "poses", "specific_forces", "override"]
@@ -110,6 +111,9 @@ class ColumnTable:
     stamps: Stamps | None
     tick: float  # duration of one unit of the stamps [s]
     lines: Lines  # where the rows stand
+    unit_cells: Mapping[str, str] = field(default_factory=dict)  # our column name -> what a row of units has for it
+    factors: Mapping[str, float] = field(default_factory=dict)  # our column name -> SI value of the file's unit
+    findings: tuple[Finding, ...] = ()  # what reading it made known
 
     @property
     def rows(self) -> int:
@@ -140,6 +144,7 @@ class Stream:
     # rows in which a value was not measured and stands for nothing, shape (n,); None: there are none
     missing: Flags | None = None
     missing_in: tuple[str, ...] = ()  # the columns in which they are, as the file calls them
+    findings: tuple[Finding, ...] = ()  # what reading made known: how it was read, and doubts about that
 
     @property
     def channels(self) -> dict[Channel, Any]:

@@ -1,6 +1,7 @@
 """Tables as text, one row a sample, read by pyarrow; the first line that it cannot read is named."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,6 +11,7 @@ import pyarrow.csv as pacsv
 
 from cases.errors import RecordingError
 from cases.recording_format import CLOCK, COLUMNS, RecordingFormat
+from identification.formats.labels import units_row
 from identification.formats.table import (
     MISSING,
     Block,
@@ -188,11 +190,12 @@ def select(file: Path, names: Sequence[str], form: RecordingFormat) -> dict[str,
 
 def tables(file: Path, form: RecordingFormat) -> list[ColumnTable]:
     """Reads a file; raises RecordingError with the place and the remedy."""
-    header_rows, names = _header(file, form)
+    header_rows, names, units = _header(file, form)
     chosen = select(file, names, form)
     tick = form.tick if CLOCK in chosen else form.clock.period
     lines = section_of(file, header_rows, form.trailing_rows, len(chosen))
-    return [table_of(file, lines, names, chosen, form, tick)]
+    table = table_of(file, lines, names, chosen, form, tick)
+    return [replace(table, unit_cells={ours: units[k] for ours, k in chosen.items() if units})]
 
 
 def table_of(
@@ -231,22 +234,23 @@ def table_of(
     return ColumnTable(str(file), form, tuple(names), values, stamps, tick or 0.0, places)
 
 
-def _header(file: Path, form: RecordingFormat) -> tuple[int, list[str]]:
-    """Number of header lines, and names of the columns."""
+def _header(file: Path, form: RecordingFormat) -> tuple[int, list[str], list[str]]:
+    """Number of header lines, names of the columns, and cells of a row of units; none where there is no such row."""
     rows = form.header_rows if form.header_rows is not None else int(form.column_names is None)
     lines = read_head(file)
     if len(lines) < rows:
         raise RecordingError(file, f"has {len(lines)} lines, no more than recording.header_rows = {rows}")
     header = decoded(file, lines[:rows], form)
     if form.column_names is not None:
-        return rows, list(form.column_names)
+        names = list(form.column_names)
+        return rows, names, units_row([names, *(cells(line, form) for line in header)], 1)
     row = form.names_row or rows
     if row == 0:
         raise RecordingError(file, "recording.header_rows = 0 leaves no names", "list them in recording.column_names")
     names = cells(header[row - 1], form)
     if not any(form.file_name(ours) in names for ours in COLUMNS):
         raise RecordingError(file, without(names, form))
-    return rows, names
+    return rows, names, units_row([cells(line, form) for line in header], row)
 
 
 def without(names: Iterable[str], form: RecordingFormat, wanted: Sequence[str] = _TYPICAL) -> str:

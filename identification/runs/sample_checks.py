@@ -77,16 +77,16 @@ def scan(recording: Recording, case: Case) -> tuple[tuple[Finding, ...], Recordi
         raise RecordingError(
             recording.source,
             f"{100 * bad.mean():.0f} % of the samples are unusable, at most {100 * MOST_BAD:.0f} % may "
-            f"be: {findings[0]}",
+            f"be: {next(f for f in findings if f.kind is Kind.DAMAGE)}",
             "mend the sensor and record again, or name the case of the machine that was recorded",
         )
     return tuple(findings), replace(recording, missing=bad)
 
 
 def unmeasured(recording: Recording) -> tuple[Finding, ...]:
-    """Findings about what was not measured, whatever the rest looks like: values that are missing, and gaps."""
+    """Findings about how a run was read and what was not measured: units and clocks, values that are missing, gaps."""
     elsewhere = [replace(f, sentence=f"{s.source}, {f}") for s in recording.others for f in missing_values(s)]
-    return *missing_values(recording), *elsewhere
+    return *recording.findings, *missing_values(recording), *elsewhere
 
 
 def bridged(values: Array, bad: Flags) -> Array:

@@ -1,0 +1,137 @@
+"""What the header of a file says of its columns beside their names: units, in brackets, behind a name, in a row."""
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from cases.unit_names import COUNTS, Units, is_unit, plain_unit
+
+_BRACKETED = re.compile(r"\[([^\]]*)\]|\(([^)]*)\)|<([^>]*)>|\{([^}]*)\}")
+# Letters that may be a unit which we do not know: names of channels and addresses have digits or other signs.
+_LIKE_A_UNIT = re.compile(r"[A-Za-zµμ°%Ω/*·^²³]{2,12}")
+_WORDS = frozenset(
+    {
+        "abs", "absolute", "achse", "act", "actual", "angle", "average", "avg", "axis", "back", "base", "bottom",
+        "brutto", "cmd", "command", "dint", "double", "east", "epoch", "filt", "filtered", "flange", "float",
+        "force", "front", "fx", "fy", "fz", "gefiltert", "gmt", "gross", "hinten", "host", "inner", "int", "iso",
+        "ist", "istwert", "joint", "kraft", "left", "links", "local", "lokal", "lower", "lreal", "mean", "meas",
+        "measured", "mess", "messwert", "mittel", "mittelwert", "moment", "mx", "my", "mz", "net", "netto", "nord",
+        "north", "oben", "ost", "outer", "pitch", "position", "raw", "real", "rear", "rechts", "ref", "rel",
+        "relative", "right", "roll", "rx", "ry", "rz", "sensor", "set", "soll", "south", "sued", "tara", "tare",
+        "tared", "target", "tcp", "time", "tool", "top", "torque", "tx", "ty", "tz", "unix", "unten", "upper",
+        "utc", "value", "vorne", "wert", "west", "winkel", "world", "yaw", "zeit", "zeroed",
+    }
+)  # fmt: skip
+"""Words in brackets that are not units, in small letters."""
+_AMBIGUOUS = frozenset({"in", "h", "t", "g", "ft", "rev", "turn", "turns", "s"})
+"""Units that, behind a name and without brackets, are as likely a part of the name."""
+_UNIT_CELLS = frozenset({"unit", "units", "einheit", "einheiten", "dimension"})
+
+
+@dataclass(frozen=True, slots=True)
+class StatedUnit:
+    """What a header states as the unit of a column."""
+
+    text: str  # as the file writes it
+    symbol: str | None  # as hexcite writes it; None: it is not a unit of this quantity
+
+
+def stated_unit(label: str, cell: str, units: Units) -> StatedUnit | None:
+    """The unit that a header states for a column; None: it states none.
+
+    Args:
+        label: name of the column in the file.
+        cell: what a row of units has for it; empty where there is none.
+        units: those that the column can have.
+    """
+    in_row = plain_unit(cell)
+    if in_row in ("", "-", "none"):
+        return _of_label(label, units)
+    row = StatedUnit(in_row, units.symbol(in_row))
+    name = _of_label(label, units)
+    if name is None or name.symbol in (None, row.symbol):
+        return row
+    return StatedUnit(f"{name.text} and {row.text}", None)
+
+
+def _of_label(label: str, units: Units) -> StatedUnit | None:
+    """The unit that a label states itself."""
+    bracketed = [next(filter(None, groups), "").strip() for groups in _BRACKETED.findall(label)]
+    bracketed = [text for text in bracketed if text and text != "1"]  # an index, more often than a ratio
+    for text in bracketed:
+        if symbol := units.symbol(text):
+            return StatedUnit(text, symbol)
+    for text in bracketed:
+        if is_unit(text) and text not in ("-", "none"):
+            return StatedUnit(text, None)
+    for text in bracketed:
+        words = re.split(r"[\s.\-]+", text.casefold())
+        if _LIKE_A_UNIT.fullmatch(text) and _WORDS.isdisjoint(words):
+            return StatedUnit(text, None)
+    return next(_behind(label, units), None)
+
+
+def _behind(label: str, units: Units) -> Iterator[StatedUnit]:
+    """Units that end a label without brackets, as in `Force 1 kN`, `x_mm` and `Kraft / N`, the longest first."""
+    for match in re.finditer(r"(?<=[\w°)\]])[_\s/,;:.\-]+(?=[^_\s/,;:.\-])", label):
+        text = label[match.end() :]
+        if text.casefold() not in _AMBIGUOUS and (symbol := units.symbol(text)) is not None and symbol != "1":
+            yield StatedUnit(text, symbol)
+        elif text in ("V", "mV", "uV", "mV/V") and units.quantity in ("force", "moment"):
+            yield StatedUnit(text, None)
+
+
+_RAW = frozenset({"raw", "roh", "rohwert"})  # what also is said of readings in newtons, in small letters
+
+
+def counted(label: str, whole: bool) -> str | None:
+    """The word in a label that says that a column holds counts of a converter; None: there is none.
+
+    `whole`: whether its numbers are whole, as counts are: then they are raw ones too.
+    """
+    words = re.findall(r"[A-Za-z]+", label)
+    return next((word for word in words if is_count(word) and (whole or word.casefold() not in _RAW)), None)
+
+
+def is_count(text: str) -> bool:
+    """Whether a text is a word for counts of a converter."""
+    return text.casefold() in COUNTS | _RAW
+
+
+def units_row(head: Sequence[Sequence[str]], names_row: int) -> list[str]:
+    """Cells of the row of units, one for each name; empty where there is no such row.
+
+    A row is one of units where at least half of its cells are known ones, or its first cell says so.
+
+    Args:
+        head: cells of the lines above the first row of numbers.
+        names_row: which of them holds the names, counted from 1; 0: none of them.
+    """
+    if not names_row:
+        return []
+    count = len(head[names_row - 1])
+    for k, row in enumerate(head, 1):
+        cells = [plain_unit(cell) for cell in row]
+        filled = [cell for cell in cells if cell and cell != "-"]
+        if k == names_row or not filled or abs(len(cells) - count) > 1:  # lines of two cells are about the whole file
+            continue
+        if cells[0].casefold() in _UNIT_CELLS:
+            cells[0] = ""
+        elif 2 * sum(map(is_unit, filled)) < len(filled):
+            continue
+        return [*cells, ""][:count]
+    return []
+
+
+# Signals of robots that look like a sensor's wrench -> what they are.
+_NOT_READINGS = (
+    (r"actual_?tcp_?force|^tcp_?force", "a wrench in the axes of the base, without the set payload and zeroed"),
+    (r"[ok]_f_ext|ext(ernal)?_?(wrench|force|torque)|f_?ext", "an external wrench that the controller estimates"),
+    (r"compensat|kompens", "a wrench from which the controller has subtracted a load"),
+)
+
+
+def not_a_reading(label: str) -> str | None:
+    """What a signal is that a robot offers beside the readings of its sensor; None: by its name it may be a reading."""
+    name = label.casefold()
+    return next((what for pattern, what in _NOT_READINGS if re.search(pattern, name)), None)
