@@ -10,7 +10,8 @@
     result["m"].value, result["m"].reported
 
 Values are in SI and radians and have a short `repr`. Plans, programs, recordings and results have `save` and `load`;
-`hx.report(value, "page.html")` makes the page of a plan, result, comparison or validation. What stands here is public,
+`hx.report(value, "page.html")` makes the page of a plan, result, comparison or validation, `hx.plot(value)` a figure of
+matplotlib. What stands here is public,
 and nothing else. It is imported when it is first used; an argument of a wrong type is refused with its name, its value
 and what it should be.
 """
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
     from planner import demo as demo
     from planner import plan as plan
     from planner import plan_poses as plan_poses
+    from planner import plot as plot
     from planner import report as report
     from planner import retime as retime
     from planner import run as run

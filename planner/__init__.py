@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from planner.plan_program import write as write
     from planner.plans import Plan as Plan
     from planner.reports import report as report
+    from planner.reports.plotting import plot as plot
     from planner.retiming import retime as retime
 
 __getattr__, __dir__ = door(__name__)

@@ -7,6 +7,7 @@ import numpy as np
 from markupsafe import Markup
 
 from cases.schema import Case
+from cases.units import Array
 from identification.outcome import RUN_ENTRIES, Result
 from identification.precision import carries_rods, legible, value_cells, value_text, with_deviation
 from identification.signals import Residuals
@@ -66,13 +67,18 @@ def _headline(result: Result) -> Markup:
     return tiles(*figures)
 
 
-def correlation_blocks(result: Result) -> tuple[Block, ...]:
-    """Correlations of the estimated parameters by (28), and the strongest pairs."""
+def correlations(result: Result) -> tuple[list[str], Array]:
+    """Names of the estimated parameters, and their correlations by (28), shape (u, u)."""
     std = np.sqrt(np.diag(result.covariance))
     free = np.flatnonzero(std > 0.0)  # what was given correlates with nothing
     correlation = result.covariance[np.ix_(free, free)] / np.outer(std[free], std[free])
-    names = [result.model.names[k] for k in free]
-    figure = Chart(
+    return [result.model.names[k] for k in free], correlation
+
+
+def correlation_chart(result: Result) -> Chart:
+    """Magnitudes of the correlations of the estimated parameters."""
+    names, correlation = correlations(result)
+    return Chart(
         "correlation",
         "Magnitude of the correlation of two estimates; near 1 only their sum or difference is known well.",
         (Heat(np.abs(correlation)),),
@@ -80,13 +86,18 @@ def correlation_blocks(result: Result) -> tuple[Block, ...]:
         Axis(names=tuple(names), downwards=True),
         height=560,
     )
+
+
+def correlation_blocks(result: Result) -> tuple[Block, ...]:
+    """Correlations of the estimated parameters, and the strongest pairs."""
+    names, correlation = correlations(result)
     first, second = np.triu_indices(len(names), 1)
     strongest = np.argsort(-np.abs(correlation[first, second]))[:5]
     rows = [
         (f"{names[i]} ~ {names[j]}", f"{correlation[i, j]:+.3f}")
         for i, j in zip(first[strongest], second[strongest], strict=True)
     ]
-    return (figure, table(("strongest correlations", "value"), rows))
+    return (correlation_chart(result), table(("strongest correlations", "value"), rows))
 
 
 def noise_tile(result: Result) -> tuple[str, str]:
@@ -125,7 +136,7 @@ def delay_words(result: Result) -> str | None:
     return f"Forces lag the motion by {lag:.3f} ± {std:.3f} ms: estimated with the parameters."
 
 
-def residual_blocks(case: Case, residuals: Residuals) -> tuple[Block, ...]:
+def residual_charts(case: Case, residuals: Residuals) -> list[Chart]:
     """Forces, residuals over time and their spectrum."""
     channels = case.sensor_frame.channels
     at, unit = "time [s]" if residuals.step is not None else "standstill", unit_of(channels)
@@ -151,9 +162,18 @@ def residual_blocks(case: Case, residuals: Residuals) -> tuple[Block, ...]:
     charts = [forces, rest]
     if not standing:
         charts.append(spectrum_chart(residuals, channels, case.recording.filter_cutoff_Hz))
+    return charts
+
+
+def residual_blocks(case: Case, residuals: Residuals) -> tuple[Block, ...]:
+    """Forces, residuals over time and their spectrum, and the size of the residuals."""
+    channels = case.sensor_frame.channels
     rms = [(values**2).mean(axis=0) ** 0.5 for values in (residuals.evaluated, residuals.values)]
     rows = ((name, *(f"{r[k]:.3g}" for r in rms)) for k, name in enumerate(channels))
-    return (*charts, table(("channel", "residual as evaluated, rms", "of the forces as recorded"), rows))
+    return (
+        *residual_charts(case, residuals),
+        table(("channel", "residual as evaluated, rms", "of the forces as recorded"), rows),
+    )
 
 
 def run_inputs(about: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:

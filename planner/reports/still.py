@@ -4,6 +4,7 @@ Matplotlib draws it, as wide as a sheet of paper, so that words on it have their
 """
 
 import io
+from collections.abc import Sequence
 from typing import Any
 
 import matplotlib as mpl
@@ -30,20 +31,30 @@ MOST_PICTURES = 6  # of a machine in some of its poses
 SIDE, ALONE = 2.3, 4.4  # width and height of each of these, and of a single one [inch]
 
 
-def figure_of(chart: Chart) -> Figure:
-    """The picture of a figure by matplotlib."""
+def drawn(charts: Sequence[Chart]) -> Figure:
+    """Figures below each other, two halves side by side, as one by matplotlib."""
+    rows: list[list[Chart]] = []
+    for chart in charts:
+        if chart.half and rows and len(rows[-1]) == 1 and rows[-1][0].half:
+            rows[-1].append(chart)
+        else:
+            rows.append([chart])
+    heights = [max(chart.height for chart in row) / PIXELS for row in rows]
+    width = HALF if all(len(row) == 1 and row[0].half for row in rows) else WIDE
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(HALF if chart.half else WIDE, chart.height / PIXELS), layout="constrained")
-        axes = figure.add_subplot()
-        _draw(axes, chart)
-        if chart.legend:
-            figure.legend(loc="outside upper left", ncols=3 if chart.half else 6)
+        figure = Figure(figsize=(width, sum(heights)), layout="constrained")
+        stack = figure.subfigures(len(rows), 1, height_ratios=heights, squeeze=False)[:, 0]
+        for row, below in zip(rows, stack, strict=True):
+            for chart, part in zip(row, below.subfigures(1, len(row), squeeze=False)[0], strict=True):
+                _draw(part.add_subplot(), chart)
+                if chart.legend:
+                    part.legend(loc="outside upper left", ncols=3 if chart.half else 6)
     return figure
 
 
 def picture(chart: Chart) -> str:
     """The picture of a figure as SVG."""
-    return _svg(figure_of(chart))
+    return _svg(drawn([chart]))
 
 
 def _svg(figure: Figure) -> str:
@@ -105,7 +116,12 @@ def _set_axis(axes: Axes, letter: str, axis: Axis, heat: bool) -> None:
 
 
 def machine_picture(scene: Scene) -> str:
-    """The picture of a machine at the start of its path, with the path; in some of its poses, where it has such."""
+    """The picture of a machine as SVG."""
+    return _svg(machine_figure(scene))
+
+
+def machine_figure(scene: Scene) -> Figure:
+    """A machine at the start of its path, with the path; in some of its poses, where it has such."""
     count = min(MOST_PICTURES, len(scene.t)) if scene.steps else 1
     shown = np.unique(np.linspace(0, len(scene.t) - 1, count).round().astype(int)) if scene.steps else np.zeros(1, int)
     columns = min(3, len(shown))
@@ -117,7 +133,7 @@ def machine_picture(scene: Scene) -> str:
             _draw_machine(axes, scene, int(k), small=len(shown) > 1)
         handles, names = figure.axes[0].get_legend_handles_labels()
         figure.legend(handles, names, loc="outside upper left", ncols=6)
-    return _svg(figure)
+    return figure
 
 
 def _draw_machine(axes: Axes3D, scene: Scene, k: int, small: bool) -> None:

@@ -1,0 +1,100 @@
+"""`plot`: the matplotlib figure of a value, with what its page shows of it."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cases.units import DEG, MM
+from identification.motion import sample
+from planner.reports.chart import Axis, Chart, lines
+from planner.reports.figures import unit_of
+from planner.reports.still import drawn, machine_figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from cases.schema import Case
+    from identification.external import ExternalForce
+    from identification.outcome import Result
+    from identification.recording import Recording
+    from planner.comparison.comparison import Comparison
+    from planner.plans import Plan
+
+DRAWN_RATE = 500.0  # [1/s]
+
+
+def plot(value: "Case | Plan | Recording | Result | Comparison | ExternalForce") -> "Figure":
+    """A matplotlib figure of a value: its `savefig` writes it, a notebook shows it.
+
+    A case is drawn at home, a plan as motion with its limits (poses as machine in some of them), a recording as what
+    moved and what was measured, a result as forces and residuals (as correlations where it was loaded), a comparison as
+    standard deviations side by side, an external force over time.
+
+        hx.plot(result).savefig("residuals.pdf")
+    """
+    match type(value).__name__:  # to import the types of all takes a second
+        case "Case":
+            from planner.reports.plots import case_figure
+
+            return case_figure(value)  # type: ignore[arg-type]
+        case "Plan":
+            return _plan(value)
+        case "Recording":
+            return drawn(_recording(value))
+        case "Result":
+            return drawn(_result(value))
+        case "Comparison":
+            from planner.reports.compare import std_chart
+
+            return drawn([std_chart(value.groups)])  # type: ignore[union-attr]
+        case _:
+            return drawn(_force(value))
+
+
+def _plan(plan: Any) -> "Figure":
+    from planner.reports.figures import motion_blocks
+    from planner.reports.scene import posing_machine
+
+    if len(plan.poses):
+        return machine_figure(posing_machine(plan.case, plan.poses))
+    return drawn(motion_blocks(plan.case, sample(plan.motion, DRAWN_RATE)))
+
+
+def _recording(recording: Any) -> list[Chart]:
+    """What moved, as far as it has the clock of the forces, and what was measured; of standstills over their number."""
+    case: Case | None = recording.case
+    moving = recording.t is not None
+    t = recording.t if moving else np.arange(1.0, len(recording.forces) + 1.0)
+    x, charts = Axis("time [s]" if moving else "standstill"), []
+    if recording.struts is not None:
+        columns = (
+            case.drive_columns
+            if case is not None
+            else tuple(f"drive {k + 1}" for k in range(recording.struts.shape[1]))
+        )
+        units = np.array([DEG if column.endswith("_deg") else MM for column in columns])
+        titles = dict.fromkeys("[deg]" if unit == DEG else "[mm]" for unit in units)
+        series = lines(t, recording.struts / units, columns, dots=not moving)
+        charts.append(Chart("drives", "What moved the sensors.", series, x, Axis(f"position {', '.join(titles)}")))
+    channels = case.sensor_frame.channels if case is not None else tuple(f"channel {k}" for k in range(1, 7))
+    title = f"force [{unit_of(channels)}]" if case is not None else "force [N, or N and N m]"
+    series = lines(t, recording.forces, channels, 1.0, dots=not moving)
+    return [*charts, Chart("forces", "What the sensors measured.", series, x, Axis(title))]
+
+
+def _result(result: Any) -> list[Chart]:
+    from planner.reports.identify import correlation_chart, residual_charts
+
+    residuals = result.residuals
+    return [correlation_chart(result)] if residuals is None else residual_charts(result.case, residuals)
+
+
+def _force(force: Any) -> list[Chart]:
+    names = ("x", "y", "z")
+    return [
+        Chart(name, words, lines(force.t, force.wrench[:, own], names), Axis("time [s]"), Axis(f"{name} [{unit}]"))
+        for name, words, own, unit in (
+            ("force", "External force on the platform.", slice(0, 3), "N"),
+            ("moment", "External moment about the origin of {P}.", slice(3, 6), "N m"),
+        )
+    ]
