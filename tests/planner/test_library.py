@@ -55,7 +55,7 @@ def folder(lines: str, cache: Path, tmp_path_factory: pytest.TempPathFactory) ->
 
 def test_twelve_lines_write_what_they_are_told_to_and_nothing_else(folder: Path):
     assert {str(p.relative_to(folder)) for p in folder.rglob("*") if p.is_file()} == {
-        "run.ngc", "result/result.json", "result.html"
+        "run.ngc", "result/result.json", "result.html", "residuals.pdf"
     }  # fmt: skip
 
 
