@@ -15,7 +15,8 @@ _BOUND = (*_MACHINE, "workspace", "limits", "controller.cycle_ms")
 _PLAN = (*_BOUND, "sensors", "nominal", "payloads")
 _RESULT = (*_MACHINE, "sensors", "recording")
 _OF_PLANS = ("sensors.pose_error_N", "sensors.pose_error_length_mm")  # results find them, and do without them
-_NOT_COMPUTED_WITH = ("recording.rate_Hz",)  # a plan states the rate that its predictions assume
+# A plan states the rate that its predictions assume; what is handed to a robot is computed when it is.
+_NOT_COMPUTED_WITH = ("recording.rate_Hz", "machine.chain.flange", "sensor_frame.transducer.flange")
 _SHOWN = 60  # characters of a value
 
 
@@ -62,7 +63,7 @@ def values(case: Case, keys: Sequence[str]) -> dict[str, Any]:
         name: value
         for name, value in leaves.items()
         if any(name == key or name.startswith((f"{key}.", f"{key}[")) for key in keys)
-        and name not in _NOT_COMPUTED_WITH
+        and not any(name == key or name.startswith(f"{key}.") for key in _NOT_COMPUTED_WITH)
         and not name.endswith(".source")
     }
 
@@ -107,9 +108,11 @@ def require_unchanged(
     FileProblem where the case has changed, and `stale` is not set.
     """
     changes = changes_since(about, now, case.hash)
-    earlier = tuple(str(s) for s in about.get("stale", ()))
+    earlier = about.get("stale", [])
+    if not isinstance(earlier, list) or not all(isinstance(sentence, str) for sentence in earlier):
+        raise FileProblem(file, f"stale is {_shown(earlier)}, not a list of sentences", again)
     if not changes:
-        return earlier
+        return tuple(earlier)
     name = about.get("case_file", case.name)
     more = f" ({len(changes) - 1} more)" if len(changes) > 1 else ""
     if not stale:

@@ -1,6 +1,7 @@
 """A machine that is a serial chain of joints with the sensor behind the last: a robot, a five-axis table."""
 
 import math
+import re
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import Annotated, ClassVar, Literal, TypeVar
@@ -9,35 +10,28 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
-from cases.machine import KeepOut, MotionLimits, Tool
+from cases.machine import Frame, KeepOut, MotionLimits, Tool
 from cases.sensors import RigidBody
-from cases.tables import Number, Part, Positive, Range, Vector, frozen, kind_of, own_units, si, spelled
+from cases.tables import Number, Part, Positive, Range, Vector, frozen, kind_of, own_units, spelled
 from cases.units import DEG, MM, Array
 
 MOST_JOINTS = 12
 LEAST_AXIS = 1e-6  # length of an axis below which it has no direction
 
 
-class ChainFrame(Part):
-    """Where a frame lies in the one before it: R = Rz(yaw) Ry(pitch) Rx(roll), as in a URDF."""
-
-    origin_mm: Vector = (0.0, 0.0, 0.0)
-    """Its origin in the frame before it."""
-    rpy_deg: Vector = (0.0, 0.0, 0.0)
-    """Roll, pitch and yaw of its axes, about fixed axes, in this order."""
-
-    origin: ClassVar = si("origin_mm")  # its origin in the frame before it, shape (3,) [m]
-    rpy: ClassVar = si("rpy_deg")  # roll, pitch, yaw, shape (3,) [rad]
+# Not what YAML takes for a number, such as 1e5 or 0x1F: programs of ROS 2 hold names.
+JOINT_NAME = re.compile(r"(?=[\w./-]*[A-Za-z])(?!0[xo][0-9a-fA-F_]*$|[0-9._]+e[0-9]+$)[A-Za-z0-9_][\w./-]{0,199}")
+JOINT_NAME_WORDS = "names have letters, digits and any of _ . / -, with a letter among them"
 
 
-class Joint(ChainFrame):
+class Joint(Frame):
     """A joint and the link behind it, whose frame is the joint's where the joint stands at 0.
 
     A `continuous` joint turns without end and has no `position_deg`; a `revolute` one has, a `prismatic` one has
     `position_mm`.
     """
 
-    name: Annotated[str, spelled(r"[A-Za-z][\w./-]*", "a name: letters, digits and any of _ . / -, a letter first")]
+    name: Annotated[str, spelled(JOINT_NAME.pattern, f"a name: {JOINT_NAME_WORDS}")]
     """Name of the joint, as in ROS; messages use it."""
     kind: Literal["revolute", "continuous", "prismatic"]
     """Turns between ends (revolute), turns without ends (continuous), or slides (prismatic)."""
@@ -73,7 +67,7 @@ class Joint(ChainFrame):
         needed = [home] if self.kind == "continuous" else [home, position]
         for key in (*foreign, position) if self.kind == "continuous" else foreign:
             if getattr(self, key) is not None:
-                raise ValueError(f"{self.name} is {self.kind} and has no {key}; remove it or change the kind")
+                raise ValueError(f"{self.name}: is {self.kind} and has no {key}; remove it or change the kind")
         if missing := [key for key in needed if getattr(self, key) is None]:
             raise ValueError(f"{self.name}: {', '.join(missing)} is missing; a {self.kind} joint has it, add it")
         low, high = self.position
@@ -123,8 +117,10 @@ class Chain(Part):
 
     joints: Annotated[tuple[Joint, ...], Field(min_length=1, max_length=MOST_JOINTS), AfterValidator(_distinct)]
     """Joints from the base to the sensor."""
-    sensor: ChainFrame = ChainFrame()
+    sensor: Frame = Frame()
     """The sensor frame {P} in the last joint's moved frame."""
+    flange: Frame | None = None
+    """The robot's flange in the same frame, as its controller counts it: payloads are handed to the robot in it."""
     base: tuple[Tool, ...] = ()
     """Round bodies that stand, in {B}: a pedestal."""
     tool: tuple[Tool, ...] = ()
@@ -183,37 +179,61 @@ class JointLimit(Part):
     """Largest velocity."""
     velocity_mm_s: Positive | None = None
     acceleration_rad_s2: Positive | None = None
-    """Largest acceleration."""
+    """Largest acceleration; `acceleration_deg_s2` states it in degrees."""
+    acceleration_deg_s2: Positive | None = None
     acceleration_m_s2: Positive | None = None
     jerk_rad_s3: Positive | None = None
-    """Largest jerk."""
+    """Largest jerk; `jerk_deg_s3` states it in degrees."""
+    jerk_deg_s3: Positive | None = None
     jerk_m_s3: Positive | None = None
 
     @model_validator(mode="after")
     def _complete(self) -> "JointLimit":
-        stated = [key for key in (*_TURNING, *_SLIDING) if getattr(self, key) is not None]
-        if set(stated) != set(self.keys):
-            turning, sliding = ", ".join(_TURNING), ", ".join(_SLIDING)
-            problem = f"{self.name} has {', '.join(stated) or 'no limits'}"
-            raise ValueError(f"{problem}; give {turning} where it turns, else {sliding}")
+        stated = {
+            key for kind in (_TURNING, _SLIDING) for keys in kind for key in keys if getattr(self, key) is not None
+        }
+        turning, sliding = ([key for keys in kind for key in keys if key in stated] for kind in (_TURNING, _SLIDING))
+        both = f"give {_choices(_TURNING)} where it turns, else {_choices(_SLIDING)}"
+        if not stated:
+            raise ValueError(f"{self.name}: no limits are stated; {both}")
+        if turning and sliding:
+            raise ValueError(f"{self.name}: {', '.join(turning)} stand beside {', '.join(sliding)}; {both}")
+        own = [[key for key in keys if key in stated] for keys in self._kind]
+        if missing := [keys for keys, found in zip(self._kind, own, strict=True) if not found]:
+            raise ValueError(f"{self.name}: {_choices(missing)} not stated; add what is missing")
+        if twice := [keys for keys in own if len(keys) > 1]:
+            raise ValueError(f"{self.name}: {' and '.join(twice[0])} state the same; remove one")
         low, high = getattr(self, position := self.keys[0])
-        if not low < 0.0 < high:
+        if not low <= 0.0 <= high:
             raise ValueError(f"{self.name}: {position} does not contain 0; it is relative to home, widen it")
         return self
 
     @property
+    def _kind(self) -> Sequence[Sequence[str]]:
+        return _TURNING if all(getattr(self, key) is None for keys in _SLIDING for key in keys) else _SLIDING
+
+    @property
     def keys(self) -> tuple[str, ...]:
-        """Keys of its position and the derivatives."""
-        return _TURNING if all(getattr(self, key) is None for key in _SLIDING) else _SLIDING
+        """Keys of its position and the derivatives, as they are stated."""
+        return tuple(next((key for key in keys if getattr(self, key) is not None), keys[0]) for keys in self._kind)
 
     @property
     def turns(self) -> bool:
         """Whether its position is an angle."""
-        return self.keys is _TURNING
+        return self._kind is _TURNING
 
 
-_TURNING = ("position_deg", "velocity_deg_s", "acceleration_rad_s2", "jerk_rad_s3")
-_SLIDING = ("position_mm", "velocity_mm_s", "acceleration_m_s2", "jerk_m_s3")
+_TURNING = (
+    ("position_deg",),
+    ("velocity_deg_s",),
+    ("acceleration_rad_s2", "acceleration_deg_s2"),
+    ("jerk_rad_s3", "jerk_deg_s3"),
+)
+_SLIDING = (("position_mm",), ("velocity_mm_s",), ("acceleration_m_s2",), ("jerk_m_s3",))
+
+
+def _choices(keys: Sequence[Sequence[str]]) -> str:
+    return ", ".join(" or ".join(of) for of in keys)
 
 
 def _of_joints(order: int) -> cached_property[Array]:

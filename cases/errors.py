@@ -40,7 +40,12 @@ class HexciteError(Exception):
     @property
     def typed(self) -> str:
         """The same line with options as they are typed on the command line."""
-        return "".join(c if c.isprintable() else repr(c)[1:-1] for c in super().__str__())
+        return printable(super().__str__())
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """Its printable lines, one for each thing that is wrong, each with its place."""
+        return (self.typed,)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Its class and its parts, for copies and on its way out of a worker process."""
@@ -56,12 +61,26 @@ def _of_arguments(text: str) -> str:
     return _OPTION.sub(lambda m: m[0] if m[0].startswith("hexcite") else (m["name"] or "").replace("-", "_"), text)
 
 
+def printable(text: str) -> str:
+    """A text in one line, with control characters, line breaks and other marks that no paper shows as escapes."""
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
+
+
+ALSO = "; also: "  # between problems of one error
+
+
 class CaseError(HexciteError, ValueError):
     """A case file does not describe a usable machine; `problems` are all that were found, each with its dotted key."""
 
     def __init__(self, file: Path | str, key: str, problem: str, problems: tuple[str, ...] = ()) -> None:
         super().__init__(f"{file}: {key}" if key else file, problem)
         self.file, self.key, self.quantity, self.problems = file, key, key, problems
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """Its printable lines, one for each problem."""
+        several = len(self.problems) > 1
+        return tuple(printable(f"{self.file}: {p}") for p in self.problems) if several else (self.typed,)
 
 
 class RecordingError(HexciteError, ValueError):

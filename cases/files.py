@@ -6,6 +6,7 @@ import json
 import os
 import re
 import shutil
+import stat
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -207,6 +208,32 @@ def _put(part: Path, path: Path, overwrite: bool) -> Path:
             shutil.rmtree(old, ignore_errors=True)
 
 
+MOST_JSON = 64 * 2**20
+"""Bytes of a JSON file that is read; those of plans and results are far smaller."""
+
+
+def read_whole(path: Path, most: int) -> bytes:
+    """All that a file of at most `most` bytes holds.
+
+    Raises:
+        FileProblem: there is no such file, it is larger, or it is a pipe or device, which may never end.
+    """
+    try:
+        if not stat.S_ISREG(path.stat().st_mode):
+            kind = "a folder" if path.is_dir() else "a pipe or device"
+            raise FileProblem(path, f"cannot be read (is {kind}, not a file)", "name a file")
+        with path.open("rb") as stream:
+            content = stream.read(most + 1)
+    except FileProblem:
+        raise
+    except (OSError, ValueError) as error:  # ValueError: a name with a null character
+        reason = _reason(error) if isinstance(error, OSError) else str(error)
+        raise FileProblem(path, f"cannot be read ({reason})", "name a readable file") from error
+    if len(content) > most:
+        raise FileProblem(path, f"is larger than {most / 2**20:g} MB", "name another file")
+    return content
+
+
 def write_text(path: Path, text: str) -> None:
     """Writes `text` to `path` as a whole or not at all."""
     with atomic_file(path) as part:
@@ -251,11 +278,13 @@ def _refuse(constant: str) -> float:
 def read_json(path: Path, made_by: str) -> dict[str, Any]:
     """Reads a JSON object; raises FileProblem, which names the command that writes such files, where there is none."""
     try:
-        value = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse)
-    except OSError as error:
-        raise FileProblem(path, f"cannot be read ({_reason(error)})", f"{made_by} writes it") from error
+        value = json.loads(read_whole(path, MOST_JSON).decode("utf-8"), parse_constant=_refuse)
+    except FileProblem as error:
+        raise FileProblem(path, error.problem, f"{made_by} writes it") from error
     except ValueError as error:
         raise FileProblem(path, f"is not JSON ({error})", f"write it again with {made_by}") from error
+    except RecursionError as error:
+        raise FileProblem(path, "is nested too deeply", f"write it again with {made_by}") from error
     if not isinstance(value, dict):
         raise FileProblem(path, "holds no JSON object", f"write it again with {made_by}")
     return value

@@ -24,6 +24,25 @@ def turned(angles: Array) -> Array:
     )
 
 
+class Frame(Part):
+    """Where a frame lies in the one before it: R = Rz(yaw) Ry(pitch) Rx(roll), as in a URDF."""
+
+    origin_mm: Vector = (0.0, 0.0, 0.0)
+    """Its origin in the frame before it."""
+    rpy_deg: Vector = (0.0, 0.0, 0.0)
+    """Roll, pitch and yaw of its axes, about fixed axes, in this order."""
+
+    origin: ClassVar = si("origin_mm")  # its origin in the frame before it, shape (3,) [m]
+    rpy: ClassVar = si("rpy_deg")  # roll, pitch, yaw, shape (3,) [rad]
+
+    @property
+    def place(self) -> Array:
+        """Its axes and origin in the frame before it, shape (4, 4) [-, m]."""
+        place = np.eye(4)
+        place[:3, :3], place[:3, 3] = turned(self.rpy), self.origin
+        return place
+
+
 WORST_CONDITION = 1e3  # of six lines, moments divided by the size: beyond it errors are amplified a thousandfold
 
 

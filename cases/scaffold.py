@@ -10,7 +10,7 @@ from itertools import pairwise
 from operator import attrgetter
 from pathlib import Path
 
-from cases.errors import CaseError, FileProblem
+from cases.errors import CaseError, FileProblem, printable
 from cases.files import toml_value, write_text
 from cases.schema import Case, load_case
 from cases.tables import CASE_FILE, Part, built_in_cases, find_case
@@ -68,19 +68,31 @@ def _comment(text: str) -> list[str]:
     return textwrap.wrap(text, _WIDTH, initial_indent="# ", subsequent_indent="# ")
 
 
-def new_arm(name: str, urdf: Path | str, flange: str | None = None, folder: Path | str | None = None) -> Path:
+def new_arm(
+    name: str, urdf: Path | str, flange: str | None = None, folder: Path | str | None = None, sensor: str | None = None
+) -> Path:
     """Writes `folder/case.toml` with the chain of a URDF file; keys that no URDF has are there as comments.
 
         hx.new_arm("arm", "robot.urdf", "tool0")
 
+    What is odd about the file stands in the case as comments too.
+
     Args:
         flange: link that carries the sensor.
         folder: folder to make; named after the case unless given.
+        sensor: link whose frame is the sensor's; that of the flange unless given.
 
     Raises:
         CaseError: a name that a case cannot have; the URDF file is not sound or has no such link.
         FileProblem: the folder holds a case, or cannot be written.
     """
+    return begin_arm(name, urdf, flange, folder, sensor)[0]
+
+
+def begin_arm(
+    name: str, urdf: Path | str, flange: str | None, folder: Path | str | None, sensor: str | None
+) -> tuple[Path, tuple[str, ...]]:
+    """As `new_arm`: the case file, and what is odd about the URDF file, each in a sentence."""
     file = _place(name, folder)
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
@@ -90,11 +102,13 @@ def new_arm(name: str, urdf: Path | str, flange: str | None = None, folder: Path
         trim_blocks=True,
         keep_trailing_newline=True,
     )
-    templates.filters["keys"] = _keys
-    base, joints, sensor = read_urdf(Path(urdf), flange)
-    robot = {"urdf": Path(urdf).name, "base": base, "flange": flange, "joints": joints, "sensor": sensor}
-    write_text(file, templates.get_template("arm.toml.jinja").render(robot, name=name))
-    return file
+    templates.filters |= {"keys": _keys, "comment": lambda text: "\n".join(_comment(printable(text)))}
+    arm = read_urdf(Path(urdf), flange, sensor)
+    text = templates.get_template("arm.toml.jinja").render(
+        arm._asdict(), name=name, urdf=Path(urdf).name, flange_link=flange, sensor_link=sensor or flange
+    )
+    write_text(file, text)
+    return file, arm.notes
 
 
 def _keys(table: Part) -> str:

@@ -9,17 +9,18 @@ from itertools import accumulate
 from pathlib import Path
 from typing import Annotated, Literal, NoReturn
 
+import numpy as np
 from pydantic import PrivateAttr, field_validator, model_validator
 
 from cases.chain import Chain, JointMotionLimits, Limits, SerialMachine, joint_problems
 from cases.controller import Controller, ControllerName, Settings, Sinumerik, TwinCat
-from cases.errors import CaseError
+from cases.errors import ALSO, CaseError
 from cases.files import check_file, toml_text, write_text
 from cases.machine import HexapodMachine, MotionLimits, Workspace, box_problems
 from cases.poses import Poses
 from cases.recording_format import STRUTS, RecordingFormat
 from cases.sensors import Payloads, RigidBody, SensorFrame, Sensors, Simulation, together
-from cases.tables import ALSO, Part, Vector, find_case, frozen, kind_of, lasting_name, read_tables, spelled
+from cases.tables import Part, Vector, find_case, frozen, kind_of, lasting_name, read_tables, spelled
 from cases.units import DEG, MINUTE, MM, Array, as_html
 
 # 9.76 on the highest mountain of the tropics to 9.83 at the poles; other values are typing errors or in another unit.
@@ -89,7 +90,7 @@ class Case(Heading):
     @classmethod
     def load(cls, name: str) -> "Case":
         """Loads and validates a case; see `load_case`."""
-        return read_tables(cls, find_case(name), "hexcite case check").found_at(lasting_name(name))
+        return read_tables(cls, find_case(name)).found_at(lasting_name(name))
 
     def save(self, path: Path | str, overwrite: bool = False) -> Path:
         """Writes the case as TOML, which `load` reads back; values at their defaults are left out.
@@ -171,6 +172,8 @@ class Case(Heading):
                 'setup "R", and machine.chain, go with a force/torque sensor: write setup = "R" and '
                 "[sensor_frame.transducer], or the setup of the bars"
             )
+        if self.chain is not None and frame.transducer is not None and frame.transducer.flange is not None:
+            yield "sensor_frame.transducer.flange is for cases without a chain; state it as machine.chain.flange"
         if frame.struts is not None and sensors.acceleration_noise is not None:
             yield "sensors: noise of accelerations is not counted yet where sensors sit in struts; remove it"
         if (sensors.moment_noise_Nm is not None) != (frame.has_moments and sensors.force_noise_N is not None):
@@ -239,6 +242,29 @@ class Case(Heading):
         if self.chain is None:
             return "struts", "mm"
         return "joints", "mrad" if self.chain.units.min() > MM else "mrad or mm"
+
+    @property
+    def in_flange(self) -> Array | None:
+        """Axes and origin of {P} in the robot's flange, shape (4, 4) [-, m]; None where the case states no flange."""
+        if self.chain is not None:
+            flange, sensor = self.chain.flange, self.chain.sensor.place
+        else:
+            transducer = self.sensor_frame.transducer
+            flange, sensor = None if transducer is None else transducer.flange, np.eye(4)
+        return None if flange is None else frozen(np.linalg.solve(flange.place, sensor))
+
+    def need_flange(self, purpose: str) -> Array:
+        """As `in_flange`; raises CaseError where the case states no flange."""
+        if (place := self.in_flange) is not None:
+            return place
+        if self.chain is None and self.sensor_frame.transducer is None:
+            problem = f"is that of no robot: {purpose} is for setup R, a force/torque sensor at a flange"
+            raise CaseError(f"case {self.name}", "setup", f"{problem}; export to another target")
+        key, of, z = "machine.chain.flange", "the last joint's moved frame, as machine.chain.sensor does {P}", 116.5
+        if self.chain is None:
+            key, of, z = "sensor_frame.transducer.flange", "{P}", -40.0
+        problem = f"is missing; {purpose} counts from the robot's flange: state where it lies in {of}"
+        raise CaseError(f"case {self.name}", key, f"{problem}, such as flange = {{ origin_mm = [0.0, 0.0, {z:g}] }}")
 
     def need_chain(self, purpose: str) -> tuple[Chain, JointMotionLimits]:
         """Chain and limits of motion; raises CaseError where the case lacks one of them."""

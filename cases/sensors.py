@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar, Literal, NamedTuple
 import numpy as np
 from pydantic import Field, model_validator
 
-from cases.machine import Joints, require_spanning
+from cases.machine import Frame, Joints, require_spanning
 from cases.recording_format import BAR_FORCES, WRENCH
 from cases.tables import NonNegative, Number, Part, Positive, Six, Vector, frozen, si, si_value
 from cases.units import DEG, MM, Array
@@ -69,6 +69,8 @@ class Transducer(Part):
 
     sense: Literal["load_on_sensor", "sensor_on_load"]
     """Which force a positive reading means: that of the load on the sensor, or its reaction."""
+    flange: Frame | None = None
+    """The robot's flange in {P}, as its controller counts it; of a chain, `machine.chain.flange` states it."""
 
 
 class StrutSensors(Part):

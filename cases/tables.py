@@ -3,6 +3,7 @@
 import difflib
 import os
 import re
+import reprlib
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cached_property
@@ -14,7 +15,8 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetPydanticSc
 from pydantic_core import ErrorDetails
 from pydantic_core.core_schema import CoreSchema, tagged_union_schema
 
-from cases.errors import CaseError
+from cases.errors import ALSO, CaseError, FileProblem
+from cases.files import read_whole
 from cases.units import DEG, MM, MS, UM, Array
 
 
@@ -126,7 +128,6 @@ def si(*keys: str) -> cached_property[Array]:
 
 BUILT_IN = Path(__file__).parent
 CASE_FILE = "case.toml"
-ALSO = "; also: "  # between problems that one rule of the case as a whole finds
 Tables = TypeVar("Tables", bound=BaseModel)
 
 _UNIT = re.compile(
@@ -148,6 +149,8 @@ def find_case(name: str) -> Path:
     file = os.path.join(name, CASE_FILE) if os.path.isdir(name) else name
     if os.path.isfile(file):  # of os.path, which answers "no" to names that no file system takes
         return Path(file)
+    if os.path.exists(file):
+        raise CaseError(file, "", f"is not a file; name a folder with a {CASE_FILE}, or such a file")
     close = difflib.get_close_matches(name, cases, n=1)
     hint = f"did you mean {close[0]!r}? " if close else ""
     raise CaseError(
@@ -160,31 +163,98 @@ def lasting_name(name: str) -> str:
     return name if name in built_in_cases() else str(find_case(name).resolve())
 
 
-def read_tables(model: type[Tables], path: Path, all_by: str = "") -> Tables:
-    """Reads a TOML file by the model of its tables; raises CaseError. `all_by`: the command that lists all problems."""
+MOST_BYTES = 4 * 2**20  # of a file of tables
+DEEPEST = 20  # tables and lists inside each other
+
+
+def read_tables(model: type[Tables], path: Path) -> Tables:
+    """Reads a TOML file by the model of its tables; raises CaseError with all that is wrong in it."""
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except (OSError, UnicodeDecodeError) as error:
+        text = read_whole(path, MOST_BYTES).decode("utf-8-sig")
+        data = tomllib.loads(text)
+    except FileProblem as error:
+        raise CaseError(path, "", f"{error.problem}; {error.remedy}") from error
+    except UnicodeDecodeError as error:
         raise CaseError(path, "", f"cannot be read ({error}); give a readable UTF-8 file") from error
     except tomllib.TOMLDecodeError as error:
         raise CaseError(path, "", f"is not TOML: {error}; correct that line, numbers have decimal points") from error
+    except (ValueError, RecursionError) as error:  # of Python: numbers of thousands of digits, lists in lists in lists
+        line = 1 + max(enumerate(text.splitlines()), key=lambda item: len(item[1]), default=(0, ""))[0]
+        problem = f"cannot be read: a number too long or lists too deep ({error}), probably in line {line}"
+        raise CaseError(path, "", f"{problem}, the longest; correct that line") from error
+    if key := _too_deep(data):
+        raise CaseError(path, key, f"holds more than {DEEPEST} tables or lists inside each other; correct it")
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        raise _explained(model, path, error, all_by) from error
+        raise _explained(model, path, error) from error
 
 
-def _explained(model: type[BaseModel], path: Path, error: ValidationError, all_by: str) -> CaseError:
-    """All problems in words; unknown keys come first, since a misspelt key also makes its right name missing."""
-    errors = sorted(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden")
+def _too_deep(data: Any) -> str:
+    """The key of what lies too deep, empty where nothing does."""
+    level = [(str(key), value) for key, value in data.items()]
+    for _ in range(DEEPEST):
+        level = [
+            (key, inner)
+            for key, value in level
+            for inner in (value.values() if isinstance(value, dict) else value if isinstance(value, list) else ())
+        ]
+    return level[0][0] if level else ""
+
+
+def _explained(model: type[BaseModel], path: Path, error: ValidationError) -> CaseError:
+    """All problems in words, causes first: a misspelt key also makes its right name missing, a text is no number.
+
+    The shortest come first among their kind.
+    """
+    errors = error.errors(include_url=False)
     # A list whose entries are invalid counts as too short beside them.
     invalid = {problem["loc"][:-1] for problem in errors} | {problem["loc"][:-2] for problem in errors}
     errors = [e for e in errors if e["type"] != "too_short" or e["loc"] not in invalid]
-    problems = [(_key(problem), words) for problem in errors for words in _words(model, problem).split(ALSO)]
-    key, words = problems[0]
-    if others := len(problems) - 1:
-        words += f" ({others} more problem{'s' if others > 1 else ''}{all_by and f'; {all_by} lists all'})"
-    return CaseError(path, key, words, tuple(f"{k}: {w}" if k else w for k, w in problems))
+    problems = _together(
+        (_rank(problem), _key(problem), words, _name(problem))
+        for problem in errors
+        for words in _words(model, problem).split(ALSO)
+    )
+    meant = {
+        f"{key.rpartition('.')[0]}.{hint[1] or hint[2]}" for _, key, words in problems if (hint := _HINT.search(words))
+    }
+    problems = [p for p in problems if p[2] != _MISSING or (p[1] not in meant and f".{p[1]}" not in meant)]
+    problems.sort(key=lambda problem: (problem[0], len(problem[1]) + len(problem[2])))
+    lines = [f"{key}: {words}" if key else words for _, key, words in problems]
+    _, key, words = problems[0]
+    return CaseError(path, key, ALSO.join([words, *lines[1:]]), tuple(lines))
+
+
+def _name(problem: ErrorDetails) -> str:
+    """The name of the entry of a list that a problem is about; empty where it is of none."""
+    name = problem["input"].get("name") if isinstance(problem["input"], dict) else None
+    of_a_list = problem["loc"] and isinstance(problem["loc"][-1], int)
+    return name if of_a_list and isinstance(name, str) else ""
+
+
+def _together(problems: Iterable[tuple[int, str, str, str]]) -> list[tuple[int, str, str]]:
+    """Rank, key and words of each problem; what is true of several entries of a list is one, with all their names."""
+    alike: dict[tuple[int, str, str], list[tuple[str, str]]] = {}
+    for rank, key, words, name in problems:
+        own = bool(name) and words.startswith(f"{name}:")
+        table, _, number = key.removesuffix("]").rpartition("[") if own else (key, "", "")
+        alike.setdefault((rank, table, words.removeprefix(name) if own else words), []).append((number, name))
+    return [
+        (rank, f"{table}[{', '.join(n for n, _ in of)}]", ", ".join(name for _, name in of) + words)
+        if of[0][0]
+        else (rank, table, words)
+        for (rank, table, words), of in alike.items()
+    ]
+
+
+_MISSING = "is missing; add it"
+_HINT = re.compile(r"did you mean (\w+)\?|write (\w+)$")
+
+
+def _rank(problem: ErrorDetails) -> int:
+    """Causes before what may follow from them: unknown keys, wrong values, missing ones, rules of whole tables."""
+    return {"extra_forbidden": 0, "missing": 2, "value_error": 3 - bool(problem["loc"])}.get(problem["type"], 1)
 
 
 def _key(problem: ErrorDetails) -> str:
@@ -211,16 +281,25 @@ def _words(model: type[BaseModel], problem: ErrorDetails) -> str:
     if kind == "extra_forbidden":
         return _unknown_key(str(problem["loc"][-1]), list(_siblings(model, problem["loc"])))
     if kind == "missing":
-        return "is missing; add it"
+        return _MISSING
     if kind == "value_error":
         return str(problem["ctx"]["error"])
     if kind in _SHAPES:
-        return f"{value!r}: is not {_SHAPES[kind]}; write one"
+        return f"{_shown(value)}: is not {_SHAPES[kind]}; write one"
     if kind in ("too_short", "too_long"):
         of = problem["ctx"]
         wanted = f"at least {of['min_length']}" if "min_length" in of else f"at most {of['max_length']}"
         return f"has {of['actual_length']} entries, {wanted} are wanted; correct it (a decimal comma makes two entries)"
-    return f"{value!r}: {problem['msg'][0].lower()}{problem['msg'][1:]}; correct the value"
+    return f"{_shown(value)}: {problem['msg'][0].lower()}{problem['msg'][1:]}; correct the value"
+
+
+def _shown(value: Any) -> str:
+    """A value as a message repeats it: what is long is cut."""
+    return _BRIEF.repr(value)
+
+
+_BRIEF = reprlib.Repr()
+_BRIEF.maxstring = _BRIEF.maxother = _BRIEF.maxlong = 60
 
 
 def _unknown_key(key: str, keys: list[str]) -> str:

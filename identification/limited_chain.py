@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases.chain import Chain, Joint
-from cases.chain import ChainFrame as Place
+from cases.machine import Frame as Place
 from cases.machine import Tool
 from cases.schema import Case
 from cases.sensors import RigidBody, payload_words

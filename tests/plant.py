@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from cases.chain import Chain, ChainFrame
+from cases.chain import Chain
+from cases.machine import Frame
 from cases.sensors import RigidBody
 
 Array = NDArray[np.float64]
@@ -69,7 +70,7 @@ class Plant:
         }
 
 
-def _frame(frame: ChainFrame) -> str:
+def _frame(frame: Frame) -> str:
     quaternion = Rotation.from_euler("xyz", frame.rpy).as_quat(scalar_first=True)
     return f'pos="{_list(frame.origin)}" quat="{_list(quaternion)}"'
 

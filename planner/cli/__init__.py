@@ -41,13 +41,13 @@ for command in (
 
 
 def main() -> None:
-    """Entry point: 0 done, 1 one line on stderr says why not, 2 wrong usage, 130 interrupted."""
+    """Entry point: 0 done, 1 a line on stderr for each reason why not, 2 wrong usage, 130 interrupted."""
     gc.set_threshold(100_000)  # the usual 700 looks through all that imports create, again and again
     try:
         with ctrl_c_raises():
             app()
     except HexciteError as error:
-        _stop(error.typed)
+        _stop(*error.lines)
     except Interrupted as error:
         print(f"hexcite: interrupted; {str(error) or 'nothing was written'}", file=sys.stderr)
         sys.exit(130)
@@ -71,6 +71,7 @@ def ctrl_c_raises() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
-def _stop(message: str) -> None:
-    print(f"hexcite: {' '.join(message.split())}", file=sys.stderr)
+def _stop(*lines: str) -> None:
+    for line in lines:
+        print(f"hexcite: {' '.join(line.split())}", file=sys.stderr)
     sys.exit(1)

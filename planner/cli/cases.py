@@ -6,7 +6,6 @@ from typing import Annotated
 import typer
 
 import hexcite as hx
-from cases.errors import CaseError
 from cases.files import atomic_file, check_file, output_place
 from identification.precision import aligned
 from planner.cli import console
@@ -35,14 +34,7 @@ def check(
     json: console.Json = False,
 ) -> None:
     """Validate a case and say how much of its motion box is reachable."""
-    try:
-        checked = hx.check_case(case)
-    except CaseError as error:
-        if json and len(error.problems) > 1:  # one line has them all; nothing stands on standard output
-            raise CaseError(error.file, "", "; ".join(error.problems)) from error
-        for problem in error.problems if len(error.problems) > 1 else ():
-            print(problem)
-        raise
+    checked = hx.check_case(case)
     if console.answered({"ok": True, **checked.to_json()}, json):
         return
     print(checked)
@@ -77,6 +69,9 @@ def new(
     like: Annotated[str | None, option("Built-in case to begin from; hexapod by default.", "--like")] = None,
     urdf: Annotated[Path | None, option("Robot to begin from: a URDF file.", "--urdf")] = None,
     flange: Annotated[str | None, option("Link of the URDF that carries the sensor.", "--flange")] = None,
+    sensor: Annotated[
+        str | None, option("Link of the URDF whose frame is the sensor's; that of the flange by default.", "--sensor")
+    ] = None,
     output: Annotated[Path | None, out("Folder to make; NAME by default.")] = None,
     json: console.Json = False,
 ) -> None:
@@ -87,9 +82,15 @@ def new(
 
     if urdf is not None and like is not None:
         raise typer.BadParameter("a case begins from a built-in case or from a URDF file; give --like or --urdf")
-    if urdf is None and flange is not None:
-        raise typer.BadParameter("--flange names a link of a URDF file; give --urdf too")
-    file = hx.new_case(name, like or "hexapod", output) if urdf is None else hx.new_arm(name, urdf, flange, output)
+    if urdf is None and (flange or sensor) is not None:
+        raise typer.BadParameter("--flange and --sensor name links of a URDF file; give --urdf too")
+    if urdf is None:
+        file, notes = hx.new_case(name, like or "hexapod", output), tuple[str, ...]()
+    else:
+        from cases.scaffold import begin_arm
+
+        file, notes = begin_arm(name, urdf, flange, output, sensor)
     written = f"case written: {file}; fill it in from top to bottom with your machine's values"
     check = f"hexcite case check {file.parent} says what is missing, and what cannot be"
-    console.answered({"ok": True, "case": str(file)}, json, written, check)
+    odd = [f"look at {note}" for note in notes]
+    console.answered({"ok": True, "case": str(file), "notes": list(notes)}, json, *odd, written, check)

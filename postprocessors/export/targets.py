@@ -7,13 +7,14 @@ import numpy as np
 
 from cases.errors import FileProblem, HexciteError, IdentificationError
 from cases.files import atomic_folder, check_file, check_folder, output_place, write_text
+from cases.units import DEG, MM, Array
 from identification.outcome import Result
-from identification.parameters import INERTIA
 from postprocessors.export.calibration import (
     checked_name,
     comment_lines,
     default_name,
     json_document,
+    load_at_flange,
     require_exportable,
 )
 from postprocessors.export.code import c_sources, linuxcnc_component, structured_text
@@ -87,33 +88,41 @@ ROUNDING = 1e-9  # share of the largest principal inertia: tolerance of the tria
 
 
 def urscript_payload(result: Result) -> str:
-    """A URScript program that sets the load of the force sensors, a rigid body in {P}, as payload.
+    """A URScript program that sets the load of the force sensor, a rigid body, as payload of the robot.
 
     Script manual: mass, centre of gravity from the tool flange in metres, inertia about the centre of gravity along the
     flange's axes, in the order Ixx, Iyy, Izz, Ixy, Ixz, Iyz. The command zeroes the robot's own force sensor.
 
     Raises:
+        CaseError: the case does not say where the flange is.
         IdentificationError: a static model, which has no inertia, an inertia that no body has or no robot takes, or
             sensors in struts at the drive, whose body is the platform with the rods.
     """
-    struts = result.model.struts
-    if INERTIA not in result.model.blocks or (struts is not None and struts.sensors.at == "drive"):
-        problem = (
-            "set_target_payload needs the inertia of a load alone, which models 6 to 9 have, of sensors at the load"
-        )
-        raise IdentificationError(result.source, problem, "export --to c, linuxcnc or st")
-    value = {name: v.value for name, v in result.parameters.items()}
-    xx, xy, xz, yy, yz, zz = (value[f"IC{k}"] for k in ("11", "12", "13", "22", "23", "33"))
-    smallest, middle, largest = moments = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    if smallest <= 0.0 or smallest + middle < largest * (1.0 - ROUNDING) or max(xx, yy, zz) > LARGEST:
+    load = load_at_flange(result)
+    i = load.inertia
+    moments = smallest, middle, largest = np.linalg.eigvalsh(i)
+    if smallest <= 0.0 or smallest + middle < largest * (1.0 - ROUNDING) or i.diagonal().max() > LARGEST:
         problem = f"no load of a robot has the principal inertias {', '.join(f'{v:.4g}' for v in moments)} kg m^2"
         raise IdentificationError(result.source, f"{problem}; identify from a run that turns the machine more")
-    centre = ", ".join(f"{value[f'{c}C'] + 0.0:.5f}" for c in "xyz")
-    elements = ", ".join(f"{v + 0.0:.6f}" for v in (xx, yy, zz, xy, xz, yz))
+    centre = ", ".join(f"{v + 0.0:.5f}" for v in load.centre)
+    elements = ", ".join(f"{v + 0.0:.6f}" for v in (*i.diagonal(), i[0, 1], i[0, 2], i[1, 2]))
     lines = [
         *(f"# {line}" for line in comment_lines(result)),
         "# payload: everything that the force sensor carries; add what is between flange and sensor, and the sensor",
-        "# tool flange = sensor frame {P} of the case; m from it, kg m^2 about the centre of gravity",
-        f"set_target_payload({value['m']:.4f}, [{centre}], [{elements}])",
+        f"# from the tool flange, in its axes: the case's sensor frame lies in it at {_words(load.sensor)}",
+        "# m from the flange, kg m^2 about the centre of gravity",
+        f"set_target_payload({load.mass:.4f}, [{centre}], [{elements}])",
     ]
     return "def payload():\n" + "".join(f"  {line}\n" for line in lines) + "end\n"
+
+
+def _words(place: Array) -> str:
+    """Origin and angles of a frame, shape (4, 4)."""
+    r = place[:3, :3]
+    roll, yaw = np.arctan2(r[2, 1], r[2, 2]), np.arctan2(r[1, 0], r[0, 0])
+    pitch = np.arctan2(-r[2, 0], np.hypot(r[0, 0], r[1, 0]))
+    origin, angles = (
+        ", ".join(f"{round(float(v), 2) + 0.0:.2f}" for v in values)
+        for values in (place[:3, 3] / MM, np.array([roll, pitch, yaw]) / DEG)
+    )
+    return f"{origin} mm, turned by {angles} deg (roll, pitch, yaw)"

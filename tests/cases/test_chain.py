@@ -43,8 +43,8 @@ MISTAKES = {
     "no axis": ("axis = [2.0, 0.0, 0.0]", "axis = [0.0, 0.0, 0.0]", "joints[1].axis: has no direction"),
     "nan": ("[2.0, 0.0, 0.0]", "[nan, 0.0, 0.0]", "joints[1].axis[1]: nan.*finite"),
     "no range": ("position_deg = [-90.0, 90.0], ", "", "lift: position_deg is missing.*revolute"),
-    "ends of a continuous one": ('"revolute"', '"continuous"', "lift is continuous and has no position_deg"),
-    "the other unit": ("home_deg = 30.0", "home_mm = 30.0", "lift is revolute and has no home_mm"),
+    "ends of a continuous one": ('"revolute"', '"continuous"', "lift: is continuous and has no position_deg"),
+    "the other unit": ("home_deg = 30.0", "home_mm = 30.0", "lift: is revolute and has no home_mm"),
     "no home": (", home_deg = 30.0", "", "lift: home_deg is missing"),
     "home outside": ("home_deg = 30.0", "home_deg = 130.0", "home_deg = 130 is outside position_deg"),
     "swapped": ("[-90.0, 90.0]", "[90.0, -90.0]", "joints[2].position_deg: lower limit 90"),
@@ -57,9 +57,10 @@ MISTAKES = {
         "position_deg = [-2.0, 2.0], velocity_deg_s = 5.0, acceleration_rad_s2 = 4.0, jerk_rad_s3 = 60.0",
         "slide is prismatic; give the keys",
     ),
-    "both units": ("velocity_mm_s = 500.0", "velocity_deg_s = 500.0", "slide has velocity_deg_s, .*; give"),
-    "no jerk": (", jerk_rad_s3 = 80.0", "", "lift has position_deg, .*; give .*jerk_rad_s3"),
+    "both units": ("velocity_mm_s = 500.0", "velocity_deg_s = 500.0", "slide: velocity_deg_s stand beside .*; give"),
+    "no jerk": (", jerk_rad_s3 = 80.0", "", "lift: jerk_rad_s3 or jerk_deg_s3 not stated; add"),
     "box beyond the joint": ("[-50.0, 40.0]", "[-50.0, 70.0]", "lift moves from -20 to 100, beyond -90 to 90"),
+    "jerk in both units": ("jerk_rad_s3 = 80.0", "jerk_rad_s3 = 80.0, jerk_deg_s3 = 1.0", "_s3 and .*; remove one"),
     "box without home": ("[-50.0, 40.0]", "[10.0, 40.0]", "lift: position_deg does not contain 0"),
     "negative speed": ("velocity_mm_s = 500.0", "velocity_mm_s = -5.0", "joints[1].velocity_mm_s: -5.0.*greater"),
     "another setup": ('setup = "R"', 'setup = "1b"', "machine.chain, go with a force/torque sensor"),
@@ -84,6 +85,24 @@ def test_coordinates_and_limits_come_in_si(tmp_path: Path) -> None:
     chain, _ = case.need_chain("a test")
     assert chain.names == ("slide", "lift", "wrist")
     np.testing.assert_allclose(chain.position, [[0.0, -np.pi / 2, -np.inf], [0.8, np.pi / 2, np.inf]])
+
+
+def test_degrees_of_accelerations_and_jerks_are_the_same_limits(tmp_path: Path) -> None:
+    before = load_case(written(tmp_path, GANTRY)).need_motion("a test")[1]
+    text = re.sub(
+        r"(acceleration|jerk)_rad_(s\d) = ([\d.]+)",
+        lambda m: f"{m[1]}_deg_{m[2]} = {float(np.degrees(float(m[3])))!r}",
+        GANTRY,
+    )
+    limits = load_case(written(tmp_path, text)).need_motion("a test")[1]
+    np.testing.assert_allclose(limits.acceleration, before.acceleration, rtol=1e-14)
+    np.testing.assert_allclose(limits.jerk, before.jerk, rtol=1e-14)
+    assert np.isinf(limits.without_jerk().jerk).all()
+
+
+def test_home_may_lie_on_a_limit(tmp_path: Path) -> None:
+    limits = load_case(written(tmp_path, GANTRY.replace("[-50.0, 40.0]", "[0.0, 40.0]"))).need_motion("a test")[1]
+    assert limits.pose[0, 1] == 0.0
 
 
 def test_without_jerk_all_else_stays(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """Robots from URDF files: the same geometry as MuJoCo reads, and one line for each file that is not sound."""
 
 import re
+import time
 from pathlib import Path
 
 import mujoco
@@ -12,7 +13,8 @@ from hypothesis import strategies as st
 from cases.errors import CaseError, FileProblem
 from cases.scaffold import new_arm
 from cases.schema import load_case
-from cases.urdf import read_urdf
+from cases.sensors import RigidBody
+from cases.urdf import Arm, read_urdf
 from identification.serial_chain import SerialChain
 from identification.symbolic import over_samples
 from tests.helpers import one_line
@@ -68,11 +70,11 @@ def test_what_a_urdf_does_not_say_is_missing_joint_by_joint(tmp_path: Path) -> N
     with pytest.raises(CaseError) as caught:
         load_case(str(tmp_path / "arm"))
     problems = "\n".join(caught.value.problems)
-    for joint in ("shoulder_pan", "elbow", "wrist_3"):
-        assert f"{joint}_joint: home_deg is missing" in problems
-        assert f"{joint}_joint has velocity_deg_s; give position_deg" in problems
+    names = ", ".join(re.findall(r"(\w+_joint)\" type=\"revolute", ur10()))
+    assert f"machine.chain.joints[1, 2, 3, 4, 5, 6]: {names}: home_deg is missing" in problems
+    assert f"{names}: position_deg, acceleration_rad_s2 or acceleration_deg_s2, jerk" in problems
     assert "sensor_frame.transducer.sense: is missing" in problems
-    assert len(caught.value.problems) == 13
+    assert len(caught.value.problems) == 3
 
 
 def test_a_case_that_is_there_is_left_alone(tmp_path: Path) -> None:
@@ -93,7 +95,7 @@ def test_a_fixed_link_behind_a_joint_weighs_with_it_but_the_load_does_not(tmp_pa
     camera = ("camera_joint", "fixed", "link3", "camera", "0.1 0 0", "0 0 0", "")
     text = panda()
     more = text.replace("</robot>", urdf([camera]).split("<robot")[1].split("\n", 1)[1].replace(LINK3, ""))
-    before, after = (read_urdf(file_with(tmp_path, t), "tool")[1] for t in (text, more))
+    before, after = (read_urdf(file_with(tmp_path, t), "tool").joints for t in (text, more))
     masses = [(b.link.mass_kg, a.link.mass_kg) for (b, _), (a, _) in zip(before, after, strict=True)]
     assert [a - b for b, a in masses] == [0, 0, 1.25, 0, 0, 0, 0]
     assert after[6][0].link.mass_kg == pytest.approx(2.75)
@@ -105,13 +107,12 @@ ELBOW_LIMIT = re.search(r'<limit lower="-3\.14[^>]*>', ur10())[0]
 AXIS = '<axis xyz="0 0 1"/>'
 WRIST = '<child link="wrist_1"/>'
 BROKEN = {
-    "no limit": (ELBOW_LIMIT, "", "joint elbow_joint has no limit"),
-    "no velocity": (ELBOW_LIMIT, '<limit lower="-3" upper="3" effort="3"/>', "velocity of the .* elbow_joint is None"),
-    "no lower": (ELBOW_LIMIT, '<limit upper="3" effort="3" velocity="3"/>', "lower of the .* elbow_joint is None"),
     "reversed": (ELBOW_LIMIT, '<limit lower="3" upper="-3" effort="3" velocity="3"/>', "lower 3, upper -3; "),
-    "velocity 0": (ELBOW_LIMIT, '<limit lower="-3" upper="3" effort="3" velocity="0"/>', "velocity 0"),
-    "effort below 0": (ELBOW_LIMIT, '<limit lower="-3" upper="3" effort="-3" velocity="1"/>', "effort -3"),
-    "nan": (ELBOW_LIMIT, '<limit lower="-3" upper="3" effort="3" velocity="nan"/>', "'nan'; it takes 1 of numbers"),
+    "nan": (ELBOW_LIMIT, '<limit lower="nan" upper="3" effort="3" velocity="3"/>', "lower of .* 'nan'; .* a number"),
+    "a name of two words": ("wrist_3_joint", "wrist 3", "joint 'wrist 3' moves, but names have letters"),
+    "a name of digits": ("wrist_3_joint", "3", "joint '3' moves, but names have .* a letter among them"),
+    "a name of two lines": ('"base_link"', '"base&#10;nominal = 3"', "control characters"),
+    "a name without end": ('"tool0"', f'"{"x" * 999}"', "at most 200 characters"),
     "a decimal comma": ('xyz="-0.612 0 0"', 'xyz="-0,612 0 0"', "'-0,612 0 0'; it takes 3 of numbers"),
     "beyond any machine": ('xyz="-0.612 0 0"', 'xyz="-6e99 0 0"', "it takes 3 of numbers up to 1e.06"),
     "two numbers": ('xyz="-0.612 0 0"', 'xyz="-0.612 0"', "origin of joint elbow_joint is '-0.612 0'; it takes 3"),
@@ -128,8 +129,6 @@ BROKEN = {
     "link twice": ('<link name="tool0"/>', '<link name="flange"/>', "a link has the name 'flange'; give each"),
     "no name": ('<link name="tool0"/>', "<link/>", "a link has the name ''"),
     "two roots": ('<link name="tool0"/>', '<link name="tool0"/><link name="stand"/>', "links stand are not joined"),
-    "negative mass": ("value='1.5'", "value='-1.5'", "link shoulder: mass -1.5"),
-    "no body has it": ("ixx='0.04'", "ixx='0.4'", "no rigid body has the principal inertias"),
     "DOCTYPE": ("<robot", '<!DOCTYPE robot [<!ENTITY a "b">]><robot', "has a DOCTYPE"),
     "xacro": ("<robot", "<robot><xacro:include filename='x'/></robot><robot", "is xacro, not URDF; expand it"),
     "a property of xacro": ('xyz="-0.612 0 0"', 'xyz="${a} 0 0"', "is xacro, not URDF; expand it"),
@@ -142,18 +141,169 @@ def test_a_broken_file_is_one_line_with_its_line(what: str, tmp_path: Path) -> N
     old, new, words = BROKEN[what]
     text = ur10()
     assert old in text
-    every = what in ("not a robot",)
-    file = file_with(tmp_path, text.replace(old, new) if every else text.replace(old, new, 1))
+    file = file_with(tmp_path, text.replace(old, new, -1 if what == "a name of two lines" else 1))
     with pytest.raises(CaseError, match=words) as caught:
         read_urdf(file, "tool0")
     assert one_line(caught.value).startswith(f"{file}: ")
 
 
+def arm(folder: Path, *changes: tuple[str, str], flange: str = "tool0", sensor: str | None = None) -> Arm:
+    """What a UR10 whose file is a little different says."""
+    text = ur10()
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new, 1)
+    return read_urdf(file_with(folder, text), flange, sensor)
+
+
+def test_all_that_is_wrong_is_told_at_once(tmp_path: Path) -> None:
+    broken = (ELBOW_LIMIT, '<limit lower="3" upper="-3"/>'), ('xyz="-0.612 0 0"', 'xyz="-0,612 0 0"')
+    with pytest.raises(CaseError) as caught:
+        arm(tmp_path, *broken, (AXIS, '<axis xyz="0 0 0"/>'))
+    assert len(caught.value.problems) == 3
+    assert all(problem in one_line(caught.value) for problem in caught.value.problems)
+
+
+@pytest.mark.parametrize(
+    ("limit", "kind", "ends", "velocity", "effort", "says"),
+    [
+        ('lower="-3" upper="3" effort="0" velocity="0"', "revolute", (-3, 3), None, None, "no velocity above 0"),
+        ('lower="-3" upper="3" effort="-3" velocity="nan"', "revolute", (-3, 3), None, None, "no effort above 0"),
+        ('lower="-3" upper="3"', "revolute", (-3, 3), None, None, "no velocity above 0"),
+        ('lower="-3" upper="3" effort="inf" velocity="1e9"', "revolute", (-3, 3), None, None, "no velocity above 0"),
+        ('upper="3" effort="7" velocity="2"', "revolute", (0, 3), 2, 7, ""),
+        ('effort="7" velocity="2"', "revolute", None, 2, 7, "no ends are stated"),
+        ('lower="-Inf" upper="inf" effort="7" velocity="2"', "continuous", None, 2, 7, "taken as continuous"),
+        ('lower="-170" upper="170" effort="7" velocity="2"', "revolute", (-170, 170), 2, 7, "look like degrees"),
+        ('lower="-3" upper="3" effort="7" velocity="120"', "revolute", (-3, 3), 120, 7, "counts in radians"),
+    ],
+)
+def test_what_only_says_how_far_and_fast_a_joint_goes_never_stops_a_case(
+    limit: str, kind: str, ends: tuple[float, float] | None, velocity: float, effort: float, says: str, tmp_path: Path
+) -> None:
+    found = arm(tmp_path, (ELBOW_LIMIT, f"<limit {limit}/>"))
+    joint, limits = found.joints[2]
+    assert (joint.kind, joint.torque_Nm) == (kind, effort)
+    assert joint.position_deg == (None if ends is None else pytest.approx(np.degrees(ends)))
+    assert limits.velocity_deg_s == (None if velocity is None else pytest.approx(np.degrees(velocity)))
+    assert all("elbow_joint" in note for note in found.notes)
+    assert says in " ".join(found.notes)
+    assert bool(found.notes) == bool(says)
+
+
+def test_ends_of_a_continuous_joint_do_not_count(tmp_path: Path) -> None:
+    limit = '<limit lower="-Inf" upper="Inf" effort="9" velocity="3"/>'
+    found = arm(tmp_path, (ELBOW, ELBOW.replace("revolute", "continuous")), (ELBOW_LIMIT, limit))
+    assert found.joints[2][0].position == (-np.inf, np.inf)
+    assert found.notes == ()
+
+
+def test_what_is_missing_is_left_to_be_filled_in(tmp_path: Path) -> None:
+    text = ur10().replace(ELBOW_LIMIT, '<limit effort="0" velocity="0"/>')
+    case_file = new_arm("arm", file_with(tmp_path, text), "tool0", tmp_path / "arm")
+    lines = case_file.read_text().splitlines()
+    assert sum(line.startswith("# velocity_deg_s = 0.0 # TO BE FILLED IN") for line in lines) == 1
+    assert sum("TO BE FILLED IN: the ends of the joint" in line for line in lines) == 1
+    assert any(line.startswith("# Look at joint elbow_joint: no ends are stated") for line in lines)
+
+
+IMPOSSIBLE = {
+    "negative mass": ("value='1.5'", "value='-1.5'"),
+    "a disc thinner than nothing": ("ixx='0.04'", "ixx='0.4'"),
+    "not a number": ("ixx='0.04'", "ixx='nan'"),
+    "no mass": ("<mass value='1.5'/>", ""),
+    "no place": ("xyz='0.01 -0.02 0.1'", "xyz='0.01'"),
+}
+
+
+@pytest.mark.parametrize("what", IMPOSSIBLE)
+def test_inertias_of_no_body_are_left_out_and_all_named(what: str, tmp_path: Path) -> None:
+    old, new = IMPOSSIBLE[what]
+    text = ur10().replace("ixx='0.04'", "ixx='0.04' ", 1)  # the base's, which no joint moves, stays
+    found = read_urdf(file_with(tmp_path, text.replace(old, new, 1)), "tool0")
+    assert [joint.link is None for joint, _ in found.joints] == [True, *[False] * 5]
+    assert found.notes == (
+        "link shoulder: no rigid body has its mass and inertia: they are left out, state them yourself",
+    )
+    everywhere = read_urdf(file_with(tmp_path, text.replace("ixx='0.04'", "ixx='-1'")), "tool0")
+    assert all(joint.link is None for joint, _ in everywhere.joints)
+    assert everywhere.notes[0].startswith("links shoulder, upper_arm, forearm, wrist_1, wrist_2, wrist_3: ")
+
+
+def test_points_that_are_fixed_to_a_body_weigh_with_it(tmp_path: Path) -> None:
+    """Parallel axes: a point of 0.1 kg at (0, 0, 0.05) in the last link's frame."""
+    point = '<link name="flange"><inertial><mass value="0.1"/><inertia ixx="0" iyy="0" izz="0"/></inertial></link>'
+    moved = ('xyz="0 0 0" rpy="0 -1.5', 'xyz="0 0 0.05" rpy="0 -1.5')
+    before, after = arm(tmp_path), arm(tmp_path, ('<link name="flange"/>', point), moved)
+    assert after.notes == ()
+    old, new = before.joints[5][0].link, after.joints[5][0].link
+    assert new.mass_kg == pytest.approx(old.mass_kg + 0.1)
+    at = np.array([0.0, 0.0, 0.05])
+    np.testing.assert_allclose(
+        new.mass_kg * new.centre_of_gravity, old.mass_kg * old.centre_of_gravity + 0.1 * at, atol=1e-12
+    )
+
+    def about_origin(body: RigidBody) -> np.ndarray:
+        c = body.centre_of_gravity
+        return body.inertia + body.mass_kg * (c @ c * np.eye(3) - np.outer(c, c))
+
+    added = about_origin(new) - about_origin(old)
+    np.testing.assert_allclose(added, 0.1 * (at @ at * np.eye(3) - np.outer(at, at)), atol=1e-12)
+
+
+def test_what_other_programs_read_may_hold_anything(tmp_path: Path) -> None:
+    """Controllers and simulators keep words of xacro and prefixes of their own."""
+    other = '<ros2_control><param name="a">${b}</param><xacro:arm prefix="${c}"/></ros2_control><sim:world x="$(d)"/>'
+    assert arm(tmp_path, ("</robot>", f"{other}</robot>")) == arm(tmp_path)
+    with pytest.raises(CaseError, match="is xacro"):
+        arm(tmp_path, ("</robot>", '<xacro:arm prefix="a"/></robot>'))
+
+
+def test_a_flange_and_a_sensor_behind_it_are_both_written(tmp_path: Path) -> None:
+    sensor = '<link name="ft"/><joint name="m" type="fixed"><origin xyz="0 0 0.04" rpy="0 0 1.5"/>'
+    mount = ("</robot>", f'{sensor}<parent link="tool0"/><child link="ft"/></joint></robot>')
+    found = arm(tmp_path, mount, sensor="ft")
+    relative = np.linalg.solve(found.flange.place, found.sensor.place)
+    np.testing.assert_allclose(relative[:3, 3], [0.0, 0.0, 0.04], atol=1e-12)
+    assert np.arctan2(relative[1, 0], relative[0, 0]) == pytest.approx(1.5)
+    open_ended = arm(tmp_path, mount, flange="ft")
+    assert (open_ended.flange, open_ended.sensor) == (None, found.sensor)
+    assert re.search("ft: .*--flange tool0 --sensor ft", open_ended.notes[0])
+    with pytest.raises(CaseError, match=r"link forearm is not fixed to link tool0; name .*tool0"):
+        arm(tmp_path, sensor="forearm")
+
+
+def test_digits_may_come_first_in_a_name(tmp_path: Path) -> None:
+    text = ur10().replace("elbow_joint", "3_elbow")
+    case_file = new_arm("arm", file_with(tmp_path, text), "tool0", tmp_path / "arm")
+    case_file.write_text(filled_in(case_file.read_text(), HOMES["ur10"]))
+    assert load_case(str(tmp_path / "arm")).chain.names[2] == "3_elbow"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        ur10().replace("</robot>", "<!--" * 100_000 + "</robot>"),
+        ur10().replace("0.1273", "1" * 200_000 + "x"),
+        "<robot>" + '<link name="l">' * 100_000 + "</link>" * 100_000 + "</robot>",
+        urdf([(f"j{k}", "fixed", f"l{k}", f"l{k + 1}", "0 0 0", "0 0 0", "") for k in range(3000)]),
+        urdf([(f"j{k}", "continuous", f"l{k}", f"l{k + 1}", "0 0 0", "0 0 0", "") for k in range(3000)]),
+    ],
+    ids=["comments", "digits", "deep", "fixed", "long"],
+)
+def test_no_file_takes_long(text: str, tmp_path: Path) -> None:
+    start = time.process_time()
+    with pytest.raises(CaseError) as caught:
+        read_urdf(file_with(tmp_path, text), "tool0" if "tool0" in text else "l3000")
+    assert time.process_time() - start < 2.0
+    assert len(one_line(caught.value)) < 2000
+
+
 def test_what_stands_beside_the_way_may_be_broken(tmp_path: Path) -> None:
     """A mimicking finger is nothing to the arm; that the arm ends at it is refused."""
     file = file_with(tmp_path, panda())
-    assert len(read_urdf(file, "hand")[1]) == 7
-    assert read_urdf(file, "finger1")[1][-1][0].kind == "prismatic"
+    assert len(read_urdf(file, "hand").joints) == 7
+    assert read_urdf(file, "finger1").joints[-1][0].kind == "prismatic"
     with pytest.raises(CaseError, match="finger_joint2 is mimic"):
         read_urdf(file, "finger2")
 
@@ -169,12 +319,12 @@ def test_comments_that_xacro_keeps_do_no_harm_and_a_doctype_is_refused_in_any_en
 
 def test_an_axis_of_any_length_is_a_direction(tmp_path: Path) -> None:
     text = ur10().replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 -2.5"/>', 1)
-    np.testing.assert_array_equal(read_urdf(file_with(tmp_path, text), "tool0")[1][0][0].axis, [0.0, 0.0, -1.0])
+    np.testing.assert_array_equal(read_urdf(file_with(tmp_path, text), "tool0").joints[0][0].axis, [0.0, 0.0, -1.0])
 
 
 def test_a_continuous_joint_needs_no_limit_and_has_no_ends(tmp_path: Path) -> None:
     text = ur10().replace(ELBOW, ELBOW.replace("revolute", "continuous")).replace(ELBOW_LIMIT, "")
-    elbow, limit = read_urdf(file_with(tmp_path, text), "tool0")[1][2]
+    elbow, limit = read_urdf(file_with(tmp_path, text), "tool0").joints[2]
     assert (elbow.kind, elbow.position_deg, limit.velocity_deg_s, elbow.torque_Nm) == ("continuous", None, None, None)
 
 
@@ -206,7 +356,7 @@ def test_a_file_with_pieces_put_elsewhere_is_read_or_refused_in_one_line(
     for old, new in edits:
         text = text.replace(old, new, 1)
     try:
-        _, joints, _ = read_urdf(file_with(tmp_path, text), "tool")
+        joints = read_urdf(file_with(tmp_path, text), "tool").joints
     except CaseError as error:
         one_line(error)
     else:

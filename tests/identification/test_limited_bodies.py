@@ -7,8 +7,8 @@ import pytest
 from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
-from cases.chain import Chain, ChainFrame
-from cases.machine import KeepOut, Tool
+from cases.chain import Chain
+from cases.machine import Frame, KeepOut, Tool
 from identification.limited_chain import body_clearances, chain_frames
 from identification.motion import Motion
 from identification.serial_chain import SerialChain
@@ -51,7 +51,7 @@ def found(chain: Chain, q: np.ndarray) -> dict[str, np.ndarray]:
     }
 
 
-def placed(frame: ChainFrame, before: np.ndarray) -> np.ndarray:
+def placed(frame: Frame, before: np.ndarray) -> np.ndarray:
     own = np.eye(4)
     own[:3, :3], own[:3, 3] = Rotation.from_euler("xyz", frame.rpy).as_matrix(), frame.origin
     return before @ own

@@ -90,7 +90,9 @@ def test_a_sequence_that_is_none_is_refused_before_planning_begins(
 ):
     monkeypatch.chdir(tmp_path)
     Path("s.toml").write_text(text)
-    assert "s.toml" in refused("plan", "hexapod", "--family", "manual", "--sequence", "s.toml")
+    answer = call("plan", "hexapod", "--family", "manual", "--sequence", "s.toml")
+    assert (answer.code, answer.out) == (1, "")
+    assert all(line.startswith("hexcite: s.toml") for line in answer.err.splitlines())
     assert [p.name for p in tmp_path.iterdir()] == ["s.toml"]
 
 
@@ -98,7 +100,6 @@ def test_a_step_that_is_none_is_one_problem(tmp_path: Path):
     (tmp_path / "s.toml").write_text("title = 't'\nsteps = [{ x_mm = 50.0, speed = 3.0 }]\n")
     line = refused("plan", "hexapod", "--family", "manual", "--sequence", tmp_path / "s.toml")
     assert "s.toml: steps[1].speed: 3.0: input should be less than or equal to 1" in line
-    assert "more problem" not in line
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,11 @@ from tests.postprocessors.export.calibrations import write_result
 CASE = load_case("hexapod")
 
 
+def machine(target: str) -> tuple[str, int]:
+    """A built-in machine whose result a target takes, and the model: payloads are of robots."""
+    return ("ur10_wrist", 6) if target == "urscript" else ("hexapod", 9)
+
+
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """An empty working folder."""
@@ -31,25 +36,28 @@ def result(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("target", TARGETS)
-def test_every_target_is_written_whole_and_says_where_it_is_from(target: str, result: Path, here: Path) -> None:
+def test_every_target_is_written_whole_and_says_where_it_is_from(target: str, tmp_path: Path, here: Path) -> None:
+    name, model = machine(target)
+    result = write_result(tmp_path / "result", load_case(name), model)
     answer = call("export", result, "--to", target, "--json").json()
     assert answer["target"] == target
     assert answer["file"] == answer["files"][0]
     for file in answer["files"]:
         text = Path(file).read_text(encoding="utf-8")
-        for word in (str(result / "result.json"), CASE.hash, "hexapod"):
+        for word in (str(result / "result.json"), load_case(name).hash, name):
             assert word in text
     written = {path for path in here.rglob("*") if path.is_file()}
     assert written == {here / file for file in answer["files"]}
 
 
-@pytest.mark.parametrize("name", ["hexapod", "a" * 30])
+@pytest.mark.parametrize("name", ["mine", "a" * 30])
 @pytest.mark.parametrize("target", TARGETS)
 def test_what_is_exported_again_gets_a_free_name(target: str, name: str, tmp_path: Path, here: Path) -> None:
-    text = built_in_cases()["hexapod"].read_text(encoding="utf-8").replace('name = "hexapod"', f'name = "{name}"')
+    like, model = machine(target)
+    text = built_in_cases()[like].read_text(encoding="utf-8").replace(f'name = "{like}"', f'name = "{name}"')
     (folder := tmp_path / name).mkdir()
     (folder / "case.toml").write_text(text, encoding="utf-8")
-    result = write_result(tmp_path / "result", load_case(str(folder)), 9)
+    result = write_result(tmp_path / "result", load_case(str(folder)), model)
     files = [call("export", result, "--to", target, "--case", folder, "--json").json()["files"] for _ in range(3)]
     written = [str(path.relative_to(here)) for path in here.rglob("*") if path.is_file()]
     assert sorted(written) == sorted(file for run in files for file in run)
@@ -58,7 +66,10 @@ def test_what_is_exported_again_gets_a_free_name(target: str, name: str, tmp_pat
 
 @pytest.mark.parametrize("target", TARGETS)
 def test_a_result_with_warnings_needs_force_and_the_file_tells(target: str, tmp_path: Path, here: Path) -> None:
-    result = write_result(tmp_path / "doubtful", CASE, 9, warnings=["rank 19 of 20: k1 is free", "short"])
+    name, model = machine(target)
+    result = write_result(
+        tmp_path / "doubtful", load_case(name), model, warnings=["rank 19 of 20: k1 is free", "short"]
+    )
     line = refused("export", result, "--to", target)
     for word in ("doubtful/result.json", "rank 19 of 20: k1 is free", "and 1 more", "--force"):
         assert word in line
@@ -112,9 +123,19 @@ def test_a_result_that_does_not_fit_is_named(
     assert list(here.iterdir()) == []
 
 
+def test_a_payload_from_an_unknown_flange_is_refused_with_the_key(result: Path, tmp_path: Path, here: Path) -> None:
+    assert "setup: is that of no robot" in refused("export", result, "--to", "urscript")
+    wrist = write_result(tmp_path / "wrist", load_case("ft_wrist"), 6)
+    line = refused("export", wrist, "--to", "urscript")
+    for word in ("ft_wrist", "sensor_frame.transducer.flange", "origin_mm"):
+        assert word in line
+    assert list(here.iterdir()) == []
+
+
 def test_a_tared_result_says_so(tmp_path: Path, here: Path) -> None:
-    result = write_result(tmp_path / "result", CASE, 9, tared_with="still.csv")
     for target in TARGETS:
+        name, model = machine(target)
+        result = write_result(tmp_path / name, load_case(name), model, tared_with="still.csv")
         answer = call("export", result, "--to", target, "--json").json()
         assert "from run.csv, tared with still.csv" in Path(answer["file"]).read_text() or target == "json"
     assert json.loads(Path("hexapod_force.json").read_text())["origin"]["recording"] == "run.csv, tared with still.csv"

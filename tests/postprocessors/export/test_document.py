@@ -41,7 +41,7 @@ def test_struts_follow_from_the_file_alone(tmp_path: Path) -> None:
         np.testing.assert_allclose(np.linalg.norm(ends - data["base_m"], axis=1), lengths, rtol=1e-14)
 
 
-@pytest.mark.parametrize(("name", "number"), [("hexapod", 9), ("ft_wrist", 6), ("strut_sensors", 6)])
+@pytest.mark.parametrize(("name", "number"), [("hexapod", 9), ("ft_wrist", 6), ("strut_sensors", 6), ("ur10_wrist", 6)])
 def test_what_is_written_is_what_the_schema_beside_the_code_says(name: str, number: int, tmp_path: Path) -> None:
     data = json.loads(json_document(with_drives(calibration(tmp_path, name, number))))
     jsonschema.validate(data, SCHEMA)
@@ -49,6 +49,16 @@ def test_what_is_written_is_what_the_schema_beside_the_code_says(name: str, numb
     for damage in ({"schema_version": 2}, {"model": 10}, {"gravity_m_s2": [1.0]}, {"more": 1}):
         with pytest.raises(jsonschema.ValidationError):
             jsonschema.validate(data | damage, SCHEMA)
+
+
+def test_the_load_stands_in_the_frame_of_the_flange_too(tmp_path: Path) -> None:
+    data = json.loads(json_document(calibration(tmp_path, "ur10_wrist", 6)))
+    physical = {p["name"]: p["value"] for p in data["physical"]}
+    load = data["flange"]["load"]
+    assert load["mass_kg"] == physical["m"]
+    assert load["centre_of_gravity_m"] == pytest.approx([physical[f"{c}C"] for c in "xyz"])
+    assert data["flange"]["sensor"]["axes"] == np.eye(3).tolist()
+    assert json.loads(json_document(calibration(tmp_path / "h", "hexapod", 9)))["flange"] is None
 
 
 def test_physical_values_are_those_of_the_linear_ones(tmp_path: Path) -> None:
