@@ -74,6 +74,7 @@ TICKS = TIMES  # units of time stamps [s]
 
 Separator = Annotated[str, spelled(r"[^\w\"'.+\-\r\n]", "one character that no number has, such as a semicolon")]
 Count = Annotated[int, Field(strict=True, ge=0)]
+FormatName = Literal["csv", "halsampler", "twincat-scope", "sinumerik-trace", "lvm"]
 StreamName = Literal["struts", "pose", "rotation", "accelerometer", "forces"]
 SHIFTED: Mapping[StreamName, tuple[str, ...]] = {
     "struts": (*STRUTS, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS), "pose": POSE, "rotation": ROTATION,
@@ -149,8 +150,8 @@ class Accelerometer(Part):
 class TextFile(Part):
     """How files of text are laid out; these keys do not apply to Parquet files and ROS 2 bags."""
 
-    format: Literal["csv", "halsampler", "twincat-scope", "sinumerik-trace"] = "csv"
-    """What wrote the file; `csv` is any table of text."""
+    format: FormatName = "csv"
+    """What wrote the file; `csv` is any table of text. Files that say themselves what they are need no format."""
     delimiter: Separator | None = None
     """Character between two fields; by default a comma; of `halsampler` a blank, of Scope what the file has."""
     decimal: Literal[".", ","] | None = None
@@ -164,7 +165,10 @@ class TextFile(Part):
     column_names: tuple[str, ...] | None = None
     """Names of the file's columns in their order, for files that have none."""
     encoding: Literal["utf-8", "cp1252"] = "utf-8"
-    """Encoding of the text."""
+    """Encoding of the text; UTF-16 with its mark needs none."""
+    empty: Literal["missing", "hold"] | None = None
+    """What an empty field stands for: `missing`, no value; `hold`, the last one. By default missing, in traces of a
+    SINUMERIK the last one."""
 
     @property
     def separator(self) -> str:
@@ -237,7 +241,7 @@ class RecordingFormat(TextFile):
             raise ValueError(f"delimiter and decimal are both {self.decimal!r}; one of them must differ")
         clock = () if self.column_names and self.file_name(CLOCK) in self.column_names else ("clock.period_ms",)
         needed = {
-            "halsampler": ("column_names", *clock), "twincat-scope": ("decimal",),
+            "halsampler": ("column_names", *clock),
             "sinumerik-trace": ("delimiter", "decimal", "header_rows", "clock.unit"),
         }  # fmt: skip
         for key in needed.get(self.format, ()):

@@ -28,6 +28,7 @@ from cases.recording_format import (
 from cases.schema import Case
 from cases.units import MM, Array, Flags, Indices
 from identification.formats.table import (
+    MOST_MISSING,
     UNIFORMITY,
     Channel,
     ColumnTable,
@@ -303,7 +304,6 @@ def _require_reach(stream: Stream, case: Case, form: RecordingFormat) -> None:
         raise RecordingError(f"{stream.source}, {stream.lines.place(0)}", problem, remedy)
 
 
-MOST_MISSING = 0.3  # of a column's rows; one with more is sampled at another rate, or is broken
 _KEPT = frozenset((*ROTATION, *QUATERNION, TRIGGER, OVERRIDE))
 MOST_PUT_BACK = 3  # samples in a row
 _SWITCHING: tuple[Channel, ...] = ("trigger", "override", "rotations")  # a lost sample gets their last value

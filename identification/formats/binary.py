@@ -31,7 +31,7 @@ from identification.formats.table import (
     shown,
     unreadable,
 )
-from identification.formats.text import select, without
+from identification.formats.text import Field, select, without
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -178,7 +178,7 @@ def parquet_tables(file: Path, form: RecordingFormat) -> list[ColumnTable]:
     try:
         with pq.ParquetFile(file) as parquet:
             names, rows = tuple(parquet.schema_arrow.names), parquet.metadata.num_rows
-            chosen = select(file, names, form)
+            chosen = select(file, [Field(name) for name in names], form)
             clock = [names[chosen.pop(CLOCK)]] if CLOCK in chosen else []
             if not chosen:
                 raise RecordingError(file, without(names, form))

@@ -1,57 +1,148 @@
-"""An unknown text file: its separator, decimal sign and header."""
+"""A text file of unknown layout: the settings with which it is read, and what it holds when it is read with them."""
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.recording_format import RecordingFormat
+from cases.recording_format import TICKS, RecordingFormat
 from cases.units import Array
-from identification.formats.meaning import unit_of
-from identification.formats.table import is_value, split
-from identification.formats.text import LONGEST_LINE, cells, read_head, section_of, table_of
+from identification.formats import halsampler, plain
+from identification.formats.content import LONGEST_LINE, Content, content_of, section_of
+from identification.formats.known import TextFormat, format_of
+from identification.formats.meaning import matched
+from identification.formats.plain import SAMPLE
+from identification.formats.table import MOST_MISSING
+from identification.formats.text import Layout, cells
+from identification.formats.words import EMPTY, is_missing, is_number, is_switch, is_value, split
 
 _SEPARATORS = (";", "\t", "|", ",", " ")
-_SAMPLE = 200  # lines from which the fields are known
 _NUMERIC = 0.7  # share of a column's fields, from which on it is numeric
+_MOST_BELOW = 20  # lines below the rows that are looked for
 
 
-def look_at_text(file: Path) -> tuple[list[str], list[str], dict[int, Array], dict[str, Any]]:
-    """Names, units, values of columns of numbers by position, settings that read the file; raises RecordingError."""
-    raw = read_head(file)
-    if len(raw) > 1 and file.stat().st_size >= LONGEST_LINE:
-        raw = raw[:-1]  # what was read ends somewhere in this line
-    encoding, lines = _decoded(file, raw)
-    scope = next((d for d in "\t;," if lines[0].startswith(f"Name{d}")), None)
-    form, numeric = _dialect(file, lines, encoding, scope)
-    first = next(k for k, line in enumerate(lines) if _is_row(form, line, numeric))
-    head = [cells(line, form) for line in lines[:first]]
-    names_row = max(k for k, row in enumerate(head, 1) if row[:1] == ["Name"]) if scope else _names_row(head, numeric)
-    names = head[names_row - 1] if names_row else [f"column {k}" for k in range(1, len(numeric) + 1)]
-    below = (row for row in head[names_row:] if len(row) == len(names) and any(row))
-    units = next(
-        (row for row in below if all(not cell or unit_of(cell) or cell.strip("[()] ") in "-V" for cell in row)),
-        [""] * len(names),
-    )
-    settings: dict[str, Any] = {}
-    if scope:
-        settings = {"format": "twincat-scope", "decimal": form.decimal}
-    elif not names_row and lines[0].endswith(" "):
-        settings = {"format": "halsampler", "column_names": names[:-1]}
-    else:
-        settings |= {"delimiter": form.separator} if form.separator != "," else {}
-        settings |= {"decimal": form.decimal} if form.decimal != "." else {}
-        settings |= {"header_rows": first} if first != bool(names_row) else {}
-        settings |= {"names_row": names_row} if names_row not in (0, first) else {}
-        settings |= {} if names_row else {"column_names": names}
-    settings |= {"encoding": encoding} if encoding != "utf-8" else {}
-    wanted = {str(k): k for k, number in enumerate(numeric) if number and names[k]}
-    below_rows = 1 if scope else 0  # a line EOF may stand there
-    values = table_of(file, section_of(file, first, below_rows, len(wanted)), names, wanted, form, None).values
-    return names, units, {wanted[k]: column for k, column in values.items() if np.isfinite(column).any()}, settings
+@dataclass(frozen=True, slots=True)
+class TextColumns:
+    """What a text file holds when it is read with the settings that follow from it."""
+
+    names: list[str]  # of all columns in the order of the file; empty where one has none
+    units: list[str]  # as a row of units has them, or empty
+    numbers: dict[int, Array]  # values of the columns of numbers by position; those of other clocks differ in length
+    settings: dict[str, Any]  # of `[recording]`, without what columns mean
+    clock: tuple[int, str] | None  # the column of time stamps where the format says which it is, and their unit
+
+
+def look_at_text(file: Path) -> TextColumns:
+    """Columns of a text file of unknown layout; raises RecordingError where it holds no table of numbers."""
+    content = content_of(file)
+    head = content.head()
+    known = format_of(head, RecordingFormat())
+    settings = _guessed(content, head) if known.guessed else {}
+    form = RecordingFormat.model_validate(settings).model_copy(update={"format": known.name})
+    layout = known.layout(content, head, form)
+    rows = _sample(content, layout)
+    numeric = [k for k, column in enumerate(zip(*rows, strict=True)) if _is_numeric(column, layout.form)]
+    if not layout.sections:
+        numeric = list(range(len(layout.fields)))
+    clocks = sorted({field.clock for field in layout.fields if field.clock is not None})
+    wanted = {str(k): k for k in numeric if k not in clocks and (layout.fields[k].name or known.guessed)}
+    sparse = [k for k in wanted.values() if _is_sparse([row[k] for row in rows])]
+    if sparse and known.guessed:
+        settings["empty"] = "hold"
+    numbers: dict[int, Array] = {}
+    clock: tuple[int, str] | None = None
+    names, units = _names(layout), [field.unit for field in layout.fields]
+    names = ["" if k in clocks[1:] else name for k, name in enumerate(names)]
+    for table in known.tables(content, replace(layout, hold=layout.hold or bool(sparse)), wanted, [*wanted]):
+        numbers |= {wanted[ours]: column for ours, column in table.values.items() if np.isfinite(column).any()}
+        if table.stamps is None or clock is not None:
+            continue
+        own = layout.fields[wanted[next(iter(table.values))]].clock
+        if own is None:  # rows at equal steps
+            names, units, own = [*names, "time between rows"], [*units, "s"], len(names)
+            clock, numbers[own] = (own, "s"), np.asarray(table.stamps * table.tick, dtype=float)
+        elif known.name != "halsampler":  # which does not say how long a step takes
+            clock = own, next(unit for unit, tick in TICKS.items() if tick == table.tick)
+            numbers[own] = np.asarray(table.stamps, dtype=float)
+    return TextColumns(names, units, numbers, settings | _stated(known, layout, clock), clock)
+
+
+def _stated(known: TextFormat, layout: Layout, clock: tuple[int, str] | None) -> dict[str, Any]:
+    """What a case should state of a file whose format is known."""
+    match known.name:
+        case "lvm":
+            return {"format": "lvm"}
+        case "twincat-scope":
+            unit = {"clock": {"unit": "filetime"}} if clock is not None and clock[1] == "filetime" else {}
+            return {"format": "twincat-scope", "decimal": layout.form.decimal, **unit}
+        case "halsampler":
+            names = [field.name for field in layout.fields if field.name != halsampler.NUMBER]
+            return {"format": "halsampler", "column_names": names}
+        case _:
+            return {}
+
+
+def _names(layout: Layout) -> list[str]:
+    """A name for each field: of those that a file has for it the ones by which most columns are known."""
+    usual = [field.name for field in layout.fields]
+    most = max((len(field.also) for field in layout.fields), default=0)
+    other = [[field.also[k] if k < len(field.also) else field.name for field in layout.fields] for k in range(most)]
+    units = [field.unit for field in layout.fields]
+    return max([usual, *other], key=lambda names: len(matched(names, units)[0]))
+
+
+def _sample(content: Content, layout: Layout) -> list[list[str]]:
+    """Fields of the first rows."""
+    if not layout.sections:
+        return []
+    section, width = layout.sections[0], len(layout.fields)
+    with content.opened() as stream:
+        stream.seek(section.start)
+        data = stream.read(min(LONGEST_LINE, section.end - section.start))
+    lines = data.split(b"\n")[: min(SAMPLE, section.rows)]
+    rows = [layout.split(line.rstrip(b"\r").decode("latin-1")) for line in lines if not layout.is_no_row(line)]
+    return [(row + [""] * width)[:width] for row in rows]
+
+
+def _is_numeric(column: Sequence[str], form: RecordingFormat) -> bool:
+    """Whether a column holds numbers or states of a switch, and not only words for no value."""
+    filled = [field for field in column if not is_missing(field)]
+    good = sum(is_value(field, form) or is_switch(field) for field in filled)
+    return bool(filled) and good >= _NUMERIC * len(filled)
+
+
+def _is_sparse(column: Sequence[str]) -> bool:
+    """Whether a column begins with a value, and most fields below are empty."""
+    empty = sum(field.strip() in EMPTY for field in column)
+    return empty > MOST_MISSING * len(column) and column[0].strip() not in EMPTY
+
+
+def _guessed(content: Content, head: Sequence[bytes]) -> dict[str, Any]:
+    """Settings that read a table of text, as far as they differ from the usual ones; raises RecordingError."""
+    encoding, lines = _decoded(content.file, head)
+    form, numeric = _dialect(content.file, lines, encoding)
+    aligned = plain.is_aligned(_table_lines(lines), form.separator)
+    first = next((k for k, line in enumerate(lines) if _is_row(form, line, numeric, aligned)), None)
+    if first is None:
+        problem = "has columns of numbers, but no line with a number in each of them"
+        raise RecordingError(content.file, problem, "export it again, one row a sample")
+    sample = [line for line in lines[first : first + SAMPLE] if line.strip()]
+    names_row = _names_row(lines[:first], sample, form, aligned, len(numeric))
+    if not names_row:
+        _require_one_sign(content.file, lines[:first], form, len(numeric))
+    settings: dict[str, Any] = {"delimiter": form.separator} if form.separator != "," else {}
+    settings |= {"decimal": form.decimal} if form.decimal != "." else {}
+    settings |= {"header_rows": first} if first != bool(names_row) else {}
+    settings |= {"names_row": names_row} if names_row not in (0, first) else {}
+    if below := _rows_below(content, first, form, numeric, aligned):
+        settings["trailing_rows"] = below
+    if not names_row:
+        settings["column_names"] = [f"column {k}" for k in range(1, len(numeric) + 1)]
+    return settings | ({"encoding": encoding} if encoding != "utf-8" else {})
 
 
 def _decoded(file: Path, raw: Sequence[bytes]) -> tuple[str, list[str]]:
@@ -65,40 +156,77 @@ def _decoded(file: Path, raw: Sequence[bytes]) -> tuple[str, list[str]]:
     raise RecordingError(file, "is not text", "export the recording as CSV or Parquet")
 
 
-def _dialect(file: Path, lines: Sequence[str], encoding: str, scope: str | None) -> tuple[RecordingFormat, list[bool]]:
+def _table_lines(lines: Sequence[str]) -> list[str]:
+    """Lines that are in the table, if there is one: the last ones that are not blank, the very last apart."""
+    return [line for line in lines if line.strip()][-SAMPLE:-1]
+
+
+def _dialect(file: Path, lines: Sequence[str], encoding: str) -> tuple[RecordingFormat, list[bool]]:
     """The separator and decimal sign by which most columns are numbers, and which of them are."""
-    sample = [line for line in lines if line.strip()][-_SAMPLE:-1]
+    sample = _table_lines(lines)
     best, numeric = None, [True]
-    for separator in _SEPARATORS if scope is None else (scope,):
+    for separator in _SEPARATORS:
+        aligned = plain.is_aligned(sample, separator)
+        rows = [line.split() if aligned else split(line, separator) for line in sample]
+        count = Counter(map(len, rows)).most_common(1)[0][0] if rows else 0
+        columns = list(zip(*(row for row in rows if len(row) == count), strict=True))
         for decimal in ".,":
             if decimal == separator:
                 continue
             form = RecordingFormat(delimiter=separator, decimal=decimal, encoding=encoding)
-            rows = [split(line, separator) for line in sample]
-            count = Counter(map(len, rows)).most_common(1)[0][0] if rows else 0
-            columns = list(zip(*(row for row in rows if len(row) == count), strict=True))
-            numbers = [
-                any(map(str.strip, column)) and sum(is_value(field, form) for field in column) >= _NUMERIC * len(column)
-                for column in columns
-            ]
+            numbers = [_is_numeric(column, form) for column in columns]
             if sum(numbers) > sum(numeric):
                 best, numeric = form, numbers
-    if best is None or (best.separator == " " and any("  " in line.strip() for line in sample)):
-        problem = "holds no table of numbers with one character between two fields"
-        raise RecordingError(file, problem, "export it with a comma or semicolon between the fields")
+    if best is None:
+        problem = "holds no table of numbers with a separator between two fields"
+        raise RecordingError(file, problem, "export it as CSV, with a comma or semicolon between the fields")
     return best, numeric
 
 
-def _is_row(form: RecordingFormat, line: str, numeric: Sequence[bool]) -> bool:
-    """Whether a line is one of the table's: as many fields, numbers where others have such, not all of them empty."""
-    fields = split(line, form.separator)
-    numbers = [field for field, number in zip(fields, numeric, strict=False) if number]
-    return (
-        len(fields) == len(numeric) and any(map(str.strip, numbers)) and all(is_value(field, form) for field in numbers)
-    )
+def _is_row(form: RecordingFormat, line: str, numeric: Sequence[bool], aligned: bool) -> bool:
+    """Whether a line is one of the table's: as many fields, numbers where others have such, one of them at least."""
+    fields = line.split() if aligned else split(line, form.separator)
+    if len(fields) != len(numeric):
+        return False
+    numbers = [field for field, number in zip(fields, numeric, strict=True) if number]
+    real = [field for field in numbers if not is_missing(field) and not is_switch(field)]
+    return bool(real) and all(is_value(field, form) or is_switch(field) for field in numbers)
 
 
-def _names_row(head: Sequence[Sequence[str]], numeric: Sequence[bool]) -> int:
-    """The line of the header that names most columns differently, counted from 1; 0 where there is none."""
-    distinct = [len(set(row)) if len(row) == len(numeric) else 0 for row in head]
-    return distinct.index(max(distinct)) + 1 if any(distinct) else 0
+def _names_row(header: Sequence[str], sample: Sequence[str], form: RecordingFormat, aligned: bool, width: int) -> int:
+    """The line of the header that names the columns, counted from 1; 0 where there is none.
+
+    It has a name for each field: of several such lines the one whose names are known best, and differ most.
+    """
+    best, row = (0, 0), 0
+    for k, line in enumerate(header, 1):
+        if not line.strip():
+            continue
+        names = [field.name for field in plain.named(header, k, sample, form, aligned)]
+        if len(names) == width and not plain.is_headless(names) and not plain.is_units(names):
+            score = len(matched(names, ())[0]), len({name for name in names if name})
+            if score > best:
+                best, row = score, k
+    return row
+
+
+def _require_one_sign(file: Path, header: Sequence[str], form: RecordingFormat, width: int) -> None:
+    """Raises RecordingError where a comma stands between fields and in numbers: which is which nobody can say."""
+    names = max((sum(bool(name) and not is_number(name) for name in cells(line, form)) for line in header), default=0)
+    if form.separator == "," and 2 < names < width:
+        problem = f"has rows of {width} fields below {names} names: commas stand in numbers and between them"
+        raise RecordingError(file, problem, "export it with semicolons between the fields, or with decimal points")
+
+
+def _rows_below(content: Content, first: int, form: RecordingFormat, numeric: Sequence[bool], aligned: bool) -> int:
+    """Lines of text below the rows; one that begins with a number is a row that is damaged."""
+    section = section_of(content, first, 0)
+    with content.opened() as stream:
+        stream.seek(max(section.start, section.end - LONGEST_LINE))
+        data = stream.read(section.end - stream.tell())
+    lines = [line.decode("latin-1") for line in data.split(b"\n") if line.strip()][-_MOST_BELOW:]
+    for count, line in enumerate(reversed(lines)):
+        word = (line.split() if aligned else cells(line, form))[:1]
+        if _is_row(form, line, numeric, aligned) or not word or is_value(word[0], form):
+            return count
+    return 0

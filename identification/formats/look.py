@@ -27,7 +27,7 @@ from cases.recording_format import (
 from cases.schema import Case
 from cases.units import Array, as_html
 from identification.formats.binary import KINDS, joint_names, opened, topic_of, topics_of
-from identification.formats.layout import look_at_text
+from identification.formats.layout import TextColumns, look_at_text
 from identification.formats.meaning import matched
 from identification.formats.reading import bag_of, is_bag, is_parquet, read_run, read_tables
 from identification.formats.table import listed
@@ -108,12 +108,13 @@ def look(file: Path | str, case: Case | None = None) -> Look:
 
 def _table(file: Path, case: Case | None, cutoff: float) -> Look:
     """The look at a text or a Parquet file."""
-    names, header_units, numbers, settings = _parquet(file) if is_parquet(file) else look_at_text(file)
-    places, units = matched(names, header_units, _joints(case))
+    found = _parquet(file) if is_parquet(file) else look_at_text(file)
+    names, numbers, settings = found.names, found.numbers, found.settings
+    places, units = matched(names, found.units, _joints(case))
     places = {ours: k for ours, k in places.items() if k in numbers}
     units = {ours: unit for ours, unit in units.items() if ours != CLOCK or unit in TICKS}
-    if settings.get("format") == "twincat-scope":
-        places[CLOCK], units[CLOCK] = names.index("Name"), "ms"
+    if found.clock is not None:
+        places[CLOCK], units[CLOCK] = found.clock
     if case is not None and case.sensor_frame.transducer is not None and BAR_FORCES[0] in places:
         forces = [places.pop(ours) for ours in BAR_FORCES]
         places = dict(zip(WRENCH, forces, strict=True)) | places
@@ -126,7 +127,7 @@ def _table(file: Path, case: Case | None, cutoff: float) -> Look:
         if ours not in units and unit != _usual_unit(ours) and names[places[ours]] != ours
     }
     units = {ours: units.get(ours, guessed.get(ours, _usual_unit(ours))) for ours in places}
-    _add_meaning(settings, names, places, units)
+    _add_meaning(settings, names, {o: k for o, k in places.items() if found.clock is None or o != CLOCK}, units)
     settings["filter_cutoff_Hz"] = cutoff
     ours_of = {k: ours for ours, k in places.items()}
     columns = [
@@ -155,7 +156,7 @@ def _advice(places: Mapping[str, int], guessed: Mapping[str, str]) -> Iterator[s
         yield f"units guessed from values: {units}; compare them with the recorder's settings"
 
 
-def _parquet(file: Path) -> tuple[list[str], list[str], dict[int, Array], dict[str, Any]]:
+def _parquet(file: Path) -> TextColumns:
     """As `look_at_text`; a Parquet file needs no settings."""
     import pyarrow as pa
     import pyarrow.parquet as pq
@@ -169,7 +170,8 @@ def _parquet(file: Path) -> tuple[list[str], list[str], dict[int, Array], dict[s
         for k, kind in enumerate(table.schema.types)
         if pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_boolean(kind)
     }
-    return table.schema.names, [], {k: values for k, values in numbers.items() if np.isfinite(values).any()}, {}
+    finite = {k: values for k, values in numbers.items() if np.isfinite(values).any()}
+    return TextColumns(table.schema.names, [], finite, {}, None)
 
 
 def _joints(case: Case | None) -> dict[str, str] | None:
@@ -237,8 +239,7 @@ def _add_meaning(
     settings: dict[str, Any], names: Sequence[str], places: Mapping[str, int], units: Mapping[str, str]
 ) -> None:
     """Adds columns, units and clock of `[recording]` to the settings."""
-    scope = settings.get("format") == "twincat-scope"
-    ordered = [ours for ours in COLUMNS if ours in places and not (scope and ours == CLOCK)]
+    ordered = [ours for ours in COLUMNS if ours in places]
     if renamed := {ours: names[places[ours]] for ours in ordered if names[places[ours]] != ours}:
         settings["columns"] = renamed
     differing: dict[str, str] = {}
@@ -248,7 +249,7 @@ def _add_meaning(
             differing[str(role)] = stated.pop()
     if differing:
         settings["units"] = differing
-    if units.get(CLOCK, "s") != "s" and not scope:
+    if CLOCK in places and units[CLOCK] != "s":
         settings["clock"] = {"unit": units[CLOCK]}
 
 

@@ -1,6 +1,6 @@
 """From files to the streams of a run: each in its format, recognised by its columns, on one time axis.
 
-The case names the format; the first bytes say whether a file is Parquet.
+The first bytes say whether a file is Parquet, the first lines what wrote a text, unless the case states it.
 """
 
 import os
@@ -17,7 +17,7 @@ from cases.machine import POSE
 from cases.orientation import ROTATION
 from cases.recording_format import RecordingFormat
 from cases.schema import Case
-from identification.formats import binary, text, traces
+from identification.formats import binary, known
 from identification.formats.assembly import require_clock, start_of, stream_of
 from identification.formats.quantities import with_units
 from identification.formats.table import ColumnTable, Stream, require_file, require_room, unreadable
@@ -25,21 +25,16 @@ from identification.formats.text import without
 
 _PARQUET = b"PAR1"
 
-_READERS: dict[str, Callable[[Path, RecordingFormat], Iterable[ColumnTable]]] = {
-    "csv": text.tables,
-    "halsampler": traces.halsampler_tables,
-    "twincat-scope": traces.scope_tables,
-    "sinumerik-trace": text.tables,
-}
-
 
 def read_tables(file: Path, form: RecordingFormat) -> tuple[ColumnTable, ...]:
     """Reads a file: one table for each clock in it; raises RecordingError with the place and the remedy."""
-    reader = _READERS[form.format]
+    reader: Callable[[Path, RecordingFormat], Iterable[ColumnTable]]
     if is_bag(file):
         reader = binary.bag_tables
     elif is_parquet(file):
         reader = binary.parquet_tables
+    else:
+        reader = known.read
     return tuple(with_units(table) for table in reader(file, form))
 
 

@@ -1,7 +1,5 @@
-"""What readers share: how text writes numbers, columns with the place of each row in its file, streams, and clocks."""
+"""What readers share: columns with the place of each row in its file, streams, and clocks."""
 
-import csv
-import re
 import stat
 from bisect import bisect_right
 from collections.abc import Iterable, Mapping
@@ -54,48 +52,6 @@ class Lines:
     def place(self, row: int) -> str:
         """Place of a row, counted from 0, as a message names it."""
         return f"{self.word} {self.number(row)}"
-
-
-_NUMBER = re.compile(r"\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*|\s*[+-]?(nan|inf(inity)?)\s*", re.I)
-
-
-def split(line: str, separator: str) -> list[str]:
-    """The fields of a line."""
-    try:
-        return next(csv.reader([line], delimiter=separator), [])
-    except csv.Error:
-        return line.split(separator)
-
-
-MISSING = ("", " ")  # fields that stand for no value
-
-
-def is_value(text: str, form: RecordingFormat) -> bool:
-    """Whether a field can be read."""
-    if text in MISSING:
-        return True
-    if form.decimal == ",":
-        return "." not in text and is_number(text.replace(",", ".", 1))
-    return is_number(text)
-
-
-def is_number(text: str) -> bool:
-    """Whether text is a number with a decimal point."""
-    return _NUMBER.fullmatch(text) is not None
-
-
-Block = tuple[int, bytes]
-"""Number of a line, counted from 1, and whole lines from there on; only the last may lack its line break."""
-
-
-def lines_of(block: Block, rows: int) -> Lines:
-    """Where the rows of a block stand: pyarrow leaves blank lines out."""
-    first, data = block
-    count = data.count(b"\n") + (not data.endswith(b"\n"))
-    if count == rows:
-        return Lines(first)
-    blank = [k for k, line in enumerate(data.split(b"\n")[:count], first) if not line.rstrip(b"\r")]
-    return Lines(first, tuple(blank))
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,6 +158,7 @@ def require_file(file: Path) -> None:
         raise RecordingError(file, "is empty", "record again")
 
 
+MOST_MISSING = 0.3  # of a column's rows; one with more is sampled at another rate, or is broken
 BYTES = 40  # of memory that reading and evaluating a run take at most for each number in it
 
 

@@ -1,164 +1,83 @@
-"""Tables as text, one row a sample, read by pyarrow; the first line that it cannot read is named."""
+"""Tables as text, one row a sample: their layout as a value, and their numbers, read by pyarrow.
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+What pyarrow cannot read is written anew, a few megabytes at a time: words for switches and missing values, rows that
+end early. The first line that is no row of the table is named.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.csv as pacsv
 
 from cases.errors import RecordingError
-from cases.recording_format import CLOCK, COLUMNS, RecordingFormat
-from identification.formats.labels import units_row
-from identification.formats.table import (
-    MISSING,
-    Block,
-    ColumnTable,
-    Lines,
-    is_value,
-    lines_of,
-    listed,
-    require_file,
-    require_room,
-    shown,
-    split,
-    unreadable,
-)
+from cases.recording_format import CLOCK, COLUMNS, TRIGGER, RecordingFormat
+from identification.formats.content import PART, Block, Content, Section, blocks_of, lines_of
+from identification.formats.table import ColumnTable, Lines, Stamps, listed, require_room, shown
+from identification.formats.words import EMPTY, MISSING, OFF, ON, is_switch, regular, split
 
-PART = 1 << 22  # bytes that are read at a time
-LONGEST_LINE = 1 << 20  # bytes; a recording of a thousand channels stays far below
-_MARK = b"\xef\xbb\xbf"  # of UTF-8, as Windows editors write it
-_NOT_TEXT = (b"\xff\xfe", b"\xfe\xff", b"PK\x03\x04", b"\x1f\x8b")  # how UTF-16, ZIP (workbooks too) and gzip begin
 _TYPICAL = ("t_s", "l1_mm", "q1_mm", "x_mm", "r11", "ax", "f1_N", "fx_N")
+_PEEK = 1 << 16  # bytes of the first rows that show which columns are switches in words
+_LATE = 2  # samples by which the last of channels with one clock may differ
 
 
-def read_head(file: Path) -> list[bytes]:
-    """The first lines of a text file, more than any header has, without line breaks; raises RecordingError."""
-    require_file(file)
-    try:
-        with file.open("rb") as stream:
-            data = stream.read(LONGEST_LINE)
-    except OSError as error:
-        raise unreadable(file, error) from error
-    if data.startswith(_NOT_TEXT):
-        raise RecordingError(file, "is UTF-16 text, a workbook, an archive or compressed", "save it as CSV in UTF-8")
-    lines = data.removeprefix(_MARK).split(b"\n")
-    if not any(line.strip() for line in lines):
-        raise RecordingError(file, "is empty, it has blank lines only", "record again")
-    return [line.removesuffix(b"\r") for line in lines]
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A field of each row."""
+
+    name: str  # as the file calls it; empty where it does not
+    also: tuple[str, ...] = ()  # other names that the file has for it
+    unit: str = ""  # as a row of units has it
+    clock: int | None = None  # position of the field with its time stamps, where the format says which
+    step: float | None = None  # time between its rows, where the format states that [s]
 
 
-class Section(NamedTuple):
-    """Lines of a file that lie below its header and above its trailing rows, and stay there until they are needed."""
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """Where a text has its table, and what the fields of its rows are."""
 
-    file: Path
-    first: int  # number of its first line, counted from 1
-    rows: int  # number of lines
-    start: int  # where it starts and ends in the file [byte]
-    end: int
+    form: RecordingFormat  # how the case describes it; separator, decimal sign and encoding are those of the text
+    fields: tuple[Field, ...]
+    sections: tuple[Section, ...]  # the rows; several where headers stand between them
+    names_row: int = 0  # line that names the fields, counted from 1; 0: none does
+    starts: tuple[float, ...] = (0.0,)  # what the stamps of each section count from [s]
+    tick: float = 1.0  # duration of a unit of the stamps [s]
+    period: float | None = None  # time between rows where no field is a clock [s]; None: there is no clock
+    aligned: bool = False  # any number of blanks between two fields
+    uneven: bool = False  # rows end with the last channel that goes on
+    remarks: bool = False  # text may follow behind the last field
+    no_rows: tuple[bytes, ...] = ()  # words that stand in a line of their own and are not a row
+    hold: bool = False  # whether a field that is empty has its last value
 
-    def text(self) -> Block:
-        """The lines themselves."""
-        with self.file.open("rb") as stream:
-            stream.seek(self.start)
-            return self.first, stream.read(self.end - self.start)
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the columns, without those of clocks."""
+        clocks = {field.clock for field in self.fields}
+        return tuple(field.name for k, field in enumerate(self.fields) if field.name and k not in clocks)
 
+    def label(self, position: int) -> str:
+        """What a message calls a field."""
+        timed = [field.name for field in self.fields if field.clock == position and field.name]
+        return f"time of {timed[0]}" if timed else self.fields[position].name or f"column {position + 1}"
 
-def section_of(file: Path, header_rows: int, trailing_rows: int, columns: int) -> Section:
-    """The lines below a header, without trailing rows and blank lines at the end; raises RecordingError."""
-    first = header_rows + 1
-    try:
-        with file.open("rb") as stream:
-            for _ in range(header_rows):
-                stream.readline(LONGEST_LINE)
-            start = stream.tell() if header_rows else len(_MARK) * (stream.read(len(_MARK)) == _MARK)
-            stream.seek(start)
-            if len(stream.readline(LONGEST_LINE)) == LONGEST_LINE:
-                raise RecordingError(f"{file}, line {first}", "is longer than a million characters", "not a CSV table")
-            stream.seek(start)
-            breaks = sum(part.count(b"\n") for part in iter(lambda: stream.read(PART), b""))
-            require_room(file, 1 + breaks, columns)
-            size, length, lines, tail = stream.tell(), LONGEST_LINE, b"", b""
-            while not lines and len(tail) < size - start:  # more of the end, where all of it is left out
-                stream.seek(max(size - length, start))
-                tail = stream.read()
-                lines, length = _without_end(tail, trailing_rows), 4 * length
-    except OSError as error:
-        raise unreadable(file, error) from error
-    left_out = tail[len(lines) :]
-    count = breaks - left_out.count(b"\n") + bool(lines and not lines.endswith(b"\n"))
-    return Section(file, first, count, start, size - len(left_out))
+    def split(self, line: str) -> list[str]:
+        """The fields of a line."""
+        return line.split() if self.aligned else split(line, self.form.separator)
+
+    def is_no_row(self, line: bytes) -> bool:
+        """Whether a line is blank, or holds nothing but a word that is not a row."""
+        blanks = b" \t\r" if self.aligned else b" \t\r".replace(self.form.separator.encode(), b"")
+        word = line.strip(blanks)
+        return not word or word in self.no_rows
 
 
-def _without_end(data: bytes, trailing_rows: int) -> bytes:
-    """The lines above blank ones at the end and above the last rows that are not blank."""
-    end = len(data)
-    while end:
-        start = data.rfind(b"\n", 0, end - 1) + 1
-        blank = not data[start:end].strip(b" \t\r\n\x1a")
-        if not blank and trailing_rows == 0:
-            break
-        trailing_rows -= not blank
-        end = start
-    return data[:end]
-
-
-def parse(
-    file: Path,
-    lines: Section | Block,
-    form: RecordingFormat,
-    fields: Sequence[str],
-    numbers: Iterable[int],
-    stamps: Sequence[int],
-) -> dict[int, pa.ChunkedArray]:
-    """The wanted columns of lines by position: numbers as float64, stamps as int64 or float64, as the file writes them.
-
-    `fields` are the names of all fields of a line. Raises RecordingError with the line and value that cannot be read.
-    """
-    positions = list(dict.fromkeys([*numbers, *stamps]))
-    names = [str(k) for k in range(len(fields))]
-    if isinstance(lines, Section):
-        source, size = pa.OSFile(str(file)).get_stream(lines.start, lines.end - lines.start), PART
-    else:  # one block, so that the kind of stamps follows from all of them
-        source, size = pa.BufferReader(lines[1]), len(lines[1])
-    try:
-        table = pacsv.read_csv(
-            source,
-            read_options=pacsv.ReadOptions(column_names=names, use_threads=False, block_size=size),
-            parse_options=pacsv.ParseOptions(delimiter=form.separator),
-            convert_options=pacsv.ConvertOptions(
-                column_types={str(k): pa.float64() for k in numbers},
-                include_columns=[str(k) for k in positions],
-                null_values=list(MISSING),
-                strings_can_be_null=True,
-                decimal_point=form.decimal or ".",
-            ),
-        )
-    except (pa.ArrowException, UnicodeDecodeError) as error:
-        if isinstance(lines, Section):
-            return parse(file, lines.text(), form, fields, numbers, stamps)
-        for part in _halves(lines):  # the damage is in one of them
-            parse(file, part, form, fields, numbers, stamps)
-        raise _explained(file, lines, fields, positions, form, str(error)) from error
-    columns = {k: table.column(str(k)) for k in positions}
-    for k in stamps:
-        if pa.types.is_null(columns[k].type):
-            columns[k] = columns[k].cast(pa.float64())
-        if not (pa.types.is_int64(columns[k].type) or pa.types.is_float64(columns[k].type)):
-            text = lines.text() if isinstance(lines, Section) else lines
-            raise _explained(file, text, fields, positions, form, f"column {k} holds no numbers")
-    return columns
-
-
-def _halves(block: Block) -> tuple[Block, ...]:
-    """Two halves of many lines; none of few."""
-    first, data = block
-    middle = data.rfind(b"\n", 0, len(data) // 2) + 1
-    if len(data) <= PART or not middle:
-        return ()
-    return (first, data[:middle]), (first + data.count(b"\n", 0, middle), data[middle:])
+def cells(line: str, form: RecordingFormat) -> list[str]:
+    """Fields of a header line."""
+    return [name.strip() for name in split(line, form.separator)]
 
 
 def decoded(file: Path, lines: Sequence[bytes], form: RecordingFormat) -> list[str]:
@@ -169,125 +88,296 @@ def decoded(file: Path, lines: Sequence[bytes], form: RecordingFormat) -> list[s
         raise _not_text(file, form) from None
 
 
-def cells(line: str, form: RecordingFormat) -> list[str]:
-    """Fields of a header line."""
-    return [name.strip() for name in split(line, form.separator)]
-
-
-def select(file: Path, names: Sequence[str], form: RecordingFormat) -> dict[str, int]:
+def select(file: Path, fields: Sequence[Field], form: RecordingFormat) -> dict[str, int]:
     """Our columns among those of a file, each with its position; raises RecordingError where one is there twice."""
     positions, given = {}, set(form.columns.values())
+    clocks = {field.clock for field in fields} - {None}
     for ours in COLUMNS:
         theirs = form.file_name(ours)
         if theirs in given and ours not in form.columns:
             continue  # the case gives the column of that name another meaning
-        if names.count(theirs) > 1:
-            raise RecordingError(file, f"column {shown(theirs)} is there twice", "rename or remove one")
-        if theirs in names:
-            positions[ours] = names.index(theirs)
+        if ours == CLOCK and clocks:
+            continue  # the format says which it is
+        places = [k for k, field in enumerate(fields) if field.name == theirs and k not in clocks]
+        places = places or [k for k, field in enumerate(fields) if theirs in field.also and k not in clocks]
+        if len(places) > 1:
+            others = [name for k in places for name in fields[k].also[:1]]
+            remedy = f"use their other names, such as {listed(others)}" if others else "rename or remove one"
+            raise RecordingError(file, f"column {shown(theirs)} is there twice", remedy)
+        if places:
+            positions[ours] = places[0]
     return positions
-
-
-def tables(file: Path, form: RecordingFormat) -> list[ColumnTable]:
-    """Reads a file; raises RecordingError with the place and the remedy."""
-    header_rows, names, units = _header(file, form)
-    chosen = select(file, names, form)
-    tick = form.tick if CLOCK in chosen else form.clock.period
-    lines = section_of(file, header_rows, form.trailing_rows, len(chosen))
-    table = table_of(file, lines, names, chosen, form, tick)
-    return [replace(table, unit_cells={ours: units[k] for ours, k in chosen.items() if units})]
-
-
-def table_of(
-    file: Path,
-    lines: Section | Block,
-    names: Sequence[str],
-    chosen: Mapping[str, int],
-    form: RecordingFormat,
-    tick: float | None,
-) -> ColumnTable:
-    """Turns lines of numbers into a table; raises RecordingError where a line cannot be read, or there is none.
-
-    Args:
-        chosen: the fields that are wanted, our name -> position; `CLOCK` is that of the time stamps.
-        tick: duration of a unit of the time stamps, or, without such, between rows [s]; None: there is no clock.
-    """
-    if not (lines.rows if isinstance(lines, Section) else lines[1].strip()):
-        raise RecordingError(file, "has a header but no rows", "record or export it again")
-    positions = {ours: k for ours, k in chosen.items() if ours != CLOCK}
-    at = chosen.get(CLOCK)
-    columns = parse(file, lines, form, names, positions.values(), [] if at is None else [at])
-    rows = len(next(iter(columns.values())))
-    stamps = None if tick is None else np.arange(rows)
-    if isinstance(lines, Section):
-        places = Lines(lines.first) if lines.rows == rows else lines_of(lines.text(), rows)
-    else:
-        places = lines_of(lines, rows)
-    if at is not None:
-        clock = columns.pop(at)
-        if clock.null_count:
-            row = int(np.argmin(clock.is_valid().to_numpy()))
-            place = f"{file}, {places.place(row)}, {shown(names[at])}"
-            raise RecordingError(place, "is empty where a time stamp is needed", "remove the row")
-        stamps = clock.to_numpy()
-    values = {ours: columns.pop(k).to_numpy() for ours, k in positions.items()}  # each is copied, then let go
-    return ColumnTable(str(file), form, tuple(names), values, stamps, tick or 0.0, places)
-
-
-def _header(file: Path, form: RecordingFormat) -> tuple[int, list[str], list[str]]:
-    """Number of header lines, names of the columns, and cells of a row of units; none where there is no such row."""
-    rows = form.header_rows if form.header_rows is not None else int(form.column_names is None)
-    lines = read_head(file)
-    if len(lines) < rows:
-        raise RecordingError(file, f"has {len(lines)} lines, no more than recording.header_rows = {rows}")
-    header = decoded(file, lines[:rows], form)
-    if form.column_names is not None:
-        names = list(form.column_names)
-        return rows, names, units_row([names, *(cells(line, form) for line in header)], 1)
-    row = form.names_row or rows
-    if row == 0:
-        raise RecordingError(file, "recording.header_rows = 0 leaves no names", "list them in recording.column_names")
-    names = cells(header[row - 1], form)
-    if not any(form.file_name(ours) in names for ours in COLUMNS):
-        raise RecordingError(file, without(names, form))
-    return rows, names, units_row([cells(line, form) for line in header], row)
 
 
 def without(names: Iterable[str], form: RecordingFormat, wanted: Sequence[str] = _TYPICAL) -> str:
     """What to say of a file with columns of some names that has none of those, by our names, that are wanted."""
     columns = listed(map(form.file_name, wanted))
-    remedy = "name them so, or state names, separator and header in [recording] of the case, as hexcite look proposes"
-    return f"none of the columns {columns}; it has {listed(names)}: {remedy}"
+    remedy = "name them so or map them in [recording.columns], or state separator and header in [recording] of the case"
+    return f"none of the columns {columns}; it has {listed(names)}: {remedy}, as hexcite look proposes"
 
 
-def _explained(
-    file: Path, block: Block, names: Sequence[str], wanted: Sequence[int], form: RecordingFormat, cause: str
-) -> RecordingError:
-    """The error for lines that could not be read: the first to blame; `wanted` fields must be numbers."""
-    first, data = block
-    last = first + data.count(b"\n")
-    for number, line in enumerate(data.split(b"\n"), first):
-        place, raw = f"{file}, line {number}", line.rstrip(b"\r")
-        if not raw:
-            continue
-        if not raw.strip(b"\0"):
-            return RecordingError(place, "is binary zero, as after a crash while recording", "cut the file off there")
+def tables(
+    content: Content, layout: Layout, chosen: Mapping[str, int], switches: Iterable[str] = (TRIGGER,)
+) -> Iterator[ColumnTable]:
+    """The table of each clock of a text; raises RecordingError where a line cannot be read, or there is none.
+
+    Args:
+        chosen: the fields that are wanted, our name -> position.
+        switches: those of them that may hold the states of a switch in words.
+    """
+    positions = {ours: k for ours, k in chosen.items() if ours != CLOCK}
+    clock_of = {
+        ours: chosen.get(CLOCK) if (own := layout.fields[k].clock) is None else own for ours, k in positions.items()
+    }
+    clocks = sorted({clock for clock in clock_of.values() if clock is not None})
+    require_room(content.file, sum(section.rows for section in layout.sections), len(positions) + len(clocks))
+    wanted = _Wanted(
+        tuple(sorted({*positions.values(), *clocks})),
+        frozenset(clocks),
+        frozenset(positions[ours] for ours in switches if ours in positions),
+    )
+    parts = [_section(content, section, layout, wanted) for section in layout.sections]
+    counts = [len(next(iter(part.values()))) for part in parts]
+    if not sum(counts):
+        raise RecordingError(content.file, "has a header but no rows", "record or export it again")
+    lines = _lines(content, layout, counts)
+    columns = {k: _concatenated([part[k] for part in parts]) for k in wanted.positions}
+    stamps = {k: _stamps(content, layout, k, columns[k], counts, lines) for k in clocks}
+    own_of = {ours: _own_clock(layout, k, clock_of[ours], stamps, columns[k], counts) for ours, k in positions.items()}
+    units = {ours: layout.fields[k].unit for ours, k in chosen.items() if layout.fields[k].unit}
+    for group in _groups(own_of):
+        shared = min((own_of[ours] for ours in group), key=lambda own: np.inf if own[0] is None else len(own[0]))
+        if shared[0] is None or len(shared[0]):  # else it is a channel that was not recorded
+            table = _table(content, layout, {ours: positions[ours] for ours in group}, columns, shared, lines)
+            yield replace(table, unit_cells=units)
+
+
+class _Wanted(NamedTuple):
+    """Fields of a row that are read, by position."""
+
+    positions: tuple[int, ...]  # all of them, ascending
+    clocks: frozenset[int]
+    switches: frozenset[int]  # may hold the states of a switch in words
+
+
+_Clock = tuple[Stamps | None, float]
+"""Stamps of a channel, and the duration of one unit of them [s]; without a clock None and 0."""
+_Columns = dict[int, pa.ChunkedArray]
+
+
+def _table(
+    content: Content, layout: Layout, positions: Mapping[str, int], columns: _Columns, own: _Clock, lines: Lines
+) -> ColumnTable:
+    """Channels that share their clock, as numbers."""
+    stamps, tick = own
+    values = {}
+    for ours, k in positions.items():
+        column = columns[k] if stamps is None else columns[k].slice(0, len(stamps))
+        if layout.hold:
+            column = pc.fill_null_forward(column)
+        values[ours] = column.to_numpy()
+    return ColumnTable(str(content.file), layout.form, layout.names, values, stamps, tick, lines)
+
+
+def _own_clock(
+    layout: Layout,
+    position: int,
+    clock: int | None,
+    stamps: Mapping[int, Stamps],
+    column: pa.ChunkedArray,
+    counts: Sequence[int],
+) -> _Clock:
+    """The clock of a channel: stamps in a field, or rows at equal steps."""
+    if clock is not None:
+        return stamps[clock], layout.tick
+    step = layout.fields[position].step or layout.period
+    if step is None:
+        return None, 0.0
+    rows = np.concatenate([np.arange(n) + start / step for n, start in zip(counts, layout.starts, strict=True)])
+    if not any(layout.starts):
+        rows = np.arange(sum(counts))
+    if layout.uneven:
+        valid = np.flatnonzero(column.is_valid().to_numpy())
+        rows = rows[: valid[-1] + 1 if len(valid) else 0]
+    return rows, step
+
+
+def _stamps(
+    content: Content, layout: Layout, position: int, column: pa.ChunkedArray, counts: Sequence[int], lines: Lines
+) -> Stamps:
+    """The stamps of a clock, of one that ends earlier than others up to its last sample; raises RecordingError."""
+    valid = column.is_valid().to_numpy()
+    count = int(valid.sum()) if layout.uneven else len(column)
+    if not valid[:count].all():
+        place = f"{content.file}, {lines.place(int(np.argmin(valid)))}"
+        if layout.uneven:
+            raise RecordingError(place, "a clock has no value but goes on below", "remove the row")
+        place = f"{place}, {shown(layout.label(position))}"
+        raise RecordingError(place, "is empty where a time stamp is needed", "remove the row")
+    stamps = np.asarray(column.slice(0, count).to_numpy())
+    if any(layout.starts):
+        stamps = stamps + np.repeat(layout.starts, counts)[:count] / layout.tick
+    return stamps
+
+
+def _groups(clocks: Mapping[str, _Clock]) -> list[tuple[str, ...]]:
+    """Channels that share their clock: the same one, or equal ones; their last samples may be missing."""
+    groups: dict[str, tuple[str, ...]] = {}
+    for ours, clock in clocks.items():
+        first = next((other for other in groups if _alike(clocks[other], clock)), ours)
+        groups[first] = (*groups.get(first, ()), ours)
+    return [*groups.values()]
+
+
+def _alike(one: _Clock, other: _Clock) -> bool:
+    (stamps, tick), (others, other_tick) = one, other
+    if stamps is None or others is None or stamps is others:
+        return stamps is others
+    common = min(len(stamps), len(others))
+    late = max(len(stamps), len(others)) - common
+    return tick == other_tick and late <= _LATE and np.array_equal(stamps[:common], others[:common])
+
+
+def _lines(content: Content, layout: Layout, counts: Sequence[int]) -> Lines:
+    """Where the rows of all sections stand."""
+    skipped: list[int] = []
+    end = layout.sections[0].first
+    for section, rows in zip(layout.sections, counts, strict=True):
+        skipped += range(end, section.first)
+        end = section.first + section.rows
+        if rows != section.rows:
+            data = lines_of(content, section).split(b"\n")[: section.rows]
+            skipped += [number for number, line in enumerate(data, section.first) if layout.is_no_row(line)]
+    return Lines(layout.sections[0].first, tuple(skipped))
+
+
+def _concatenated(columns: Sequence[pa.ChunkedArray]) -> pa.ChunkedArray:
+    """One column from parts of it, some of which may hold integers or nothing."""
+    kinds = {column.type for column in columns}
+    kind = columns[0].type if len(kinds) == 1 and not pa.types.is_null(columns[0].type) else pa.float64()
+    return pa.chunked_array([chunk for column in columns for chunk in column.cast(kind).chunks], type=kind)
+
+
+def _section(content: Content, section: Section, layout: Layout, wanted: _Wanted) -> _Columns:
+    """The wanted columns of a section: numbers as float64, stamps as int64 or float64, as the text writes them."""
+    words = _in_words(content, section, layout, wanted.switches)
+    if not layout.aligned:
+        names = range(len(layout.fields))
         try:
-            fields = split(raw.decode(form.encoding), form.separator)
+            source = _opened(content).get_stream(section.start, section.end - section.start)
+            return _columns(source, PART, layout, names, wanted, words)
+        except (pa.ArrowException, UnicodeDecodeError):
+            pass  # a line of it is not as pyarrow expects it
+    last = section.first + section.rows - 1
+    parts = [_block(content, block, layout, wanted, words, last) for block in blocks_of(content, section)]
+    nothing = {k: pa.chunked_array([], pa.float64()) for k in wanted.positions}
+    return {k: _concatenated([part[k] for part in parts or [nothing]]) for k in wanted.positions}
+
+
+def _opened(content: Content) -> pa.NativeFile:
+    return pa.OSFile(str(content.file)) if content.data is None else pa.BufferReader(content.data)
+
+
+def _block(
+    content: Content, block: Block, layout: Layout, wanted: _Wanted, words: frozenset[int], last: int
+) -> _Columns:
+    """The wanted columns of a part of a section whose last line has the number `last`; raises RecordingError."""
+    data = squeezed(block[1]) if layout.aligned else block[1]
+    try:
+        names = range(len(layout.fields))
+        return _columns(pa.BufferReader(data), len(data), layout, names, wanted, words)
+    except (pa.ArrowException, UnicodeDecodeError):
+        data = _rewritten(content.file, block, layout, wanted, last)
+    if not data.strip():
+        return {k: pa.chunked_array([], pa.float64()) for k in wanted.positions}
+    return _columns(pa.BufferReader(data), len(data), layout, wanted.positions, wanted, frozenset())
+
+
+def _columns(
+    source: pa.NativeFile, size: int, layout: Layout, names: Iterable[int], wanted: _Wanted, words: frozenset[int]
+) -> _Columns:
+    """The wanted columns of lines, by position; raises ArrowInvalid where one is not as expected.
+
+    Args:
+        size: bytes that are read at a time; the kind of stamps follows from the first ones.
+        names: positions of the fields that the lines have.
+        words: fields that hold the states of a switch in words.
+    """
+    kinds = {str(k): pa.bool_() if k in words else pa.float64() for k in wanted.positions if k not in wanted.clocks}
+    table = pacsv.read_csv(
+        source,
+        read_options=pacsv.ReadOptions(column_names=[str(k) for k in names], use_threads=False, block_size=size),
+        parse_options=pacsv.ParseOptions(delimiter=layout.form.separator),
+        convert_options=pacsv.ConvertOptions(
+            column_types=kinds,
+            include_columns=[str(k) for k in wanted.positions],
+            null_values=list(EMPTY if layout.hold else MISSING),
+            true_values=list(ON),
+            false_values=list(OFF),
+            strings_can_be_null=True,
+            decimal_point=layout.form.decimal or ".",
+        ),
+    )
+    columns = {k: table.column(str(k)) for k in wanted.positions}
+    for k in wanted.clocks:
+        if columns[k].type not in (pa.int64(), pa.float64(), pa.null()):
+            raise pa.ArrowInvalid("a time stamp is no number")
+    return columns | {k: columns[k].cast(pa.float64()) for k in words}
+
+
+def _in_words(content: Content, section: Section, layout: Layout, switches: frozenset[int]) -> frozenset[int]:
+    """Those of some fields that hold the states of a switch in words, by the first rows."""
+    if not switches:
+        return switches
+    with content.opened() as stream:
+        stream.seek(section.start)
+        data = stream.read(min(_PEEK, section.end - section.start))
+    rows = [layout.split(line.decode("latin-1")) for line in data.split(b"\n")[:-1]]
+    return frozenset(k for k in switches if any(len(row) > k and is_switch(row[k]) for row in rows))
+
+
+def squeezed(data: bytes) -> bytes:
+    """Lines of aligned columns with one blank between two fields."""
+    letters = np.frombuffer(data, dtype=np.uint8)
+    blank = (letters == ord(" ")) | (letters == ord("\t"))
+    before = np.r_[True, blank[:-1] | (letters[:-1] == ord("\n"))]  # whether a line or another blank precedes
+    kept = letters[~(blank & before)].copy()
+    kept[kept == ord("\t")] = ord(" ")
+    after = np.r_[(kept[1:] == ord("\n")) | (kept[1:] == ord("\r")), True]
+    return bytes(kept[~((kept == ord(" ")) & after)].tobytes())
+
+
+def _rewritten(file: Path, block: Block, layout: Layout, wanted: _Wanted, last: int) -> bytes:
+    """The wanted fields of lines as pyarrow reads them; raises RecordingError at the first that is not of the table."""
+    first, data = block
+    form, width, rows = layout.form, len(layout.fields), []
+    for number, line in enumerate(data.split(b"\n"), first):
+        if layout.is_no_row(line):
+            continue
+        place = f"{file}, line {number}"
+        if not line.rstrip(b"\r").strip(b"\0"):
+            raise RecordingError(place, "is binary zero, as after a crash while recording", "cut the file off there")
+        try:
+            fields = layout.split(line.rstrip(b"\r").decode(form.encoding, "replace" if layout.uneven else "strict"))
         except UnicodeDecodeError:
-            return _not_text(place, form)
-        if len(fields) != len(names):
-            cut = "the file is cut off in its last line: remove that line"
+            raise _not_text(place, form) from None
+        if layout.uneven:
+            fields += [""] * (width - len(fields))
+        if len(fields) < width or (any(map(str.strip, fields[width:])) and not layout.remarks):
             remedy = "correct or remove the row, or state delimiter, decimal and trailing_rows in [recording]"
-            problem = f"expected {len(names)} columns, got {len(fields)}"
-            return RecordingError(place, problem, cut if number == last and len(fields) < len(names) else remedy)
-        for k in wanted:
-            if not is_value(fields[k], form):
+            if number == last and len(fields) < width and not data.endswith(b"\n"):
+                remedy = "the file is cut off in its last line: remove that line"
+            raise RecordingError(place, f"expected {width} columns, got {len(fields)}", remedy)
+        row = []
+        for k in wanted.positions:
+            value = regular(fields[k], form, k in wanted.switches)
+            if value is None:
                 problem = f"{shown(fields[k])!r} is not a number with a decimal {form.decimal or '.'!r}"
                 remedy = "correct or remove the row, or set recording.decimal in the case"
-                return RecordingError(f"{place}, {shown(names[k])}", problem, remedy)
-    reason = shown(cause.splitlines()[0] if cause else "", 120)
-    return RecordingError(file, f"is not a CSV table: {reason}", "correct that line")
+                raise RecordingError(f"{place}, {shown(layout.label(k))}", problem, remedy)
+            row.append(value)
+        rows.append(form.separator.join(row) if len(row) > 1 or row[0] else "nan")
+    return "\n".join(rows).encode()
 
 
 def _not_text(place: Path | str, form: RecordingFormat) -> RecordingError:

@@ -153,7 +153,9 @@ def look_figure(report: Look) -> Figure:
     for axes, (label, columns) in zip(all_axes, panels.items(), strict=True):
         for column in columns:
             name = column.name if column.ours in (None, column.name) else f"{column.name} = {column.ours}"
-            axes.plot(x[::step], column.values[::step], linewidth=0.8, label=name.replace("$", r"\$"))
+            values = column.values  # of another clock there are more or fewer over the same time
+            own = x if len(values) == len(x) else np.linspace(x[0], x[-1], len(values))
+            axes.plot(own[::step], values[::step], linewidth=0.8, label=name.replace("$", r"\$"))
         axes.set_ylabel(label)
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="x-small", frameon=False)
     all_axes[-1].set_xlabel("row" if clock is None else f"{clock.name} [{clock.unit}]".replace("$", r"\$"))

@@ -79,7 +79,6 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "shift of nothing": ("clock = { offset_s = { strut = 1.0 } }", "recording.clock.offset_s.strut", "strut"),
     "sampler without names": (HAL, "recording", "column_names is missing; files of halsampler"),
     "sampler without period": (f'{HAL}\ncolumn_names = ["l1_mm"]', "recording", "clock.period_ms is missing; fi"),
-    "scope without decimal sign": (SCOPE, "recording", "decimal is missing; files of twincat-scope"),
     "trace without delimiter": (TRACE.replace('delimiter = ";"\n', ""), "recording", "delimiter is missing; files"),
     "trace without decimal sign": (TRACE.replace('decimal = ","\n', ""), "recording", "decimal is missing; files"),
     "trace without header rows": (TRACE.replace("header_rows = 3\n", ""), "recording", "header_rows is missing; f"),

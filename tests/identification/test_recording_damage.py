@@ -51,10 +51,13 @@ DAMAGES: dict[str, tuple[bytes, str]] = {
     "no struts": (without(*NAMES[1:7]), r"no pose: none of the columns l1_mm, .*; it has t_s, f1_N"),
     "no forces": (without(*NAMES[7:13]), r"no forces: none of the columns f1_N"),
     "text in a number": (cell(4, "l2_mm", "9x0"), r", line 5, l2_mm: '9x0' is not a number .*; correct or remove"),
-    "nothing in a column": (column("f1_N", ""), r", line 2, f1_N: nan is not a measured value, like more than 30 %"),
+    "nothing in a column": (
+        column("f1_N", ""),
+        r", line 2, f1_N: is empty, like 9 of the 9 rows of this column; record again",
+    ),
     "nothing in most rows": (
         csv([*table()[:4], *[[*row[:3], "", *row[4:]] for row in table()[4:]]]),
-        r", line 5, l3_mm: nan is not a measured value, like more than 30 %",
+        r", line 5, l3_mm: is empty, like 6 of the 9 rows of .*recording.empty = 'hold'",
     ),
     "decimal comma in quotes": (cell(4, "f1_N", '"1,5"'), r", line 5, f1_N: '1,5' is not a number"),
     "digits that only Python reads": (cell(4, "l2_mm", "9_8_0"), r", line 5, l2_mm: '9_8_0' is not a number"),
@@ -85,7 +88,8 @@ DAMAGES: dict[str, tuple[bytes, str]] = {
     "column twice": (renamed("l2_mm", "l1_mm"), r"column l1_mm is there twice; rename or remove one"),
     "another encoding": (cell(4, "l2_mm", "9ä0").decode().encode("latin-1"), r"UTF-8"),
     "another encoding in the header": (renamed("l2_mm", "Länge").decode().encode("latin-1"), r"UTF-8"),
-    "UTF-16": (csv(table()).decode().encode("utf-16"), r"not a CSV table|UTF-8"),
+    "UTF-16 without its mark": (csv(table()).decode().encode("utf-16-le"), r"none of the columns|UTF-8"),
+    "half a letter of UTF-16": (csv(table()).decode().encode("utf-16") + b"\x31", r"damaged text in UTF-16"),
     "zeros": (bytes(200), r"not a CSV table|none of the columns"),
 }
 

@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cases.errors import RecordingError
-from identification.formats import table, text
+from identification.formats import content, table
 from identification.recording import read
 from tests.helpers import one_line
 from tests.identification.formats.runs import HEXAPOD, NAMES, Truth, csv, written
@@ -58,7 +58,7 @@ def test_a_file_that_takes_more_than_half_of_the_free_memory_is_refused_with_its
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(table, "free_memory", lambda: 2 * table.BYTES * 100_000)
-    with pytest.raises(RecordingError, match=r"780,013 numbers .*free memory.* 7,692 rows .*13 columns") as caught:
+    with pytest.raises(RecordingError, match=r"780,000 numbers .*free memory.* 7,692 rows .*13 columns") as caught:
         read(file, HEXAPOD)
     assert one_line(caught.value).startswith(str(file))
 
@@ -83,9 +83,11 @@ def test_lines_are_those_between_header_and_trailing_rows(
 ) -> None:
     lines = [str(k).encode() * n for k, n in enumerate(lengths)]
     file = written(tmp_path, b"\n".join(lines) + b"\n" * newline or b"\n")
-    section = text.section_of(file, above, below, 1)
-    first, data = section.text()
+    text = content.Content(file)
+    section = content.section_of(text, above, below)
+    data = content.lines_of(text, section)
     assert section.rows == len(data.splitlines())
-    found = {k: line for k, line in enumerate(data.split(b"\n"), first) if line}
+    assert b"".join(part for _, part in content.blocks_of(text, section, size=7)) == data
+    found = {k: line for k, line in enumerate(data.split(b"\n"), section.first) if line}
     filled = [k for k, line in enumerate(lines) if line and k >= above]
     assert found == {k + 1: lines[k] for k in filled[: max(len(filled) - below, 0)]}

@@ -68,15 +68,15 @@ WRONG = {
         sampled(RUN.numbers()[:3, 1:], False) + "overrun\n" + sampled(RUN.numbers()[3:, 1:], False),
         r"line 4: LinuxCNC lost samples here .*; record with halsampler -t",
     ),
-    "a pin too many": (sampled(np.ones((3, 15)), False), r"line 1: expected 13 columns, got 16"),
-    "a pin too many, and real": (sampled(np.full((3, 13), 0.5), False), r"line 1: expected 13 columns, got 14"),
-    "a pin too few": (sampled(np.ones((3, 11)), False), r"line 1: expected 13 columns, got 12"),
+    "a pin too many": (sampled(np.ones((3, 15)), False), r"line 1: expected 12 columns, got 15"),
+    "a pin too many, and real": (sampled(np.full((3, 13), 0.5), False), r"line 1: expected 12 columns, got 13"),
+    "a pin too few": (sampled(np.ones((3, 11)), False), r"line 1: expected 12 columns, got 11"),
     "cut off": (sampled(RUN.numbers()[:, 1:], False)[:-30], r"line 40: expected .* cut off in its last line"),
     "a word": (sampled(RUN.numbers()[:, 1:], False) + "killed" + " 1" * 11 + " \n", r"line 41, l1_mm: 'killed' is"),
     "overruns only": ("overrun\noverrun\n", r"LinuxCNC lost samples"),
     "nan": (
         sampled(np.where(np.arange(12) == 6, np.nan, RUN.numbers()[:, 1:]), False),
-        r"line 1, f1_N: nan is not a measured value, like more than 30 % of",
+        r"line 1, f1_N: is empty, like 40 of the 40 rows",
     ),
 }  # fmt: skip
 
