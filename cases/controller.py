@@ -93,6 +93,9 @@ class SinumerikAxes(BlockMemory):
     """Internal name: 2 to 24 capitals, digits and underscores that begin with two letters or `_` and a letter."""
     trigger_output: Annotated[int, Field(strict=True, ge=1, le=1024)]
     """Number of the digital output $A_OUT that a synchronised action switches."""
+    trace: Annotated[bool, Field(strict=True)] = False
+    """Whether the program starts and stops the control's trace, by $AN_SLTRACE = 1 and 2. The session must be prepared
+    at the control, with this variable as its start and stop trigger, and be armed."""
 
 
 class Sinumerik(SinumerikAxes):

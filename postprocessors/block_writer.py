@@ -17,7 +17,7 @@ from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.motion import Array, Standstill
 from identification.trajectories.moves import CircularMove, Plane, Profile, StraightMove, limits_along
-from postprocessors.blocks import Block, Blocks, TimedPath, ToHome, Trigger
+from postprocessors.blocks import Block, Blocks, TimedPath, ToHome, Trace, Trigger
 from postprocessors.proving.guarantees import Guarantees
 
 # of mm and degrees: over 10 ms blocks this rounding stays below 0.1 % of the jerk limits
@@ -89,8 +89,8 @@ class BlockWriter(ABC):
         self.counted: tuple[str, ...] = () if self.own_axes else ("X", "Y", "Z")
 
     def comments(self, text: str) -> list[str]:
-        """Comment lines behind a semicolon, without quotes."""
-        return [f"; {line}" for line in comment_lines(text.replace('"', "?"))]
+        """Comment lines behind a semicolon, without what may mean something there: quotes, `$PATH=`, backslashes."""
+        return [f"; {line}" for line in comment_lines(re.sub(r'["$\\]', "?", text))]
 
     def to_home(self, move: list[str]) -> list[str]:
         """The lines of the first move, announced."""
@@ -99,6 +99,10 @@ class BlockWriter(ABC):
     @abstractmethod
     def trigger(self, on: bool, moves_next: bool) -> str:
         """The block that switches the trigger; `moves_next`: whether a motion follows at once."""
+
+    def trace(self, on: bool) -> list[str]:
+        """The blocks that start or stop the controller's own recorder; raises HexciteError where there is none."""
+        raise HexciteError(f"{self.name} programs start no recorder of the controller; leave it out")
 
     @abstractmethod
     def path(self, path: TimedPath) -> list[str]:
@@ -205,6 +209,8 @@ class BlockWriter(ABC):
                 return [*self.group(not linear), f"{self.straight} {self.pose(block.end)} F{value}"]
             case Standstill():
                 return [f"{self.dwell}{number(block.duration, 6)}"]
+            case Trace():
+                return self.trace(block.on)
             case Trigger():
                 return [self.trigger(block.on, isinstance(following, MOTION))]
             case CircularMove() | TimedPath() if self.own_axes:

@@ -38,7 +38,14 @@ class Trigger:
     on: bool
 
 
-Block = str | ToHome | StraightMove | CircularMove | TimedPath | Standstill | Trigger
+@dataclass(frozen=True, slots=True)
+class Trace:
+    """The controller's own recorder, started or stopped while the machine stands."""
+
+    on: bool
+
+
+Block = str | ToHome | StraightMove | CircularMove | TimedPath | Standstill | Trigger | Trace
 """Text is a remark for people: dialects wrap it and replace characters that their controller cannot read.
 
 Moves and arcs go from rest to rest, with an exact stop at their end. Controllers know feeds, not durations: a dialect
@@ -60,10 +67,22 @@ def block_motions(program: Blocks) -> Iterator[tuple[Trajectory, bool]]:
     for block in program:
         if isinstance(block, Trigger):
             on = block.on
-        elif not isinstance(block, str | ToHome):
+        elif not isinstance(block, str | ToHome | Trace):
             motion = block.motion if isinstance(block, TimedPath) else block
             if motion.duration > 0.0:
                 yield motion, on
+
+
+def traced(program: Blocks) -> Blocks:
+    """A program that starts the controller's recorder before the trigger goes on, and stops it after it went off.
+
+    Where the machine stands before and after, this is recorded too.
+    """
+    switches = [k for k, block in enumerate(program) if isinstance(block, Trigger)]
+    first, last = switches[0], switches[-1] + 1
+    first -= isinstance(program[first - 1], Standstill)
+    last = last + 1 if last < len(program) and isinstance(program[last], Standstill) else len(program)
+    return (*program[:first], Trace(True), *program[first:last], Trace(False), *program[last:])
 
 
 def knots(motion: Trajectory) -> Array:

@@ -33,7 +33,7 @@ from postprocessors.reading.sinumerik import read_sinumerik
 from postprocessors.reading.twincat import read_twincat
 from postprocessors.reading.urscript import read_urscript
 from postprocessors.setpoints import require_same_table, write_setpoints
-from postprocessors.sinumerik import write_sinumerik
+from postprocessors.sinumerik import prepare_sinumerik, write_sinumerik
 from postprocessors.twincat import write_twincat
 from postprocessors.urscript import write_urscript
 
@@ -81,7 +81,14 @@ DIALECTS: dict[str, Dialect] = {
             linuxcnc_guarantees,
             prepare=prepare_linuxcnc,
         ),
-        Dialect(ControllerName.SINUMERIK, (".mpf",), write_sinumerik, read_sinumerik, sinumerik_guarantees),
+        Dialect(
+            ControllerName.SINUMERIK,
+            (".mpf",),
+            write_sinumerik,
+            read_sinumerik,
+            sinumerik_guarantees,
+            prepare=prepare_sinumerik,
+        ),
         Dialect(ControllerName.TWINCAT, (".nc", ".cnc"), write_twincat, read_twincat, twincat_guarantees),
         Dialect(ControllerName.URSCRIPT, (".script",), write_urscript, read_urscript, urscript_guarantees),
         Dialect(

@@ -16,6 +16,7 @@ from postprocessors.blocks import Blocks, TimedPath, timed_path
 from postprocessors.proving.guarantees import SERVO_PERIOD, guarantees_of_linuxcnc
 from postprocessors.reading import axis_letters
 
+_PLAIN = str.maketrans("();", "[],")
 EQUAL = 1e-9  # [s] tolerance of durations for rounding
 OFFSETS = "coordinate system G54 must be zero: all poses are the machine's own"
 
@@ -30,8 +31,11 @@ class _LinuxCncWriter(BlockWriter):
         super().__init__(axes, axes, guarantees_of_linuxcnc(case, timed), case)
 
     def comments(self, text: str) -> list[str]:
-        """Comment lines: LinuxCNC does not know nesting, and reads (MSG, ..) as a command, hence the leading dash."""
-        return [f"(- {line})" for line in comment_lines(text.replace("(", "[").replace(")", "]"))]
+        """Comment lines: LinuxCNC does not know nesting, and reads (MSG, ..) as a command, hence the leading dash.
+
+        It would look for commands behind the first semicolon of a line, too.
+        """
+        return [f"(- {line})" for line in comment_lines(text.translate(_PLAIN))]
 
     def to_home(self, move: list[str]) -> list[str]:
         return super().to_home(["G61", *(f"G94 {line}" for line in move)])

@@ -20,6 +20,7 @@ from postprocessors.blocks import (
     even_deviation,
     path_speed_deviation,
     pieces,
+    traced,
 )
 from postprocessors.proving.guarantees import sinumerik_guarantees
 from postprocessors.reading import Reading, axis_letters
@@ -57,6 +58,9 @@ class _SinumerikWriter(BlockWriter):
 
     def trigger(self, on: bool, moves_next: bool) -> str:
         return f"DO $A_OUT[{self.settings.trigger_output}]={int(on)}"
+
+    def trace(self, on: bool) -> list[str]:
+        return ["STOPRE", f"$AN_SLTRACE={1 if on else 2}"]
 
     def path(self, path: TimedPath) -> list[str]:
         s, motion = self.settings, path.motion
@@ -109,6 +113,11 @@ class _SinumerikWriter(BlockWriter):
                 words.append(f"PO[{axis}]=({','.join(items)})")
             lines.append(f"POLY {' '.join(words)} PL=1 F{number(MINUTE / duration, FEED_DECIMALS)}")
         return lines
+
+
+def prepare_sinumerik(program: Blocks, case: Case) -> Blocks:
+    """The program, with the start and the stop of the control's trace where the case wants them."""
+    return traced(program) if case.need_settings(SinumerikAxes, "a SINUMERIK program").trace else program
 
 
 def write_sinumerik(program: Blocks, case: Case) -> bytes:

@@ -161,6 +161,9 @@ def remarks(reading: Reading, case: Case) -> Iterator[str]:
             f"{', '.join(reading.unsaid)} missing before the first move: offsets that another program left would shift "
             "every pose"
         )
+    if reading.stops:
+        lines = f"line{'s' if len(reading.stops) > 1 else ''} {', '.join(map(str, reading.stops))}"
+        yield f"{lines}: the machine waits for its operator, who must not move it; the recording goes on meanwhile"
     if reading.left_on:
         yield f"line {reading.left_on}: the trigger is never switched off again"
     elif not any(part.trigger for part in reading.stretches):

@@ -100,6 +100,7 @@ class Reading:
     left_on: int = 0  # line that switches the trigger on for good; 0 where it is off in the end
     # words that are missing before its first move: without them offsets of another program shift its poses
     unsaid: tuple[str, ...] = ()
+    stops: tuple[int, ...] = ()  # lines at which the machine waits for its operator
 
     @property
     def measures_at_poses(self) -> bool:

@@ -7,6 +7,7 @@ of a chain moves between exact stops only: G64 guards corners of X, Y, Z and cut
 """
 
 import re
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -21,21 +22,26 @@ LOOSEST = 1.0  # [mm] largest tolerance of G64: on 10 ms blocks corners are cut 
 
 _READS = (
     "LinuxCNC programs consist of G0 and G1 under G61 (of a platform also arcs, and G93 under G64 P1 Q0), G4 P, M62 to "
-    "M65 P0, modal words as hexcite post writes them, and M2"
+    "M65 P0, modal words as hexcite post writes them, M0, and M2 or M30"
 )
 _OFFSETS_OFF = ("G49", "G54", "G92.1")  # neither the interpreter's start nor M2 switches all of them off
 _SWITCHES = {"M62": (True, False), "M63": (False, False), "M64": (True, True), "M65": (False, True)}  # on, at once
+_EXECUTED = re.compile(  # comments that begin with a name and a comma, whatever the name, and those without a comma
+    r"\s*(?:(?!msg\s*,)[a-z_]\w*\s*,|log(?:open|append|close)|probe(?:open|close)|py(?:run|reload))", re.IGNORECASE
+)
 _OF_A_POSE = {"G2", "G3", "G64", "G93"}  # no proof covers arcs and paths where rotary axes move
 
 
 class _LinuxCncInterpreter(ModalState):
     """Meaning of the words."""
 
-    name, last, reads = "LinuxCNC", "M2", _READS
+    name, last, reads, fractions = "LinuxCNC", ("M2", "M30"), _READS, True
+    stops = ("M0", "M1", "M60")
+    number = re.compile(r"\s*N\s*\d+(?:\.\d+)?", re.IGNORECASE)
     word = re.compile(rf"(?P<comment>\([^()]*\)|;.*)|(?P<letter>[A-Za-z])\s*(?P<number>{NUMBER})")
     # those of groups of one change nothing that a program here relies on: no compensation, no offset; relative centres
     groups = (
-        *("G0 G1 G2 G3 G80", "G17 G18 G19", "G93 G94", "G61 G64", "M62 M63 M64 M65"),
+        *("G0 G1 G2 G3 G80", "G17 G18 G19", "G93 G94", "G61 G64", "M62 M63 M64 M65", "M0 M1 M2 M30 M60"),
         *("G21", "G90", "G91.1", "G40", "G49", "G54", "G92.1"),
     )
 
@@ -46,6 +52,32 @@ class _LinuxCncInterpreter(ModalState):
         self.activate("G94")  # the interpreter's start
         self.loose: ProgramError | None = None
         self.moved = False
+
+    @classmethod
+    def comment_problem(cls, text: str, match: re.Match[str]) -> str:
+        """LinuxCNC executes what a comment says behind names such as LOGOPEN, PRINT and PY; (MSG,..) is only shown.
+
+        Behind a semicolon it takes the text from the first one of the line on, be that within parentheses.
+        """
+        comment = match["comment"]
+        texts = [comment[1:-1]] if comment.startswith("(") else [comment[1:], text.partition(";")[2]]
+        if not any(_EXECUTED.match(said) for said in texts):
+            return ""
+        return f"LinuxCNC may execute the comment {comment[:40]!r}; remove it, or begin it with a dash"
+
+    def read_program(self, lines: Iterable[str]) -> Reading:
+        return super().read_program(self._within_percent_signs(list(lines)))
+
+    def _within_percent_signs(self, lines: list[str]) -> list[str]:
+        """The lines of a program without a percent sign above and one below, which also ends it; in their places."""
+        signs = [k for k, text in enumerate(lines) if text.strip() == "%"]
+        if not signs or any(text.strip() for text in lines[: signs[0]]):
+            return lines
+        below = next(iter(signs[1:]), None)
+        self.enclosed = below is not None
+        if below is not None and (more := next((k for k in range(below + 1, len(lines)) if lines[k].strip()), None)):
+            raise ProgramError(self.file, more + 1, 0, "text behind the % that ends the program; remove it")
+        return ["" if k in (signs[0], below) else text for k, text in enumerate(lines)]
 
     def read(self, block: dict[str, Word]) -> None:
         for word in block.values():
@@ -74,7 +106,7 @@ class _LinuxCncInterpreter(ModalState):
             if "P" not in block or block["P"].value != 0.0:
                 self.fail(word, f"{code} needs P0, the output that the trigger is wired to")
             self.motions.switch(self.line, *_SWITCHES[code])
-        elif code == "M2":
+        elif code in self.last:
             self.end(word)
         elif code in self.group_of and not (self.own_axes and code in _OF_A_POSE):
             self.activate(code)

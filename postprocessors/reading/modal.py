@@ -3,6 +3,7 @@
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import ClassVar, NamedTuple, NoReturn
 
 import numpy as np
@@ -19,7 +20,6 @@ STILL = 1e-7  # [mm] distance below which places are the same
 LARGEST = 1e6  # mm, degrees, seconds: no machine has such numbers
 LARGEST_FEED = 1e9  # per minute; 60 over a microsecond is 6e7
 _INK = re.compile(r"\S")
-_BLOCK_NUMBER = re.compile(r"\s*N\d+", re.IGNORECASE)
 PLANES = {"G17": Plane.XY, "G18": Plane.ZX, "G19": Plane.YZ}
 
 
@@ -48,13 +48,16 @@ class ModalState(ABC):
     """
 
     name: ClassVar[str]  # name of the language, for messages
-    title: ClassVar[re.Pattern[str] | None] = None  # the first line, with the program's name; then lines have numbers
+    title: ClassVar[re.Pattern[str] | None] = None  # the first line, with the program's name
+    number: ClassVar[re.Pattern[str]] = re.compile(r"\s*N\d+", re.IGNORECASE)  # number of a block, at its begin
     # a word, with the groups `comment`, of a comment, and `letter` and `number`, of a letter with a plain number
     word: ClassVar[re.Pattern[str]]
     groups: ClassVar[tuple[str, ...]]  # groups of words of which one is active, and one may be in a block
     reads: ClassVar[str]  # all that is read, for messages
-    last: ClassVar[str]  # the word that ends a program
+    last: ClassVar[tuple[str, ...]]  # words that end a program, the usual one first
+    stops: ClassVar[tuple[str, ...]] = ("M0", "M1")  # words at which the machine stands until its operator goes on
     block_time: ClassVar[str] = "F = 60 / seconds"  # F under G93, for messages
+    fractions: ClassVar[bool] = False  # whether G and M functions may have decimals
     inverse_time: ClassVar[bool] = True  # whether that F is one over minutes; else seconds
     feed_group: ClassVar[str] = ""  # command that names the axes whose path F counts, with {} for them; empty: none
 
@@ -76,7 +79,9 @@ class ModalState(ABC):
         self.feed: float | None = None
         self.feed_axes: tuple[str, ...] | None = None
         self.transformed = self.ended = False
+        self.enclosed = False  # whether marks around the program end it too
         self.flowing = False  # whether the machine need not stand at the end of the last block
+        self.stopped: list[int] = []  # lines at which the machine waits for its operator
 
     @abstractmethod
     def read(self, block: dict[str, Word]) -> None:
@@ -87,17 +92,26 @@ class ModalState(ABC):
         """The words of a line without its comments; raises ProgramError for what is not a word of this language."""
         if line == 1 and cls.title is not None and cls.title.match(text):
             return [Word("%", 1)]
-        number = None if cls.title is None else _BLOCK_NUMBER.match(text)
+        number = cls.number.match(text)
         position, words = 0 if number is None else number.end(), []
         while (ink := _INK.search(text, position)) is not None:
             match = cls.word.match(text, ink.start())
             if match is None:
                 bad = text[ink.start() : ink.start() + 12].rstrip()
-                raise ProgramError(file, line, ink.start() + 1, f"cannot read {bad!r}; {cls.reads}")
+                raise ProgramError(
+                    file, line, ink.start() + 1, f"cannot read {bad!r}; remove or replace it: {cls.reads}"
+                )
             if not match["comment"]:
                 words.append(cls.word_of(match, ink.start() + 1))
+            elif problem := cls.comment_problem(text, match):
+                raise ProgramError(file, line, ink.start() + 1, problem)
             position = match.end()
         return words
+
+    @classmethod
+    def comment_problem(cls, text: str, match: re.Match[str]) -> str:
+        """What a comment of a line does that a comment must not, with the remedy; empty where it does nothing."""
+        return ""
 
     @classmethod
     def word_of(cls, match: re.Match[str], column: int) -> Word:
@@ -106,7 +120,7 @@ class ModalState(ABC):
         if letter not in "GM":
             return Word(letter, column, float(number))
         # LinuxCNC knows G91.1; to the others only whole numbers are G and M functions
-        plain = cls.title is None or number.isdigit()
+        plain = cls.fractions or number.isdigit()
         return Word(f"{letter}{float(number):.15g}" if plain else letter + number, column)
 
     def read_program(self, lines: Iterable[str]) -> Reading:
@@ -116,13 +130,24 @@ class ModalState(ABC):
             if words := self.words(text, number, self.file):
                 self.line = number
                 if self.ended:
-                    self.fail(words[0], f"a word after the end of the program; {self.last} must be last")
-                self.read(self._block(words))
+                    self.fail(words[0], f"a word after the end of the program; {self.last[0]} must be last")
+                self.execute(self._block(words))
                 blocks += 1
-        if not self.ended:
-            problem = f"no {self.last} at the end; the file is truncated or not a {self.name} program"
+        if not (self.ended or self.enclosed):
+            problem = f"no {self.last[0]} at the end; the file is truncated or not a {self.name} program"
             raise ProgramError(self.file, 0, 0, problem)
-        return self.motions.reading(blocks)
+        return replace(self.motions.reading(blocks), stops=tuple(self.stopped))
+
+    def execute(self, block: dict[str, Word]) -> None:
+        """Executes a block: here one in which the machine waits for its operator, which stands alone."""
+        stop = next((word for name, word in block.items() if name in self.stops), None)
+        if stop is None:
+            self.read(block)
+            return
+        self.require_alone(stop, block)
+        self.motions.pause(self.line, 0.0, switches=True)
+        self.stopped.append(self.line)
+        self.flowing = False
 
     def fail(self, word: Word, problem: str) -> NoReturn:
         """Raises ProgramError at a word."""
@@ -130,7 +155,7 @@ class ModalState(ABC):
 
     def refuse(self, word: Word) -> NoReturn:
         """Refuses a word that has no meaning here."""
-        self.fail(word, f"{word.written} is not read here; {self.reads}")
+        self.fail(word, f"{word.written} is not read here; remove or replace it: {self.reads}")
 
     def _block(self, words: Iterable[Word]) -> dict[str, Word]:
         """The words of a block by their names, each of which may stand in it once, and one of each group."""

@@ -19,21 +19,24 @@ SAME_RADIUS = 1e-5  # [mm] tolerance of the radius of FGREF
 MM_A_DEGREE = 180.0 / np.pi
 _READS = (
     "SINUMERIK programs consist of G1 under G60 (of a platform also arcs, and POLY or COMPCAD under G93), G4 F, the "
-    "case's DO $A_OUT[n]=1 and =0, modal words as hexcite post writes them, comments behind ; and M30"
+    "case's DO $A_OUT[n]=1 and =0, $AN_SLTRACE=1 and =2, M0, modal words as hexcite post writes them, comments "
+    "behind ; and M30"
 )
+_TRACE = "$AN_SLTRACE="  # 1 and 2 start and stop a trace whose triggers are this variable
+_HARMLESS = re.compile(r";(?!\s*\$)|;\$PATH=/_N_(?:MPF|WKS)_DIR[A-Z0-9_/]*\s*$", re.IGNORECASE)
 _OF_OWN_AXES = {"G1", "G17", "G40", "G60", "G90", "G94", "G500", "G710", "COMPOF", "SOFT", "FFWON", "DYNNORM"}
 
 
 class SinumerikInterpreter(ModalState):
     """Meaning of the words."""
 
-    name, last, reads, feed_group = "SINUMERIK", "M30", _READS, "FGROUP({})"
+    name, last, reads, feed_group = "SINUMERIK", ("M30", "M2"), _READS, "FGROUP({})"
     title = re.compile(rf"%_N_(?:{SINUMERIK_NAME[1:-1]})_MPF\s*$", re.IGNORECASE)
     word = re.compile(
         rf"""(?P<comment>;.*)
         | (?P<action>DO)\s+(?P<assignment>[^\s;][^;]*)
         | (?P<piece>PO\[[A-Z0-9_]+\])\s*=\s*\(\s*(?P<items>{NUMBER}(?:\s*,\s*{NUMBER})*)\s*\)
-        | (?P<assigned>FGREF\[[A-Z]\]|[A-Z]+\d*)\s*=\s*(?P<value>{NUMBER})
+        | (?P<assigned>FGREF\[[A-Z]\]|\$AN_SLTRACE|[A-Z]+\d*)\s*=\s*(?P<value>{NUMBER})
         | (?P<text>MSG)\s*\((?:"[^"]*")?\)
         | (?P<keyword>[A-Z_]{{2,}}[A-Z0-9_]*)(?:\((?P<arguments>[A-Z0-9_,.\s]*)\))?
         | (?P<letter>[A-Z])(?P<number>{NUMBER})""",
@@ -41,7 +44,7 @@ class SinumerikInterpreter(ModalState):
     )
     groups = (
         *("G0 G1 G2 G3 POLY", "G17 G18 G19", "G93 G94", "G60 G64 G642", "COMPOF COMPCAD"),
-        *("G90", "G710", "G40", "G500", "SOFT", "FFWON", "DYNNORM", "ORIWKS", "ORIRPY", "ORIAXES"),
+        *("G90", "G710", "G40", "G500", "SOFT", "FFWON", "DYNNORM", "ORIWKS", "ORIRPY", "ORIAXES", "M0 M1 M2 M30"),
     )
 
     def __init__(self, file: str, settings: SinumerikAxes, case: Case) -> None:
@@ -60,6 +63,13 @@ class SinumerikInterpreter(ModalState):
         if self.of_pose is not None:
             self.angles = self.of_pose.orientation_axes
         self.needed |= {"G60": ("G60",)} if self.own_axes else {"G60 or G64": ("G60", "G64", "G642")}
+
+    @classmethod
+    def comment_problem(cls, text: str, match: re.Match[str]) -> str:
+        """`;$PATH=` says into which folder a file is read: in that of cycles it would replace the builder's."""
+        if _HARMLESS.match(match["comment"]):
+            return ""
+        return f"the control may act on {match['comment'][:40]!r}; write ;$PATH=/_N_MPF_DIR, or remove it"
 
     @classmethod
     def word_of(cls, match: re.Match[str], column: int) -> Word:
@@ -81,12 +91,15 @@ class SinumerikInterpreter(ModalState):
             self.pause(block["G4"], block.get("F"), "G4 F0.3", switches=True)
         else:
             self._move(block)
-        if "M30" in block:
-            self.end(block["M30"], "" if self.of_pose is None else self.of_pose.transformation_off)
+        if end := next((word for name, word in block.items() if name in self.last), None):
+            self.end(end, "" if self.of_pose is None else self.of_pose.transformation_off)
 
     def _word(self, word: Word, block: dict[str, Word]) -> None:
         name, s = word.name, self.of_pose
-        if name in ("%", "MSG", "G4", "M30", "F", *self.axes):
+        if name in ("%", "MSG", "G4", "F", *self.last, *self.axes):
+            return
+        if name in (_TRACE, "STOPRE"):
+            self._outside_motion(word, block)
             return
         if name in (_OF_OWN_AXES if s is None else self.group_of):
             self.activate(name)
@@ -110,6 +123,14 @@ class SinumerikInterpreter(ModalState):
                 self.fail(word, f"{name[:-1]} is not above 0 and at most {limit:g}, the tolerance of the case")
         elif name not in ("PL=", "I", "J", "K") and not name.startswith("PO["):
             self.refuse(word)
+
+    def _outside_motion(self, word: Word, block: dict[str, Word]) -> None:
+        """A trace begins and ends, and the control waits for what is before, where the machine stands."""
+        self.require_alone(word, block)
+        if word.value not in (None, 1.0, 2.0):
+            self.fail(word, f"{word.written} is neither the start nor the end of a trace; write =1 or =2")
+        if self.flowing:
+            self.fail(word, f"{word.written} while the machine moves on; let it stop first, write G4 F0.1")
 
     def _move(self, block: dict[str, Word]) -> None:
         self.take_feed(block)

@@ -18,8 +18,9 @@ FEWEST_POINTS = 3  # fewest points of an AKIMA spline, its start included
 MOST_MESSAGES = 10  # unread ones stop the controller
 _READS = (
     "TwinCAT programs consist of G01 with G60 (of a platform also arcs, and G93 paths in #SPLINE, #HSC or G261), G04 "
-    "0.3, the case's M functions, commands and modal words as hexcite post writes them, comments behind ; and M30"
+    "0.3, the case's M functions, M00, commands and modal words as hexcite post writes them, comments behind ; and M30"
 )
+_PLAIN = re.compile(r'"[^"%]*"')  # a text for a message; behind % are formats of values
 _OF_OWN_AXES = {"G1", "G17", "G90", "G94", "G71"}  # modal words
 # what opens a path of points -> what must stand before it, and what closes it
 _CURVES = {
@@ -32,7 +33,7 @@ _CURVES = {
 class TwinCatInterpreter(ModalState):
     """Meaning of the words."""
 
-    name, last, reads, feed_group = "TwinCAT", "M30", _READS, "#FGROUP [{}]"
+    name, last, reads, feed_group = "TwinCAT", ("M30", "M2"), _READS, "#FGROUP [{}]"
     title = re.compile(rf"%(?:{TWINCAT_NAME[1:-1]})\s*$")
     word = re.compile(
         rf"""(?P<comment>;.*)
@@ -44,7 +45,7 @@ class TwinCatInterpreter(ModalState):
     block_time, inverse_time = "F, the block's time in seconds", False
     groups = (
         *("G0 G1 G2 G3", "G17 G18 G19", "G93 G94", "G260 G261", "G359 G360"),
-        *("G90", "G71", "G162"),
+        *("G90", "G71", "G162", "M0 M1 M2 M30"),
     )
 
     def __init__(self, file: str, settings: TwinCatAxes, case: Case) -> None:
@@ -77,11 +78,20 @@ class TwinCatInterpreter(ModalState):
         """A command with what it must state."""
         return f"{name} [{self.stated[name]}]" if self.stated.get(name) else name
 
-    def read(self, block: dict[str, Word]) -> None:
-        """Executes the words of one block, by their names."""
+    @classmethod
+    def comment_problem(cls, text: str, match: re.Match[str]) -> str:
+        """The next line would belong to a comment that ends in a backslash."""
+        return "the backslash makes the next line a part of this one; remove it" if text.rstrip().endswith("\\") else ""
+
+    def execute(self, block: dict[str, Word]) -> None:
+        """Executes a block, within a path of points one of its points or its end."""
         of_a_path = {"G93", "G1", "G60", "F", *self.axes, self.curve}
         if self.curve and (other := next((w for n, w in block.items() if n not in of_a_path), None)):
             self.fail(other, f"{other.name} within a path of points; end it first with {self.curve}")
+        super().execute(block)
+
+    def read(self, block: dict[str, Word]) -> None:
+        """Executes the words of one block, by their names."""
         for word in block.values():
             self._word(word, block)
         if "G4" in block:
@@ -91,8 +101,8 @@ class TwinCatInterpreter(ModalState):
             self.refuse(block[""])
         else:
             self._move(block)
-        if "M30" in block:
-            self.end(block["M30"], "#TRAFO OFF")
+        if end := next((word for name, word in block.items() if name in self.last), None):
+            self.end(end, "#TRAFO OFF")
 
     def _word(self, word: Word, block: dict[str, Word]) -> None:
         name = word.name
@@ -101,7 +111,9 @@ class TwinCatInterpreter(ModalState):
         self.messages += name == "#MSG"
         if self.messages > MOST_MESSAGES:
             self.fail(word, f"the controller stops at {MOST_MESSAGES} messages that nobody reads; remove some")
-        if name in ("%", "G4", "G60", "M30", "F", "#MSG", "", *self.axes):
+        if name == "#MSG" and not _PLAIN.fullmatch(",".join(word.arguments)):
+            self.fail(word, 'a message is one text without formats; write #MSG ["TEXT"]')
+        if name in ("%", "G4", "G60", "F", "#MSG", "", *self.last, *self.axes):
             return
         if name in (_OF_OWN_AXES if self.own_axes else self.group_of):
             self.activate(name)

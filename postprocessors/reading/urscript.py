@@ -45,7 +45,7 @@ def read_urscript(content: bytes, file: str, case: Case) -> Reading:
         values = np.array(match.groups() if match else [np.inf], dtype=float)
         positive = values[JOINTS:] > 0.0 if len(values) > 1 else values >= 0.0
         if not text[0].isspace() or (switch is None and not (positive.all() and np.abs(values).max() <= LARGEST)):
-            raise motions.error(line, f"{text.strip()[:SHOWN]!r} is not read here; {_READS}")
+            raise motions.error(line, f"{text.strip()[:SHOWN]!r} is not read here; remove or replace it: {_READS}")
         if switch is not None:
             motions.switch(line, switch, at_once=True)
         elif len(values) == 1:

@@ -13,7 +13,7 @@ from cases.schema import Case
 from tests.postprocessors.naive import share_of_moves
 
 Canonical = list[tuple[str, list[float]]]
-_CALL = re.compile(r"\d+ N\S+ (?P<name>[A-Z_0-9]+)\((?P<arguments>.*)\)$")
+_CALL = re.compile(r"\d+ N\S+ +(?P<name>[A-Z_0-9]+)\((?P<arguments>.*)\)$")
 _NUMBER = re.compile(r"[+-]?\d+\.?\d*")
 _AXES = {"SELECT_PLANE_XY": [0, 1, 2], "SELECT_PLANE_XZ": [2, 0, 1], "SELECT_PLANE_YZ": [1, 2, 0]}
 LENGTH = 5e-5  # [mm, deg] to which moves are printed

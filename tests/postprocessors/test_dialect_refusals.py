@@ -55,7 +55,7 @@ SINUMERIK_WRONG: dict[str, tuple[int, str]] = {
     "G4 F1 X1": (7, "block of its own"),
     "TRAORI(2)": (1, r"TRAORI\(2\) is not read here"),
     "TRAFOOF\nG1 X1 F10": (4, "a move before TRAORI"),
-    "STOPRE": (1, "STOPRE is not read here"),
+    "WAITM(1,1,2)": (1, r"WAITM\(1,1,2\) is not read here; remove"),
     "R1=5": (1, "R1=5 is not read here"),
     "/G1 X1 F10": (1, "cannot read '/G1 X1 F10'"),
     "G1 X=5 F10": (4, "X=5 is not read here"),

@@ -70,7 +70,7 @@ OF_OTHERS = {
     "G1 X1e-3 F10": "e-3|E-3",
     "G1 X1,5 F10": "cannot read ',5",
     "(a (b) c)": "cannot read",
-    "M30 M17": "M30 is not read here",
+    "M30 M17": "M17 is not read here",
 }  # fmt: skip
 
 

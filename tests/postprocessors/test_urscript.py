@@ -83,7 +83,7 @@ def test_the_first_move_is_slow_whichever_joint_leads() -> None:
 
 
 FIRST, SECOND = (m.group() for m in list(MOVEJ.finditer(TEXT))[2:4])
-MOVE = r"'movej\(.* is not read here; .*movej\(\[q1, .., q6\], a=.., v=.., r=0\) with plain numbers, never a time"
+MOVE = r"'movej\(.* is not read here; remove or replace it: .*movej\(\[q1, .., q6\], a=.., v=.., r=0\) with plain"
 REFUSED = {
     "a time": (FIRST, FIRST.replace("r=0", "t=2.0, r=0"), MOVE),
     "a blend": (FIRST, FIRST.replace("r=0", "r=0.05"), MOVE),

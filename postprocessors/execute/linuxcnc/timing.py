@@ -18,23 +18,27 @@ import numpy as np
 
 from cases.errors import HexciteError
 from postprocessors.execute import ControllerLog
-from postprocessors.reading import Reading, Still, Timed
+from postprocessors.reading import NUMBER, Reading, Still, Timed
 
 ATTEMPTS = 3  # sessions for a program, each at half the speed-up of the one before
 BLOCK = 1e-3  # shortest block of a session [s of wall-clock time]; at a quarter of it blocks are sometimes late
 
 FEWEST_CYCLES = 10  # cycles that a standstill has at least: switches take LinuxCNC some cycles in real time too
 
-_DWELL = re.compile(r"G4 P[0-9]+(\.[0-9]+)?\s*")
+_COMMENT = re.compile(r"\([^()]*\)|;.*")
+_DWELL = re.compile(rf"\s*(?:N\s*[0-9.]+)?\s*(?:G\s*0*4\s*P\s*{NUMBER}|M\s*[0-9]+)\s*", re.IGNORECASE)
 
 
 def with_dwells(program: Path, lines: list[str], reading: Reading) -> list[str]:
-    """The lines of a program with dwells in servo cycles; raises HexciteError for one that is not `G4 P<seconds>`."""
+    """The lines of a program with dwells in servo cycles, and without the stops at which an operator would go on.
+
+    Raises HexciteError for a dwell that is not `G4 P<seconds>` alone.
+    """
     copy = list(lines)
     for part in reading.stretches:
         if isinstance(part, Still):
             line = lines[part.line - 1]
-            if not _DWELL.fullmatch(line):
+            if not _DWELL.fullmatch(_COMMENT.sub("", line)):
                 place, remedy = f"{program}, line {part.line}", "write it as G4 P<seconds> on a line of its own"
                 raise HexciteError(place, f"dwell {line.strip()!r} cannot be timed", remedy)
             copy[part.line - 1] = f"o<dwell> call [{part.duration:.6f}]"

@@ -20,9 +20,25 @@ def read(text: str) -> Reading:
     return read_linuxcnc(text, "a.ngc")
 
 
-@pytest.mark.parametrize("line", ["G04 P1", "G4 P.5", "G4P1", "g4 P1", " G4 P1", "G4 P1 G0 X1", "G 4 P1", "G4 P1 (c)"])
-def test_dwells_in_another_form_are_refused(line: str) -> None:
+@pytest.mark.parametrize(
+    ("line", "seconds"),
+    [
+        ("G04 P1", 1.0),
+        ("G4 P.5", 0.5),
+        ("G4P1", 1.0),
+        ("g4 P1", 1.0),
+        (" N7 G4 P1", 1.0),
+        ("G 4 P1 (c) ;d", 1.0),
+        ("M0", 0.0),
+    ],
+)
+def test_a_dwell_or_a_stop_alone_in_its_line_is_timed_in_cycles(line: str, seconds: float) -> None:
     text = typed(line)
+    assert timing.with_dwells(FILE, text.split("\n"), read(text))[3] == f"o<dwell> call [{seconds:.6f}]"
+
+
+def test_a_dwell_beside_other_words_is_refused() -> None:
+    text = typed("G4 P1 G0 X1")
     with pytest.raises(HexciteError, match=r"a\.ngc, line 4: dwell .*; .*G4 P<seconds>"):
         timing.with_dwells(FILE, text.split("\n"), read(text))
 
