@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from enum import StrEnum
+from fnmatch import fnmatch
 from functools import cached_property
 from operator import attrgetter
 from typing import Annotated, ClassVar, Literal, Self
@@ -176,13 +177,9 @@ class TextFile(Part):
         return self.delimiter or (" " if self.format == "halsampler" else ",")
 
 
-class RecordingFormat(TextFile):
-    """How recordings of this case are read; units are those of our column names unless `units` says otherwise."""
+class FileFormat(TextFile):
+    """How a file is read: its layout, names, units, orientations and clock."""
 
-    filter_cutoff_Hz: Positive | None = None
-    """Zero-phase low-pass on forces and struts alike; needed where accelerations are differentiated."""
-    rate_Hz: Positive = 1000.0
-    """Rows per second of the recordings, or averages of so many: what predicted standard deviations count on."""
     columns: dict[str, str] = Field(default_factory=dict)
     """Our column name -> the file's, for files that use other names."""
     units: dict[Role, str] = Field(default_factory=dict)
@@ -276,3 +273,39 @@ class RecordingFormat(TextFile):
     def tick(self) -> float:
         """Duration of one unit of the time stamps [s]."""
         return TICKS[self.clock_unit]
+
+
+class FileOfRun(FileFormat):
+    """How one of several files of a run is written, where they are not alike; what is not stated has its default."""
+
+    match: str | None = None
+    """Pattern of the file's name, such as `forces*.csv`; by default the table is for files that have its columns."""
+
+    @model_validator(mode="after")
+    def _of_files_alone(self) -> Self:
+        for key in ("drives", "accelerometer"):
+            if getattr(self, key) is not None:
+                raise ValueError(f"{key} belongs to the machine, not to a file; state it as recording.{key}")
+        return self
+
+
+class RecordingFormat(FileFormat):
+    """How recordings of this case are read; units are those that labels state, else those of our column names."""
+
+    filter_cutoff_Hz: Positive | None = None
+    """Zero-phase low-pass on forces and struts alike; needed where accelerations are differentiated."""
+    rate_Hz: Positive = 1000.0
+    """Rows per second of the recordings, or averages of so many: what predicted standard deviations count on."""
+    files: tuple[FileOfRun, ...] = ()
+    """Files of a run that are written in other ways, one table each."""
+
+    def ways(self, name: str) -> tuple[FileFormat, ...]:
+        """How a file of this name may be written: by the tables that name it, else those that name none, and this."""
+        machine = {"drives": self.drives, "accelerometer": self.accelerometer}
+        tables = [form.model_copy(update=machine) for form in self.files]
+        named = tuple(form for form in tables if form.match is not None and fnmatch(name, form.match))
+        return named or (*(form for form in tables if form.match is None), self.model_copy(update={"files": ()}))
+
+    def file_name(self, ours: str) -> str:
+        """Name that files have for one of our columns."""
+        return next((form.columns[ours] for form in (self, *self.files) if ours in form.columns), ours)

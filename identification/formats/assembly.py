@@ -11,21 +11,19 @@ from typing import Any
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.machine import POSE
+from cases.machine import POSE, turned
 from cases.orientation import ANGLES, CONVENTIONS, OF_ANGLES, QUATERNION, ROLL_PITCH_YAW, ROTATION, Convention
 from cases.recording_format import (
     ACCELEROMETER,
     CLOCK,
     DRIVES,
     OVERRIDE,
-    ROLE_UNITS,
     SHIFTED,
     STRUTS,
     TRIGGER,
-    RecordingFormat,
-    Role,
 )
 from cases.schema import Case
+from cases.unit_names import LENGTHS
 from cases.units import MM, Array, Flags, Indices
 from identification.formats.table import (
     MOST_MISSING,
@@ -85,8 +83,8 @@ def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
         raise RecordingError(
             table.source, unmounted if ACCELEROMETER[0] in table.values else without(table.names, table.form, wanted)
         )
-    if STRUTS[0] in table.values:
-        _require_reach(stream, case, table.form)
+    if STRUTS[0] in table.values and STRUTS[0] not in {**table.form.scale, **table.form.offset}:
+        _require_reach(stream, case, table.factors[STRUTS[0]])
     if stream.specific_forces is not None:
         read = float(np.median(np.linalg.norm(stream.specific_forces[:_FIRST], axis=1)))
         gravity = float(np.linalg.norm(case.gravity))
@@ -290,18 +288,32 @@ def switched(values: Array) -> Flags | None:
     return values > (low + high) / 2 if near.all() and abs(low) <= OFF * high else None
 
 
-def _require_reach(stream: Stream, case: Case, form: RecordingFormat) -> None:
-    """Raises RecordingError where struts fit the workspace in another unit, but not in the one that is declared."""
-    if stream.struts is None or case.workspace is None:
+def _require_reach(stream: Stream, case: Case, factor: float) -> None:
+    """Raises RecordingError where struts fit the machine in another unit, but not in that of the factor [m]."""
+    if stream.struts is None or case.hexapod is None:
         return
-    low, high = case.workspace.strut_length
+    low, high = lengths_of_struts(case)
     middle = float(np.median(np.abs(stream.struts[:_FIRST])))
-    written = middle / form.factor(STRUTS[0])
-    fitting = [unit for unit, factor in ROLE_UNITS[Role.STRUTS].items() if low <= written * factor <= high]
+    fitting = [unit for unit, value in LENGTHS.items() if low <= middle / factor * value <= high]
     if fitting and not low <= middle <= high:
-        problem = f"struts of {middle / MM:.4g} mm where the workspace has {low / MM:g} to {high / MM:g} mm"
+        problem = f"struts of {middle / MM:.4g} mm where the machine has {low / MM:.4g} to {high / MM:.4g} mm"
         remedy = f"they seem to be in {fitting[0]}: set recording.units.struts = '{fitting[0]}'"
         raise RecordingError(f"{stream.source}, {stream.lines.place(0)}", problem, remedy)
+
+
+_AROUND_HOME = 2.5  # times the length at home that a strut may have where the case states no workspace
+
+
+def lengths_of_struts(case: Case) -> tuple[float, float]:
+    """Shortest and longest strut of a hexapod: those of its workspace, else what its home leaves possible [m]."""
+    if case.workspace is not None:
+        low, high = case.workspace.strut_length
+        return float(low), float(high)
+    assert case.hexapod is not None
+    home = case.hexapod.home
+    arms = case.hexapod.platform.points @ turned(home.vector[3:]).T
+    usual = float(np.linalg.norm(home.vector[:3] + arms - case.hexapod.base.points, axis=1).mean())
+    return usual / _AROUND_HOME, usual * _AROUND_HOME
 
 
 _KEPT = frozenset((*ROTATION, *QUATERNION, TRIGGER, OVERRIDE))

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.recording_format import CLOCK, TICKS, WRENCH, Clock, RecordingFormat
+from cases.recording_format import CLOCK, TICKS, WRENCH, Clock, FileFormat
 from cases.schema import Case
 from cases.units import Array
 from identification.formats.table import (
@@ -46,18 +46,18 @@ KINDS: dict[Topic, str] = {
 }
 
 
-def bag_format(case: Case) -> RecordingFormat:
-    """What the columns of a bag are called: joints as in the case, unless `recording.columns` has other names."""
-    stated = case.recording.columns
+def bag_format(form: FileFormat, case: Case) -> FileFormat:
+    """What the columns of a bag are called: joints as in the case, unless `columns` of the form has other names."""
+    stated = form.columns
     joints = {} if case.chain is None else dict(zip(case.chain.columns, case.chain.names, strict=True))
     columns = {ours: stated.get(ours, name) for ours, name in joints.items()}
     columns |= dict(zip(WRENCH, AXES, strict=True)) | {CLOCK: STAMP}
-    units = {"joints": "rad", "drives": "m"} | case.recording.units
-    clock = Clock(unit="ns", offset_s=case.recording.clock.offset_s)
-    return case.recording.model_copy(update={"format": "csv", "columns": columns, "units": units, "clock": clock})
+    units = {"joints": "rad", "drives": "m"} | form.units
+    clock = Clock(unit="ns", offset_s=form.clock.offset_s)
+    return form.model_copy(update={"format": "csv", "columns": columns, "units": units, "clock": clock})
 
 
-def bag_tables(bag: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
+def bag_tables(bag: Path, form: FileFormat) -> Iterator[ColumnTable]:
     """Reads a bag in the format of `bag_format`: a table of each topic; raises RecordingError."""
     with opened(bag) as reader:
         joints, wrench = (topic_of(bag, reader, what, form.ros.get(what)) for what in KINDS)
@@ -147,7 +147,7 @@ def _messages(reader: "AnyReader", topic: str) -> Iterator[tuple[int, Any]]:
 
 
 def _table(
-    source: str, names: Sequence[str], samples: Iterator[tuple[int, list[float]]], form: RecordingFormat
+    source: str, names: Sequence[str], samples: Iterator[tuple[int, list[float]]], form: FileFormat
 ) -> ColumnTable | None:
     """The samples in the order of their stamps; what was recorded twice counts once. None: there are none."""
     at, numbers = array("q"), array("d")
@@ -170,7 +170,7 @@ def _table(
     return ColumnTable(source, form, (STAMP, *names), columns, stamps, form.tick, lines)
 
 
-def parquet_tables(file: Path, form: RecordingFormat) -> list[ColumnTable]:
+def parquet_tables(file: Path, form: FileFormat) -> list[ColumnTable]:
     """Reads a file; raises RecordingError with the place and the remedy."""
     import pyarrow as pa
     import pyarrow.parquet as pq  # costs 50 ms, and few need it

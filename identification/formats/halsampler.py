@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 
 from cases.errors import RecordingError
-from cases.recording_format import CLOCK, COLUMNS, RecordingFormat
+from cases.recording_format import CLOCK, COLUMNS, FileFormat
 from identification.formats import text
 from identification.formats.content import Content, blocks_of, section_of
 from identification.formats.plain import SAMPLE
@@ -20,7 +20,7 @@ _OVERRUN = b"overrun"
 NUMBER = "sample number"
 
 
-def knows(head: Sequence[bytes], form: RecordingFormat) -> bool:
+def knows(head: Sequence[bytes], form: FileFormat) -> bool:
     """Whether a file is from halsampler: rows of numbers alone, each with a blank behind it."""
     lines = [line for line in head[:SAMPLE] if line.strip() and line.strip() != _OVERRUN]
     return form.delimiter is None and len(lines) > 1 and all(map(_is_sample, lines))
@@ -32,7 +32,7 @@ def _is_sample(line: bytes) -> bool:
     return fields[-1] == "" and len(fields) > 1 and all(map(is_number, fields[:-1]))
 
 
-def layout(content: Content, head: Sequence[bytes], form: RecordingFormat) -> Layout:
+def layout(content: Content, head: Sequence[bytes], form: FileFormat) -> Layout:
     """The layout of a file, with or without numbers of samples; names come from the case."""
     above = form.header_rows or 0
     lines = [line.strip() for line in head[above:] if line.strip()][:SAMPLE]

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from cases.errors import RecordingError
-from cases.recording_format import CLOCK, TRIGGER, FormatName, RecordingFormat
+from cases.recording_format import CLOCK, TRIGGER, FileFormat, FormatName
 from identification.formats import halsampler, lvm, plain, scope, sinumerik, text
 from identification.formats.content import Content, content_of
 from identification.formats.table import MOST_MISSING, ColumnTable
@@ -23,9 +23,9 @@ class TextFormat:
     """A way in which a program writes tables of numbers as text."""
 
     name: FormatName
-    knows: Callable[[Sequence[bytes], RecordingFormat], bool]
+    knows: Callable[[Sequence[bytes], FileFormat], bool]
     """Whether a file is of this format, by its first lines; what the case states of it may speak against it."""
-    layout: Callable[[Content, Sequence[bytes], RecordingFormat], Layout]
+    layout: Callable[[Content, Sequence[bytes], FileFormat], Layout]
     """Where its table is and what its fields are; raises RecordingError."""
     tables: Callable[[Content, Layout, Mapping[str, int], Iterable[str]], Iterator[ColumnTable]] = text.tables
     """The numbers, one table for each clock; raises RecordingError."""
@@ -45,12 +45,12 @@ FORMATS = (
 )
 
 
-def format_of(head: Sequence[bytes], form: RecordingFormat) -> TextFormat:
+def format_of(head: Sequence[bytes], form: FileFormat) -> TextFormat:
     """The format of a file, by its first lines; any table of text is `csv`."""
     return next(known for known in FORMATS if known.knows(head, form))
 
 
-def read(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
+def read(file: Path, form: FileFormat) -> Iterator[ColumnTable]:
     """The tables of a text file, one for each clock; raises RecordingError with the place and the remedy."""
     content = content_of(file)
     known, layout = _described(content, form)
@@ -82,7 +82,7 @@ def _require_values(table: ColumnTable) -> None:
             raise RecordingError(table.place(int(np.argmax(missing)), ours), problem, remedy)
 
 
-def _described(content: Content, form: RecordingFormat) -> tuple[TextFormat, Layout]:
+def _described(content: Content, form: FileFormat) -> tuple[TextFormat, Layout]:
     """The format and the layout of a file: what its lines say themselves, unless the case states something else."""
     head = content.head()
     own = format_of(head, form)
@@ -101,16 +101,16 @@ def _described(content: Content, form: RecordingFormat) -> tuple[TextFormat, Lay
     return stated, stated.layout(content, head, form)
 
 
-def _as(form: RecordingFormat, name: FormatName) -> RecordingFormat:
+def _as(form: FileFormat, name: FormatName) -> FileFormat:
     return form.model_copy(update={"format": name})
 
 
-def _says_where(form: RecordingFormat) -> bool:
+def _says_where(form: FileFormat) -> bool:
     """Whether a case states where a table of text has its rows and names."""
     return form.header_rows is not None or form.column_names is not None
 
 
-def _agrees(form: RecordingFormat, layout: Layout, own: TextFormat) -> bool:
+def _agrees(form: FileFormat, layout: Layout, own: TextFormat) -> bool:
     """Whether what a case states of a file is what its format says: files that were read as plain text still are."""
     if form.format != "csv":
         return True
@@ -126,10 +126,10 @@ def _agrees(form: RecordingFormat, layout: Layout, own: TextFormat) -> bool:
     return all(ours in (None, theirs) for ours, theirs in stated)
 
 
-def _require_complete(file: Path, form: RecordingFormat) -> None:
+def _require_complete(file: Path, form: FileFormat) -> None:
     """Raises RecordingError where the case lacks what files of a format do not say."""
     try:
-        RecordingFormat.model_validate(form.model_dump(exclude_none=True))
+        FileFormat.model_validate(form.model_dump(exclude_none=True))
     except ValidationError as error:
         problem = str(error.errors()[0]["msg"]).removeprefix("Value error, ")
         raise RecordingError(file, f"is a file of {form.format}; in [recording] of the case {problem}") from None

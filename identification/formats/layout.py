@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.recording_format import TICKS, RecordingFormat
+from cases.recording_format import TICKS, FileFormat
 from cases.units import Array
 from identification.formats import halsampler, plain
 from identification.formats.content import LONGEST_LINE, Content, content_of, section_of
@@ -40,9 +40,9 @@ def look_at_text(file: Path) -> TextColumns:
     """Columns of a text file of unknown layout; raises RecordingError where it holds no table of numbers."""
     content = content_of(file)
     head = content.head()
-    known = format_of(head, RecordingFormat())
+    known = format_of(head, FileFormat())
     settings = _guessed(content, head) if known.guessed else {}
-    form = RecordingFormat.model_validate(settings).model_copy(update={"format": known.name})
+    form = FileFormat.model_validate(settings).model_copy(update={"format": known.name})
     layout = known.layout(content, head, form)
     rows = _sample(content, layout)
     numeric = [k for k, column in enumerate(zip(*rows, strict=True)) if _is_numeric(column, layout.form)]
@@ -108,7 +108,7 @@ def _sample(content: Content, layout: Layout) -> list[list[str]]:
     return [(row + [""] * width)[:width] for row in rows]
 
 
-def _is_numeric(column: Sequence[str], form: RecordingFormat) -> bool:
+def _is_numeric(column: Sequence[str], form: FileFormat) -> bool:
     """Whether a column holds numbers or states of a switch, and not only words for no value."""
     filled = [field for field in column if not is_missing(field)]
     good = sum(is_value(field, form) or is_switch(field) for field in filled)
@@ -161,7 +161,7 @@ def _table_lines(lines: Sequence[str]) -> list[str]:
     return [line for line in lines if line.strip()][-SAMPLE:-1]
 
 
-def _dialect(file: Path, lines: Sequence[str], encoding: str) -> tuple[RecordingFormat, list[bool]]:
+def _dialect(file: Path, lines: Sequence[str], encoding: str) -> tuple[FileFormat, list[bool]]:
     """The separator and decimal sign by which most columns are numbers, and which of them are."""
     sample = _table_lines(lines)
     best, numeric = None, [True]
@@ -173,7 +173,7 @@ def _dialect(file: Path, lines: Sequence[str], encoding: str) -> tuple[Recording
         for decimal in ".,":
             if decimal == separator:
                 continue
-            form = RecordingFormat(delimiter=separator, decimal=decimal, encoding=encoding)
+            form = FileFormat(delimiter=separator, decimal=decimal, encoding=encoding)
             numbers = [_is_numeric(column, form) for column in columns]
             if sum(numbers) > sum(numeric):
                 best, numeric = form, numbers
@@ -183,7 +183,7 @@ def _dialect(file: Path, lines: Sequence[str], encoding: str) -> tuple[Recording
     return best, numeric
 
 
-def _is_row(form: RecordingFormat, line: str, numeric: Sequence[bool], aligned: bool) -> bool:
+def _is_row(form: FileFormat, line: str, numeric: Sequence[bool], aligned: bool) -> bool:
     """Whether a line is one of the table's: as many fields, numbers where others have such, one of them at least."""
     fields = line.split() if aligned else split(line, form.separator)
     if len(fields) != len(numeric):
@@ -193,7 +193,7 @@ def _is_row(form: RecordingFormat, line: str, numeric: Sequence[bool], aligned: 
     return bool(real) and all(is_value(field, form) or is_switch(field) for field in numbers)
 
 
-def _names_row(header: Sequence[str], sample: Sequence[str], form: RecordingFormat, aligned: bool, width: int) -> int:
+def _names_row(header: Sequence[str], sample: Sequence[str], form: FileFormat, aligned: bool, width: int) -> int:
     """The line of the header that names the columns, counted from 1; 0 where there is none.
 
     It has a name for each field: of several such lines the one whose names are known best, and differ most.
@@ -210,7 +210,7 @@ def _names_row(header: Sequence[str], sample: Sequence[str], form: RecordingForm
     return row
 
 
-def _require_one_sign(file: Path, header: Sequence[str], form: RecordingFormat, width: int) -> None:
+def _require_one_sign(file: Path, header: Sequence[str], form: FileFormat, width: int) -> None:
     """Raises RecordingError where a comma stands between fields and in numbers: which is which nobody can say."""
     names = max((sum(bool(name) and not is_number(name) for name in cells(line, form)) for line in header), default=0)
     if form.separator == "," and 2 < names < width:
@@ -218,7 +218,7 @@ def _require_one_sign(file: Path, header: Sequence[str], form: RecordingFormat, 
         raise RecordingError(file, problem, "export it with semicolons between the fields, or with decimal points")
 
 
-def _rows_below(content: Content, first: int, form: RecordingFormat, numeric: Sequence[bool], aligned: bool) -> int:
+def _rows_below(content: Content, first: int, form: FileFormat, numeric: Sequence[bool], aligned: bool) -> int:
     """Lines of text below the rows; one that begins with a number is a row that is damaged."""
     section = section_of(content, first, 0)
     with content.opened() as stream:

@@ -11,7 +11,7 @@ from datetime import datetime
 from fractions import Fraction
 
 from cases.errors import RecordingError
-from cases.recording_format import RecordingFormat
+from cases.recording_format import FileFormat
 from identification.formats.content import Content, Section
 from identification.formats.text import Field, Layout
 from identification.formats.words import is_number, split
@@ -20,13 +20,13 @@ _MARK, _END, _X = b"LabVIEW Measurement", b"***End_of_Header***", "X_Value"
 _SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";"}
 
 
-def knows(head: Sequence[bytes], form: RecordingFormat) -> bool:
+def knows(head: Sequence[bytes], form: FileFormat) -> bool:
     """Whether a file begins as LabVIEW measurement files do."""
     del form
     return head[0].startswith(_MARK)
 
 
-def layout(content: Content, head: Sequence[bytes], form: RecordingFormat) -> Layout:
+def layout(content: Content, head: Sequence[bytes], form: FileFormat) -> Layout:
     """The layout of a file; raises RecordingError where its header is not complete, or its segments differ."""
     separator = form.delimiter or _separator(head)
     segments = [*_segments(content, separator)]

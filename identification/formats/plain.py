@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from cases.errors import RecordingError
-from cases.recording_format import RecordingFormat
+from cases.recording_format import FileFormat
 from identification.formats.content import Content, section_of
 from identification.formats.labels import units_row
 from identification.formats.text import Field, Layout, cells, decoded
@@ -16,7 +16,7 @@ SAMPLE = 200  # rows from which the number of their fields is known
 _REMARK = re.compile(r"^(?:#|%|//|!|;|\*)+\s*")  # how a line begins that is a remark to the program that wrote it
 
 
-def layout(content: Content, head: Sequence[bytes], form: RecordingFormat) -> Layout:
+def layout(content: Content, head: Sequence[bytes], form: FileFormat) -> Layout:
     """The layout that a case states; raises RecordingError where the header is shorter, or has no names."""
     file = content.file
     rows = form.header_rows if form.header_rows is not None else int(form.column_names is None)
@@ -54,16 +54,14 @@ def is_aligned(sample: Sequence[str], separator: str) -> bool:
     return len(single) > 1 or any(line[:1] == " " or line[-1:] == " " for line in sample)
 
 
-def _rows(sample: Sequence[str], form: RecordingFormat, aligned: bool) -> list[list[str]]:
+def _rows(sample: Sequence[str], form: FileFormat, aligned: bool) -> list[list[str]]:
     """Fields of the rows whose number of fields is the usual one."""
     rows = [line.split() if aligned else cells(line, form) for line in sample]
     width = Counter(map(len, rows)).most_common(1)[0][0] if rows else 0
     return [row for row in rows if len(row) == width]
 
 
-def named(
-    header: Sequence[str], names_row: int, sample: Sequence[str], form: RecordingFormat, aligned: bool
-) -> list[Field]:
+def named(header: Sequence[str], names_row: int, sample: Sequence[str], form: FileFormat, aligned: bool) -> list[Field]:
     """The fields of rows, by the line of the header that names them, counted from 1, and by a line of units."""
     rows = _rows(sample, form, aligned)
     width = len(rows[0]) if rows else 0

@@ -1,6 +1,7 @@
 """From files to the streams of a run: each in its format, recognised by its columns, on one time axis.
 
-The first bytes say whether a file is Parquet, the first lines what wrote a text, unless the case states it.
+The first bytes say whether a file is Parquet, the first lines what wrote a text, unless the case states it: for all
+files, or in a table for each.
 """
 
 import os
@@ -8,27 +9,27 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from cases.errors import RecordingError
 from cases.machine import POSE
 from cases.orientation import ROTATION
-from cases.recording_format import RecordingFormat
+from cases.recording_format import CLOCK, FileFormat, RecordingFormat
 from cases.schema import Case
 from identification.formats import binary, known
 from identification.formats.assembly import require_clock, start_of, stream_of
+from identification.formats.joining import on_one_axis
 from identification.formats.quantities import with_units
-from identification.formats.table import ColumnTable, Stream, require_file, require_room, unreadable
+from identification.formats.table import ColumnTable, Stream, require_file, require_room, shown, unreadable
 from identification.formats.text import without
 
 _PARQUET = b"PAR1"
 
 
-def read_tables(file: Path, form: RecordingFormat) -> tuple[ColumnTable, ...]:
+def read_tables(file: Path, form: FileFormat) -> tuple[ColumnTable, ...]:
     """Reads a file: one table for each clock in it; raises RecordingError with the place and the remedy."""
-    reader: Callable[[Path, RecordingFormat], Iterable[ColumnTable]]
+    reader: Callable[[Path, FileFormat], Iterable[ColumnTable]]
     if is_bag(file):
         reader = binary.bag_tables
     elif is_parquet(file):
@@ -58,9 +59,9 @@ def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
         raise RecordingError("no recording is named; give the files of one run")
     tables: list[ColumnTable] = []
     for path in paths:
-        file, form = _file_of(path, case)
+        file, ways = _file_of(path, case)
         others = sum(table.rows * len(table.values) for table in tables)
-        tables += (own := read_tables(file, form))
+        tables += (own := _read_in_one_of(file, ways, case))
         require_room(file, max(table.rows for table in own), sum(len(table.values) for table in own), others)
     for table in tables:
         require_clock(table)  # before the first of them is taken for the run's beginning
@@ -68,8 +69,8 @@ def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
     streams = [stream_of(table, case, origin) for table in tables]
     _require_whole(streams, case, [name for table in tables for name in table.names])
     findings = tuple(finding for stream in streams for finding in stream.findings)
-    streams = _joined([replace(stream, findings=()) for stream in streams])
-    _require_one_time(streams)
+    stated = [bool(table.form.clock.offset_s) for table in tables]
+    streams, of_clocks = on_one_axis([replace(stream, findings=()) for stream in streams], stated)
     main = next(s for s in streams if s.forces is not None)
     if case.setup == "1a" and main.forces is not None:  # the frame does not move
         main = replace(main, rotations=np.tile(np.eye(3), (len(main.forces), 1, 1)))
@@ -77,7 +78,7 @@ def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
         from identification.hexapod import Hexapod
 
         main = replace(main, struts=Hexapod.of(case).strut_lengths(main.poses))
-    return replace(main, findings=findings), *(s for s in streams if s.forces is None)
+    return replace(main, findings=(*findings, *of_clocks)), *(s for s in streams if s.forces is None)
 
 
 _STORED = (".mcap", ".db3")  # of a bag
@@ -99,19 +100,48 @@ def files_of(paths: Sequence[Path]) -> list[Path]:
     return [file for place in places for file in (sorted(place.iterdir()) if is_bag(place) else [place])]
 
 
-def _file_of(path: Path, case: Case | None) -> tuple[Path, RecordingFormat]:
-    """The file or bag that a path means, and how it is written: what `hexcite run` wrote has our names and units."""
+def _file_of(path: Path, case: Case | None) -> tuple[Path, tuple[FileFormat, ...]]:
+    """The file or bag that a path means, and how it may be written: what `hexcite run` wrote has our names."""
     try:
         path = bag_of(path)
         if is_bag(path):
-            return path, RecordingFormat() if case is None else binary.bag_format(case)
+            ways = () if case is None else case.recording.ways(path.name)
+            return path, tuple(binary.bag_format(form, case) for form in ways if case is not None)
         if path.is_dir():
             parquet = path / "recording.parquet"
             path = parquet if parquet.is_file() else path / "recording.csv"
         ours = path.stem == "recording" and path.with_name("recording.json").is_file()
     except OSError:  # a name that the system refuses; the reader explains it
         ours = False
-    return path, RecordingFormat() if ours or case is None else case.recording
+    return path, (RecordingFormat(),) if ours or case is None else case.recording.ways(path.name)
+
+
+def _read_in_one_of(file: Path, ways: Sequence[FileFormat], case: Case) -> tuple[ColumnTable, ...]:
+    """The tables of a file by the first way in which it can be read, has all columns that are mapped, and is plausible.
+
+    Raises RecordingError with what is wrong with each way, where there are several.
+    """
+    if len(ways) == 1:
+        return read_tables(file, ways[0])
+    problems = []
+    for form in ways:
+        try:
+            tables = read_tables(file, form)
+            for table in tables:  # numbers without names fit many a table, but not its switch, its lengths, its turns
+                stream_of(table, case, Fraction(0))
+        except RecordingError as error:
+            problems.append(str(error).removeprefix(str(file)).lstrip(":, "))
+            continue
+        names = {name for table in tables for name in table.names}
+        missing = [theirs for ours, theirs in form.columns.items() if theirs not in names and ours != CLOCK]
+        if not missing:
+            return tables
+        problems.append(f"column {shown(missing[0])} is missing")
+    reasons = "; ".join(f"{k}: {problem}" for k, problem in enumerate(problems, 1))
+    remedy = f'give the table that is meant match = "{shown(file.name)}", then its mistake is named alone'
+    raise RecordingError(
+        file, f"fits none of the {len(ways)} tables of [[recording.files]] and [recording]: {reasons}", remedy
+    )
 
 
 def _require_whole(streams: Sequence[Stream], case: Case, names: Sequence[str]) -> None:
@@ -120,7 +150,7 @@ def _require_whole(streams: Sequence[Stream], case: Case, names: Sequence[str]) 
     owner: dict[str, str] = {}
     for stream in streams:
         for channel in stream.channels:
-            if channel in owner:
+            if channel in owner and channel != "trigger":  # by which clocks are joined
                 reason = f"has {channel.replace('_', ' ')}, as {owner[channel]} does"
                 raise RecordingError(stream.source, reason, "give the files of one run, each once")
             owner[channel] = stream.source
@@ -130,39 +160,3 @@ def _require_whole(streams: Sequence[Stream], case: Case, names: Sequence[str]) 
     if case.setup != "1a" and not {"struts", "poses", "rotations"} & owner.keys():
         columns = case.drive_columns if case.machine is not None else (*ROTATION, *POSE)
         raise RecordingError(sources, f"no pose: {without(names, form, columns)}")
-
-
-def _joined(streams: Sequence[Stream]) -> list[Stream]:
-    """Streams whose samples coincide as one."""
-    result: list[Stream] = []
-    for stream in streams:
-        times = stream.t if stream.t is not None else stream.rows
-        same = next((k for k, s in enumerate(result) if np.array_equal(s.rows if s.t is None else s.t, times)), None)
-        if same is None:
-            result.append(stream)
-        else:
-            more: dict[Any, Any] = {**stream.channels}
-            masks = [s.missing for s in (result[same], stream) if s.missing is not None]
-            missing = np.any(masks, axis=0) if masks else None
-            names = (*result[same].missing_in, *stream.missing_in)
-            result[same] = replace(result[same], missing=missing, missing_in=names, **more)
-    return result
-
-
-def _require_one_time(streams: Sequence[Stream]) -> None:
-    """Raises RecordingError unless the streams of a run overlap in time."""
-    if len(streams) == 1:
-        return
-    if any(stream.t is None for stream in streams):
-        sources = ", ".join(stream.source for stream in streams)
-        reason = "have no common rows, and not all of them have time stamps"
-        raise RecordingError(sources, reason, "give files of one run, recorded together")
-    spans = [(float(s.t[0]), float(s.t[-1]), s.source) for s in streams if s.t is not None]
-    start, _, latest = max(spans)
-    end, early = min((end, source) for _, end, source in spans)
-    if start >= end:
-        raise RecordingError(
-            latest,
-            f"starts {start - end:.6g} s after {early} ends",
-            "give the files of one run, or state how their clocks differ in recording.clock.offset_s",
-        )

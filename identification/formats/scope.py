@@ -11,7 +11,7 @@ import re
 from collections.abc import Sequence
 
 from cases.errors import RecordingError
-from cases.recording_format import TICKS, RecordingFormat
+from cases.recording_format import TICKS, FileFormat
 from identification.formats.content import Content, section_of
 from identification.formats.plain import SAMPLE
 from identification.formats.text import Field, Layout, cells
@@ -25,14 +25,14 @@ _LEAST_FILETIME = 1.26e17
 _DATED = re.compile(r"\s*\d{1,4}[-./]\d{1,2}[-./]\d{1,4}[ T]\s*\d{1,2}:\d{2}")
 
 
-def knows(head: Sequence[bytes], form: RecordingFormat) -> bool:
+def knows(head: Sequence[bytes], form: FileFormat) -> bool:
     """Whether a file begins as exports of the Scope do: with its name, and with the channels further down."""
     del form
     start = head[0][: len(_NAME) + 1]
     return start in (b"Name\t", b"Name;", b"Name,") and any(line.startswith(start) for line in head[1:])
 
 
-def layout(content: Content, head: Sequence[bytes], form: RecordingFormat) -> Layout:
+def layout(content: Content, head: Sequence[bytes], form: FileFormat) -> Layout:
     """The layout of an export; raises RecordingError where its header or its rows are not as the Scope writes them."""
     lines = [line.decode(form.encoding, "replace") for line in head]
     separator = form.delimiter or lines[0][len(_NAME) : len(_NAME) + 1] or "\t"
@@ -96,7 +96,7 @@ def _fields(names: Sequence[str], about: Sequence[Sequence[str]]) -> tuple[Field
     return tuple(fields)
 
 
-def _unit(content: Content, stamp: str, line: int, form: RecordingFormat) -> str:
+def _unit(content: Content, stamp: str, line: int, form: FileFormat) -> str:
     """The unit of time stamps, by the first of them and by the case; raises RecordingError where they differ."""
     if _DATED.match(stamp):
         remedy = "export again without it: Scope then writes ms from the beginning"

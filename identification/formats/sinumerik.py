@@ -14,7 +14,7 @@ from xml.parsers import expat
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.recording_format import CLOCK, RecordingFormat
+from cases.recording_format import CLOCK, FileFormat
 from identification.formats import plain
 from identification.formats.content import PART, Content
 from identification.formats.table import ColumnTable, Lines, require_room, shown
@@ -26,24 +26,24 @@ _LEAST_SIGNALS = 2
 _TIME = "time"
 
 
-def is_session(head: Sequence[bytes], form: RecordingFormat) -> bool:
+def is_session(head: Sequence[bytes], form: FileFormat) -> bool:
     """Whether a file is a saved session."""
     del form
     return head[0].lstrip().startswith(b"<") and any(_SESSION in line for line in head)
 
 
-def knows(head: Sequence[bytes], form: RecordingFormat) -> bool:
+def knows(head: Sequence[bytes], form: FileFormat) -> bool:
     """Whether a table of text has columns with the names of a trace's signals."""
     del form
     return any(sum(map(line.count, _SIGNALS)) >= _LEAST_SIGNALS for line in head[: plain.SAMPLE])
 
 
-def layout(content: Content, head: Sequence[bytes], form: RecordingFormat) -> Layout:
+def layout(content: Content, head: Sequence[bytes], form: FileFormat) -> Layout:
     """The layout of a table of text as the case states it; raises RecordingError."""
     return replace(plain.layout(content, head, form), hold=form.empty != "missing")
 
 
-def session_layout(content: Content, head: Sequence[bytes], form: RecordingFormat) -> Layout:
+def session_layout(content: Content, head: Sequence[bytes], form: FileFormat) -> Layout:
     """The signals of a session; raises RecordingError where it has none, or is damaged."""
     del head
     signals: list[tuple[str, str]] = []  # name, description

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import RecordingError
-from cases.recording_format import RecordingFormat
+from cases.recording_format import FileFormat
 from cases.units import Array, Flags
 from identification.finding import Finding
 
@@ -59,7 +59,7 @@ class ColumnTable:
     """Columns of a file that share their rows, in the file's units."""
 
     source: str  # the file, for messages
-    form: RecordingFormat  # how it is written
+    form: FileFormat  # how it is written
     names: tuple[str, ...]  # all columns that the file has, as it calls them
     # our column name -> numbers, shape (n,); missing ones are NaN. Only columns that we know
     values: Mapping[str, Array]

@@ -15,7 +15,7 @@ import pyarrow.compute as pc
 import pyarrow.csv as pacsv
 
 from cases.errors import RecordingError
-from cases.recording_format import CLOCK, COLUMNS, TRIGGER, RecordingFormat
+from cases.recording_format import CLOCK, COLUMNS, TRIGGER, FileFormat
 from identification.formats.content import PART, Block, Content, Section, blocks_of, lines_of
 from identification.formats.table import ColumnTable, Lines, Stamps, listed, require_room, shown
 from identification.formats.words import EMPTY, MISSING, OFF, ON, is_switch, regular, split
@@ -40,7 +40,7 @@ class Field:
 class Layout:
     """Where a text has its table, and what the fields of its rows are."""
 
-    form: RecordingFormat  # how the case describes it; separator, decimal sign and encoding are those of the text
+    form: FileFormat  # how the case describes it; separator, decimal sign and encoding are those of the text
     fields: tuple[Field, ...]
     sections: tuple[Section, ...]  # the rows; several where headers stand between them
     names_row: int = 0  # line that names the fields, counted from 1; 0: none does
@@ -75,12 +75,12 @@ class Layout:
         return not word or word in self.no_rows
 
 
-def cells(line: str, form: RecordingFormat) -> list[str]:
+def cells(line: str, form: FileFormat) -> list[str]:
     """Fields of a header line."""
     return [name.strip() for name in split(line, form.separator)]
 
 
-def decoded(file: Path, lines: Sequence[bytes], form: RecordingFormat) -> list[str]:
+def decoded(file: Path, lines: Sequence[bytes], form: FileFormat) -> list[str]:
     """Header lines as text; raises RecordingError where one is not."""
     try:
         return [line.decode(form.encoding) for line in lines]
@@ -88,7 +88,7 @@ def decoded(file: Path, lines: Sequence[bytes], form: RecordingFormat) -> list[s
         raise _not_text(file, form) from None
 
 
-def select(file: Path, fields: Sequence[Field], form: RecordingFormat) -> dict[str, int]:
+def select(file: Path, fields: Sequence[Field], form: FileFormat) -> dict[str, int]:
     """Our columns among those of a file, each with its position; raises RecordingError where one is there twice."""
     positions, given = {}, set(form.columns.values())
     clocks = {field.clock for field in fields} - {None}
@@ -109,7 +109,7 @@ def select(file: Path, fields: Sequence[Field], form: RecordingFormat) -> dict[s
     return positions
 
 
-def without(names: Iterable[str], form: RecordingFormat, wanted: Sequence[str] = _TYPICAL) -> str:
+def without(names: Iterable[str], form: FileFormat, wanted: Sequence[str] = _TYPICAL) -> str:
     """What to say of a file with columns of some names that has none of those, by our names, that are wanted."""
     columns = listed(map(form.file_name, wanted))
     remedy = "name them so or map them in [recording.columns], or state separator and header in [recording] of the case"
@@ -380,5 +380,5 @@ def _rewritten(file: Path, block: Block, layout: Layout, wanted: _Wanted, last: 
     return "\n".join(rows).encode()
 
 
-def _not_text(place: Path | str, form: RecordingFormat) -> RecordingError:
+def _not_text(place: Path | str, form: FileFormat) -> RecordingError:
     return RecordingError(place, f"is not {form.encoding.upper()} text", "save the file as UTF-8")

@@ -3,7 +3,7 @@
 import csv
 import re
 
-from cases.recording_format import RecordingFormat
+from cases.recording_format import FileFormat
 
 _NUMBER = re.compile(r"\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eEdD][+-]?[0-9]+)?\s*|\s*[+-]?(nan|inf(inity)?)\s*", re.I)
 _FORTRAN = str.maketrans("dD", "ee")  # its double precision has exponents such as 1.5D+03
@@ -54,7 +54,7 @@ def is_number(text: str) -> bool:
     return _NUMBER.fullmatch(text) is not None
 
 
-def is_value(text: str, form: RecordingFormat) -> bool:
+def is_value(text: str, form: FileFormat) -> bool:
     """Whether a field is a number, or stands for none."""
     if is_missing(text):
         return True
@@ -63,7 +63,7 @@ def is_value(text: str, form: RecordingFormat) -> bool:
     return is_number(text)
 
 
-def regular(text: str, form: RecordingFormat, switch: bool) -> str | None:
+def regular(text: str, form: FileFormat, switch: bool) -> str | None:
     """A field as a number that every reader knows, `nan` for no value; None where it is neither.
 
     Args:
