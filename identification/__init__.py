@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from identification.external import tare as tare
     from identification.external import verify as verify
     from identification.finding import Finding as Finding
-    from identification.formats.look import Look as Look
-    from identification.formats.look import look as look
+    from identification.looks import Look as Look
+    from identification.looks import look as look
     from identification.model import Model as Model
     from identification.outcome import Result as Result
     from identification.payloads import payload as payload

@@ -14,7 +14,7 @@ from cases.units import Array
 from identification.formats import halsampler, plain
 from identification.formats.content import LONGEST_LINE, Content, content_of, section_of
 from identification.formats.known import TextFormat, format_of
-from identification.formats.meaning import matched
+from identification.formats.meaning import known_among
 from identification.formats.plain import SAMPLE
 from identification.formats.table import MOST_MISSING
 from identification.formats.text import Layout, cells
@@ -91,8 +91,7 @@ def _names(layout: Layout) -> list[str]:
     usual = [field.name for field in layout.fields]
     most = max((len(field.also) for field in layout.fields), default=0)
     other = [[field.also[k] if k < len(field.also) else field.name for field in layout.fields] for k in range(most)]
-    units = [field.unit for field in layout.fields]
-    return max([usual, *other], key=lambda names: len(matched(names, units)[0]))
+    return max([usual, *other], key=known_among)
 
 
 def _sample(content: Content, layout: Layout) -> list[list[str]]:
@@ -204,7 +203,7 @@ def _names_row(header: Sequence[str], sample: Sequence[str], form: FileFormat, a
             continue
         names = [field.name for field in plain.named(header, k, sample, form, aligned)]
         if len(names) == width and not plain.is_headless(names) and not plain.is_units(names):
-            score = len(matched(names, ())[0]), len({name for name in names if name})
+            score = known_among(names), len({name for name in names if name})
             if score > best:
                 best, row = score, k
     return row

@@ -1,10 +1,14 @@
 """`hexcite identify`: parameters with error bars from a recording; `hexcite look`: what one of unknown format holds."""
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
+
+import typer
 
 import hexcite as hx
-from cases.files import RESULT, atomic_file, check_file, check_folder, output_place
+from cases.editing import Change
+from cases.files import RESULT, check_file, check_folder, output_place, toml_value
 from identification.precision import aligned
 from planner.cli import console
 from planner.cli.console import argument, option, out
@@ -82,39 +86,79 @@ def look(
     case: Annotated[
         str | None, option("Built-in name, folder or file: by its machine units are known, and what is missing.")
     ] = None,
-    output: Annotated[Path | None, out("Picture to write; RECORDING-look.svg by default.")] = None,
-    overwrite: console.Overwrite = False,
+    write: Annotated[
+        str | None,
+        option(
+            "Folder or file of a case, whose [recording] becomes the proposal; all else in it, comments too, stays."
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None, out("Picture to write; RECORDING-look.svg by default, more pages beside it.")
+    ] = None,
+    overwrite: Annotated[
+        bool, option("Replace earlier pictures, and with --write what the case states otherwise.", "--overwrite")
+    ] = False,
     json: console.Json = False,
 ) -> None:
-    """Propose how a file of unknown format is read, and draw it.
+    """Propose how a file of unknown format is read, try that, and draw the file.
 
-    Nothing is changed: compare the proposal with what you know, and paste it into the case file.
+    Compare the proposal with what you know, and paste it into the case file, or let --write do that. Exit code 1: the
+    file is not read with the proposal.
     """
-
+    if write is not None and case is not None and hx.load_case(write).origin != hx.load_case(case).origin:
+        raise hx.HexciteError(write, f"is not the case that --case names, {case}", "name one of them")
+    named = case if write is None else write
     file = output_place(output, Path(f"{recording.stem}-look.svg"), overwrite)
     check_file(file, (".svg", ".png", ".pdf"), [recording], overwrite)
     with console.status("looking", json):
-        report = hx.look(recording, None if case is None else hx.load_case(case))
-        if report.columns:
-            from planner.reports.plots import look_figure
-
-            with atomic_file(file) as part:
-                look_figure(report).savefig(part, format=file.suffix[1:].lower())
+        report = hx.look(recording, None if named is None else hx.load_case(named))
+        changes = () if write is None or not report.reads else report.write(write, overwrite)
+        pictures = _draw(report, file, overwrite)
     columns = [{"name": c.name, "meaning": c.ours, "unit": c.unit, "guessed": c.guessed} for c in report.columns]
     answer = {
         "recording": str(report.file),
         "reads": report.reads,
+        "unchanged": report.unchanged,
         "rows": report.rows,
         "rate_Hz": report.rate,
         "columns": columns,
+        "topics": [topic.to_json() for topic in report.topics],
         "settings": dict(report.settings),
         "odd": list(report.odd),
-        "picture": str(file) if report.columns else None,
+        "picture": str(pictures[0]) if pictures else None,
+        "pictures": [str(picture) for picture in pictures],
+        "changes": [{"key": key, "before": before, "after": after} for key, before, after in changes],
     }
     rows = ([c.name, c.ours or "-", f"{c.unit} (a guess)" if c.guessed else c.unit] for c in report.columns)
-    table = aligned(("column", "meaning", "unit"), *rows)
-    picture = [f"picture written: {file}"] if report.columns else []
-    done = "paste the table into case.toml in place of its [recording]"
-    todo = "the file is not read with this table yet: complete it as said above, then identify, or look again"
-    end = done if report.reads else todo
-    console.answered(answer, json, *table, report, *picture, end)
+    table = aligned(("column", "meaning", "unit"), *rows) if report.columns else []
+    texts = [*report.remarks, *table, report.toml, *(f"picture written: {picture}" for picture in pictures)]
+    console.answered(answer, json, *texts, *_end_of_look(report, write, changes))
+    if not report.reads:
+        raise typer.Exit(1)
+
+
+def _end_of_look(report: hx.Look, write: str | None, changes: Sequence[Change]) -> list[str]:
+    """What to do next, or what was written."""
+    if not report.reads:
+        nothing = "nothing was written: " if write is not None else ""
+        return [f"{nothing}the file is not read with this table yet; complete it as said above, then look again"]
+    if write is not None and changes:
+        done = [f"{key}: {_shown(before)} -> {_shown(after)}" for key, before, after in changes]
+        return [f"written into {write}:", *(f"  {line}" for line in done)]
+    if report.unchanged:
+        return ["the [recording] of the case reads this file; nothing is to be changed"]
+    return ["paste the table into case.toml in place of its [recording], or run this again with --write CASE"]
+
+
+def _shown(value: Any) -> str:
+    """A value of a case as TOML has it."""
+    return "not stated" if value is None else toml_value(value)
+
+
+def _draw(report: hx.Look, file: Path, overwrite: bool) -> list[Path]:
+    """Writes the pictures of a look, a file a page, of PDF all pages in one; returns their paths."""
+    if not any(len(column.values) for column in report.columns):
+        return []
+    from planner.reports.look import look_pages, save_pages
+
+    return save_pages(look_pages(report), file, overwrite)

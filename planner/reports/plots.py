@@ -1,4 +1,4 @@
-"""Pictures in files: a machine at home, and the channels of an unknown file."""
+"""Pictures in files: a machine at home."""
 
 from collections.abc import Iterable
 
@@ -9,10 +9,8 @@ from matplotlib.patches import Circle
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 from cases.machine import KeepOut, turned
-from cases.recording_format import CLOCK
 from cases.schema import Case
 from cases.units import MM
-from identification.formats.look import Column, Look
 from identification.limited_chain import chain_frames
 from identification.motion import Array, StandingPoses
 from planner.reports.scene import box_outlines, room, tool_outlines
@@ -133,30 +131,3 @@ def _chain(case: Case) -> tuple[Lines, Labels, tuple[KeepOut, ...]]:
         outlines = [(frame, line) for frame, bodies in owners for line in tool_outlines(bodies)]
         lines[name] = colour, [line @ frame[:3, :3].T + frame[:3, 3] / MM for frame, line in outlines]
     return lines, list(zip(origins[1:], (*chain.names, "sensor"), strict=False)), chain.keep_out
-
-
-MOST_POINTS = 4000  # points of a line; more cannot be seen
-_PANEL = 2.2  # inches
-
-
-def look_figure(report: Look) -> Figure:
-    """Every column of numbers over the clock, or over the rows, in a panel for each unit."""
-    clock = next((column for column in report.columns if column.ours == CLOCK), None)
-    panels: dict[str, list[Column]] = {}
-    for column in report.columns:
-        if len(column.values) and column is not clock:
-            panels.setdefault(f"[{column.unit}]" if column.ours else "not used", []).append(column)
-    figure = Figure(figsize=(11, _PANEL * len(panels) + 0.6), layout="constrained")
-    x = np.arange(1.0, report.rows + 1.0) if clock is None else clock.values
-    step = -(-report.rows // MOST_POINTS)
-    all_axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-    for axes, (label, columns) in zip(all_axes, panels.items(), strict=True):
-        for column in columns:
-            name = column.name if column.ours in (None, column.name) else f"{column.name} = {column.ours}"
-            values = column.values  # of another clock there are more or fewer over the same time
-            own = x if len(values) == len(x) else np.linspace(x[0], x[-1], len(values))
-            axes.plot(own[::step], values[::step], linewidth=0.8, label=name.replace("$", r"\$"))
-        axes.set_ylabel(label)
-        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="x-small", frameon=False)
-    all_axes[-1].set_xlabel("row" if clock is None else f"{clock.name} [{clock.unit}]".replace("$", r"\$"))
-    return figure

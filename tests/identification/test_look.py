@@ -13,8 +13,8 @@ import pytest
 from cases.errors import RecordingError
 from cases.recording_format import RecordingFormat
 from cases.schema import Case, load_case
-from identification.formats.look import look
 from identification.hexapod import Hexapod
+from identification.looks import look
 from identification.recording import read
 from identification.runs.preparation import checked_filter
 

@@ -9,8 +9,8 @@ import pytest
 from cases.errors import RecordingError
 from cases.recording_format import BAR_FORCES, STRUTS
 from cases.schema import Case
-from identification.formats.look import look
 from identification.hexapod import Hexapod
+from identification.looks import look
 from identification.recording import Recording, read, write_recording
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, one_line

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from cases.recording_format import RecordingFormat
 from cases.schema import Case, load_case
-from identification.formats.look import look
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
+from identification.looks import look
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import read

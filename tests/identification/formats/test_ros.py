@@ -15,8 +15,8 @@ from rosbags.typesys import Stores, get_typestore
 
 from cases.errors import RecordingError
 from cases.schema import Case
-from identification.formats.look import look
 from identification.identify import identify
+from identification.looks import look
 from identification.recording import read
 from tests.chains import ROBOT, swing, swung_forces
 from tests.helpers import answer, one_line
@@ -166,17 +166,21 @@ def test_topics_and_names_are_those_of_the_case(tmp_path: Path) -> None:
     assert recording.source.endswith(WRENCH)
     found = look(bag, ROBOT)
     assert found.settings["columns"] == columns
-    assert found.settings["ros"]["wrench"] == "/ft/filtered"  # the first; the other is named
-    assert any(WRENCH in odd for odd in found.odd)
+    assert found.settings["ros"]["wrench"] == WRENCH  # its name says raw; the other is named too
+    assert any("/ft/filtered" in odd for odd in found.odd)
     assert found.reads
 
 
-def test_look_names_topics(bag: Path, tmp_path: Path) -> None:
+def test_look_shows_topics_with_rates_frames_and_channels(bag: Path, tmp_path: Path) -> None:
     answer = call("look", bag, "--case", "ur10_wrist", "-o", tmp_path / "look.svg", "--json").json()
     assert answer["reads"]
-    assert answer["odd"] == ["JointState: /joint_states", f"WrenchStamped: {WRENCH}"]
-    assert answer["picture"] is None
-    assert not (tmp_path / "look.svg").exists()
+    topics = {topic["name"]: topic for topic in answer["topics"]}
+    assert topics["/joint_states"]["read_as"] == "joints"
+    assert set(topics["/joint_states"]["channels"]) >= set(NAMES)
+    assert topics[WRENCH]["frames"] == ["ft_sensor"]
+    assert topics[WRENCH]["rate_Hz"] == pytest.approx(1000.0, rel=1e-3)
+    assert {c["meaning"] for c in answer["columns"]} >= {"q1_deg", "fx_N", "mz_Nm"}
+    assert Path(answer["picture"]).read_text().lstrip().startswith("<?xml")
     assert "--case" in " ".join(look(bag).odd)  # nobody knows the order of the joints
 
 

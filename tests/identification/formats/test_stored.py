@@ -10,7 +10,7 @@ import pytest
 
 from cases.errors import RecordingError
 from identification.formats import content
-from identification.formats.look import look
+from identification.looks import look
 from identification.recording import read
 from tests.helpers import one_line
 from tests.identification.formats.runs import HEXAPOD, Truth, csv, written

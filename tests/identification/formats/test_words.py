@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from cases.errors import RecordingError
 from cases.recording_format import RecordingFormat
-from identification.formats.look import look
 from identification.formats.words import MISSING, is_value, regular
+from identification.looks import look
 from identification.recording import read
 from tests.identification.formats.runs import HEXAPOD, NAMES, Truth, case_with, csv, rows, written
 

@@ -1,0 +1,86 @@
+"""Words of recorders, in English and German: what a column's name says by each of them."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Words:
+    """Words that say a thing: whole ones, and parts of longer ones."""
+
+    whole: frozenset[str]
+    parts: tuple[str, ...] = ()
+
+    def among(self, words: Iterable[str]) -> bool:
+        """Whether one of some words says the thing."""
+        return any(word in self.whole or any(part in word for part in self.parts) for word in words)
+
+    def __contains__(self, word: str) -> bool:
+        """Whether a word says the thing."""
+        return self.among([word])
+
+
+def words(whole: str, parts: str = "") -> Words:
+    """Words from two lists with blanks between them."""
+    return Words(frozenset(whole.split()), tuple(parts.split()))
+
+
+# What a column holds instead of a reading: set points, errors, statistics, what is added or taken off.
+NO_READING = words(
+    "soll set sp cmd ref des dem goal sol as err dif diff dev lag std rms min max lim seq mode flag valid d cov "
+    "frame name id counter fault gain w ff",
+    "soll target command setp desired refer demand planned nominal predict error fehler deviat abweich follow schlepp "
+    "offset bias limit status gravit stiff damp",
+)
+SPEED = words("v vel qd dq dl ld dp dx speed feed twist omega rpm", "velo speed geschw drehzahl jerk ruck")
+ACCELERATION = words("acc qdd ddq ldd ddl", "accel beschl")
+EFFORT = words("tau trq mom curr amp amps i power load", "effort torque moment current strom leistung power auslast")
+OTHER = words("temp volt humidity druck", "temper voltage spannung battery pressure")
+POSITION = words("pos q angle angles winkel lage weg theta qpos", "posit istpos lageist angle")
+DRIVE = words("joint joints j axis achse axes drive antrieb motor actuator aktor enc encoder jnt", "encod antrieb")
+STRUT = words("strut struts leg legs bein beine strebe streben l len length laenge länge", "strut streb")
+FORCE = words("f fs lc dms cell cells", "force kraft kräfte loadcell wägezelle messdose")
+WRENCH = words("wrench ft fts netft", "wrench")
+MEASURED = words("act ist fb meas msr real raw ai aa va im iw", "actual istw feedb measur gemess present roh")
+RAW = words("raw unfiltered", "roh")
+FILTERED = words("lp", "filter smooth glatt")
+NEUTRAL = words(
+    "s u states robot arm data field value values val main plc nc to lbr iiwa the of number nr no j a app "
+    "application prg program gvl deg rad mm meas can ec r rob"
+)
+"""Words that say neither what a column of a drive holds, nor that it is something else."""
+
+FORCE_AXIS = words("f force forces kraft fs kräfte")
+MOMENT_AXIS = words("m t torque torques moment moments mom tau drehmoment tq trq momente")
+TURN_AXIS = words("r rot rotation rotvec rotations orientation quat quaternion euler rpy")
+ACCELERATION_AXIS = words("a acc accel accelerometer acceleration beschleunigung")
+SPEED_AXIS = words("v vel velocity w omega speed gyro angular linear twist")
+PLACE_AXIS = words("pos position tcp pose p translation trans istposition lage ee")
+
+NOT_OF_A_SENSOR = words(
+    "ext est hat comp tcp contact tared zeroed world base cart",
+    "external extern compens kompens estimat unbias contact",
+)
+"""Words that say of a wrench that it is computed from readings, or estimated."""
+_ESTIMATED = "{} estimates it from the torques of the joints; record a sensor on the flange"
+COMPUTED: tuple[tuple[frozenset[str], str], ...] = (
+    (frozenset({"actual", "tcp", "force"}),
+     "the controller of Universal Robots takes the payload off, zeroes it and turns it into the axes of the base; "
+     "record ft_raw_wrench"),
+    (frozenset({"ext", "hat"}), _ESTIMATED.format("libfranka")),
+    (frozenset({"ext", "est"}), _ESTIMATED.format("KUKA's FRI")),
+    (frozenset({"cart", "force"}), _ESTIMATED.format("KUKA Sunrise")),
+)  # fmt: skip
+"""Wrenches that are no readings by the words of their names: why, and what to record instead."""
+
+CLOCK = words("t ts time zeit timestamp stamp zeitstempel millis micros uhrzeit datetime", "timestamp zeitstempel")
+BESIDE_A_CLOCK = words(
+    "default sample rate messrate standardmessrate schnelle langsame fast slow field header rel relative since start "
+    "in s ms us ns sec secs nsec nsecs nano nanosec seconds robot sys system utc epoch unix elapsed the of x value "
+    "wall ros run global date standardmessrates"
+)
+CLOCK_UNITS = {
+    "millis": "ms", "micros": "us", "ns": "ns", "nsec": "ns", "nsecs": "ns", "nano": "ns", "nanosec": "ns", "ms": "ms",
+    "us": "us", "sec": "s", "secs": "s", "seconds": "s",
+}  # fmt: skip
+"""Units that words of a clock's name say."""

@@ -1,0 +1,350 @@
+"""A look at a file of unknown format: what its columns are likely to mean, and the table `[recording]` that reads it.
+
+The proposal is tried: the file is read with it as `identify` reads it, up to the estimate.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from cases.editing import Change, changes_of, write_table
+from cases.errors import CaseError, FileProblem, HexciteError, RecordingError
+from cases.files import toml_value
+from cases.recording_format import CLOCK, RecordingFormat
+from cases.schema import Case
+from cases.tables import built_in_cases, find_case
+from cases.units import Array, as_html
+from identification.formats.binary import Topic
+from identification.formats.families import words_of
+from identification.formats.layout import TextColumns, look_at_text
+from identification.formats.meaning import meaning_of
+from identification.formats.proposal import CUTOFF_HZ, LAYOUT, proposed, rate_of, stated_of
+from identification.formats.reading import bag_of, is_bag, is_parquet, read_tables
+from identification.formats.table import listed
+from identification.formats.topics import BagTopic, bag_topics
+from identification.recording import read
+from identification.runs.preparation import checked_filter, on_one_clock
+from identification.runs.sample_checks import scan
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column of the file."""
+
+    name: str  # as the file has it
+    ours: str | None  # our name of it; None: hexcite does not use it, or its meaning is unknown
+    unit: str  # unit that the file is taken to use; empty where there is none
+    guessed: bool  # whether meaning or unit follow from the values alone
+    values: Array  # numbers, shape (n,); empty where the column holds text
+    t: Array | None = None  # its own clock, shape (n,) [s]; None: that of the column `t_s`
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """What a file is likely to be."""
+
+    file: Path
+    rows: int  # number of rows of numbers; of a bag the messages that hexcite reads
+    columns: tuple[Column, ...]  # in the order of the file
+    settings: Mapping[str, Any]  # proposal for `[recording]` of the case, by key
+    odd: tuple[str, ...]  # what to look at, one sentence each; first why the file is not read
+    problem: str | None  # why the file is not read with these settings; None: it is
+    unchanged: bool = False  # whether the settings are those that the case has
+    topics: tuple[BagTopic, ...] = ()  # of a bag
+    rate: float | None = None  # rows per second; None where there is no clock
+
+    @property
+    def reads(self) -> bool:
+        """Whether the file is read with these settings."""
+        return self.problem is None
+
+    @property
+    def toml(self) -> str:
+        """The settings as a case file has them."""
+        plain = {key: value for key, value in self.settings.items() if key != "columns"}
+        lines = ["[recording]", *(f"{key} = {toml_value(value)}" for key, value in plain.items())]
+        if "columns" in self.settings:
+            columns = self.settings["columns"].items()
+            lines += ["", "[recording.columns]", *(f"{ours} = {toml_value(theirs)}" for ours, theirs in columns)]
+        return "\n".join(lines)
+
+    def write(self, case: Path | str, overwrite: bool = False) -> tuple[Change, ...]:
+        """Makes `[recording]` of a case file the proposal, and returns what changed; all else, comments too, stays.
+
+        Args:
+            case: folder or file; built-in cases are not written.
+            overwrite: replace what the case states otherwise; keys that it does not state are added in any case.
+
+        Raises:
+            RecordingError: the file is not read with the proposal.
+            FileProblem: the case states something else, and `overwrite` is not set; or it cannot be written.
+        """
+        if self.problem is not None:
+            raise RecordingError(self.file, f"is not read with the proposal: {self.problem}", "nothing was written")
+        name = str(case)
+        if name in built_in_cases():
+            raise FileProblem(name, "is a built-in case", f"make your own with hexcite case new NAME --like {name}")
+        file = find_case(name)
+        if not overwrite and (stated := [c for c in changes_of(file, "recording", self.settings) if c[1] is not None]):
+            listed_changes = "; ".join(f"{key} = {toml_value(old)}" for key, old, _ in stated)
+            raise FileProblem(
+                file, f"states something else than the proposal: {listed_changes}", "replace it with --overwrite"
+            )
+        return write_table(file, "recording", self.settings)
+
+    def __repr__(self) -> str:
+        """What it is, what is doubtful, and the settings, in a few lines."""
+        return "\n".join([*self.remarks, self.toml])
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Lines for people: the file, why it is not read, the topics of a bag, and the doubts."""
+        doubts = self.odd if self.problem is None else self.odd[1:]
+        listed_doubts = ["to be compared or completed:", *(f"  - {doubt}" for doubt in doubts)] if doubts else []
+        problem = self.odd[:1] if self.problem is not None else ()
+        return (self.headline, *problem, *(f"  {topic}" for topic in self.topics), *listed_doubts)
+
+    __str__ = __repr__
+
+    _repr_html_ = as_html
+
+    @property
+    def headline(self) -> str:
+        """The file and its size, in a line."""
+        rate = "" if self.rate is None else f", {self.rate:.4g} a second"
+        if self.topics:
+            return f"{self.file}: a bag of {len(self.topics)} topics"
+        return f"{self.file}: {self.rows} rows{rate}, {len(self.columns)} columns"
+
+
+def look(file: Path | str, case: Case | None = None) -> Look:
+    """What a file of unknown format is likely to be.
+
+    Args:
+        file: text, Parquet, or the folder of a ROS 2 bag.
+        case: the machine that it was recorded on, with what it states of its recordings; without one, units and
+            completeness follow from the names alone.
+
+    Raises:
+        RecordingError: the file cannot be read, or holds no table of numbers.
+    """
+    file = bag_of(Path(file))
+    if is_bag(file):
+        return _bag(file, case)
+    own = None if case is None or not _says_how(case) else _refusal(file, case.recording, case)
+    return _table(file, case, own)
+
+
+def _says_how(case: Case) -> bool:
+    """Whether the case states more of its recordings than a filter and a rate."""
+    return bool(case.recording.model_fields_set - {"filter_cutoff_Hz", "rate_Hz"})
+
+
+def _table(file: Path, case: Case | None, own: str | None) -> Look:
+    """The look at a text or a Parquet file; `own`: why the table of the case does not read it."""
+    stated = {} if case is None else stated_of(case.recording)
+    reads = case is not None and _says_how(case) and own is None
+    try:
+        table = _parquet(file) if is_parquet(file) else look_at_text(file)
+    except RecordingError:
+        if not reads:
+            raise
+        table = _read(file, case)
+    if reads:  # how the file is laid out is known; what look finds of that may differ and be right too
+        if not {*stated.get("columns", {}).values()} <= {*table.names}:
+            table = _read(file, case)
+        table = replace(table, settings={key: value for key, value in stated.items() if key in LAYOUT})
+    proposal = proposed(table, case)
+    settings, doubts = dict(proposal.settings), [*proposal.doubts]
+    problem, read_with, said = _trial(file, settings, case)
+    if own not in (None, problem) and not any("which the file does not have" in doubt for doubt in doubts):
+        doubts.insert(0, f"the [recording] that the case has does not read it: {own}")
+    unchanged = case is not None and read_with == case.recording
+    doubts += said
+    ours_of = {k: ours for ours, k in proposal.places.items()}
+    columns = tuple(
+        Column(
+            name, ours_of.get(k), proposal.units.get(ours_of.get(k, ""), ""), ours_of.get(k) in proposal.guessed,
+            table.numbers.get(k, np.zeros(0)),
+        )
+        for k, name in enumerate(table.names)
+        if name
+    )  # fmt: skip
+    rows = max(map(len, table.numbers.values()), default=0)
+    rate = rate_of(proposal.places, proposal.units, table.numbers, settings)
+    return Look(file, rows, columns, settings, _sentences(problem, doubts), problem, unchanged, (), rate)
+
+
+def _sentences(problem: str | None, doubts: Iterable[str]) -> tuple[str, ...]:
+    """Why a file is not read, then the doubts, each once."""
+    first = [] if problem is None else [f"not read with these settings: {problem}"]
+    return tuple(dict.fromkeys([*first, *doubts]))
+
+
+def _read(file: Path, case: Case | None) -> TextColumns:
+    """The columns that the case names, as the reader has them: of files that only the case says how to read."""
+    assert case is not None
+    tables = read_tables(file, case.recording)
+    values = {case.recording.file_name(ours): column for table in tables for ours, column in table.values.items()}
+    names, numbers = [*values], dict(enumerate(values.values()))
+    main = max(tables, key=lambda table: table.rows)
+    if main.stamps is None:
+        return TextColumns(names, [], numbers, {}, None)
+    numbers[len(names)] = (main.stamps - main.stamps[0]) * main.tick
+    return TextColumns([*names, case.recording.file_name(CLOCK)], [], numbers, {}, (len(names), "s"))
+
+
+def _parquet(file: Path) -> TextColumns:
+    """A Parquet file, which needs no settings."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:
+        table = pq.read_table(file)
+    except (pa.ArrowException, OSError) as error:
+        raise RecordingError(file, "is a damaged Parquet file", "copy or export it again") from error
+    numbers = {
+        k: np.asarray(table.column(k).cast(pa.float64(), safe=False).to_numpy())
+        for k, kind in enumerate(table.schema.types)
+        if pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_boolean(kind)
+    }
+    with_values = {k: values for k, values in numbers.items() if np.isfinite(values).any()}
+    return TextColumns(table.schema.names, [], with_values, {}, None)
+
+
+_MEANT: dict[Topic, str] = {"joints": "positions of the joints", "wrench": "readings of the force/torque sensor"}
+
+
+def _bag(bag: Path, case: Case | None) -> Look:
+    """The look at a bag: topics, rates, frames, channels, and which of them are read."""
+    topics = bag_topics(bag)
+    settings: dict[str, Any] = {"filter_cutoff_Hz": CUTOFF_HZ}
+    settings |= {} if case is None else {k: v for k, v in stated_of(case.recording).items() if k not in LAYOUT}
+    doubts: list[str] = []
+    ros = dict(settings.pop("ros", {}))
+    chosen: dict[Topic, BagTopic] = {}
+    for what, meant in _MEANT.items():
+        possible = [topic for topic in topics if topic.what == what and topic.messages]
+        named = next((topic for topic in possible if topic.name == ros.get(what)), None)
+        if what in ros and named is None:
+            doubts.append(f"recording.ros.{what} of the case is {ros.pop(what)}, which the bag does not have")
+        best = named or min(possible, key=_rank_of_topic, default=None)
+        if best is None:
+            doubts.append(f"no topic of {meant}; record one")
+            continue
+        chosen[what] = best
+        if len(possible) > 1 and named is None:
+            ros[what] = best.name
+            doubts.append(f"several topics of {meant}: {listed([t.name for t in possible])}; {best.name} is proposed")
+        if not best.stamped:
+            doubts.append(f"{best.name}: its headers have no stamps, only the times of receipt; stamp its messages")
+    if ros:
+        settings["ros"] = ros
+    if "wrench" in chosen:
+        doubts += _about_frames(chosen["wrench"])
+    settings.pop("columns", None)
+    if case is None:
+        doubts.append("name the robot with --case, for the order of its joints")
+    elif case.chain is not None and "joints" in chosen:
+        joints = dict(zip(case.chain.columns, case.chain.names, strict=True)) | case.recording.columns
+        names = chosen["joints"].channels
+        if not all(joints[ours] in names for ours in case.chain.columns):
+            places = meaning_of(names, case).places
+            renamed = {ours: names[places[ours]] for ours in case.chain.columns if ours in places}
+            settings |= {"columns": renamed} if renamed else {}
+        elif case.recording.columns:
+            settings["columns"] = case.recording.columns
+    columns = tuple(c for topic in chosen.values() for c in _channels(topic, case, settings))
+    problem, read_with, said = _trial(bag, settings, case)
+    doubts += said
+    unchanged = case is not None and read_with == case.recording
+    rows = sum(topic.messages for topic in chosen.values())
+    return Look(bag, rows, columns, settings, _sentences(problem, doubts), problem, unchanged, topics)
+
+
+def _rank_of_topic(topic: BagTopic) -> tuple[bool, bool, str]:
+    """Order in which topics are chosen: not those whose names say that they are filtered or compensated."""
+    from identification.formats import vocabulary as say
+
+    words = words_of(topic.name)
+    return say.NOT_OF_A_SENSOR.among(words), say.FILTERED.among(words) or not say.RAW.among(words), topic.name
+
+
+_FIXED_FRAMES = ("base", "world", "map", "odom")
+
+
+def _about_frames(topic: BagTopic) -> Iterator[str]:
+    """Sentences on the frames of a wrench."""
+    for frame in topic.frames:
+        if set(words_of(frame)) & set(_FIXED_FRAMES):
+            yield (
+                f"{topic.name}: frame_id is '{frame}', a frame that does not move with the sensor; the wrench must be "
+                "in the axes of the sensor: record the driver's own topic"
+            )
+    if len(topic.frames) > 1:
+        yield f"{topic.name}: its messages are in several frames, {listed(topic.frames)}"
+
+
+def _channels(topic: BagTopic, case: Case | None, settings: Mapping[str, Any]) -> Iterator[Column]:
+    """The channels of a topic as columns."""
+    from cases.recording_format import WRENCH
+    from identification.formats.binary import AXES
+
+    assert topic.values is not None
+    assert topic.t is not None
+    ours: dict[str, str] = dict(zip(AXES, WRENCH, strict=True))
+    if topic.what == "joints":
+        chain = None if case is None else case.chain
+        names = {} if chain is None else dict(zip(chain.columns, chain.names, strict=True))
+        ours = {theirs: column for column, theirs in (names | settings.get("columns", {})).items()}
+    for name, values in zip(topic.channels, topic.values.T, strict=True):
+        unit = "rad" if topic.what == "joints" else "N" if name.startswith("force") else "Nm"
+        if topic.what == "joints" and ours.get(name, "").endswith("_mm"):
+            unit = "m"
+        there = np.isfinite(values)
+        yield Column(name, ours.get(name), unit, False, values[there], topic.t[there])
+
+
+def _trial(
+    file: Path, settings: Mapping[str, Any], case: Case | None
+) -> tuple[str | None, RecordingFormat | None, list[str]]:
+    """Why a file is not read with some settings, None where it is; the settings, where they can be; warnings of it."""
+    try:
+        form = RecordingFormat.model_validate(dict(settings))
+    except ValidationError as error:
+        return "; ".join(str(problem["msg"]).removeprefix("Value error, ") for problem in error.errors()), None, []
+    said: list[str] = []
+    return _refusal(file, form, case, said), form, said
+
+
+def _refusal(file: Path, form: RecordingFormat, case: Case | None, said: list[str] | None = None) -> str | None:
+    """Why `identify` would not begin to estimate from a file that is written so; None: it would.
+
+    `said` takes the warnings of what was read.
+    """
+    try:
+        if case is None:
+            findings = [finding for table in read_tables(file, form) for finding in table.findings]
+        else:
+            own = case.model_copy(update={"recording": form})
+            read_run = read(file, own)
+            findings = [*read_run.findings]
+            _, recording = scan(on_one_clock(read_run, own), own)
+            if recording.t is not None:
+                checked_filter(recording, own)
+    except HexciteError as error:
+        if isinstance(error, CaseError):
+            raise
+        return _without_file(error, file)
+    if said is not None:
+        said += [_without_file(finding, file) for finding in findings if finding.severity == "warning"]
+    return None
+
+
+def _without_file(sentence: object, file: Path) -> str:
+    """A sentence that begins with the file, which is named above it."""
+    return str(sentence).removeprefix(f"{file}").lstrip(":, ")
