@@ -109,6 +109,9 @@ def written(seed: int) -> Written:
     def number(value: float) -> str:
         return f"{value:.{digits}g}".replace(".", decimal)
 
+    def with_sign(fields: list[str]) -> list[str]:
+        return [field.replace(".", decimal) if field.replace(".", "").isdigit() else field for field in fields]
+
     columns: list[tuple[str, str, list[str]]] = []  # name, unit, fields
     for names, values, units, role in (
         (STRUT_NAMES, run.struts, LENGTH_UNITS, "struts"),
@@ -132,11 +135,13 @@ def written(seed: int) -> Written:
         draw.choice(TIMES),
     )
     if clock != "none":
-        columns.insert(0, (names_of_time, clock if clock in ("s", "ms", "us") else "", stamps(clock, run.t, draw)))
+        columns.insert(
+            0, (names_of_time, clock if clock in ("s", "ms", "us") else "", with_sign(stamps(clock, run.t, draw)))
+        )
     known &= clock not in ("none", "filetime")
     switch = draw.choice(["0", "words", "volts", "bits", "none"])
     if switch != "none":
-        fields = trigger_fields(switch, run.trigger, draw)
+        fields = with_sign(trigger_fields(switch, run.trigger, draw))
         columns.append((draw.choice(["trigger", "Trigger", "TTL", "digitalout"]), "", fields))
         known &= switch != "bits"
     for extra in draw.sample(["Temperature", "SetPos1", "counter", "comment"], draw.randint(0, 2)):
