@@ -2,13 +2,15 @@
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cases.unit_names import COUNTS, Units, is_unit, plain_unit
 
 _BRACKETED = re.compile(r"\[([^\]]*)\]|\(([^)]*)\)|<([^>]*)>|\{([^}]*)\}")
 # Letters that may be a unit which we do not know: names of channels and addresses have digits or other signs.
 _LIKE_A_UNIT = re.compile(r"[A-Za-zµμ°%Ω/*·^²³]{2,12}")
+_WORD = re.compile(r"(?<![A-Za-zµμ])[A-Za-zµμ°%]+(?![A-Za-z0-9])")  # not those that a number follows, as in m1
+_DIGIT = re.compile(r"\d")
 _WORDS = frozenset(
     {
         "abs", "absolute", "achse", "act", "actual", "angle", "average", "avg", "axis", "back", "base", "bottom",
@@ -34,16 +36,38 @@ class StatedUnit:
 
     text: str  # as the file writes it
     symbol: str | None  # as hexcite writes it; None: it is not a unit of this quantity
+    counts: float = 1.0  # numbers in the file for one unit
 
 
-def stated_unit(label: str, cell: str, units: Units) -> StatedUnit | None:
+_LINES = re.compile(r"(force|torque|moment|length|position|angle)s?\s+units?\s*[:=]\s*([^,;\t\n\"]+)", re.I)
+_COUNTS = re.compile(r"counts\s+per\s+(?:unit\s+)?(force|torque|moment)\s*[:=]\s*([\d.]+(?:e\+?\d+)?)", re.I)
+_QUANTITIES = {"torque": "moment", "position": "length"}
+
+
+def stated_unit(label: str, cell: str, units: Units, header: Sequence[str] = ()) -> StatedUnit | None:
     """The unit that a header states for a column; None: it states none.
 
     Args:
         label: name of the column in the file.
         cell: what a row of units has for it; empty where there is none.
         units: those that the column can have.
+        header: lines above the rows, which may state the units of all forces or moments, and counts for one unit.
     """
+    own = _of_column(label, cell, units)
+    whole = "\n".join(header)
+    counts = [float(number) for word, number in _COUNTS.findall(whole) if _quantity(word) == units.quantity]
+    lines = [text.strip() for word, text in _LINES.findall(whole) if _quantity(word) == units.quantity]
+    if lines and (own is None or (counts and is_count(own.text))):
+        own = StatedUnit(lines[0], units.symbol(lines[0]))
+    return own if own is None or not counts else replace(own, counts=counts[0])
+
+
+def _quantity(word: str) -> str:
+    return _QUANTITIES.get(word.casefold(), word.casefold())
+
+
+def _of_column(label: str, cell: str, units: Units) -> StatedUnit | None:
+    """The unit that the label of a column, or its cell in a row of units, states."""
     in_row = plain_unit(cell)
     if in_row in ("", "-", "none"):
         return _of_label(label, units)
@@ -65,8 +89,13 @@ def _of_label(label: str, units: Units) -> StatedUnit | None:
         if is_unit(text) and text not in ("-", "none"):
             return StatedUnit(text, None)
     for text in bracketed:
-        words = re.split(r"[\s.\-]+", text.casefold())
-        if _LIKE_A_UNIT.fullmatch(text) and _WORDS.isdisjoint(words):
+        words = _WORD.findall(text)
+        known = [word for word in words if units.symbol(word) not in (None, "1")]
+        if known:  # with a factor it is another unit, with words about the signal it is the same
+            others = [word for word in words if word not in known]
+            alone = len(known) == 1 and not _DIGIT.search(text) and all(word.casefold() in _WORDS for word in others)
+            return StatedUnit(text, units.symbol(known[0]) if alone else None)
+        if _LIKE_A_UNIT.fullmatch(text) and _WORDS.isdisjoint(word.casefold() for word in words):
             return StatedUnit(text, None)
     return next(_behind(label, units), None)
 

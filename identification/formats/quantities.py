@@ -35,6 +35,8 @@ def with_units(table: ColumnTable) -> ColumnTable:
             continue
         units, label = ROLE_UNITS[role], form.file_name(ours)
         stated = _stated(table, ours)
+        if stated is not None:
+            factors[ours] /= stated.counts
         if role in form.units:
             other = stated is not None and is_unit(stated.text) and stated.symbol != units.symbol(form.units[role])
             if other and stated is not None:
@@ -45,20 +47,23 @@ def with_units(table: ColumnTable) -> ColumnTable:
         elif stated.symbol is None:
             unknown[ours] = stated.text
         else:
-            factors[ours] = units[stated.symbol]
-            if stated.symbol != units.usual:
+            factors[ours] = units[stated.symbol] / stated.counts
+            if stated.symbol != units.usual or stated.counts != 1.0:
                 by_label.setdefault(role, []).append((label, stated))
     if unknown:
         raise _refusal(table, unknown)
     findings = [
-        note(Kind.FORMAT, f"{role} are read in {_symbols(columns)}, as {_labels(columns)} says in {table.source}")
+        note(
+            Kind.FORMAT,
+            f"{role} are read in {_symbols(columns)}, as the file says of {_labels(columns)}, {table.source}",
+        )
         for role, columns in by_label.items()
     ]
     findings += [
         warning(
             Kind.FORMAT,
-            f"{_labels(columns)} says {_symbols(columns)}, recording.units.{role} of the case says {form.units[role]}, "
-            "which is used; correct one of them",
+            f"the file says {_symbols(columns)} of {_labels(columns)}, recording.units.{role} of the case says "
+            f"{form.units[role]}, which is used; correct one of them",
             table.source,
         )
         for role, columns in contradicted.items()
@@ -72,7 +77,7 @@ def _stated(table: ColumnTable, ours: str) -> StatedUnit | None:
     """The unit that the file states for a column; the unit in our own names is what the case may state otherwise."""
     label = table.form.file_name(ours)
     units = TICKS if ours == CLOCK else ROLE_UNITS[ROLE_OF[ours]]
-    return stated_unit("" if label in COLUMNS else label, table.unit_cells.get(ours, ""), units)
+    return stated_unit("" if label in COLUMNS else label, table.unit_cells.get(ours, ""), units, table.header)
 
 
 def _refusal(table: ColumnTable, unknown: Mapping[str, str]) -> RecordingError:
@@ -170,4 +175,5 @@ def _labels(columns: Sequence[tuple[str, StatedUnit]]) -> str:
 
 
 def _symbols(columns: Sequence[tuple[str, StatedUnit]]) -> str:
-    return " and ".join(dict.fromkeys(stated.symbol or stated.text for _, stated in columns))
+    symbols = ((stated.symbol or stated.text, stated.counts) for _, stated in columns)
+    return " and ".join(dict.fromkeys(unit if counts == 1.0 else f"{unit}/{counts:.6g}" for unit, counts in symbols))

@@ -68,6 +68,7 @@ class ColumnTable:
     tick: float  # duration of one unit of the stamps [s]
     lines: Lines  # where the rows stand
     unit_cells: Mapping[str, str] = field(default_factory=dict)  # our column name -> what a row of units has for it
+    header: tuple[str, ...] = ()  # lines above the rows, which may say more about units
     factors: Mapping[str, float] = field(default_factory=dict)  # our column name -> SI value of the file's unit
     findings: tuple[Finding, ...] = ()  # what reading it made known
 

@@ -52,6 +52,7 @@ class Layout:
     remarks: bool = False  # text may follow behind the last field
     no_rows: tuple[bytes, ...] = ()  # words that stand in a line of their own and are not a row
     hold: bool = False  # whether a field that is empty has its last value
+    header: tuple[str, ...] = ()  # the lines above the rows
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -149,7 +150,7 @@ def tables(
         shared = min((own_of[ours] for ours in group), key=lambda own: np.inf if own[0] is None else len(own[0]))
         if shared[0] is None or len(shared[0]):  # else it is a channel that was not recorded
             table = _table(content, layout, {ours: positions[ours] for ours in group}, columns, shared, lines)
-            yield replace(table, unit_cells=units)
+            yield replace(table, unit_cells=units, header=layout.header)
 
 
 class _Wanted(NamedTuple):

@@ -219,6 +219,50 @@ def test_scale_and_offset_of_struts_and_joints_are_in_the_unit_of_the_name(tmp_p
     np.testing.assert_allclose(read(file, case).struts, q, atol=1e-7)
 
 
+ATI = """Start Time: 11/26/26 3:12 PM
+RDT Sample Rate: 1000
+"PLEASE NOTE: The sample rate is read when the program starts."
+Force Units: lbf
+Counts per Unit Force: 10000.0
+Torque Units: lbf-in
+Counts per Unit Torque: 50000.0
+Status (hex), RDT Sequence, F/T Sequence, Fx, Fy, Fz, Tx, Ty, Tz, Time
+"""
+"""The header that the demonstration of a force/torque sensor's maker writes (ATI Net F/T, manual, chapter 5)."""
+
+
+@pytest.mark.parametrize("stated", [{}, {"units": {"forces": "lbf", "moments": "lbf-in"}}])
+def test_lines_of_a_header_state_units_and_counts(stated: dict[str, object], tmp_path: Path) -> None:
+    wrist = load_case("ft_wrist")
+    wrench = np.random.default_rng(8).normal(size=(30, 6))
+    counts = np.rint(wrench / ([FORCES["lbf"] / 1e4] * 3 + [MOMENTS["lbf-in"] / 5e4] * 3)).astype(int)
+    rows = [f"00000000, {k}, {k}, {', '.join(map(str, row))}, 3:12:07 PM" for k, row in enumerate(counts.tolist(), 1)]
+    forces = written(tmp_path, ATI + "\n".join(rows) + "\n", "forces.csv")
+    turns = written(
+        tmp_path, csv(np.tile(np.eye(3).ravel(), (30, 1)), [f"r{i}{j}" for i in "123" for j in "123"]), "r.csv"
+    )
+    columns = dict(
+        zip(("fx_N", "fy_N", "fz_N", "mx_Nm", "my_Nm", "mz_Nm"), ["Fx", "Fy", "Fz", "Tx", "Ty", "Tz"], strict=True)
+    )
+    case = case_with(wrist, columns={}, files=[{"match": "forces*", "header_rows": 8, "columns": columns, **stated}])
+    recording = read([forces, turns], case)
+    np.testing.assert_allclose(recording.forces, wrench, atol=3e-4)
+    assert not warnings(recording)
+
+
+@pytest.mark.parametrize("unit", ["N/1000", "10 N", "0.1 N", "N x 10", "N*10", "1e-3 N"])
+def test_a_unit_with_a_factor_is_not_taken_for_the_unit(unit: str, tmp_path: Path) -> None:
+    labels = [f"{name} [{unit}]" for name in LABELS]
+    with pytest.raises(RecordingError, match="not a known unit of forces"):
+        read(with_forces(tmp_path, labels, RUN.forces), mapped(labels))
+
+
+@pytest.mark.parametrize("unit", ["kN, filtered", "measured kN"])
+def test_words_beside_a_unit_do_not_hide_it(unit: str, tmp_path: Path) -> None:
+    labels = [f"{name} [{unit}]".replace(",", ";") for name in LABELS]
+    np.testing.assert_allclose(read(with_forces(tmp_path, labels, RUN.forces / 1e3), mapped(labels)).forces, RUN.forces)
+
+
 @pytest.mark.parametrize("name", ["actual_TCP_force_{}", "O_F_ext_hat_K[{}]", "wrench_compensated_{}"])
 def test_signals_that_are_no_readings_are_named(name: str, tmp_path: Path) -> None:
     labels = [name.format(k) for k in range(6)]
