@@ -95,7 +95,7 @@ def _described(content: Content, form: FileFormat) -> tuple[TextFormat, Layout]:
                 return stated, stated.layout(content, head, form)
             raise
         if _agrees(form, layout, own):
-            if not own.guessed:
+            if not (own.marked or own.guessed):
                 _require_complete(content.file, layout.form)
             return own, layout
     return stated, stated.layout(content, head, form)
@@ -129,7 +129,7 @@ def _agrees(form: FileFormat, layout: Layout, own: TextFormat) -> bool:
 def _require_complete(file: Path, form: FileFormat) -> None:
     """Raises RecordingError where the case lacks what files of a format do not say."""
     try:
-        FileFormat.model_validate(form.model_dump(exclude_none=True))
+        type(form).model_validate(form.model_dump(exclude_none=True))
     except ValidationError as error:
         problem = str(error.errors()[0]["msg"]).removeprefix("Value error, ")
         raise RecordingError(file, f"is a file of {form.format}; in [recording] of the case {problem}") from None

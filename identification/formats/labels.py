@@ -27,7 +27,7 @@ _WORDS = frozenset(
 """Words in brackets that are not units, in small letters."""
 _AMBIGUOUS = frozenset({"in", "h", "t", "g", "ft", "rev", "turn", "turns", "s"})
 """Units that, behind a name and without brackets, are as likely a part of the name."""
-_UNIT_CELLS = frozenset({"unit", "units", "einheit", "einheiten", "dimension"})
+_UNIT_CELLS = frozenset({"unit", "units", "einheit", "einheiten", "dimension", "y_unit_label"})
 
 
 @dataclass(frozen=True, slots=True)

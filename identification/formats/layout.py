@@ -161,21 +161,21 @@ def _table_lines(lines: Sequence[str]) -> list[str]:
 
 
 def _dialect(file: Path, lines: Sequence[str], encoding: str) -> tuple[FileFormat, list[bool]]:
-    """The separator and decimal sign by which most columns are numbers, and which of them are."""
+    """The separator and decimal sign by which most columns are numbers, in most rows, and which columns are."""
     sample = _table_lines(lines)
-    best, numeric = None, [True]
+    best, numeric, most = None, [True], (1, len(sample))
     for separator in _SEPARATORS:
         aligned = plain.is_aligned(sample, separator)
         rows = [line.split() if aligned else split(line, separator) for line in sample]
-        count = Counter(map(len, rows)).most_common(1)[0][0] if rows else 0
+        count, often = Counter(map(len, rows)).most_common(1)[0] if rows else (0, 0)
         columns = list(zip(*(row for row in rows if len(row) == count), strict=True))
         for decimal in ".,":
             if decimal == separator:
                 continue
             form = FileFormat(delimiter=separator, decimal=decimal, encoding=encoding)
             numbers = [_is_numeric(column, form) for column in columns]
-            if sum(numbers) > sum(numeric):
-                best, numeric = form, numbers
+            if (sum(numbers), often) > most:
+                best, numeric, most = form, numbers, (sum(numbers), often)
     if best is None:
         problem = "holds no table of numbers with a separator between two fields"
         raise RecordingError(file, problem, "export it as CSV, with a comma or semicolon between the fields")

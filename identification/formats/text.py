@@ -104,7 +104,8 @@ def select(file: Path, fields: Sequence[Field], form: FileFormat) -> dict[str, i
         if len(places) > 1:
             others = [name for k in places for name in fields[k].also[:1]]
             remedy = f"use their other names, such as {listed(others)}" if others else "rename or remove one"
-            raise RecordingError(file, f"column {shown(theirs)} is there twice", remedy)
+            often = "twice" if len(places) == 2 else f"{len(places)} times"
+            raise RecordingError(file, f"column {shown(theirs)} is there {often}", remedy)
         if places:
             positions[ours] = places[0]
     return positions

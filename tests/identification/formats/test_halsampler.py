@@ -7,9 +7,10 @@ import pytest
 
 from cases.errors import RecordingError
 from identification.formats.reading import read_tables
+from identification.looks import look
 from identification.recording import read
 from tests.helpers import one_line
-from tests.identification.formats.runs import NAMES, Truth, case_with, written
+from tests.identification.formats.runs import HEXAPOD, NAMES, Truth, case_with, written
 
 TAGGED = "0 3.877872 0 0 \n1 7.751916 0 0 \n2 11.618310 0 0 \n3 15.473239 0 0 \n"
 PLAIN = "overrun\n102.108713 0 0 \n104.238016 0 0 \n106.264448 0 0 \n"
@@ -89,3 +90,39 @@ def test_a_damage_is_named_with_its_line(what: str, tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match=message) as caught:
         read(file, case)
     assert one_line(caught.value).startswith(str(file))
+
+
+@pytest.mark.parametrize("tagged", [False, True])
+@pytest.mark.parametrize("period", [1.0, 2.0])
+def test_names_and_period_in_the_case_are_enough(tagged: bool, period: float, tmp_path: Path) -> None:
+    """A blank behind each value says that it is halsampler's, whatever the case says of a format."""
+    file = written(tmp_path, sampled(RUN.numbers()[:, 1:], tagged))
+    recording = read(file, case_with(column_names=NAMES[1:], clock={"period_ms": period}))
+    np.testing.assert_allclose(recording.t, RUN.t * period, atol=1e-12)
+    np.testing.assert_allclose(recording.forces, RUN.forces, atol=1e-6)
+    with pytest.raises(RecordingError, match=r"is a file of halsampler; .*clock\.period_ms is missing"):
+        read(file, case_with(column_names=NAMES[1:]))
+
+
+def test_look_knows_numbers_of_samples_and_overruns(tmp_path: Path) -> None:
+    """What it proposes, with names and the period, reads the run, and lost samples are lost."""
+    numbers = RUN.numbers()[:, 1:]
+    text = "overrun\n" + sampled(numbers[:20], True, 7) + "overrun\n" + sampled(numbers[20:], True, first=30)
+    file = written(tmp_path, text)
+    seen = look(file, HEXAPOD)
+    assert seen.settings["format"] == "halsampler"
+    assert seen.settings["column_names"] == [f"column {k}" for k in range(1, 13)]
+    assert "period_ms" in str(seen)
+    settings = seen.settings | {"column_names": NAMES[1:], "clock": {"period_ms": 1.0}}
+    recording = read(file, case_with(**settings))
+    assert recording.t[20] - recording.t[19] == pytest.approx(1e-3)
+    assert int(recording.missing.sum()) == 3
+    np.testing.assert_allclose(np.delete(recording.forces, [20, 21, 22], 0), RUN.forces, atol=1e-6)
+
+
+def test_a_case_may_name_the_number_of_the_sample_too(tmp_path: Path) -> None:
+    file = written(tmp_path, sampled(RUN.numbers()[:, 1:], tagged=True))
+    case = case_with(format="halsampler", column_names=["column 1", *NAMES[1:]], clock={"period_ms": 1.0})
+    recording = read(file, case)
+    np.testing.assert_allclose(recording.t, RUN.t, atol=1e-12)
+    np.testing.assert_allclose(recording.forces, RUN.forces, atol=1e-6)

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from cases.errors import RecordingError
+from identification.looks import look
 from identification.recording import Recording, read
 from tests.helpers import one_line
-from tests.identification.formats.runs import NAMES, Truth, case_with, number, written
+from tests.identification.formats.runs import HEXAPOD, NAMES, Truth, case_with, number, written
 
 RUN = Truth()
 STRUTS = [f"MAIN.strut[{k}]" for k in range(1, 7)]
@@ -163,3 +164,78 @@ def test_a_damage_is_named_with_its_place(damage: str, tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match=message) as caught:
         read(file, case(**says))
     assert one_line(caught.value).startswith(str(file))
+
+
+def labelled(names: list[str], rows: dict[str, list[str]], delimiter: str = "\t") -> str:
+    """An export with a clock for each channel, whose names say less than the lines below them."""
+    text = exported([(names, 1e3 * RUN.t, np.column_stack([RUN.struts * 1e3, RUN.forces]))], delimiter, shared=False)
+    lines = text.splitlines()
+    at = next(k for k, line in enumerate(lines) if line.startswith("SymbolComment"))
+    more = [delimiter.join(f"{key}{delimiter}{cell}" for cell in cells) for key, cells in rows.items()]
+    kept = [line for line in lines if not line.startswith(tuple(f"{key}{delimiter}" for key in rows))]
+    return "\n".join([*kept[:at], *more, *kept[at:]]) + "\n"
+
+
+PATHS = [f"Axes.Bein_{k}.NcToPlc.ActPos" for k in range(1, 7)] + [f"GVL.Kraft_{k}" for k in range(1, 7)]
+COMMENTS = [f"Istlänge Bein {k}" for k in range(1, 7)] + [f"Messstab {k}, Zug positiv" for k in range(1, 7)]
+ABOUT = {"SymbolComment": COMMENTS, "SymbolName": PATHS, "Unit": ["mm"] * 6 + ["N"] * 6}
+COUNTED = ["ActPos", *(f"ActPos ({k})" for k in range(1, 6)), *(f"Kraft_{k}" for k in range(1, 7))]
+EQUAL = ["ActPos"] * 6 + ["Kraft"] * 6
+
+
+@pytest.mark.parametrize("names", [COUNTED, EQUAL], ids=["counted", "equal"])
+@pytest.mark.parametrize("by", [PATHS, COMMENTS], ids=["path", "comment"])
+def test_a_channel_may_be_named_by_its_symbol_or_its_comment(names: list[str], by: list[str], tmp_path: Path) -> None:
+    file = written(tmp_path, labelled(names, ABOUT))
+    require_the_run(read(file, case(columns=dict(zip(NAMES[1:], by, strict=True)))))
+
+
+def test_look_names_channels_by_what_tells_them_apart(tmp_path: Path) -> None:
+    seen = look(written(tmp_path, labelled(EQUAL, ABOUT)), HEXAPOD)
+    assert seen.reads, seen.odd
+    assert {ours: seen.settings["columns"][ours] for ours in ("l1_mm", "f6_N")} == {
+        "l1_mm": PATHS[0],
+        "f6_N": PATHS[11],
+    }
+
+
+def test_channels_of_one_name_are_told_apart_in_the_refusal(tmp_path: Path) -> None:
+    file = written(tmp_path, labelled(EQUAL, ABOUT))
+    with pytest.raises(RecordingError, match=r"column ActPos is there 6 times.*other names.* Axes\.Bein_1\.NcToPlc"):
+        read(file, case(columns=COLUMNS | {"l1_mm": "ActPos"}))
+
+
+def test_a_unit_of_a_channel_is_that_of_its_line(tmp_path: Path) -> None:
+    """Struts in m, as the line `Unit` says: 1000 times the numbers in mm."""
+    text = labelled(COUNTED, ABOUT | {"Unit": ["m"] * 6 + ["N"] * 6})
+    columns = dict(zip(NAMES[1:], PATHS, strict=True))
+    with pytest.raises(RecordingError, match=r"struts of 1.0\d*e\+06 mm where the machine.* in mm: set rec"):
+        read(written(tmp_path, text), case(columns=columns))
+
+
+def test_nothing_needs_to_be_stated_of_the_layout(tmp_path: Path) -> None:
+    """Format, separator, decimal sign and unit of the stamps are in the file."""
+    for delimiter, decimal in (("\t", ","), (";", "."), (",", ".")):
+        file = written(tmp_path, exported(both(), delimiter, decimal))
+        require_the_run(read(file, case_with(columns=COLUMNS)))
+
+
+def test_look_sees_channels_of_several_sample_times(tmp_path: Path) -> None:
+    slow = RUN.struts[::4]
+    groups: list[Group] = [(FORCES, 1e3 * RUN.t, RUN.forces), (STRUTS, 4.0 * np.arange(len(slow)), slow * 1e3)]
+    seen = look(written(tmp_path, exported(groups)), HEXAPOD)
+    assert seen.settings["format"] == "twincat-scope"
+    assert {len(c.values) for c in seen.columns} == {len(slow), RUN.count}
+    assert {c.name for c in seen.columns} >= {*FORCES, *STRUTS}
+
+
+def test_dates_for_stamps_are_read_or_named(tmp_path: Path) -> None:
+    text = exported(both())
+    head, rows = text.split("\n\n0\t", 1)
+    dated = "\n".join(
+        "\t".join([f"02.05.2022 15:56:24.{376 + int(line.split(chr(9))[0])}", *line.split("\t")[1:]])
+        for line in ("0\t" + rows).splitlines()[:-1]
+    )
+    file = written(tmp_path, head + "\n\n" + dated)
+    with pytest.raises(RecordingError, match=r"line 14: has dates for time stamps \(Full Timestamp\); export again"):
+        read(file, case())

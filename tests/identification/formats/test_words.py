@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cases.errors import RecordingError
-from cases.recording_format import RecordingFormat
+from cases.recording_format import FileFormat
 from identification.formats.words import MISSING, is_value, regular
 from identification.looks import look
 from identification.recording import read
@@ -73,7 +73,7 @@ def test_a_word_for_no_value_is_bridged_like_an_empty_field(word: str, tmp_path:
 @given(st.sampled_from([*MISSING, "nan", "1.5", "-2e3", "1.5D+03", ".5"]), st.sampled_from(["", " ", "\t "]))
 def test_what_a_field_may_be_has_one_meaning(word: str, blanks: str) -> None:
     """What `look` takes for a value the reader turns into a number, and the other way round."""
-    form = RecordingFormat()
+    form = FileFormat()
     assert is_value(blanks + word + blanks, form)
     number = regular(blanks + word + blanks, form, switch=False)
     assert number is not None
