@@ -48,6 +48,10 @@ class Units(Mapping[str, float]):
             folded.setdefault(spelling.casefold(), set()).add(symbol)
         return folded
 
+    def spellings(self, symbol: str) -> tuple[str, ...]:
+        """Other spellings of a unit."""
+        return tuple(spelling for spelling, own in self._spellings.items() if own == symbol != spelling)
+
     def symbol(self, text: str) -> str | None:
         """Symbol of a unit as a file or a person spells it; None where it is not of this quantity, or ambiguous.
 

@@ -3,19 +3,23 @@
 import re
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import hexcite
+from cases.orientation import CONVENTIONS
 from cases.scaffold import explanations
 from cases.schema import Case
 from cases.tables import LARGEST, Part
+from cases.unit_names import QUANTITIES
 
 
 def write_reference(folder: Path) -> None:
-    """Writes commands.md, python.md and case.md, each only where it changes."""
-    pages = {"commands.md": commands_page(), "python.md": python_page(), "case.md": case_page()}
+    """Writes commands.md, python.md, case.md and units.md, each only where it changes."""
+    pages = {
+        "commands.md": commands_page(), "python.md": python_page(), "case.md": case_page(), "units.md": units_page(),
+    }  # fmt: skip
     for name, text in pages.items():
         file = folder / name
         if not file.is_file() or file.read_text(encoding="utf-8") != text:
@@ -62,6 +66,36 @@ def case_page() -> str:
         lines += [_cell(classes[name].__doc__ or "") + also, ""]
         lines += [*_table(("key", "allowed", "default", "meaning"), rows), ""]
     return "\n".join(lines)
+
+
+def units_page() -> str:
+    """Units and conventions of orientations that recordings may have."""
+    lines = [
+        "# Units and orientations of recordings",
+        "",
+        "What `recording.units`, labels and rows of units may state.",
+    ]
+    lines += [
+        "Small and capital letters count where they decide (mN, MN); products may be written with `*`, `.`, `-`, a"
+    ]
+    lines += ["blank or nothing between their factors. A force in kg or lb is the weight of that mass.", ""]
+    head = ("symbol", "SI value", "also written")
+    for units in QUANTITIES:
+        rows = [(f"`{symbol}`", f"{units[symbol]:.9g}", _spellings(units.spellings(symbol))) for symbol in units]
+        lines += [f"## {units.quantity.capitalize()}", "", *_table(head, rows), ""]
+    lines += [
+        "## Orientations",
+        "",
+        "Values of `recording.orientation`. R turns vectors of the sensor or platform into the base;",
+    ]
+    lines += ["a, b, c are the columns `a_deg`, `b_deg`, `c_deg`, in the order of the convention.", ""]
+    rows = [(f"`{c.name}`", _cell(c.words), _cell(c.users)) for c in CONVENTIONS.values()]
+    return "\n".join([*lines, *_table(("name", "what the numbers are", "who writes it"), rows), ""])
+
+
+def _spellings(every: Sequence[str], shown: int = 6) -> str:
+    more = ", and their other combinations" if len(every) > shown else ""
+    return _cell(", ".join(every[:shown]) + more)
 
 
 def _walk(name: str, path: str, schema: Mapping[str, Any], places: dict[str, list[str]]) -> None:

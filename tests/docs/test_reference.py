@@ -5,9 +5,11 @@ from pathlib import Path
 
 import pytest
 
+from cases.orientation import CONVENTIONS
 from cases.scaffold import explanations
 from cases.schema import Case
 from cases.tables import Part
+from cases.unit_names import QUANTITIES
 
 spec = importlib.util.spec_from_file_location("generate", Path(__file__).parents[2] / "docs" / "generate.py")
 assert spec is not None
@@ -55,3 +57,10 @@ def test_every_public_name_of_python_has_a_place() -> None:
 
     page = generate.python_page()
     assert all(f"## hx.{name}\n" in page for name in dir(hexcite))
+
+
+def test_the_page_of_units_has_every_unit_and_every_convention() -> None:
+    page = generate.units_page()
+    assert all(f"| `{symbol}` | " in page for units in QUANTITIES for symbol in units)
+    assert "| `lbf-in` | 0.112984829 |" in page
+    assert all(f"| `{name}` | " in page for name in CONVENTIONS)
