@@ -1,9 +1,12 @@
 """The one family of errors that hexcite raises on purpose: one line with place, value, limit and remedy."""
 
 import re
+from collections.abc import Iterable
 from copy import copy
 from pathlib import Path
 from typing import Any, Self
+
+ALSO = "; also: "  # between problems of one error
 
 
 class HexciteError(Exception):
@@ -31,6 +34,13 @@ class HexciteError(Exception):
         if source not in str(self):
             error.args = (f"{source}: {self.args[0]}",)
             error.place = f"{source}: {self.place}" if self.place else source
+        return error
+
+    def beside(self, doubts: Iterable[str]) -> Self:
+        """The same error with what else is doubtful, which may be its cause, behind it."""
+        error = copy(self)
+        said = tuple(doubts)
+        error.args, error.remedy = (ALSO.join([self.args[0], *said]),), ALSO.join([self.remedy, *said])
         return error
 
     def __str__(self) -> str:
@@ -64,9 +74,6 @@ def _of_arguments(text: str) -> str:
 def printable(text: str) -> str:
     """A text in one line, with control characters, line breaks and other marks that no paper shows as escapes."""
     return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
-
-
-ALSO = "; also: "  # between problems of one error
 
 
 class CaseError(HexciteError, ValueError):

@@ -19,7 +19,7 @@ from cases.schema import Case
 from cases.units import Array
 from identification.estimation.estimators import Method
 from identification.estimation.fit import require_alive
-from identification.finding import Kind, changed_cases, warning
+from identification.finding import Kind, changed_cases, sentences, warning
 from identification.findings.contact import contact_findings, free_of_contact, touched
 from identification.findings.fit_checks import fit_findings
 from identification.findings.noise_level import doubtful
@@ -167,7 +167,7 @@ def estimate_parameters(
                 raise IdentificationError(said)
         return estimate
     except (IdentificationError, RecordingError) as error:
-        raise error.at(recording.source) from error
+        raise error.at(recording.source).beside(sentences(recording.findings, "warning")) from error
 
 
 def _samples(recording: Recording, case: Case, model: Model) -> Samples:

@@ -7,10 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cases.errors import RecordingError
+from cases.errors import HexciteError, RecordingError
 from cases.recording_format import BAR_FORCES, STRUTS
 from cases.schema import Case, load_case
-from cases.unit_names import FORCES, LENGTHS, MOMENTS, TIMES
+from cases.unit_names import FORCES, LENGTHS, MOMENTS, QUANTITIES, TIMES
+from identification.formats.labels import stated_unit
 from identification.identify import identify
 from identification.recording import Recording, read
 from tests.helpers import one_line
@@ -269,3 +270,21 @@ def test_signals_that_are_no_readings_are_named(name: str, tmp_path: Path) -> No
     (said,) = warnings(read(with_forces(tmp_path, labels, RUN.forces), mapped(labels)))
     assert labels[0] in said
     assert "not a reading of the sensor" in said
+
+
+def test_what_the_reader_doubts_stands_beside_what_the_estimate_refuses(tmp_path: Path) -> None:
+    labels = [f"actual_TCP_force_{k}" for k in range(6)]
+    file = with_forces(tmp_path, labels, np.zeros((RUN.count, 6)) + np.arange(6.0))
+    case = mapped(labels)
+    with pytest.raises(HexciteError, match=r"also: .*actual_TCP_force_0 is not a reading of the sensor") as caught:
+        identify(read(file, case), case)
+    one_line(caught.value)
+
+
+@given(label=st.text(max_size=30), cell=st.text(max_size=10), header=st.lists(st.text(max_size=40), max_size=3))
+def test_any_label_states_a_unit_of_its_quantity_or_one_that_is_refused(
+    label: str, cell: str, header: list[str]
+) -> None:
+    for units in QUANTITIES:
+        stated = stated_unit(label, cell, units, header)
+        assert stated is None or stated.symbol is None or stated.symbol in units
