@@ -155,7 +155,7 @@ def _table(file: Path, case: Case | None, own: str | None) -> Look:
             raise
         table = _read(file, case)
     if reads:  # how the file is laid out is known; what look finds of that may differ and be right too
-        if not {*stated.get("columns", {}).values()} <= {*table.names}:
+        if not {*stated.get("columns", {}).values(), *stated.get("column_names", ())} <= {*table.names}:
             table = _read(file, case)
         table = replace(table, settings={key: value for key, value in stated.items() if key in LAYOUT})
     proposal = proposed(table, case)

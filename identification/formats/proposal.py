@@ -276,10 +276,12 @@ class _Draft:
             result["columns"] = renamed
         if units := dict(self._differing_units(ordered)):
             result["units"] = units
-        clock = {key: value for key, value in self.stated.get("clock", {}).items() if key != "unit"}
-        if not own_clock and (self.clock_unit_stated or self.units.get(CLOCK, "s") != "s"):
-            clock = {"unit": self.units[CLOCK], **clock}
-        clock = {**result.pop("clock", {}), **clock}
+        clock = dict(self.stated.get("clock", {}))  # some formats are not valid without a unit
+        if not own_clock:
+            stated = clock.pop("unit", None) is not None and CLOCK in self.units
+            if stated or self.clock_unit_stated or self.units.get(CLOCK, "s") != "s":
+                clock = {"unit": self.units[CLOCK], **clock}
+        clock |= result.pop("clock", {})
         result |= {"clock": clock} if clock else {}
         result |= {"orientation": self.orientation} if self.orientation is not None else {}
         own = LAYOUT | {"columns", "units", "clock", "filter_cutoff_Hz", "rate_Hz"}

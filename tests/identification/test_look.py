@@ -237,3 +237,31 @@ def test_a_slow_recording_gets_a_low_pass_that_its_rate_carries(hexapod_case: Ca
         checked_filter(recording, hexapod_case)
     form = RecordingFormat(filter_cutoff_Hz=look(file, hexapod_case).settings["filter_cutoff_Hz"])
     assert checked_filter(recording, hexapod_case.model_copy(update={"recording": form})).cutoff > 5.0
+
+
+def test_what_a_case_states_of_a_trace_stays_valid(hexapod_case: Case, tmp_path: Path) -> None:
+    """A format that needs the unit of the clock keeps it, though it is the usual one."""
+    names = ["time", *(f"/Nck/!SD/nckServoDataActPos1stEnc64 [u1, {k}]" for k in range(1, 7))]
+    names += [*(f"/Channel/!RP/rpa [u1, {k}]" for k in range(1, 7)), "/Nck/!S/anAOut [u1, 1]"]
+    file = Written("trace.csv", [",".join(f'"{name}"' for name in names)]).write(run(hexapod_case), tmp_path)
+    says = {"format": "sinumerik-trace", "delimiter": ",", "decimal": ".", "header_rows": 1, "clock": {"unit": "s"}}
+    columns = dict(zip([f"l{k}_mm" for k in range(1, 7)] + [f"f{k}_N" for k in range(1, 7)], names[1:13], strict=True))
+    form = RecordingFormat.model_validate(says | {"columns": columns | {"t_s": "time"}, "filter_cutoff_Hz": 40.0})
+    found = look(file, hexapod_case.model_copy(update={"recording": form}))
+    assert found.reads, found.odd
+    assert found.settings["clock"] == {"unit": "s"}
+
+
+def test_a_case_that_reads_an_export_as_plain_text_is_left_alone(hexapod_case: Case, tmp_path: Path) -> None:
+    """The Scope's header is known, and what the case says of it by hand stays right."""
+    table = run(hexapod_case)
+    lines = ["Name\tScope", "", "\t".join(["Name", *(f"ch{k}" for k in range(13))])]
+    lines += ["\t".join(f"{v:.9g}".replace(".", ",") for v in row * np.r_[1e3, np.ones(13)]) for row in table]
+    file = tmp_path / "scope.csv"
+    file.write_text("\n".join(lines) + "\n")
+    names = ["t_s", *(f"l{k}_mm" for k in range(1, 7)), *(f"f{k}_N" for k in range(1, 7)), "trigger"]
+    says = {"delimiter": "\t", "decimal": ",", "header_rows": 3, "column_names": names, "clock": {"unit": "ms"}}
+    form = RecordingFormat.model_validate(says | {"filter_cutoff_Hz": 40.0})
+    found = look(file, hexapod_case.model_copy(update={"recording": form}))
+    assert found.reads, found.odd
+    assert found.unchanged
