@@ -172,8 +172,8 @@ QUANTITIES = (LENGTHS, ANGLES, FORCES, MOMENTS, TIMES, SHARES)
 
 COUNTS = frozenset(
     {
-        "count", "counts", "cts", "lsb", "adc", "adu", "inc", "incs", "increment", "increments", "tick", "ticks",
-        "digit", "digits", "pulses",
+        "cnt", "cnts", "count", "counts", "cts", "lsb", "adc", "adu", "inc", "incs", "increment", "increments", "tick",
+        "ticks", "digit", "digits", "pulses",
     }
 )  # fmt: skip
 """What converters and encoders count, in small letters: numbers that have a unit only by a factor."""
@@ -194,3 +194,9 @@ def is_unit(text: str) -> bool:
     plain = plain_unit(text)
     known = plain in _OTHERS or plain.casefold() in COUNTS
     return known or any(units.symbol(plain) not in (None, "1") for units in QUANTITIES)
+
+
+def is_other_unit(text: str, units: Units) -> bool:
+    """Whether a text is the symbol of a unit, letter by letter, that is not one of this quantity."""
+    every = _OTHERS.union(*(table for table in QUANTITIES if table is not units))
+    return text in every and units.symbol(text) is None

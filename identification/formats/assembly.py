@@ -162,6 +162,7 @@ def _pose(table: ColumnTable, case: Case) -> tuple[Array | None, Array | None]:
         return None, turns
     if positions is None or turns is None:
         raise _incomplete(table, POSE[0] if positions is None else ANGLES[0])
+    _require_place(table, positions, case)
     roll_pitch_yaw = _roll_pitch_yaw(turns)
     if table.stamps is not None:
         roll_pitch_yaw = np.unwrap(roll_pitch_yaw, axis=0)  # from row to row less than half a turn
@@ -294,11 +295,30 @@ def _require_reach(stream: Stream, case: Case, factor: float) -> None:
         return
     low, high = lengths_of_struts(case)
     middle = float(np.median(np.abs(stream.struts[:_FIRST])))
-    fitting = [unit for unit, value in LENGTHS.items() if low <= middle / factor * value <= high]
-    if fitting and not low <= middle <= high:
+    if not middle:
+        return  # found where the channel never changes
+    apart = {unit: abs(np.log(middle / factor * value / np.sqrt(low * high))) for unit, value in LENGTHS.items()}
+    nearest = min(apart, key=lambda unit: apart[unit])
+    if not low <= middle <= high and low <= middle / factor * LENGTHS[nearest] <= high:
         problem = f"struts of {middle / MM:.4g} mm where the machine has {low / MM:.4g} to {high / MM:.4g} mm"
-        remedy = f"they seem to be in {fitting[0]}: set recording.units.struts = '{fitting[0]}'"
+        remedy = f"they seem to be in {nearest}: set recording.units.struts = '{nearest}'"
         raise RecordingError(f"{stream.source}, {stream.lines.place(0)}", problem, remedy)
+
+
+def _require_place(table: ColumnTable, positions: Array, case: Case) -> None:
+    """Raises RecordingError where positions, shape (n, 3) [m], are about home in another unit, but not in this one."""
+    if case.hexapod is None or any(k in {**table.form.scale, **table.form.offset} for k in POSE[:3]):
+        return
+    home, middle = case.hexapod.home.vector[:3], np.median(positions[:_FIRST], axis=0)
+    most = sum(lengths_of_struts(case)) / 4.0  # half a usual strut
+    own = table.factors[POSE[0]]
+    apart = {unit: float(np.linalg.norm(middle / own * value - home)) for unit, value in LENGTHS.items()}
+    nearest = min(apart, key=lambda unit: apart[unit])
+    if apart[nearest] <= most < float(np.linalg.norm(middle - home)):
+        place = ", ".join(f"{value / MM:.4g}" for value in middle)
+        problem = f"positions about {place} mm, where home is at {', '.join(f'{v / MM:.4g}' for v in home)} mm"
+        remedy = f"they seem to be in {nearest}: set recording.units.positions = '{nearest}'"
+        raise RecordingError(table.place(0, POSE[0]), problem, remedy)
 
 
 _AROUND_HOME = 2.5  # times the length at home that a strut may have where the case states no workspace

@@ -4,10 +4,11 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from cases.unit_names import COUNTS, Units, is_unit, plain_unit
+from cases.unit_names import COUNTS, Units, is_other_unit, is_unit, plain_unit
 
 _BRACKETED = re.compile(r"\[([^\]]*)\]|\(([^)]*)\)|<([^>]*)>|\{([^}]*)\}")
 # Letters that may be a unit which we do not know: names of channels and addresses have digits or other signs.
+_PREFIX = re.compile(r"^(?:in|units?|einheit)\b[:=\s]+", re.I)
 _LIKE_A_UNIT = re.compile(r"[A-Za-zµμ°%Ω/*·^²³]{2,12}")
 _WORD = re.compile(r"(?<![A-Za-zµμ])[A-Za-zµμ°%]+(?![A-Za-z0-9])")  # not those that a number follows, as in m1
 _DIGIT = re.compile(r"\d")
@@ -80,33 +81,41 @@ def _of_column(label: str, cell: str, units: Units) -> StatedUnit | None:
 
 def _of_label(label: str, units: Units) -> StatedUnit | None:
     """The unit that a label states itself."""
-    bracketed = [next(filter(None, groups), "").strip() for groups in _BRACKETED.findall(label)]
-    bracketed = [text for text in bracketed if text and text != "1"]  # an index, more often than a ratio
-    for text in bracketed:
-        if symbol := units.symbol(text):
-            return StatedUnit(text, symbol)
-    for text in bracketed:
-        if is_unit(text) and text not in ("-", "none"):
-            return StatedUnit(text, None)
-    for text in bracketed:
-        words = _WORD.findall(text)
-        known = [word for word in words if units.symbol(word) not in (None, "1")]
-        if known:  # with a factor it is another unit, with words about the signal it is the same
-            others = [word for word in words if word not in known]
-            alone = len(known) == 1 and not _DIGIT.search(text) and all(word.casefold() in _WORDS for word in others)
-            return StatedUnit(text, units.symbol(known[0]) if alone else None)
-        if _LIKE_A_UNIT.fullmatch(text) and _WORDS.isdisjoint(word.casefold() for word in words):
-            return StatedUnit(text, None)
-    return next(_behind(label, units), None)
+    contents = (next(filter(None, groups), "") for groups in _BRACKETED.findall(label))
+    bracketed = [text for content in contents if (text := _PREFIX.sub("", content.strip())) and text != "1"]  # an index
+    stated = [unit for text in bracketed if (unit := _in_brackets(text, units)) is not None]
+    known = next((unit for unit in stated if unit.symbol is not None), None)
+    if known is not None or stated:
+        return known or stated[0]
+    return next(_behind(_BRACKETED.sub(" ", label).strip(" \"'|"), units), None)
+
+
+def _in_brackets(text: str, units: Units) -> StatedUnit | None:
+    """The unit that a text in brackets is, or holds beside words about the signal; None: it is about something else."""
+    if symbol := units.symbol(text):
+        return StatedUnit(text, symbol)
+    if is_unit(text) and text not in ("-", "none"):
+        return StatedUnit(text, None)
+    parts = [part for part in re.split(r"\s*[,;:]\s*", text) if part]
+    words = parts if len(parts) > 1 and any(map(units.symbol, parts)) else _WORD.findall(text)
+    known = [word for word in words if units.symbol(word) not in (None, "1")]
+    others = [word for word in words if word not in known]
+    about = all(word.casefold() in _WORDS for word in others)
+    if known:  # with a factor it is another unit
+        return StatedUnit(
+            text, units.symbol(known[0]) if len(known) == 1 and about and not _DIGIT.search(text) else None
+        )
+    return StatedUnit(text, None) if _LIKE_A_UNIT.fullmatch(text) and not about else None
 
 
 def _behind(label: str, units: Units) -> Iterator[StatedUnit]:
     """Units that end a label without brackets, as in `Force 1 kN`, `x_mm` and `Kraft / N`, the longest first."""
-    for match in re.finditer(r"(?<=[\w°)\]])[_\s/,;:.\-]+(?=[^_\s/,;:.\-])", label):
+    for match in re.finditer(r"(?<=[\w°])(?P<sep>[_\s/,;:=.|\"'\-]+)(?=[^_\s/,;:=.|\"'\-])", label):
         text = label[match.end() :]
-        if text.casefold() not in _AMBIGUOUS and (symbol := units.symbol(text)) is not None and symbol != "1":
+        said = "/" in match["sep"] or text.casefold() not in _AMBIGUOUS
+        if said and (symbol := units.symbol(text)) is not None and symbol != "1":
             yield StatedUnit(text, symbol)
-        elif text in ("V", "mV", "uV", "mV/V") and units.quantity in ("force", "moment"):
+        elif is_other_unit(text, units) and (len(text) > 1 or (text == "V" and units.quantity in ("force", "moment"))):
             yield StatedUnit(text, None)
 
 

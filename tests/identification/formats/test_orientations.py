@@ -176,3 +176,17 @@ def test_struts_alone_need_no_orientation(tmp_path: Path) -> None:
     file = written(tmp_path, csv(rows, ["t_s", *STRUTS, *BAR_FORCES]))
     recording = read(file, case_with(CASE, orientation="rotation vector"))
     np.testing.assert_allclose(recording.struts, SHORT.struts, atol=1e-8)
+
+
+@pytest.mark.parametrize(("unit", "value"), [("m", 1.0), ("in", 0.0254), ("cm", 0.01)])
+def test_positions_that_are_about_home_in_another_unit_alone_are_refused_with_it(
+    unit: str, value: float, tmp_path: Path
+) -> None:
+    rows = np.column_stack([SHORT.t, SHORT.position / value, SHORT.angles("xyz"), SHORT.forces])
+    file = written(tmp_path, csv(rows, ["t_s", *POSITIONS, *ANGLES, *BAR_FORCES]))
+    with pytest.raises(
+        RecordingError, match=rf"x_mm: positions about .*recording\.units\.positions = '{unit}'"
+    ) as caught:
+        read(file, CASE)
+    one_line(caught.value)
+    np.testing.assert_allclose(read(file, case_with(units={"positions": unit})).struts, SHORT.struts, atol=1e-8)
