@@ -74,7 +74,9 @@ def _require_values(table: ColumnTable) -> None:
     for ours, column in table.values.items():
         missing = np.isnan(column)
         if (count := np.count_nonzero(missing)) > MOST_MISSING * len(column):
-            problem = f"is empty, like {count} of the {len(column)} rows of this column"
+            problem = (
+                f"is empty, like {count} of the {len(column)} rows of this column, more than {100 * MOST_MISSING:g} %"
+            )
             remedy = "record again, or give a file of its own to what is sampled less often"
             if count < len(column):
                 held = "if a value stands there only where it has changed, set recording.empty = 'hold'"
