@@ -7,8 +7,8 @@ from functools import cached_property
 from pathlib import Path
 
 from cases.controller import ControllerName
-from cases.errors import HexciteError, ProgramError
-from cases.files import atomic_file, check_file
+from cases.errors import FileProblem, HexciteError, ProgramError
+from cases.files import atomic_file, check_file, read_whole
 from cases.schema import Case
 from cases.units import as_html
 from identification.precision import limit_lines
@@ -188,6 +188,9 @@ class Program:
     _repr_html_ = as_html
 
 
+MOST_PROGRAM = 1 << 29  # bytes of a program that is read; those of the longest motions stay far below
+
+
 def read_program(file: Path | str, case: Case, name: str | None = None) -> Program:
     """Reads a program.
 
@@ -201,8 +204,8 @@ def read_program(file: Path | str, case: Case, name: str | None = None) -> Progr
     path = Path(file)
     spoken = dialect_of_file(str(path)) if name is None else dialect(name)
     try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise ProgramError(path, 0, 0, f"cannot be read ({error.strerror}); name a program file") from error
+        content = read_whole(path, MOST_PROGRAM)
+    except FileProblem as error:
+        raise ProgramError(path, 0, 0, f"{error.problem}; name a program file") from error
     reading = spoken.read(content, str(path), case)
     return Program(path, spoken, content, reading, spoken.guarantees(reading, case), case)

@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from cases.errors import FileProblem, HexciteError, InfeasiblePlan
+from cases.files import MOST_JSON, read_whole
 from cases.machine import POSE
 from cases.schema import Case
 from cases.tables import Number, Part, Positive, find_case, own_units, read_tables, si
@@ -92,8 +93,10 @@ def load_poses(file: Path, columns: Sequence[str] = POSE) -> Array:
         FileProblem: it cannot be read, columns are missing, or a row holds no numbers.
     """
     try:
-        lines = file.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
+        lines = read_whole(file, MOST_JSON).decode().splitlines()
+    except FileProblem as error:
+        raise FileProblem(file, error.problem, _WANTED) from error
+    except UnicodeDecodeError as error:
         raise FileProblem(file, f"cannot be read ({error})", _WANTED) from error
     rows = [line.split(",") for line in lines if line.strip() and not line.startswith("#")]
     header = [cell.strip() for cell in rows[0]] if rows else []

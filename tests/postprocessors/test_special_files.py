@@ -1,0 +1,25 @@
+"""A pipe or a device is not a program: reading it would wait for ever, or take all memory."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from cases.errors import FileProblem, ProgramError
+from cases.schema import load_case
+from planner.families.manual import load_poses
+from postprocessors.dialects import read_program
+from tests.helpers import one_line
+
+
+@pytest.mark.parametrize("kind", ["pipe", "endless device", "folder", "nothing"])
+def test_what_is_not_a_regular_file_is_refused_at_once(kind: str, tmp_path: Path) -> None:
+    place = {"endless device": Path("/dev/zero"), "folder": tmp_path}.get(kind, tmp_path / "run.ngc")
+    if kind == "pipe":
+        os.mkfifo(place)
+    problem = {"folder": "is a folder", "nothing": "No such file"}.get(kind, "is a pipe or device, not a file")
+    with pytest.raises(ProgramError, match=rf"cannot be read \({problem}.*name a program file") as caught:
+        read_program(place, load_case("hexapod"), "linuxcnc")
+    assert one_line(caught.value).startswith(str(place))
+    with pytest.raises(FileProblem, match=rf"cannot be read \({problem}.*CSV of poses"):
+        load_poses(place)
