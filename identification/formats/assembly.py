@@ -152,9 +152,10 @@ def _single(table: ColumnTable, ours: str) -> Array | None:
 def _pose(table: ColumnTable, case: Case) -> tuple[Array | None, Array | None]:
     """Poses of a hexapod, shape (n, 6) [m, rad], and orientations, shape (n, 3, 3); None where the table has none.
 
-    A chain's pose follows from its joints, that of a sensor without a machine is its orientation.
+    A chain's pose follows from its joints, that of a sensor without a machine is its orientation; where a hexapod's
+    struts were recorded too, these count.
     """
-    if case.chain is not None:
+    if case.chain is not None or {STRUTS[0], DRIVES[0]} & table.values.keys():
         return None, None
     turns, positions = _orientation(table), None if case.hexapod is None else _group(table, POSE[:3])
     angles = {*ANGLES} & table.values.keys()

@@ -190,3 +190,9 @@ def test_positions_that_are_about_home_in_another_unit_alone_are_refused_with_it
         read(file, CASE)
     one_line(caught.value)
     np.testing.assert_allclose(read(file, case_with(units={"positions": unit})).struts, SHORT.struts, atol=1e-8)
+
+
+def test_struts_beside_half_a_pose_are_enough(tmp_path: Path) -> None:
+    rows = np.column_stack([SHORT.t, SHORT.struts * 1e3, SHORT.position * 1e3, SHORT.forces])
+    file = written(tmp_path, csv(rows, ["t_s", *STRUTS, *POSITIONS, *BAR_FORCES]))
+    np.testing.assert_allclose(read(file, CASE).struts, SHORT.struts, atol=1e-8)
