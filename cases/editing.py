@@ -13,7 +13,7 @@ Change = tuple[str, Any, Any]
 """Dotted key, value before and value after; None: it is not there."""
 
 
-_SECTION = "columns"  # a table of this name gets a section of its own, others are written in one line
+_SECTIONS = ("columns", "files")  # tables of these names get sections of their own, others are written in one line
 _MARK = "\ufeff"  # of UTF-8, as Windows editors write it
 
 
@@ -116,7 +116,7 @@ def _replace(table: Any, values: Mapping[str, Any]) -> None:
         if isinstance(value, Mapping) and isinstance(table.get(key), Mapping):
             _replace(table[key], value)
         elif key not in table or table[key].unwrap() != value:
-            table[key] = _item(value, key == _SECTION and isinstance(table, tomlkit.items.Table))
+            table[key] = _item(value, key in _SECTIONS and isinstance(table, tomlkit.items.Table))
     last = _last_section(table)
     for item in below:
         last.add(item)
@@ -148,6 +148,11 @@ def _item(value: Any, section: bool) -> Any:
     """A value as an item of tomlkit's: tables in one line, or as a section."""
     import tomlkit
 
+    if section and isinstance(value, list | tuple) and value and all(isinstance(v, Mapping) for v in value):
+        tables = tomlkit.aot()
+        for inner in value:
+            tables.append(_item(inner, True))
+        return tables
     if isinstance(value, list | tuple):
         array = tomlkit.array()
         for inner in value:
@@ -157,5 +162,5 @@ def _item(value: Any, section: bool) -> Any:
         return tomlkit.item(value)
     item: Any = tomlkit.table() if section else tomlkit.inline_table()
     for key, inner in value.items():
-        item[key] = _item(inner, False)
+        item[key] = _item(inner, section and key in _SECTIONS)
     return item

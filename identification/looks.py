@@ -3,7 +3,7 @@
 The proposal is tried: the file is read with it as `identify` reads it, up to the estimate.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,9 @@ from pydantic import ValidationError
 from cases.editing import Change, changes_of, write_table
 from cases.errors import CaseError, FileProblem, HexciteError, RecordingError
 from cases.files import toml_value
-from cases.recording_format import CLOCK, RecordingFormat
+from cases.machine import POSE
+from cases.orientation import QUATERNION, ROTATION
+from cases.recording_format import CLOCK, DRIVES, TICKS, FileFormat, RecordingFormat
 from cases.schema import Case
 from cases.tables import built_in_cases, find_case
 from cases.units import Array, as_html
@@ -22,7 +24,16 @@ from identification.formats.binary import Topic
 from identification.formats.families import words_of
 from identification.formats.layout import TextColumns, look_at_text
 from identification.formats.meaning import meaning_of
-from identification.formats.proposal import CUTOFF_HZ, LAYOUT, proposed, rate_of, stated_of
+from identification.formats.proposal import (
+    CUTOFF_HZ,
+    LAYOUT,
+    Proposal,
+    missing_parts,
+    proposal_of_run,
+    proposed,
+    rate_of,
+    stated_of,
+)
 from identification.formats.reading import bag_of, is_bag, is_parquet, read_tables
 from identification.formats.table import listed
 from identification.formats.topics import BagTopic, bag_topics
@@ -56,6 +67,7 @@ class Look:
     unchanged: bool = False  # whether the settings are those that the case has
     topics: tuple[BagTopic, ...] = ()  # of a bag
     rate: float | None = None  # rows per second; None where there is no clock
+    others: tuple[Path, ...] = ()  # more files of the run
 
     @property
     def reads(self) -> bool:
@@ -65,12 +77,7 @@ class Look:
     @property
     def toml(self) -> str:
         """The settings as a case file has them."""
-        plain = {key: value for key, value in self.settings.items() if key != "columns"}
-        lines = ["[recording]", *(f"{key} = {toml_value(value)}" for key, value in plain.items())]
-        if "columns" in self.settings:
-            columns = self.settings["columns"].items()
-            lines += ["", "[recording.columns]", *(f"{ours} = {toml_value(theirs)}" for ours, theirs in columns)]
-        return "\n".join(lines)
+        return "\n".join(_toml("[recording]", "recording", self.settings))
 
     def write(self, case: Path | str, overwrite: bool = False) -> tuple[Change, ...]:
         """Makes `[recording]` of a case file the proposal, and returns what changed; all else, comments too, stays.
@@ -118,25 +125,40 @@ class Look:
         rate = "" if self.rate is None else f", {self.rate:.4g} a second"
         if self.topics:
             return f"{self.file}: a bag of {len(self.topics)} topics"
-        return f"{self.file}: {self.rows} rows{rate}, {len(self.columns)} columns"
+        more = f" and {len(self.others)} more of the run" if self.others else ""
+        return f"{self.file}{more}: {self.rows} rows{rate}, {len(self.columns)} columns"
 
 
-def look(file: Path | str, case: Case | None = None) -> Look:
-    """What a file of unknown format is likely to be.
+def _toml(header: str, name: str, settings: Mapping[str, Any]) -> list[str]:
+    """Lines of a table; columns and files have sections of their own."""
+    lines = [header, *(f"{k} = {toml_value(v)}" for k, v in settings.items() if k not in ("columns", "files"))]
+    if columns := settings.get("columns"):
+        lines += ["", f"[{name}.columns]", *(f"{ours} = {toml_value(theirs)}" for ours, theirs in columns.items())]
+    for table in settings.get("files", ()):
+        lines += ["", *_toml(f"[[{name}.files]]", f"{name}.files", table)]
+    return lines
+
+
+def look(files: Path | str | Sequence[Path | str], case: Case | None = None) -> Look:
+    """What a file of unknown format is likely to be, or the files of one run.
 
     Args:
-        file: text, Parquet, or the folder of a ROS 2 bag.
+        files: text, Parquet, or the folder of a ROS 2 bag.
         case: the machine that it was recorded on, with what it states of its recordings; without one, units and
             completeness follow from the names alone.
 
     Raises:
-        RecordingError: the file cannot be read, or holds no table of numbers.
+        RecordingError: a file cannot be read, or holds no table of numbers.
     """
-    file = bag_of(Path(file))
-    if is_bag(file):
-        return _bag(file, case)
-    own = None if case is None or not _says_how(case) else _refusal(file, case.recording, case)
-    return _table(file, case, own)
+    places = [bag_of(Path(files))] if isinstance(files, Path | str) else [bag_of(Path(file)) for file in files]
+    if not places:
+        raise RecordingError("no recording is named; give the files of one run")
+    if is_bag(places[0]) and len(places) == 1:
+        return _bag(places[0], case)
+    if bag := next((place for place in places if is_bag(place)), None):
+        raise RecordingError(bag, "is a bag, which holds a run alone", "look at it by itself")
+    own = None if case is None or not _says_how(case) else _refusal(places, case.recording, case)
+    return _tables(places, case, own)
 
 
 def _says_how(case: Case) -> bool:
@@ -144,58 +166,89 @@ def _says_how(case: Case) -> bool:
     return bool(case.recording.model_fields_set - {"filter_cutoff_Hz", "rate_Hz"})
 
 
-def _table(file: Path, case: Case | None, own: str | None) -> Look:
-    """The look at a text or a Parquet file; `own`: why the table of the case does not read it."""
-    stated = {} if case is None else stated_of(case.recording)
+def _tables(files: Sequence[Path], case: Case | None, own: str | None) -> Look:
+    """The look at tables of text or Parquet; `own`: why the [recording] of the case does not read them."""
     reads = case is not None and _says_how(case) and own is None
-    try:
-        table = _parquet(file) if is_parquet(file) else look_at_text(file)
-    except RecordingError:
-        if not reads:
-            raise
-        table = _read(file, case)
-    if reads:  # how the file is laid out is known; what look finds of that may differ and be right too
-        if not {*stated.get("columns", {}).values(), *stated.get("column_names", ())} <= {*table.names}:
-            table = _read(file, case)
-        table = replace(table, settings={key: value for key, value in stated.items() if key in LAYOUT})
-    proposal = proposed(table, case)
-    settings, doubts = dict(proposal.settings), [*proposal.doubts]
-    problem, read_with, said = _trial(file, settings, case)
+    found = [
+        (file, *(_as_stated(file, case) if reads and case is not None else (_table(file), case))) for file in files
+    ]
+    proposals = [(file, table, proposed(table, its_case, reads)) for file, table, its_case in found]
+    settings = proposal_of_run([(file.name, proposal.settings) for file, _, proposal in proposals])
+    if reads and case is not None and case.recording.files:
+        settings = stated_of(case.recording)
+    problem, read_with, said = _trial(files, settings, case)
+    whole = {ours for _, _, proposal in proposals for ours in proposal.places}
+    doubts = [
+        f"{file.name}: {doubt}" if len(files) > 1 else doubt
+        for file, _, proposal in proposals
+        for doubt in (*proposal.doubts, *missing_parts(proposal.places, whole, proposal.settings))
+    ]
     if own not in (None, problem) and not any("which the file does not have" in doubt for doubt in doubts):
         doubts.insert(0, f"the [recording] that the case has does not read it: {own}")
+    doubts += _of_another_file(files, whole, case)
     unchanged = case is not None and read_with == case.recording
-    doubts += said
-    ours_of = {k: ours for ours, k in proposal.places.items()}
-    columns = tuple(
-        Column(
-            name, ours_of.get(k), proposal.units.get(ours_of.get(k, ""), ""), ours_of.get(k) in proposal.guessed,
-            table.numbers.get(k, np.zeros(0)),
-        )
-        for k, name in enumerate(table.names)
-        if name
-    )  # fmt: skip
-    rows = max(map(len, table.numbers.values()), default=0)
+    columns = [column for _, table, proposal in proposals for column in _columns(table, proposal)]
+    rows = max((len(column.values) for column in columns), default=0)
+    _, table, proposal = proposals[0]
     rate = rate_of(proposal.places, proposal.units, table.numbers, settings)
-    return Look(file, rows, columns, settings, _sentences(problem, doubts), problem, unchanged, (), rate)
+    file = files[0]
+    odd = _sentences(problem, [*doubts, *said])
+    return Look(file, rows, tuple(columns), settings, odd, problem, unchanged, (), rate, tuple(files[1:]))
+
+
+def _of_another_file(files: Sequence[Path], whole: set[str], case: Case | None) -> Iterator[str]:
+    """What to say of a file that holds one half of a run: the other may be in a file of another recorder."""
+    if case is None or case.setup == "1a" or len(files) > 1:
+        return
+    forces = whole >= {*case.sensor_frame.channels}
+    motion = any(whole >= {*group} for group in (case.drive_columns, DRIVES, POSE, ROTATION, QUATERNION))
+    if forces != motion:
+        has, lacks = ("forces", "pose") if forces else ("pose", "forces")
+        both = f"hexcite look {files[0].name} OTHER"
+        yield f"it has {has} and no {lacks}; if another file of the run has them, name both: {both}"
+
+
+def _columns(table: TextColumns, proposal: Proposal) -> Iterator[Column]:
+    """The columns of a file with their meaning."""
+    ours_of = {k: ours for ours, k in proposal.places.items()}
+    clock = table.numbers.get(proposal.places.get(CLOCK, -1))
+    if clock is not None:
+        clock = (clock - clock[0]) * TICKS[proposal.units[CLOCK]]
+    for k, name in enumerate(proposal.names):
+        if name:
+            ours, values = ours_of.get(k), table.numbers.get(k, np.zeros(0))
+            own = clock if clock is not None and len(clock) == len(values) else None
+            yield Column(name, ours, proposal.units.get(ours or "", ""), ours in proposal.guessed, values, own)
+
+
+def _table(file: Path, form: FileFormat | None = None) -> TextColumns:
+    """The columns of a file; `form`: says how it is laid out, else that is found."""
+    return _parquet(file) if is_parquet(file) else look_at_text(file, form)
+
+
+def _as_stated(file: Path, case: Case) -> tuple[TextColumns, Case]:
+    """The columns of a file that a case reads, and the case with the table of its [recording] that reads it."""
+    ways = case.recording.ways(file.name)
+    problem: RecordingError | None = None
+    for form in ways:
+        try:
+            table = _table(file, form)
+        except RecordingError as error:
+            problem = error
+            continue
+        if len(ways) == 1 or {*form.columns.values()} <= {*table.names}:
+            stated = {key: value for key, value in stated_of(form).items() if key != "match"}
+            stated |= {k: v for k, v in stated_of(case.recording).items() if k in ("filter_cutoff_Hz", "rate_Hz")}
+            layout = {key: value for key, value in stated.items() if key in LAYOUT}
+            own = case.model_copy(update={"recording": RecordingFormat.model_validate(stated)})
+            return replace(table, settings=layout), own
+    raise problem or RecordingError(file, "fits several tables of the case", "give each of them a match")
 
 
 def _sentences(problem: str | None, doubts: Iterable[str]) -> tuple[str, ...]:
     """Why a file is not read, then the doubts, each once."""
     first = [] if problem is None else [f"not read with these settings: {problem}"]
     return tuple(dict.fromkeys([*first, *doubts]))
-
-
-def _read(file: Path, case: Case | None) -> TextColumns:
-    """The columns that the case names, as the reader has them: of files that only the case says how to read."""
-    assert case is not None
-    tables = read_tables(file, case.recording)
-    values = {case.recording.file_name(ours): column for table in tables for ours, column in table.values.items()}
-    names, numbers = [*values], dict(enumerate(values.values()))
-    main = max(tables, key=lambda table: table.rows)
-    if main.stamps is None:
-        return TextColumns(names, [], numbers, {}, None)
-    numbers[len(names)] = (main.stamps - main.stamps[0]) * main.tick
-    return TextColumns([*names, case.recording.file_name(CLOCK)], [], numbers, {}, (len(names), "s"))
 
 
 def _parquet(file: Path) -> TextColumns:
@@ -259,7 +312,7 @@ def _bag(bag: Path, case: Case | None) -> Look:
         elif case.recording.columns:
             settings["columns"] = case.recording.columns
     columns = tuple(c for topic in chosen.values() for c in _channels(topic, case, settings))
-    problem, read_with, said = _trial(bag, settings, case)
+    problem, read_with, said = _trial([bag], settings, case)
     doubts += said
     unchanged = case is not None and read_with == case.recording
     rows = sum(topic.messages for topic in chosen.values())
@@ -310,7 +363,7 @@ def _channels(topic: BagTopic, case: Case | None, settings: Mapping[str, Any]) -
 
 
 def _trial(
-    file: Path, settings: Mapping[str, Any], case: Case | None
+    files: Sequence[Path], settings: Mapping[str, Any], case: Case | None
 ) -> tuple[str | None, RecordingFormat | None, list[str]]:
     """Why a file is not read with some settings, None where it is; the settings, where they can be; warnings of it."""
     try:
@@ -318,20 +371,23 @@ def _trial(
     except ValidationError as error:
         return "; ".join(str(problem["msg"]).removeprefix("Value error, ") for problem in error.errors()), None, []
     said: list[str] = []
-    return _refusal(file, form, case, said), form, said
+    return _refusal(files, form, case, said), form, said
 
 
-def _refusal(file: Path, form: RecordingFormat, case: Case | None, said: list[str] | None = None) -> str | None:
-    """Why `identify` would not begin to estimate from a file that is written so; None: it would.
+def _refusal(
+    files: Sequence[Path], form: RecordingFormat, case: Case | None, said: list[str] | None = None
+) -> str | None:
+    """Why `identify` would not begin to estimate from files that are written so; None: it would.
 
     `said` takes the warnings of what was read.
     """
     try:
         if case is None:
-            findings = [finding for table in read_tables(file, form) for finding in table.findings]
+            tables = [table for file in files for table in read_tables(file, form)]
+            findings = [finding for table in tables for finding in table.findings]
         else:
             own = case.model_copy(update={"recording": form})
-            read_run = read(file, own)
+            read_run = read(files, own)
             findings = [*read_run.findings]
             _, recording = scan(on_one_clock(read_run, own), own)
             if recording.t is not None:
@@ -339,9 +395,9 @@ def _refusal(file: Path, form: RecordingFormat, case: Case | None, said: list[st
     except HexciteError as error:
         if isinstance(error, CaseError):
             raise
-        return _without_file(error, file)
+        return _without_file(error, files[0])
     if said is not None:
-        said += [_without_file(finding, file) for finding in findings if finding.severity == "warning"]
+        said += [_without_file(finding, files[0]) for finding in findings if finding.severity == "warning"]
     return None
 
 

@@ -53,7 +53,7 @@ def format_of(head: Sequence[bytes], form: FileFormat) -> TextFormat:
 def read(file: Path, form: FileFormat) -> Iterator[ColumnTable]:
     """The tables of a text file, one for each clock; raises RecordingError with the place and the remedy."""
     content = content_of(file)
-    known, layout = _described(content, form)
+    known, layout = described(content, form)
     chosen = select(file, layout.fields, layout.form)
     if not chosen.keys() - {CLOCK}:
         if form.column_names is None and known.name == "csv" and plain.is_headless(layout.names):
@@ -84,7 +84,7 @@ def _require_values(table: ColumnTable) -> None:
             raise RecordingError(table.place(int(np.argmax(missing)), ours), problem, remedy)
 
 
-def _described(content: Content, form: FileFormat) -> tuple[TextFormat, Layout]:
+def described(content: Content, form: FileFormat) -> tuple[TextFormat, Layout]:
     """The format and the layout of a file: what its lines say themselves, unless the case states something else."""
     head = content.head()
     own = format_of(head, form)

@@ -13,7 +13,7 @@ from cases.recording_format import TICKS, FileFormat
 from cases.units import Array
 from identification.formats import halsampler, plain
 from identification.formats.content import LONGEST_LINE, Content, content_of, section_of
-from identification.formats.known import TextFormat, format_of
+from identification.formats.known import TextFormat, described, format_of
 from identification.formats.meaning import known_among
 from identification.formats.plain import SAMPLE
 from identification.formats.table import MOST_MISSING
@@ -36,14 +36,21 @@ class TextColumns:
     clock: tuple[int, str] | None  # the column of time stamps where the format says which it is, and their unit
 
 
-def look_at_text(file: Path) -> TextColumns:
-    """Columns of a text file of unknown layout; raises RecordingError where it holds no table of numbers."""
+def look_at_text(file: Path, stated: FileFormat | None = None) -> TextColumns:
+    """Columns of a text file; raises RecordingError where it holds no table of numbers.
+
+    `stated`: how it is laid out; None: that is not known.
+    """
     content = content_of(file)
-    head = content.head()
-    known = format_of(head, FileFormat())
-    settings = _guessed(content, head) if known.guessed else {}
-    form = FileFormat.model_validate(settings).model_copy(update={"format": known.name})
-    layout = known.layout(content, head, form)
+    settings: dict[str, Any] = {}
+    if stated is None:
+        head = content.head()
+        known = format_of(head, FileFormat())
+        settings = _guessed(content, head) if known.guessed else {}
+        form = FileFormat.model_validate(settings).model_copy(update={"format": known.name})
+        layout = known.layout(content, head, form)
+    else:
+        known, layout = described(content, stated)
     rows = _sample(content, layout)
     numeric = [k for k, column in enumerate(zip(*rows, strict=True)) if _is_numeric(column, layout.form)]
     if not layout.sections:
@@ -51,11 +58,11 @@ def look_at_text(file: Path) -> TextColumns:
     clocks = sorted({field.clock for field in layout.fields if field.clock is not None})
     wanted = {str(k): k for k in numeric if k not in clocks and (layout.fields[k].name or known.guessed)}
     sparse = [k for k in wanted.values() if _is_sparse([row[k] for row in rows])]
-    if sparse and known.guessed:
+    if sparse and known.guessed and stated is None:
         settings["empty"] = "hold"
     numbers: dict[int, Array] = {}
     clock: tuple[int, str] | None = None
-    names, units = _names(layout), [field.unit for field in layout.fields]
+    names, units = _names(layout, stated), [field.unit for field in layout.fields]
     names = ["" if k in clocks[1:] else name for k, name in enumerate(names)]
     for table in known.tables(content, replace(layout, hold=layout.hold or bool(sparse)), wanted, [*wanted]):
         numbers |= {wanted[ours]: column for ours, column in table.values.items() if np.isfinite(column).any()}
@@ -68,7 +75,8 @@ def look_at_text(file: Path) -> TextColumns:
         elif known.name != "halsampler":  # which does not say how long a step takes
             clock = own, next(unit for unit, tick in TICKS.items() if tick == table.tick)
             numbers[own] = np.asarray(table.stamps, dtype=float)
-    return TextColumns(names, units, numbers, settings | _stated(known, layout, clock), clock)
+    settings |= _stated(known, layout, clock) if stated is None else {}
+    return TextColumns(names, units, numbers, settings, clock)
 
 
 def _stated(known: TextFormat, layout: Layout, clock: tuple[int, str] | None) -> dict[str, Any]:
@@ -86,12 +94,17 @@ def _stated(known: TextFormat, layout: Layout, clock: tuple[int, str] | None) ->
             return {}
 
 
-def _names(layout: Layout) -> list[str]:
-    """A name for each field: of those that a file has for it the ones by which most columns are known."""
+def _names(layout: Layout, stated: FileFormat | None) -> list[str]:
+    """A name for each field: of those that a file has for it the ones that are stated, or by which most are known."""
     usual = [field.name for field in layout.fields]
     most = max((len(field.also) for field in layout.fields), default=0)
     other = [[field.also[k] if k < len(field.also) else field.name for field in layout.fields] for k in range(most)]
-    return max([usual, *other], key=known_among)
+    best = max([usual, *other], key=known_among)
+    mapped = set() if stated is None else {*stated.columns.values()}
+    return [
+        next((own for own in (field.name, *field.also) if own in mapped), name)
+        for field, name in zip(layout.fields, best, strict=True)
+    ]
 
 
 def _sample(content: Content, layout: Layout) -> list[list[str]]:

@@ -4,12 +4,14 @@ What the case states counts before what names say, and names before what values 
 sentence.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from cases.chain import Joint
 from cases.orientation import ANGLES, CONVENTIONS, QUATERNION, ROLL_PITCH_YAW
 from cases.recording_format import (
     BAR_FORCES,
@@ -22,11 +24,11 @@ from cases.recording_format import (
     TICKS,
     TRIGGER,
     WRENCH,
-    RecordingFormat,
+    FileFormat,
     Role,
 )
 from cases.schema import Case
-from cases.units import Array
+from cases.units import DEG, MM, Array
 from identification.formats.families import words_of
 from identification.formats.labels import StatedUnit, counted, stated_unit
 from identification.formats.layout import TextColumns
@@ -42,6 +44,9 @@ _SLOW = 1.0  # rows per second below which a stated unit of stamps is taken for 
 _CUTOFF_SHARE = 0.19  # of the rows per second; the reader takes a fifth at most
 _AROUND_HOME = 2.5  # times the length at home that a strut may have where the case states no workspace
 _MOST_RADIANS = 6.5  # of joints; in degrees one of them is beyond that in any motion
+_MOST_METRES = 2.0  # of joints that slide; in millimetres one of them is beyond that in any motion
+_NEARER = 3.0  # times nearer to home, from which on one unit fits and the other does not
+_BEYOND = 1.0  # degrees or millimetres beyond the ends of a joint that a recording may have
 _RUNNING = 0.04  # share of the steps of a clock that go on, at least: others stand for many rows
 _ONWARD = 0.5  # sum of all steps over that of their sizes, at least: others begin anew again and again
 
@@ -58,24 +63,26 @@ class Proposal:
     places: Mapping[str, int]  # our name -> position in the file
     units: Mapping[str, str]  # our name -> unit that the file is taken to use; empty where there is none
     guessed: frozenset[str]  # our names whose unit follows from values alone
+    names: tuple[str, ...]  # of the columns, those that the case gives them where the file does not
     settings: Mapping[str, Any]  # `[recording]` by key
     doubts: tuple[str, ...]  # what a person should compare or complete, a sentence each
 
 
-def stated_of(form: RecordingFormat) -> dict[str, Any]:
+def stated_of(form: FileFormat) -> dict[str, Any]:
     """The keys that a case states in `[recording]`, as TOML has them."""
     stated: dict[str, Any] = form.model_dump(mode="json", exclude_unset=True, exclude_none=True)
     return stated
 
 
-def proposed(table: TextColumns, case: Case | None) -> Proposal:
+def proposed(table: TextColumns, case: Case | None, as_stated: bool = False) -> Proposal:
     """The meaning of a table's columns, and the settings by which it is read.
 
     Args:
         table: as the file has it.
         case: the machine, and what it states of its recordings; None: names alone count.
+        as_stated: whether the case reads the file, so that what it states of names and clocks holds.
     """
-    draft = _Draft(table, case)
+    draft = _Draft(table, case, as_stated)
     draft.place()
     draft.choose_clock()
     draft.choose_single()
@@ -85,21 +92,23 @@ def proposed(table: TextColumns, case: Case | None) -> Proposal:
     draft.choose_units()
     settings = draft.settings()
     return Proposal(
-        draft.places, draft.units, frozenset(draft.guessed), settings, tuple(dict.fromkeys(draft.doubts))
+        draft.places, draft.units, frozenset(draft.guessed), draft.names, settings,
+        tuple(dict.fromkeys(draft.doubts)),
     )  # fmt: skip
 
 
 class _Draft:
     """A proposal that is being made, in the order of `proposed`."""
 
-    def __init__(self, table: TextColumns, case: Case | None) -> None:
-        self.table, self.case, self.numbers = table, case, table.numbers
+    def __init__(self, table: TextColumns, case: Case | None, as_stated: bool) -> None:
+        self.table, self.case, self.numbers, self.as_stated = table, case, table.numbers, as_stated
         self.stated: dict[str, Any] = {} if case is None else stated_of(case.recording)
         self.layout, self.names = dict(table.settings), tuple(table.names)
-        own = self.stated.get("column_names")
-        if own and len(own) == len(self.layout.get("column_names", ())):  # a file without names of its own
+        own, given = self.stated.get("column_names", ()), self.layout.get("column_names", ())
+        if own and len(own) == len(given):  # a file without names of its own
             self.layout["column_names"] = own
-            self.names = (*own, *self.names[len(own) :])
+            renamed = dict(zip(given, own, strict=True))
+            self.names = tuple(renamed.get(name, name) for name in self.names)
         self.said = meaning_of(self.names, case)
         self.places: dict[str, int] = {}
         self.units: dict[str, str] = {}
@@ -228,6 +237,7 @@ class _Draft:
                     f"{self.units[ours]}"
                 )
         self._check_clock_unit(by_values)
+        self._check_motion_units(values)
         self._ask_for_scales(values)
         if self.guessed:
             groups: dict[str, list[str]] = {}
@@ -248,6 +258,16 @@ class _Draft:
             f"second; they seem to be in {unit}, {1.0 / (step * TICKS[unit]):.4g} rows a second: recording.clock.unit"
         )
         self.units[CLOCK] = self.guessed[CLOCK] = unit
+
+    def _check_motion_units(self, values: Mapping[str, Array]) -> None:
+        """Says where joints, in the unit that is stated, are where the machine does not come."""
+        for unit, columns, sure in _units_of_motion(values, self.case):
+            if sure and not self.guessed.keys() & {*columns} and {self.units[ours] for ours in columns} != {unit}:
+                role = ROLE_OF[columns[0]]
+                self.doubts.append(
+                    f"{span(columns)}: in {self.units[columns[0]]} the joints are far from home or beyond their ends, "
+                    f"in {unit} they are not; if they are in {unit}, state recording.units.{role} = '{unit}'"
+                )
 
     def _ask_for_scales(self, values: Mapping[str, Array]) -> None:
         """Says which channels need a scale: those in counts, or in a unit of another quantity."""
@@ -277,6 +297,8 @@ class _Draft:
         if units := dict(self._differing_units(ordered)):
             result["units"] = units
         clock = dict(self.stated.get("clock", {}))  # some formats are not valid without a unit
+        if CLOCK in self.places and not self.as_stated and clock.pop("period_ms", None) is not None:
+            self.doubts.append(f"{self.name(CLOCK)} has time stamps: recording.clock.period_ms of the case is left out")
         if not own_clock:
             stated = clock.pop("unit", None) is not None and CLOCK in self.units
             if stated or self.clock_unit_stated or self.units.get(CLOCK, "s") != "s":
@@ -284,10 +306,9 @@ class _Draft:
         clock |= result.pop("clock", {})
         result |= {"clock": clock} if clock else {}
         result |= {"orientation": self.orientation} if self.orientation is not None else {}
-        own = LAYOUT | {"columns", "units", "clock", "filter_cutoff_Hz", "rate_Hz"}
+        own = LAYOUT | {"columns", "units", "clock", "filter_cutoff_Hz", "rate_Hz", "files"}
         result |= {key: value for key, value in self.stated.items() if key not in own}
         self._add_filter(result)
-        self.doubts += self._missing(result)
         return result
 
     def _differing_units(self, ordered: Sequence[str]) -> Iterator[tuple[str, str]]:
@@ -323,12 +344,44 @@ class _Draft:
         if expected != USUAL_RATE or "rate_Hz" in self.stated:
             settings["rate_Hz"] = expected
 
-    def _missing(self, settings: Mapping[str, Any]) -> Iterator[str]:
-        """Sentences on what a person should complete."""
-        if CLOCK not in self.places and "period_ms" not in settings.get("clock", {}):
-            yield "no clock: each row is taken for an averaged standstill; of a motion state recording.clock.period_ms"
-        elif TRIGGER not in self.places and "trigger" not in settings:
-            yield "no trigger: the whole motion is evaluated, the ways from and to home too"
+
+def missing_parts(places: Container[str], of_run: Container[str], settings: Mapping[str, Any]) -> Iterator[str]:
+    """Sentences on what a person should complete in a file.
+
+    Args:
+        places: what the file has, by our names.
+        of_run: what all files of the run have.
+        settings: `[recording]` of the run.
+    """
+    if CLOCK not in places and "period_ms" not in settings.get("clock", {}):
+        yield "no clock: each row is taken for an averaged standstill; of a motion state recording.clock.period_ms"
+    elif TRIGGER not in of_run and "trigger" not in settings:
+        yield "no trigger: the whole motion is evaluated, the ways from and to home too"
+
+
+_OF_A_FILE = LAYOUT | {"columns", "units", "clock", "orientation", "scale", "offset"}
+"""Keys of `[recording]` that may differ between the files of a run."""
+
+
+def proposal_of_run(proposals: Sequence[tuple[str, Mapping[str, Any]]]) -> dict[str, Any]:
+    """`[recording]` of a run from that of each of its files, by name: one table where they agree, else one for each."""
+    own = [{key: value for key, value in settings.items() if key in _OF_A_FILE} for _, settings in proposals]
+    common = {key: value for _, settings in reversed(proposals) for key, value in settings.items()}
+    machine = {key: value for key, value in common.items() if key not in _OF_A_FILE}
+    if "filter_cutoff_Hz" in machine:
+        machine["filter_cutoff_Hz"] = min(settings["filter_cutoff_Hz"] for _, settings in proposals)
+    alike = all({**table, "columns": None} == {**own[0], "columns": None} for table in own)
+    columns: dict[str, str] = {}
+    for table in own:
+        alike &= all(columns.get(ours, theirs) == theirs for ours, theirs in table.get("columns", {}).items())
+        columns |= table.get("columns", {})
+    if alike and len({*columns.values()}) == len(columns):
+        return {**own[0], **machine, **({"columns": columns} if columns else {})}
+    patterns = [re.sub(r"\d+", "*", name) for name, _ in proposals]
+    distinct = len({*patterns}) == len(patterns)
+    matches = patterns if distinct else [name for name, _ in proposals]
+    files = [{"match": match, **table} for match, table in zip(matches, own, strict=True)]
+    return {**machine, "files": files}
 
 
 def runs(stamps: Array) -> bool:
@@ -406,10 +459,39 @@ def _units_of_values(values: Mapping[str, Array], case: Case | None) -> Iterator
             yield CLOCK, min(possible, key=lambda unit: abs(np.log(rates[unit] / USUAL_RATE)))
     if STRUTS[0] in values and (length := _strut_unit([values[strut] for strut in STRUTS if strut in values], case)):
         yield from ((strut, length) for strut in STRUTS)
-    turning = [ours for ours in values if ROLE_OF.get(ours) in (Role.JOINTS, Role.ANGLES)]
-    sizes = [float(np.nanmax(np.abs(values[ours]), initial=0.0)) for ours in turning]
-    if turning and max(sizes) <= _MOST_RADIANS:
-        yield from ((ours, "rad") for ours in turning)
+    for unit, columns, _ in _units_of_motion(values, case):
+        yield from ((ours, unit) for ours in columns)
+
+
+def _units_of_motion(values: Mapping[str, Array], case: Case | None) -> Iterator[tuple[str, tuple[str, ...], bool]]:
+    """Units other than the usual ones that fit joints or angles, their columns, and whether the usual one does not."""
+    chain = None if case is None else case.chain
+    for role, usual, other, most in (
+        (Role.JOINTS, DEG, ("rad", 1.0), _MOST_RADIANS),
+        (Role.DRIVES, MM, ("m", 1.0), _MOST_METRES),
+        (Role.ANGLES, DEG, ("rad", 1.0), _MOST_RADIANS),
+    ):
+        columns = tuple(ours for ours in values if ROLE_OF.get(ours) is role and np.isfinite(values[ours]).any())
+        if not columns or (role is Role.DRIVES and chain is None):
+            continue
+        small = max(float(np.nanmax(np.abs(values[ours]))) for ours in columns) <= most
+        joints = {} if chain is None else dict(zip(chain.columns, chain.joints, strict=True))
+        of_chain = [(joints[ours], values[ours]) for ours in columns if ours in joints]
+        fit = [all(_within(joint, v * factor) for joint, v in of_chain) for factor in (usual, other[1])]
+        far = [sum(abs(float(np.nanmedian(v)) * f - joint.home) for joint, v in of_chain) for f in (usual, other[1])]
+        nearer = len(of_chain) == len(columns) and far[1] < far[0] / _NEARER
+        sure = bool(of_chain) and fit[1] and (not fit[0] or nearer)
+        farther = bool(of_chain) and (not fit[1] or far[0] < far[1] / _NEARER)
+        if sure or (small and not farther):
+            yield other[0], columns, sure
+
+
+def _within(joint: Joint, positions: Array) -> bool:
+    """Whether positions, shape (n,) [m or rad], are within the ends of a joint, a little more apart."""
+    low, high = joint.position
+    return bool(
+        np.nanmin(positions) >= low - _BEYOND * joint.unit and np.nanmax(positions) <= high + _BEYOND * joint.unit
+    )
 
 
 def _stated_unit(ours: str, label: str, cell: str) -> StatedUnit | None:

@@ -82,7 +82,10 @@ def identify(
 
 
 def look(
-    recording: Annotated[Path, argument("File of unknown format, text or Parquet, or the folder of a ROS 2 bag.")],
+    recordings: Annotated[
+        list[Path],
+        argument("File of unknown format, text or Parquet, the files of one run, or the folder of a ROS 2 bag."),
+    ],
     case: Annotated[
         str | None, option("Built-in name, folder or file: by its machine units are known, and what is missing.")
     ] = None,
@@ -108,10 +111,10 @@ def look(
     if write is not None and case is not None and hx.load_case(write).origin != hx.load_case(case).origin:
         raise hx.HexciteError(write, f"is not the case that --case names, {case}", "name one of them")
     named = case if write is None else write
-    file = output_place(output, Path(f"{recording.stem}-look.svg"), overwrite)
-    check_file(file, (".svg", ".png", ".pdf"), [recording], overwrite)
+    file = output_place(output, Path(f"{recordings[0].stem}-look.svg"), overwrite)
+    check_file(file, (".svg", ".png", ".pdf"), recordings, overwrite)
     with console.status("looking", json):
-        report = hx.look(recording, None if named is None else hx.load_case(named))
+        report = hx.look(recordings, None if named is None else hx.load_case(named))
         changes = () if write is None or not report.reads else report.write(write, overwrite)
         pictures = _draw(report, file, overwrite)
     columns = [{"name": c.name, "meaning": c.ours, "unit": c.unit, "guessed": c.guessed} for c in report.columns]

@@ -265,3 +265,64 @@ def test_a_case_that_reads_an_export_as_plain_text_is_left_alone(hexapod_case: C
     found = look(file, hexapod_case.model_copy(update={"recording": form}))
     assert found.reads, found.odd
     assert found.unchanged
+
+
+def test_a_run_in_two_files_of_two_recorders_gets_a_table_for_each(hexapod_case: Case, tmp_path: Path) -> None:
+    """Struts of LinuxCNC without names, forces of an amplifier with commas; alone, either is half a run."""
+    table = run(hexapod_case)
+    names = ("trigger", *(f"l{k}_mm" for k in range(1, 7)))
+    case = hexapod_case.model_copy(
+        update={"recording": RecordingFormat.model_validate(
+            {"filter_cutoff_Hz": 40.0, "format": "halsampler", "column_names": names, "clock": {"period_ms": 1.0}}
+        )}
+    )  # fmt: skip
+    struts = tmp_path / "struts_c0.txt"
+    rows = np.column_stack([np.arange(ROWS), table[:, -1], table[:, 1:7]])
+    struts.write_text("".join(" ".join(f"{v:.9g}" for v in row) + " \n" for row in rows))
+    forces = Written(
+        "forces_1.csv", [";".join(["Zeit [ms]", *(f"Kraft {k} [N]" for k in range(1, 7)), "Trigger"])],
+        time=1e3, separator=";", decimal=",", columns=("t", *KEYS[7:13], "trigger"),
+    ).write(table, tmp_path)  # fmt: skip
+    found = look([struts, forces], case)
+    assert found.reads, found.odd
+    assert {c.name: c.ours for c in found.columns if c.name in names} == {name: name for name in names}
+    settings = tomllib.loads(found.toml)["recording"]
+    assert [file["match"] for file in settings["files"]] == ["struts_c*.txt", "forces_*.csv"]
+    assert "period_ms" not in settings["files"][1]["clock"]  # it has stamps of its own
+    read_with = RecordingFormat.model_validate(settings)
+    recording = read([struts, forces], case.model_copy(update={"recording": read_with}))
+    assert np.allclose(recording.forces, table[:, 7:13], atol=1e-5)
+    again = look([forces, struts], case.model_copy(update={"recording": read_with}))
+    assert again.reads
+    assert again.unchanged
+    for half in (struts, forces):
+        alone = look(half, case)
+        assert not alone.reads
+        assert any("OTHER" in sentence for sentence in alone.odd)
+
+
+@pytest.mark.parametrize(
+    ("head", "limits", "unit"),
+    [("A,C", 60.0, None), ("A,C", 1.0, "rad"), ("A [deg],C [deg]", 1.0, "doubt")],
+    ids=["degrees beyond any radians", "radians within the ends", "degrees that are radians"],
+)
+def test_the_unit_of_joints_is_that_in_which_the_machine_can_be_there(
+    head: str, limits: float, unit: str | None, tmp_path: Path
+) -> None:
+    """Ends and home of the machine decide, not the size of the numbers alone."""
+    data = load_case("five_axis_table").model_dump(exclude_none=True)
+    joints = [dict(joint) for joint in data["machine"]["chain"]["joints"]]
+    joints[3] |= {"position_deg": (-90.0, 90.0), "home_deg": 45.0}
+    data["machine"]["chain"]["joints"] = joints
+    case = Case.model_validate({k: data[k] for k in ("schema_version", "name", "title", "setup", "gravity_m_s2",
+                                                     "sensor_frame", "sensors", "machine", "recording")})  # fmt: skip
+    t = np.arange(600) / 500.0
+    turning = np.column_stack([0.8 + 0.2 * np.sin(t), 0.2 * np.sin(t)]) * limits
+    rows = np.column_stack([t, np.tile(50.0 * np.sin(t)[:, None], 3), turning, np.ones((600, 6)) * np.sin(t)[:, None]])
+    file = tmp_path / "run.csv"
+    names = f"Time,X,Y,Z,{head},Fx,Fy,Fz,Mx,My,Mz"
+    file.write_text("\n".join([names, *(",".join(f"{v:.8g}" for v in row) for row in rows)]) + "\n")
+    found = look(file, case)
+    assert found.reads, found.odd
+    assert found.settings.get("units", {}).get("joints") == (unit if unit != "doubt" else None)
+    assert any("recording.units.joints = 'rad'" in sentence for sentence in found.odd) == (unit == "doubt")
