@@ -127,7 +127,7 @@ def _fit(reference: _Edges, other: _Edges, shift: int) -> _ClockMap | None:
     middle, mean = (float(weights @ v / weights.sum()) for v in (other.t[theirs], late))
     away = other.t[theirs] - middle
     spread = float(weights @ away**2)
-    rate = float(weights @ (away * late)) / spread if last - first > 1 else 0.0
+    rate = float(weights @ (away * (late - mean))) / spread if last - first > 1 else 0.0
     fit = _ClockMap(mean, rate, spread**-0.5 if last - first > 1 else np.inf, middle, last - first)
     if np.any(np.abs(late - mean) > half + _MOST_RATE * np.abs(away)):
         return None
@@ -156,13 +156,13 @@ def _joined_by_trigger(reference: Stream, stream: Stream, stated: bool) -> tuple
             sentence = f"{pair}: {edges} agree with recording.clock.offset_s within {1e3 * resolution:.2g} ms"
             return replace(stream, trigger=None), note(Kind.CLOCK, sentence)
         sentence = (
-            f"the clocks of {pair} differ by {fit.shift:.6g} s more than recording.clock.offset_s states, by {edges}"
+            f"the clocks of {pair} differ by {fit.shift:.4f} s more than recording.clock.offset_s states, by {edges}"
         )
         return replace(stream, trigger=None), warning(Kind.CLOCK, f"{sentence}; correct it or leave it out")
     if abs(fit.shift) <= resolution and not fit.differs:
         sentence = f"{pair} have one clock: {edges} agree within {1e3 * resolution:.2g} ms"
         return replace(stream, trigger=None), note(Kind.CLOCK, sentence, clock_offset_s=0.0, clock_rate_ppm=0.0)
-    sentence = f"the clock of {stream.source} is joined with that of {reference.source} by {edges}: {fit.shift:+.6g} s"
+    sentence = f"the clock of {stream.source} is joined with that of {reference.source} by {edges}: {fit.shift:+.4f} s"
     if np.isfinite(fit.rate_std):
         words = "ppm" if fit.differs else "ppm, which is not significant and left out"
         sentence += f", rate {1e6 * fit.rate:+.3g} +- {1e6 * fit.rate_std:.2g} {words}"
