@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import Field, model_validator
 
-from cases.tables import NonNegative, Number, Part, Positive, PositiveVector, Range, Vector, frozen, own_units, si
+from cases.tables import NonNegative, Number, Part, Positive, PositiveVector, Range, Six, Vector, frozen, own_units, si
 from cases.units import DEG, MM, Array, Flags
 
 
@@ -65,22 +65,52 @@ ENDLESS = 1e6  # [mm] half of a side that has no end
 
 
 class Ring(Part):
-    """Six joints on a circle, in three pairs; joint order: pair by pair, minus side before plus side."""
+    """Six joints on a circle: in three pairs, or by six angles.
+
+    Of pairs the joint order is pair by pair, minus side before plus side, as the drawing in
+    [A machine of your own](../own-machine.md) shows. State one of `half_angle_deg` and `included_angle_deg` with
+    `pair_centres_deg`, or `angles_deg` alone.
+    """
 
     radius_mm: Positive
     """Radius of the circle."""
-    half_angle_deg: Positive
+    half_angle_deg: Positive | None = None
     """Angle between the centre of a pair and each of its two joints."""
-    pair_centres_deg: Vector
+    included_angle_deg: Positive | None = None
+    """Angle between the two joints of a pair, twice the half-angle: some drawings state this one."""
+    pair_centres_deg: Vector | None = None
     """Directions of the centres of the three pairs, from x towards y."""
+    angles_deg: Six | None = None
+    """Directions of the six joints, from x towards y, in strut order."""
     z_mm: Number
     """Height of the circle in its frame."""
+
+    @model_validator(mode="after")
+    def _one_form(self) -> "Ring":
+        pairs = [self.half_angle_deg, self.included_angle_deg]
+        alone = self.angles_deg is not None and self.pair_centres_deg is None and pairs == [None, None]
+        paired = self.angles_deg is None and self.pair_centres_deg is not None and pairs.count(None) == 1
+        if not (alone or paired):
+            raise ValueError(
+                "a ring has half_angle_deg or included_angle_deg, one of them, with pair_centres_deg, or angles_deg "
+                "alone; state it so"
+            )
+        return self
+
+    @property
+    def angles(self) -> Array:
+        """Directions of the joints, in strut order, shape (6,) [rad]."""
+        if self.angles_deg is not None:
+            return np.array(self.angles_deg) * DEG
+        half = self.half_angle_deg if self.included_angle_deg is None else self.included_angle_deg / 2.0
+        assert half is not None  # of pairs, which the form above says
+        assert self.pair_centres_deg is not None
+        return np.array([(c + s * half) * DEG for c in self.pair_centres_deg for s in (-1, 1)])
 
     @property
     def points(self) -> Array:
         """Joint positions, shape (6, 3) [m]."""
-        angles = [(c + s * self.half_angle_deg) * DEG for c in self.pair_centres_deg for s in (-1, 1)]
-        return np.array([[self.radius_mm * np.cos(t), self.radius_mm * np.sin(t), self.z_mm] for t in angles]) * MM
+        return np.array([[self.radius_mm * np.cos(t), self.radius_mm * np.sin(t), self.z_mm] for t in self.angles]) * MM
 
 
 class Joints(Part):
@@ -205,6 +235,8 @@ class Workspace(StrutLengths):
     x_mm: Range
     """Lower and upper limit relative to home."""
     y_mm: Range
+    z_mm: Range | None = None
+    """The same of the height; left out, the struts alone limit it."""
     base_joint_angle_deg: Positive
     """Largest angle between a strut and the normal of its base joint."""
     platform_joint_angle_deg: Positive
@@ -217,13 +249,20 @@ class Workspace(StrutLengths):
     """Radius of the struts where they pass the boxes of `keep_out`; 0: they are lines from joint to joint."""
 
     @cached_property
-    def plane(self) -> Array:
-        """Lower and upper limit of x and y relative to home, shape (2, 2) [m]."""
-        return frozen(np.array([self.x_mm, self.y_mm]).T * MM)
+    def room(self) -> Array:
+        """Lower and upper limit of x, y and, where it is stated, z, relative to home, shape (2, 2 or 3) [m]."""
+        return frozen(np.array([side for side in (self.x_mm, self.y_mm, self.z_mm) if side is not None]).T * MM)
+
+
+_ANGULAR_ACCELERATION = "angular_acceleration_rad_s2", "angular_acceleration_deg_s2"
+_ANGULAR_JERK = "angular_jerk_rad_s3", "angular_jerk_deg_s3"
 
 
 class MotionLimits(StrutLengths):
-    """The box in which moving excitations stay: pose relative to home, and its time derivatives, each coordinate."""
+    """The box in which moving excitations stay: pose relative to home, and its time derivatives, each coordinate.
+
+    Home may lie on its edge. Of angular acceleration and jerk one key of each is needed, in rad or in deg.
+    """
 
     of_pose: ClassVar[bool] = True  # whether the coordinates are the pose of a platform, else the machine's own axes
     labels: ClassVar[tuple[str, ...]] = ("x", "y", "z", "a", "b", "c")  # names of the coordinates
@@ -243,12 +282,14 @@ class MotionLimits(StrutLengths):
     """Largest rate of roll, pitch and yaw."""
     acceleration_m_s2: PositiveVector
     """Largest acceleration in x, y and z."""
-    angular_acceleration_rad_s2: PositiveVector
-    """Largest second derivative of roll, pitch and yaw."""
+    angular_acceleration_rad_s2: PositiveVector | None = None
+    """Largest second derivative of roll, pitch and yaw; `angular_acceleration_deg_s2` states it in degrees."""
+    angular_acceleration_deg_s2: PositiveVector | None = None
     jerk_m_s3: PositiveVector
     """Largest jerk in x, y and z."""
-    angular_jerk_rad_s3: PositiveVector
-    """Largest third derivative of roll, pitch and yaw."""
+    angular_jerk_rad_s3: PositiveVector | None = None
+    """Largest third derivative of roll, pitch and yaw; `angular_jerk_deg_s3` states it in degrees."""
+    angular_jerk_deg_s3: PositiveVector | None = None
     strut_velocity_m_s: Positive
     """Largest velocity of a strut."""
     strut_acceleration_m_s2: Positive
@@ -258,8 +299,18 @@ class MotionLimits(StrutLengths):
     def _home_inside(self) -> "MotionLimits":
         for name in POSE:
             low, high = getattr(self, name)
-            if not low < 0.0 < high:
+            if not low <= 0.0 <= high:
                 raise ValueError(f"{name} = [{low:g}, {high:g}] does not contain 0; it is relative to home, widen it")
+        return self
+
+    @model_validator(mode="after")
+    def _in_one_unit(self) -> "MotionLimits":
+        for keys in (_ANGULAR_ACCELERATION, _ANGULAR_JERK):
+            stated = [key for key in keys if getattr(self, key) is not None]
+            if not stated:
+                raise ValueError(f"{keys[0]} is missing; add it, or {keys[1]}")
+            if len(stated) > 1:
+                raise ValueError(f"{' and '.join(keys)} state the same; remove one")
         return self
 
     @cached_property
@@ -269,9 +320,9 @@ class MotionLimits(StrutLengths):
 
     rate: ClassVar = si("velocity_mm_s", "angular_velocity_deg_s")
     """Largest rate of each coordinate, shape (6,) [m/s, rad/s]."""
-    acceleration: ClassVar = si("acceleration_m_s2", "angular_acceleration_rad_s2")
+    acceleration: ClassVar = si("acceleration_m_s2", _ANGULAR_ACCELERATION)
     """Largest second derivative of each coordinate, shape (6,) [m/s^2, rad/s^2]."""
-    jerk: ClassVar = si("jerk_m_s3", "angular_jerk_rad_s3")
+    jerk: ClassVar = si("jerk_m_s3", _ANGULAR_JERK)
     """Largest third derivative of each coordinate, shape (6,) [m/s^3, rad/s^3]."""
 
     @property
@@ -282,13 +333,16 @@ class MotionLimits(StrutLengths):
     def without_jerk(self) -> "MotionLimits":
         """The limits for a controller whose accelerations step: the jerk is unlimited."""
         unlimited = (math.inf, math.inf, math.inf)
-        return self.model_copy(update={"jerk_m_s3": unlimited, "angular_jerk_rad_s3": unlimited})
+        of_angles = dict(zip(_ANGULAR_JERK, (unlimited, None), strict=True))
+        return self.model_copy(update={"jerk_m_s3": unlimited, **of_angles})
 
 
 def box_problems(workspace: Workspace, motion: MotionLimits) -> Iterator[str]:
     """Limits of motion that do not fit the workspace, in words that name the keys."""
-    for name in ("x_mm", "y_mm"):
+    for name in ("x_mm", "y_mm", "z_mm"):
         inner, outer = getattr(motion, name), getattr(workspace, name)
+        if outer is None:
+            continue
         if inner[0] < outer[0] or inner[1] > outer[1]:
             yield f"limits.motion.{name} = {inner} reaches beyond workspace.{name} = {outer}; narrow it or widen that"
     inner, outer = motion.strut_length_mm, workspace.strut_length_mm

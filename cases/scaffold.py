@@ -59,6 +59,9 @@ def new_case(name: str, like: str = "hexapod", folder: Path | str | None = None)
             lines += _comment(words if words != latest else "")
             latest = words
             line = f'{key[1]} = "{own[key[1]]}"' if key[1] in own else re.sub(r"\] # .*", "]", line)
+            if key[1] == "title" and comments == explanations(Case):
+                lines += [line, *_comment(comments["template"])]
+                line = f'template = "{like}"'
         lines.append(line)
     write_text(file, "\n".join(lines).replace("\n\n\n", "\n\n") + "\n")
     return file

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import logging
 import math
 from collections.abc import Iterable, Iterator
 from functools import cached_property
@@ -12,19 +13,21 @@ from typing import Annotated, Literal, NoReturn
 import numpy as np
 from pydantic import PrivateAttr, field_validator, model_validator
 
+from cases import doubts
 from cases.chain import Chain, JointMotionLimits, Limits, SerialMachine, joint_problems
 from cases.controller import Controller, ControllerName, Settings, Sinumerik, TwinCat
-from cases.errors import ALSO, CaseError
+from cases.errors import ALSO, CaseError, printable
 from cases.files import check_file, toml_text, write_text
-from cases.machine import HexapodMachine, MotionLimits, Workspace, box_problems
+from cases.machine import HexapodMachine, MotionLimits, Workspace, box_problems, turned
 from cases.poses import Poses
 from cases.recording_format import STRUTS, RecordingFormat
 from cases.sensors import Payloads, RigidBody, SensorFrame, Sensors, Simulation, together
-from cases.tables import Part, Vector, find_case, frozen, kind_of, lasting_name, read_tables, spelled
+from cases.tables import Part, Vector, built_in_cases, find_case, frozen, kind_of, lasting_name, read_tables, spelled
 from cases.units import DEG, MINUTE, MM, Array, as_html
 
 # 9.76 on the highest mountain of the tropics to 9.83 at the poles; other values are typing errors or in another unit.
 LEAST_GRAVITY, MOST_GRAVITY = 9.7, 9.9
+LOG = logging.getLogger("hexcite")
 
 
 def fingerprint(content: object) -> str:
@@ -51,6 +54,9 @@ class Case(Heading):
     sensor."""
     gravity_m_s2: Vector
     """Gravitational acceleration in {B}."""
+    template: str | None = None
+    """The built-in case that this one was begun from: `hexcite case check` names values that are still its own. Delete
+    this line once all of them are yours."""
     sensor_frame: SensorFrame
     """Where forces are measured."""
     sensors: Sensors
@@ -130,6 +136,13 @@ class Case(Heading):
             )
         return value
 
+    @field_validator("template")
+    @classmethod
+    def _built_in(cls, value: str | None) -> str | None:
+        if value is not None and value not in built_in_cases():
+            raise ValueError(f"{value!r} is not a built-in case; delete the line")
+        return value
+
     def _of_its_machine(self) -> Iterator[str]:
         """Problems of tables that are those of another kind of machine, and of limits that do not fit it."""
         motion, chain = None if self.limits is None else self.limits.motion, self.chain
@@ -196,6 +209,50 @@ class Case(Heading):
             )
 
     @cached_property
+    def doubts(self) -> tuple[str, ...]:
+        """Sentences on values that contradict others of the case, or that no machine has; see `cases.doubts`."""
+        motion, chain, frame = None if self.limits is None else self.limits.motion, self.chain, self.sensor_frame
+        found = list(doubts.of_geometry(self.hexapod, frame, self.workspace))
+        if isinstance(motion, MotionLimits):
+            found += doubts.of_motion(motion, self.hexapod)
+        elif motion is not None and chain is not None:
+            found += doubts.of_chain(chain, motion)
+        carried = doubts.Carried(dict(self._bodies()), self._size, frame, self.gravity, self._turns())
+        found += doubts.of_loads(carried, self.sensors)
+        return (*found, *doubts.of_times({key: self._stated(key) for key in doubts.TIMES}))
+
+    def _bodies(self) -> Iterator[tuple[str, RigidBody]]:
+        """Bodies of the case with their tables."""
+        if self.nominal is not None:
+            yield "nominal", self.nominal
+        if self.simulation is not None:
+            yield "simulation.parameters.body", self.simulation.parameters.body
+        for k, weight in enumerate(self.payloads.weights if self.payloads is not None else (), 1):
+            yield f"payloads.weights[{k}]", weight
+
+    def _turns(self) -> list[Array]:
+        """Orientations of {P}: that of home, of other machines as it can hang, stand or lie."""
+        if self.hexapod is not None:
+            return [turned(self.hexapod.home.vector[3:])]
+        angles = ((0.0, 0.0, 0.0),) if self.setup == "1a" else ((0.0, 0.0, 0.0), (180.0, 0.0, 0.0), (90.0, 0.0, 0.0))
+        return [turned(np.array(angle) * DEG) for angle in (*angles, (0.0, 90.0, 0.0))]
+
+    @property
+    def _size(self) -> float | None:
+        """How large the part is that carries the sensors [m]; None where the case does not tell."""
+        bars = self.sensor_frame.bars
+        points = [] if bars is None else [bars.lower.points, bars.upper.points]
+        points += [] if self.hexapod is None else [self.hexapod.platform.points]
+        return float(np.linalg.norm(np.vstack(points), axis=1).max()) if points else None
+
+    def _stated(self, key: str) -> float | None:
+        """A number of the case by its dotted key."""
+        value: object = self
+        for part in key.split("."):
+            value = getattr(value, part, None)
+        return value if isinstance(value, float) else None
+
+    @cached_property
     def gravity(self) -> Array:
         """Gravitational acceleration in {B}, shape (3,) [m/s^2]."""
         return frozen(self.gravity_m_s2)
@@ -205,10 +262,10 @@ class Case(Heading):
         """Fingerprint of the case: comments and layout of the file do not matter, every value does.
 
         A setting left at its default and one that states the default are the same case, in later versions too. What
-        `[controller]` says of programs has a fingerprint of its own, but for `cycle_ms`. Artefacts are checked against
-        what they were computed from (`cases.basis`), not against this.
+        `[controller]` says of programs has a fingerprint of its own, but for `cycle_ms`; `template` does not count.
+        Artefacts are checked against what they were computed from (`cases.basis`), not against this.
         """
-        content = self.model_dump(mode="json", exclude_defaults=True)
+        content = self.model_dump(mode="json", exclude_defaults=True, exclude={"template"})
         cycle = {k: v for k, v in content.pop("controller", {}).items() if k == "cycle_ms"}
         return fingerprint(content | {f"controller.{key}": value for key, value in cycle.items()})
 
@@ -377,7 +434,12 @@ def load_case(name: str) -> Case:
     Args:
         name: built-in name, folder or file.
 
+    What is odd about it (`Case.doubts`) is logged as warnings, which Python prints unless told otherwise.
+
     Raises:
         CaseError: not found, not TOML, or not a usable machine; the message names file, key, value and remedy.
     """
-    return Case.load(name)
+    case = Case.load(name)
+    for doubt in case.doubts:
+        LOG.warning("%s: look at %s", printable(name), doubt)
+    return case

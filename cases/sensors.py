@@ -44,6 +44,9 @@ class Disturbances(Part):
 LEAST_LENGTH_MM, MOST_LENGTH_MM = 0.1, 10_000.0  # of errors that depend on the pose: others are metres or radians
 
 
+Sense = Literal["compression", "tension"]
+
+
 class Bars(Part):
     """Six single-axis force sensors, each in a bar that carries the platform from a lower to an upper point."""
 
@@ -51,6 +54,9 @@ class Bars(Part):
     """Lower end of each bar in {P}, in the order of the channels."""
     upper: Joints
     """Upper end of each bar in {P}, in the same order."""
+    sense: Sense | Annotated[tuple[Sense, ...], Field(min_length=6, max_length=6)] = "compression"
+    """What a positive reading means: `"compression"`, the bar pushes its ends apart, or `"tension"`; one for all bars,
+    or a list of six in the order of the channels."""
 
     @model_validator(mode="after")
     def _spans_space(self) -> "Bars":
@@ -62,6 +68,14 @@ class Bars(Part):
         remedy = "bars must not all be parallel, coplanar or meet one line"
         require_spanning(self.lower.points, direction, problem, remedy)
         return self
+
+    @cached_property
+    def directions(self) -> Array:
+        """What the bars do to the platform for a reading of 1 N: unit vectors along them in {P}, shape (6, 3)."""
+        along = self.upper.points - self.lower.points
+        senses = (self.sense,) * 6 if isinstance(self.sense, str) else self.sense
+        signs = np.array([1.0 if sense == "compression" else -1.0 for sense in senses])
+        return frozen(signs[:, None] * along / np.linalg.norm(along, axis=1)[:, None])
 
 
 class Transducer(Part):
@@ -119,14 +133,13 @@ class SensorFrame(Part):
     def structure(self) -> Array:
         """J^-T of (2), six sensor forces -> force and moment on the platform in {P}, shape (6, 6).
 
-        Columns (n_k; h_k x n_k) of bars [-, m], n_k along bar k from its lower point h_k to its upper one; 1 of a
-        sensor that reads the support's push, -1 of one that reads the load's pull. Raises ValueError for sensors in
-        struts.
+        Columns (n_k; h_k x n_k) of bars [-, m], n_k along bar k from its lower point h_k to its upper one (back, where
+        tension is positive); 1 of a sensor that reads the support's push, -1 of one that reads the load's pull. Raises
+        ValueError for sensors in struts.
         """
         if self.bars is not None:
-            lower, upper = self.bars.lower.points, self.bars.upper.points
-            direction = (upper - lower) / np.linalg.norm(upper - lower, axis=1)[:, None]
-            return np.vstack([direction.T, np.cross(lower, direction).T])
+            direction = self.bars.directions
+            return np.vstack([direction.T, np.cross(self.bars.lower.points, direction).T])
         if self.transducer is None:
             raise ValueError("the structure matrix of sensors in struts depends on the pose: `strut_sensors.structure`")
         return np.eye(6) * {"load_on_sensor": -1.0, "sensor_on_load": 1.0}[self.transducer.sense]

@@ -116,11 +116,17 @@ def si_value(key: str) -> cached_property[float]:
     return cached_property(lambda table: float(getattr(table, key) * own_units([key])[0]))
 
 
-def si(*keys: str) -> cached_property[Array]:
-    """Values of a table in SI, of several keys one after the other, as an array that cannot be changed."""
-    pairs = list(zip(keys, own_units(keys), strict=True))
+def si(*keys: str | tuple[str, ...]) -> cached_property[Array]:
+    """Values of a table in SI, one key after the other, as an array that cannot be changed.
+
+    Of keys in a tuple, which state the same in several units, the one that is stated counts.
+    """
 
     def values(table: Part) -> Array:
+        stated = [
+            next(k for k in key if getattr(table, k) is not None) if isinstance(key, tuple) else key for key in keys
+        ]
+        pairs = zip(stated, own_units(stated), strict=True)
         return frozen(np.hstack([np.multiply(getattr(table, key), unit) for key, unit in pairs]))
 
     return cached_property(values)

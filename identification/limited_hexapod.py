@@ -29,10 +29,10 @@ class LimitedHexapod:
         return cls(*case.need_machine("the proof of limits"))
 
     def ranges(self, motion: Motion) -> Iterable[Quantity]:
-        """Distances of the platform from home, in the plane that it can reach."""
-        low, high = self.workspace.plane
-        offset = motion.pose[:, :2] - self.machine.home.vector[:2]
-        yield Quantity.between(LimitKind.WORKSPACE_POSITION, ("x", "y"), offset, low, high)
+        """Distances of the platform from home, as far as it can reach."""
+        low, high = self.workspace.room
+        offset = motion.pose[:, : len(low)] - self.machine.home.vector[: len(low)]
+        yield Quantity.between(LimitKind.WORKSPACE_POSITION, ("x", "y", "z")[: len(low)], offset, low, high)
 
     def drives(self, motion: Motion) -> tuple[Array, Array, Array]:
         """Strut lengths [m], velocities and accelerations, each of shape (n, 6)."""

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from cases.scaffold import readiness
-from cases.schema import Case, load_case
+from cases.schema import Case
 from cases.tables import find_case
 from cases.units import as_html
 from planner.reach import Reach
@@ -54,7 +54,7 @@ def check_case(case: Path | str) -> CaseCheck:
     Raises:
         CaseError: the case is not valid, or the machine cannot stand at home; `problems` has all that was found.
     """
-    loaded = load_case(str(case))
+    loaded = Case.load(str(case))
     figures = case_figures(loaded, str(find_case(str(case))))
     reach = reach_of(loaded) if has_motion_box(loaded) else None
     return CaseCheck(loaded, figures, readiness(loaded), leftovers(loaded), reach)

@@ -4,6 +4,7 @@ Heavy imports happen inside the commands, so that `hexcite --help` stays fast.
 """
 
 import gc
+import logging
 import os
 import signal
 import sys
@@ -44,7 +45,7 @@ def main() -> None:
     """Entry point: 0 done, 1 a line on stderr for each reason why not, 2 wrong usage, 130 interrupted."""
     gc.set_threshold(100_000)  # the usual 700 looks through all that imports create, again and again
     try:
-        with ctrl_c_raises():
+        with ctrl_c_raises(), warnings_on_stderr():
             app()
     except HexciteError as error:
         _stop(*error.lines)
@@ -55,6 +56,25 @@ def main() -> None:
         if os.environ.get("HEXCITE_TRACEBACK"):
             traceback.print_exc()
         _stop(f"internal error, {type(error).__name__}: {error}; please report it (HEXCITE_TRACEBACK=1 shows where)")
+
+
+@contextmanager
+def warnings_on_stderr() -> Iterator[None]:
+    """Inside, what the library logs as a warning is a line on stderr, once."""
+    handler, log, said = logging.StreamHandler(sys.stderr), logging.getLogger("hexcite"), set[str]()
+
+    def first(record: logging.LogRecord) -> bool:
+        new = record.getMessage() not in said
+        said.add(record.getMessage())
+        return new
+
+    handler.addFilter(first)
+    handler.setFormatter(logging.Formatter("hexcite: %(message)s"))
+    log.addHandler(handler)
+    try:
+        yield
+    finally:
+        log.removeHandler(handler)
 
 
 @contextmanager

@@ -102,7 +102,7 @@ class PoseSpace(Space):
         """Margins at such a pose, which must not be negative: edges of the space, machine."""
         machine, workspace, _ = self.case.need_machine("pose candidates")
         pose, hexapod = self.pose(share, like), Hexapod.of(self.case)
-        (low, high), at = workspace.plane, pose[:2] - ca.DM(machine.home.vector[:2])
+        (low, high), at = workspace.room[:, :2], pose[:2] - ca.DM(machine.home.vector[:2])
         determinants = [ca.det(hexapod.inverse_jacobian(q)[1]) for q in (pose, ca.DM(machine.home.vector))]
         singularity = determinants[0] / determinants[1] - self.case.need_poses("pose candidates").singularity_distance
         discs = 1 - ca.sumsqr(share[:2]), 1 - ca.sumsqr(share[2:4])

@@ -3,8 +3,7 @@
 Such values come from another machine, or are in mistaken units.
 """
 
-import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -27,7 +26,7 @@ def case_figures(case: Case, file: str) -> dict[str, Any]:
         at_home = prove(StandingPoses(np.array([home, home])), case, 1.0)
         if at_home.violations:
             broken = at_home.violations[0]
-            hint = "".join(f"; look at {words}" for words in mistaken_units(case))
+            hint = "".join(f"; look at {words}" for words in case.doubts)
             key = "machine.home" if case.chain is None else "machine.chain.joints"
             way = f"move home or {remedy(broken, case)}" if case.chain is None else "choose another home"
             raise CaseError(file, key, f"home cannot be: {broken.sentence(timed=False)}; {way}{hint}")
@@ -55,8 +54,9 @@ def share_sentences(reach: Reach) -> str:
 
 
 _TABLES = (
-    "machine", "workspace", "limits", "poses", "sensor_frame", "nominal", "simulation", "payloads",
-    "controller.sinumerik", "controller.twincat", "controller.setpoints",
+    "machine", "workspace", "limits", "poses", "sensor_frame", "sensors", "recording", "nominal", "simulation",
+    "payloads", "controller", "controller.linuxcnc", "controller.sinumerik", "controller.twincat",
+    "controller.setpoints", "controller.urscript",
 )  # fmt: skip
 
 
@@ -64,25 +64,53 @@ def leftovers(case: Case) -> tuple[str, ...]:
     """Sentences about values that the user should look at, each with its key."""
     if case.name in built_in_cases() and case == load_case(case.name):
         return ()
-    return (*_of_other_machines(case), *_of_single_values(case), *mistaken_units(case))
+    return (*_of_the_template(case), *_of_single_values(case), *case.doubts)
 
 
-def _of_other_machines(case: Case) -> Iterator[str]:
-    """Sentences on tables that equal those of a built-in case, each named once, with the case that has most of them."""
+def _of_the_template(case: Case) -> Iterator[str]:
+    """Sentences on values that are still those of the built-in case that a case was begun from, key by key."""
+    template = case.template or _likely_template(case)
+    if template is None:
+        return
+    own, other = (_by_table(values(of, _TABLES)) for of in (case, load_case(template)))
+    whole, keys = list[str](), list[str]()
+    for table, leaves in sorted(own.items(), key=lambda item: _TABLES.index(item[0])):
+        same = [f"{table}.{key}" for key, value in leaves.items() if other.get(table, {}).get(key) == value]
+        if len(same) == len(leaves):
+            whole.append(table)
+        else:
+            keys += [key for key in same if not _is_zero(leaves[key.removeprefix(f"{table}.")])]  # as many are
+    done = f'; once all values are yours, delete the line template = "{template}"' if case.template else ""
+    still = f"still the values of the built-in case {template}; replace them by your machine's"
+    if whole:
+        yield f"{', '.join(whole)}: {still}, or delete tables that it does not need{done}"
+    if keys:
+        yield f"{', '.join(keys)}: {still}{done}"
+
+
+def _is_zero(value: Any) -> bool:
+    return not any(value) if isinstance(value, list) else value == 0.0
+
+
+def _likely_template(case: Case) -> str | None:
+    """The built-in case of which a case has the most whole tables; None where it has none."""
     own = {name: table for name in _TABLES if len(table := values(case, [name])) > 2}  # two values may well be the same
-    same = {
-        other: [name for name, table in own.items() if table == values(load_case(other), [name])]
+    whole = {
+        other: sum(len(table) for name, table in own.items() if table == values(load_case(other), [name]))
         for other in built_in_cases()
         if other != case.name
     }
-    previous: set[str] = set()
-    for name, tables in sorted(same.items(), key=lambda item: -len(item[1])):
-        if names := [table for table in tables if table not in previous]:
-            previous |= set(names)
-            yield (
-                f"{', '.join(names)}: still the values of the built-in case {name}; replace them by your machine's, or "
-                "delete tables that it does not need"
-            )
+    likely = max(whole, key=lambda other: whole[other])
+    return likely if whole[likely] else None
+
+
+def _by_table(leaves: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Values by the table that they stand in, the innermost of `_TABLES`."""
+    tables: dict[str, dict[str, Any]] = {}
+    for key, value in leaves.items():
+        table = max((t for t in _TABLES if key.startswith(f"{t}.")), key=len)
+        tables.setdefault(table, {})[key.removeprefix(f"{table}.")] = value
+    return tables
 
 
 def _of_single_values(case: Case) -> Iterator[str]:
@@ -99,19 +127,3 @@ def _of_single_values(case: Case) -> Iterator[str]:
             f"gravity_m_s2 = {list(case.gravity_m_s2)} points along +z of {{B}}; gravity points down: change its sign, "
             "unless the machine hangs"
         )
-
-
-_RADIANS, _METRES = "look like radians, give degrees", "look like metres, give millimetres"
-_MISTAKEN = (  # keys, the largest value that is taken for a mistake, and what it looks like
-    (r"workspace\.\w+_joint_angle_deg|.*\.ring\.half_angle_deg|limits\.motion\.angular_velocity_deg_s", 1.6, _RADIANS),
-    (r"limits\.motion\.[abc]_deg", 0.9, _RADIANS),
-    (r".*\.strut_length_mm|machine\.home\.z_mm|.*\.ring\.radius_mm|.*\.points_mm", 5.0, _METRES),
-)
-
-
-def mistaken_units(case: Case) -> Iterator[str]:
-    """Sentences on angles that look like radians and lengths that look like metres."""
-    for key, value in values(case, ("machine", "sensor_frame", "workspace", "limits")).items():
-        for pattern, most, words in _MISTAKEN:
-            if re.fullmatch(pattern, key) and 0.0 < (largest := float(np.abs(value).max())) <= most:
-                yield f"{key}: values up to {largest:g} {words}"

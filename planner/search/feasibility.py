@@ -61,7 +61,7 @@ def _key(kind: LimitKind, of_pose: bool) -> str:
     several = {
         LimitKind.POSITION: f"{_BOX}.x_mm, y_mm, z_mm",
         LimitKind.ANGLE: f"{_BOX}.a_deg, b_deg, c_deg",
-        LimitKind.WORKSPACE_POSITION: "workspace.x_mm, y_mm",
+        LimitKind.WORKSPACE_POSITION: "workspace.x_mm, y_mm, z_mm",
         LimitKind.STRUT_LENGTH: f"{_BOX}.strut_length_mm and workspace.strut_length_mm",
     }
     return several.get(kind, f"{_BOX if kind.kinetic else 'workspace'}.{kind.replace(' ', '_')}_{unit}")

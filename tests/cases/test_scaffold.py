@@ -15,10 +15,10 @@ from tests.helpers import one_line
 def test_a_new_case_is_its_template_under_another_name(like: str, tmp_path: Path) -> None:
     file = new_case("mill", like, tmp_path / "mill")
     new, old = load_case(str(tmp_path / "mill")), load_case(like)
-    assert new.name == "mill"
+    assert (new.name, new.template) == ("mill", like)
     said, template = new.model_dump(), old.model_dump()
     for words in (said, template):
-        del words["name"], words["title"]
+        del words["name"], words["title"], words["template"]
         for sourced in (words["simulation"], (words["simulation"] or {}).get("disturbances"), words["payloads"]):
             (sourced or {}).pop("source", None)
     assert said == template

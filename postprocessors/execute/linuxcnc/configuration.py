@@ -84,7 +84,8 @@ class AxisLayout(NamedTuple):
 def pose_range(case: Case, box: bool) -> Array:
     """Range of the axes relative to home, shape (2, k) [m or rad]; `box`: the narrower one of `[limits.motion]`.
 
-    The workspace limits x and y; the other axes are limited by the struts only, whose limits LinuxCNC satisfies too.
+    The workspace limits x, y and, where it is stated, z; the other axes are limited by the struts only, whose limits
+    LinuxCNC satisfies too.
     A chain is limited by the ends of its joints.
     """
     home, limits = case.need_motion(PURPOSE)
@@ -93,9 +94,10 @@ def pose_range(case: Case, box: bool) -> Array:
     if case.chain is not None:
         return np.clip(case.chain.position, -TURNS * DEG, TURNS * DEG) - home
     _, workspace, _ = case.need_machine(PURPOSE)
-    reach = workspace.strut_length[1]
-    low, high = workspace.plane
-    return np.array([[*low, -reach, *[-WIDEST] * 3], [*high, reach, *[WIDEST] * 3]])
+    room = workspace.room
+    if room.shape[1] == 2:
+        room = np.column_stack([room, workspace.strut_length[1] * np.array([-1.0, 1.0])])
+    return np.column_stack([room, np.outer([-WIDEST, WIDEST], np.ones(3))])
 
 
 @cache

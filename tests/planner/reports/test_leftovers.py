@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from cases.errors import CaseError
-from cases.scaffold import NEEDS, readiness
+from cases.scaffold import NEEDS, new_case, readiness
 from cases.schema import Case, load_case
 from cases.tables import built_in_cases
 from planner.families.settings import Fourier
@@ -46,12 +46,21 @@ def test_built_in_cases_are_as_they_are_meant() -> None:
     [
         (lambda _: None, "machine, workspace, limits, .*: still the values of the built-in case hexapod"),
         (lambda d: d.update(gravity_m_s2=[0.0, 0.0, 9.81]), r"gravity points down: change its sign"),
-        (lambda d: d["workspace"].update(base_joint_angle_deg=0.96), "base_joint_angle_deg: .* look like radians"),
-        (lambda d: d["limits"]["motion"].update({f"{k}_deg": [-0.3, 0.3] for k in "abc"}), "motion.a_deg: .* radians"),
-        (lambda d: d["machine"]["home"].update(z_mm=0.9), "machine.home.z_mm: .* look like metres"),
-        (lambda d: d["machine"]["base"]["ring"].update(half_angle_deg=0.21), "base.ring.half_angle_deg: .* radians"),
+        (
+            lambda d: d["workspace"].update(base_joint_angle_deg=0.96),
+            "base_joint_angle_deg = 0.96: .* looks like radians",
+        ),
+        (
+            lambda d: d["limits"]["motion"].update({f"{k}_deg": [-0.3, 0.3] for k in "abc"}),
+            "motion.a_deg, b_deg, c_deg .* radians",
+        ),
+        (lambda d: d["machine"]["home"].update(z_mm=0.9), "machine.home.z_mm = 0.9: .* looks like metres"),
+        (
+            lambda d: d["machine"]["base"]["ring"].update(half_angle_deg=0.21),
+            "base.ring.half_angle_deg = 0.21: .* radians",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_is_hardly_meant_is_noticed(change: Callable[[Any], object], says: str) -> None:
     assert any(re.search(says, sentence) for sentence in leftovers(own(change)))
 
@@ -87,10 +96,48 @@ def test_case_check_prints_both(tmp_path: Path) -> None:
     file = mine(tmp_path)
     answer = call("case", "check", file, "--json").json()
     assert answer["missing"]["plan"] == []
-    (remark,) = [remark for remark in answer["remarks"] if "built-in case" in remark]
+    remark = next(remark for remark in answer["remarks"] if "built-in case" in remark)
     for table in ("machine", "sensor_frame", "simulation", "payloads"):
         assert table in remark.split(":")[0].split(", ")
     assert "look at machine" in call("case", "check", file).out
+
+
+def test_values_of_the_template_are_named_key_by_key(tmp_path: Path) -> None:
+    folder = new_case("mill", "hexapod", tmp_path / "mill").parent
+    file = folder / "case.toml"
+    text = file.read_text(encoding="utf-8")
+    for old, new in (
+        ("radius_mm = 700.0", "radius_mm = 500.0"),
+        ("strut_velocity_m_s = 1.0", "strut_velocity_m_s = 0.9"),
+    ):
+        assert old in text
+        text = text.replace(old, new, 1)
+    file.write_text(text, encoding="utf-8")
+    whole, keys = (r for r in call("case", "check", folder, "--json").json()["remarks"] if "built-in case" in r)
+    assert "workspace" in whole.split(":")[0].split(", ")
+    assert "machine" not in whole.split(":")[0].split(", ")
+    named = keys.split(":")[0].split(", ")
+    assert {"machine.base.ring.half_angle_deg", "limits.motion.strut_acceleration_m_s2"} <= set(named)
+    assert not {"machine.base.ring.radius_mm", "limits.motion.strut_velocity_m_s", "machine.base.ring.z_mm"} & set(
+        named
+    )
+    before = load_case(str(file))
+    file.write_text(text.replace('template = "hexapod"\n', ""), encoding="utf-8")
+    assert load_case(str(file)).hash == before.hash
+    assert "delete the line" in keys
+    assert "delete the line" not in call("case", "check", folder).out
+
+
+def test_what_contradicts_something_is_a_line_of_every_command(tmp_path: Path) -> None:
+    """Once, on standard error; built-in cases say nothing, `case check` says it among its remarks."""
+    file = mine(tmp_path, ("acceleration_m_s2 = [6.0, 6.0, 6.0]", "acceleration_m_s2 = [6000.0, 6000.0, 6000.0]"))
+    doubt, refusal = call("check", tmp_path / "none.ngc", "--case", file).err.splitlines()
+    assert tells(doubt, f"hexcite: {file}: look at", "acceleration_m_s2 = [6000, ", "velocity_mm_s", "[6, 6, 6]")
+    assert "none.ngc" in refusal
+    assert "none.ngc" in refused("check", tmp_path / "none.ngc", "--case", "hexapod")
+    checked = call("case", "check", file)
+    assert "acceleration_m_s2 = [6000" in checked.out
+    assert checked.err == ""
 
 
 def test_a_frame_in_metres_is_noticed_though_its_forces_keep_the_machine_from_home(tmp_path: Path) -> None:
@@ -98,7 +145,7 @@ def test_a_frame_in_metres_is_noticed_though_its_forces_keep_the_machine_from_ho
     answer = call("case", "check", mine(tmp_path, *frame))
     assert answer.code == 1
     assert "sensor force" in answer.refusal()
-    assert re.search(r"sensor_frame\.bars\.lower\.ring\.radius_mm: .*0\.14.* metres", answer.refusal())
+    assert re.search(r"sensor_frame\.bars\.lower\.ring\.radius_mm = 0\.14.* metres", answer.refusal())
 
 
 def test_case_check_says_once_what_several_commands_miss() -> None:

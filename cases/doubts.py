@@ -1,0 +1,554 @@
+"""Values of a case that contradict each other: which, beside which others, and the unit in which they would fit.
+
+Every doubt is a figure of some values (a time, a length, a share) that no machine has. A value is accused where it
+fits its neighbours in another unit: each unit that people mistake is tried on each value, and on all values of one
+unit together. What physics forbids altogether is an error of the case's tables, not a doubt.
+"""
+
+import math
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from cases.chain import Chain, JointMotionLimits
+from cases.machine import HexapodMachine, MotionLimits, Workspace, turned
+from cases.sensors import RigidBody, SensorFrame, Sensors
+from cases.tables import own_units
+from cases.units import DEG, MM, Array
+
+_MISTAKEN = (  # end of a key, and the units that are written there by mistake, with their value in the right one
+    (r"_mm(_s)?$", (("m", 1e3), ("um", 1e-3))),
+    (r"_m_s\d?$", (("mm", 1e-3),)),
+    (r"_deg(_s)?$", (("rad", 1.0 / DEG), ("degrees that were taken for radians and converted", DEG))),
+    (r"_rad_s\d$", (("deg", DEG),)),
+    (r"_deg_s\d$", (("rad", 1.0 / DEG),)),
+    (r"_kg$", (("g", 1e-3), ("t", 1e3))),
+    (r"_kg_m2$", (("kg mm^2", 1e-6), ("kg cm^2", 1e-4), ("g m^2", 1e-3))),
+    (r"_N$", (("kN", 1e3), ("mN", 1e-3))),
+    (r"_Nm$", (("N mm", 1e-3), ("kN m", 1e3))),
+    (r"_ms$", (("s", 1e3), ("us", 1e-3))),
+    (r"(?<!m)_s$", (("ms", 1e-3),)),
+)
+OFTEN, WIDELY, LOOSELY = 4.0, 6.0, 8.0  # factors by which figures of sound machines scatter
+SOMEWHAT, HARDLY, NEVER = 2.0, 1.3, 1.1  # the same beyond limits
+COST = 9.0  # what a mistaken unit must explain, in squares of such scatter, to be named
+ANOTHER = 3.0  # what it must explain more where it is one of other keys too
+DOUBTFUL = 4.0  # times its scatter that a figure is out where no mistaken unit explains it
+USUAL_RUN_UP = 0.3  # of a range, on the way to the largest velocity
+DENSEST = 22_600.0  # [kg/m^3] of osmium
+FASTEST, STRONGEST = 20.0, 500.0  # [m/s, m/s^2] of machines that carry sensors of force
+SPINNING, WHIRLING = 100.0, 5_000.0  # [rad/s, rad/s^2]
+MOST_TURN = 8.0 * math.pi  # [rad] end of a joint
+TWO_TURNS = 4.0 * math.pi  # a number that is too small for degrees where all joints turn by less
+LEAST_OF_PAIR, LEAST_OF_JOINT = 1.6, 4.0  # [deg] half-angles and angles of joints: smaller ones look like radians
+
+
+class Stated(NamedTuple):
+    """A value as the file states it."""
+
+    key: str  # dotted; several keys of one unit with commas
+    value: Array  # in the key's unit
+    summary: str = ""  # what it is of the keys, where it is not what the file says
+
+    @property
+    def si(self) -> Array:
+        """The value in SI."""
+        return np.asarray(self.value * own_units([self.key])[0], dtype=float)
+
+    @property
+    def words(self) -> str:
+        """The value as the file says it."""
+        return f"{self.key} {self.summary or '='} {_shown(self.value)}"
+
+    def corrected(self, factor: float) -> str:
+        """What to write instead, where the value is `factor` times as large."""
+        if self.summary:
+            return f"{factor:.4g} times that"
+        sizes = np.abs(self.value)
+        apart = self.key.startswith("limits.") and sizes.max() > sizes.min() / min(factor, 1.0 / factor) / 3.0
+        wrong = sizes * (1 if factor < 1.0 else -1) > np.sqrt(sizes.max() * sizes.min()) * (1 if factor < 1.0 else -1)
+        value = np.where(wrong, self.value * factor, self.value) if apart else self.value * factor
+        return f"{self.key.rpartition('.')[2]} = {_shown(value)}"
+
+
+class Relation(NamedTuple):
+    """A figure of some values, where machines have it, and what it says."""
+
+    keys: tuple[str, ...]  # of the values that it follows from, the suspect first
+    figure: float
+    low: float  # ends between which it is as usual; 0 or infinite where it has none
+    high: float
+    scatter: float  # factor beyond them that sound machines scatter by
+    words: str
+
+    @property
+    def distance(self) -> float:
+        """How far it is from usual, in the logarithm of its scatter; 0 between the ends."""
+        figure = math.log(max(self.figure, _LEAST))
+        out = max(math.log(max(self.low, _LEAST)) - figure, figure - math.log(self.high), 0.0)
+        return out / math.log(self.scatter)
+
+
+_LEAST = 1e-300  # above 0
+
+
+Values = Mapping[str, Array]
+Relations = Callable[[Values], Iterable[Relation]]
+
+
+class _Hypothesis(NamedTuple):
+    """Some values are in another unit than their keys say."""
+
+    unit: str
+    factors: Mapping[str, float]  # of the values of some keys
+
+    @property
+    def cost(self) -> float:
+        """What it must explain: one mistake, or the same one again and again."""
+        names = {key.rpartition(".")[2] for key in self.factors}
+        return COST + ANOTHER * (len(names) - 1) + math.log(len(self.factors))
+
+    def concerns(self, relation: Relation) -> bool:
+        """Whether a figure follows from values that it is about."""
+        return not self.factors.keys().isdisjoint(relation.keys)
+
+    def applied(self, values: Values) -> Values:
+        """The values as they are if it is true."""
+        return {key: value * self.factors.get(key, 1.0) for key, value in values.items()}
+
+
+def contradictions(stated: Sequence[Stated], relations: Relations) -> Iterator[str]:
+    """Sentences on the values behind figures that no machine has, each with the unit in which it would fit.
+
+    A mistaken unit is named where it explains more than it costs to assume one, and more than any other.
+    """
+    of_key = {value.key: value for value in stated}
+    values: Values = {value.key: value.si for value in stated}
+    tried, now = list(_hypotheses(of_key)), list(relations(values))
+    while any(relation.distance > 1.0 for relation in now):
+        fits = [(_left(hypothesis, values, relations) + hypothesis.cost, hypothesis) for hypothesis in tried]
+        score, best = min(fits, key=lambda fit: fit[0], default=(math.inf, None))
+        if best is None or score >= sum(relation.distance**2 for relation in now):
+            break
+        own = [relation for relation in now if best.concerns(relation)]
+        yield _accusation(best, of_key, max(own, key=lambda relation: relation.distance))
+        values = best.applied(values)
+        now = list(relations(values))
+        tried = [other for other in tried if not set(other.factors) & set(best.factors)]
+    for relation in _first_of_each(relation for relation in now if relation.distance > DOUBTFUL):
+        others = ", ".join(of_key[key].words for key in relation.keys[1:])
+        cure = f"beside {others}: {relation.words}; one of them is wrong" if others else f"{relation.words}; correct it"
+        yield f"{of_key[relation.keys[0]].words}{' ' if others else ': '}{cure}"
+
+
+def _left(hypothesis: _Hypothesis, values: Values, relations: Relations) -> float:
+    """How unusual all figures are if a hypothesis is true; without limit where it makes one of its own doubtful."""
+    after = list(relations(hypothesis.applied(values)))
+    if any(relation.distance > DOUBTFUL and hypothesis.concerns(relation) for relation in after):
+        return math.inf
+    return sum(relation.distance**2 for relation in after)
+
+
+def _hypotheses(stated: Mapping[str, Stated]) -> Iterator[_Hypothesis]:
+    """Each value in each unit that is mistaken for its own; then those of a table that end alike, or may be in it."""
+    together: dict[tuple[str, str, str], dict[str, float]] = {}
+    for key in stated:
+        *tables, name = re.sub(r"\[\d+\]", "", key).split(".")
+        for unit, factor in _units(key):
+            yield _Hypothesis(unit, {key: factor})
+            for depth in range(len(tables), 0, -1):
+                for alike in (name, ""):
+                    together.setdefault((".".join(tables[:depth]), alike, unit), {})[key] = factor
+            for other in stated:  # of the same table, such as accelerations and jerks
+                if (
+                    other != key
+                    and other.rpartition(".")[0] == key.rpartition(".")[0]
+                    and (unit, factor) in _units(other)
+                ):
+                    together[(min(key, other), max(key, other), unit)] = {key: factor, other: factor}
+    seen = set[tuple[frozenset[str], str]]()
+    for (_, _, unit), factors in together.items():
+        if len(factors) > 1 and (frozenset(factors), unit) not in seen:
+            seen.add((frozenset(factors), unit))
+            yield _Hypothesis(unit, factors)
+
+
+def _units(key: str) -> list[tuple[str, float]]:
+    """Units that are mistaken for that of a key, with their values in it."""
+    return [unit for pattern, units in _MISTAKEN if re.search(pattern, key) for unit in units]
+
+
+def _first_of_each(broken: Iterable[Relation]) -> Iterator[Relation]:
+    """The worst of the relations about each value."""
+    named = set[str]()
+    for relation in sorted(broken, key=lambda relation: -relation.distance):
+        if named.isdisjoint(relation.keys):
+            yield relation
+        named |= set(relation.keys)
+
+
+def _accusation(hypothesis: _Hypothesis, stated: Mapping[str, Stated], relation: Relation) -> str:
+    accused = [stated[key] for key in hypothesis.factors]
+    others = ", ".join(stated[key].words for key in relation.keys if key not in hypothesis.factors)
+    beside = f" beside {others}" if others else ""
+    texts = {re.sub(r"\[\d+\]", "", value.corrected(hypothesis.factors[value.key])) for value in accused}
+    written = "; ".join(sorted(texts)[:SHOWN]) + (" and so on" if len(texts) > SHOWN else "")
+    unit = hypothesis.unit
+    units = dict.fromkeys(
+        f"{unit}{ending}" if (ending := _per_time(v.key)) else _WORDS.get(unit, unit) for v in accused
+    )
+    looks = "looks like" if len(accused) == 1 else "look like"
+    return f"{_listed(accused)}{beside}: {relation.words}; {looks} {' and '.join(units)}: write {written}"
+
+
+_WORDS = {"m": "metres", "mm": "millimetres", "um": "micrometres", "rad": "radians", "deg": "degrees", "s": "seconds"}
+
+
+def _listed(values: Sequence[Stated]) -> str:
+    """Values with their keys; those of several entries of a list together."""
+    together: dict[tuple[str, str], list[str]] = {}
+    for value in values:
+        start, _, rest = value.words.partition("s[")  # an entry of a list of joints or weights
+        number, _, end = rest.partition("]") if "." in start and rest[:1].isdigit() else ("", "", "")
+        together.setdefault((f"{start}s", end) if number else (value.words, ""), []).append(number)
+    texts = [
+        f"{start}[{', '.join(numbers)}]{end}" if numbers[0] else start for (start, end), numbers in together.items()
+    ]
+    return "; ".join(texts[:SHOWN]) + (f" and {len(texts) - SHOWN} more" if len(texts) > SHOWN else "")
+
+
+SHOWN = 4  # values of a sentence
+
+
+def _per_time(key: str) -> str:
+    """What follows a length or an angle in the unit of a key."""
+    match = re.search(r"_(?:mm|m|deg|rad)_s(\d?)$", key)
+    return "" if match is None else f"/s^{match[1]}" if match[1] else "/s"
+
+
+def _shown(value: Array) -> str:
+    """Numbers as a file may hold them, with four digits."""
+    texts = [f"{number:.4g}" for number in np.ravel(value)]
+    return texts[0] if np.ndim(value) == 0 or len(texts) == 1 else f"[{', '.join(texts)}]"
+
+
+def _largest(values: Values, key: str) -> float:
+    return float(np.abs(values[key]).max())
+
+
+def _reached(values: Values, v: str, a: str, j: str, unit: str) -> Relation:
+    """The acceleration is one that velocity and jerk allow: it is built up before the velocity is reached."""
+    allowed = math.sqrt(_largest(values, v) * _largest(values, j))
+    words = f"velocity and jerk allow an acceleration of {allowed:.3g} {unit}"
+    return Relation((a, v, j), _largest(values, a) / allowed, 0.0, 1.0, SOMEWHAT, words)
+
+
+def _run_up(values: Values, s: str, v: str, a: str) -> Relation:
+    """The largest velocity is reached on a share of the range."""
+    share = _largest(values, v) ** 2 / _largest(values, a) / _largest(values, s)
+    words = f"at that acceleration the velocity is reached on {100.0 * share:.2g} % of the range"
+    return Relation((v, a, s), share, USUAL_RUN_UP, USUAL_RUN_UP, LOOSELY, words)
+
+
+def _at_most(values: Values, key: str, most: float, unit: str) -> Relation:
+    size = _largest(values, key)
+    return Relation((key,), size / most, 0.0, 1.0, HARDLY, f"{size:.3g} {unit} is more than any such machine has")
+
+
+Pair = tuple[str, str]
+
+
+def _alike(values: Values, one: Pair, other: Pair, often: float) -> Relation:
+    """Translation and rotation go together alike, as way, velocity, acceleration and jerk."""
+    first, second = (_largest(values, pair[0]) / _largest(values, pair[1]) for pair in (one, other))
+    words = f"{first:.3g} m go with 1 rad in the first two, {second:.3g} m in the others"
+    return Relation((*one, *other), first / second, 1.0, 1.0, often, words)
+
+
+def of_motion(limits: MotionLimits, machine: HexapodMachine | None) -> Iterator[str]:
+    """Doubts about the box of a hexapod: translations, rotations and struts beside each other."""
+
+    def stated(*keys: str) -> Stated:
+        key = next(key for key in keys if getattr(limits, key) is not None)
+        return Stated(f"limits.motion.{key}", np.array(getattr(limits, key)))
+
+    def sides(letters: str, unit: str) -> Stated:
+        names = [f"{letter}_{unit}" for letter in letters]
+        widths = np.array([np.ptp(getattr(limits, name)) for name in names])
+        return Stated(f"limits.motion.{', '.join(names)}", widths, "with widths")
+
+    values = [
+        sides("xyz", "mm"),
+        sides("abc", "deg"),
+        stated("velocity_mm_s"),
+        stated("angular_velocity_deg_s"),
+        stated("acceleration_m_s2"),
+        stated("angular_acceleration_rad_s2", "angular_acceleration_deg_s2"),
+        stated("jerk_m_s3"),
+        stated("angular_jerk_rad_s3", "angular_jerk_deg_s3"),
+        stated("strut_velocity_m_s"),
+        stated("strut_acceleration_m_s2"),
+    ]
+    x, phi, v, omega, a, alpha, j, zeta, strut_v, strut_a = (value.key for value in values)
+    jacobian = None if machine is None else _inverse_jacobian(machine)
+
+    def relations(now: Values) -> Iterator[Relation]:
+        yield _reached(now, v, a, j, "m/s^2")
+        yield _reached(now, omega, alpha, zeta, "rad/s^2")
+        yield _run_up(now, x, v, a)
+        yield _run_up(now, phi, omega, alpha)
+        yield _alike(now, (x, phi), (v, omega), OFTEN)
+        yield _alike(now, (v, omega), (a, alpha), OFTEN)
+        yield _alike(now, (a, alpha), (j, zeta), OFTEN)
+        yield _alike(now, (v, omega), (j, zeta), WIDELY)
+        yield _at_most(now, v, FASTEST, "m/s")
+        yield _at_most(now, a, STRONGEST, "m/s^2")
+        yield _at_most(now, omega, SPINNING, "rad/s")
+        yield _at_most(now, alpha, WHIRLING, "rad/s^2")
+        if jacobian is not None:
+            for strut, pose, unit in ((strut_v, (v, omega), "m/s"), (strut_a, (a, alpha), "m/s^2")):
+                need = float(np.abs(jacobian * np.hstack([now[key] for key in pose])).max())
+                words = f"at home the platform's own limits ask {need:.3g} {unit} of a strut"
+                yield Relation((strut, *pose), _largest(now, strut) / need, 1.0, 1.0, WIDELY, words)
+
+    yield from contradictions(values, relations)
+
+
+def _inverse_jacobian(machine: HexapodMachine) -> Array:
+    """Rates of the struts at home for those of the pose, turns about fixed axes, shape (6, 6) [-, m]."""
+    arms = machine.platform.points @ turned(machine.home.vector[3:]).T
+    struts = machine.home.vector[:3] + arms - machine.base.points
+    along = struts / np.linalg.norm(struts, axis=1)[:, None]
+    return np.hstack([along, np.cross(arms, along)])
+
+
+def of_chain(chain: Chain, limits: JointMotionLimits) -> Iterator[str]:
+    """Doubts about a chain: each joint's limits beside each other, and beside those of other joints."""
+    stated: dict[str, Stated] = {}
+    keys = [[f"limits.motion.joints[{k}].{key}" for key in joint.keys] for k, joint in enumerate(limits.joints, 1)]
+    for joint, own in zip(limits.joints, keys, strict=True):
+        low, high = getattr(joint, joint.keys[0])
+        stated[own[0]] = Stated(own[0], np.array(high - low), "with a width of")
+        for key, name in zip(own[1:], joint.keys[1:], strict=True):
+            stated[key] = Stated(key, np.array(getattr(joint, name)))
+    ends = dict[str, bool]()
+    for k, end in enumerate(chain.joints, 1):
+        if (position := end.position_deg or end.position_mm) is not None:
+            key = f"machine.chain.joints[{k}].position_{'deg' if end.turns else 'mm'}"
+            stated[key], ends[key] = Stated(key, np.array(position)), end.turns
+    origins = [*chain.joints, chain.sensor]
+    distances = np.array([np.linalg.norm(np.array(frame.origin_mm)) for frame in origins])
+    stated[ORIGINS] = Stated(ORIGINS, distances, "with distances")
+
+    def relations(now: Values) -> Iterator[Relation]:
+        for joint, (s, v, a, j) in zip(limits.joints, keys, strict=True):
+            yield _run_up(now, s, v, a)
+            yield _reached(now, v, a, j, "rad/s^2" if joint.turns else "m/s^2")
+            most = (SPINNING, WHIRLING) if joint.turns else (FASTEST, STRONGEST)
+            yield _at_most(now, v, most[0], "rad/s" if joint.turns else "m/s")
+            yield _at_most(now, a, most[1], "rad/s^2" if joint.turns else "m/s^2")
+        for turns in (True, False):
+            alike = [own for joint, own in zip(limits.joints, keys, strict=True) if joint.turns == turns]
+            for order in (1, 2, 3) if len(alike) > 2 else ():
+                usual = float(np.median([_largest(now, own[order]) for own in alike]))
+                for key in (own[order] for own in alike):
+                    words = f"other joints have {usual / _largest(now, key):.3g} times as much"
+                    yield Relation((key,), _largest(now, key) / usual, 1.0, 1.0, OFTEN, words)
+        for key, turns in ends.items():
+            size = _largest(now, key)
+            if turns:
+                yield Relation(
+                    (key,),
+                    size / MOST_TURN,
+                    0.0,
+                    1.0,
+                    HARDLY,
+                    f"{size / 2 / math.pi:.3g} turns are more than joints make",
+                )
+            else:
+                yield _at_most(now, key, REACH, "m")
+        turning = [key for key, turns in ends.items() if turns]
+        if len(turning) > 2:  # of one alone a few degrees may be meant
+            widest = float(np.median([_largest(now, key) for key in turning])) / DEG
+            words = f"most joints turn by {widest:.3g} deg at most"
+            yield Relation(tuple(turning), widest, TWO_TURNS, math.inf, NEVER, words)
+        reach = float(np.sum(now[ORIGINS]))
+        yield Relation((ORIGINS,), reach, LEAST_REACH, REACH, HARDLY, f"origins of joints add up to {reach:.3g} m")
+
+    yield from contradictions(list(stated.values()), relations)
+
+
+ORIGINS = "machine.chain.joints.origin_mm"
+LEAST_REACH, REACH = 0.02, 60.0  # [m] sum of the distances of joints
+LEAST_SIZE, SIZE = 0.002, 10.0  # [m] radius of gyration of a body, where nothing tells the machine's size
+
+
+class Carried(NamedTuple):
+    """What the sensors of a case carry."""
+
+    bodies: Mapping[str, RigidBody]  # by their tables
+    size: float | None  # of the part that carries them [m]; None where the case does not tell it
+    frame: SensorFrame
+    gravity: Array  # in {B}, shape (3,)
+    turns: Sequence[Array]  # orientations of {P}, each (3, 3), in one of which the sensors bear the weight
+
+
+def of_loads(carried: Carried, sensors: Sensors) -> Iterator[str]:
+    """Doubts about bodies beside the machine's size, and about sensors beside the weight that they carry."""
+    stated = [
+        Stated(f"{table}.{key}", np.array(getattr(body, key)))
+        for table, body in carried.bodies.items()
+        for key in ("mass_kg", "centre_of_gravity_mm", "inertia_kg_m2")
+    ]
+    keys = (RANGE, NOISE, "sensors.range_Nm", "sensors.moment_noise_Nm")
+    of_sensors = {key: getattr(sensors, key.partition(".")[2]) for key in keys}
+    stated += [Stated(key, np.array(value)) for key, value in of_sensors.items() if value is not None]
+
+    def relations(now: Values) -> Iterator[Relation]:
+        for table in carried.bodies:
+            yield from _of_body(now, table, carried.size)
+        for key in ("mass_kg", "inertia_kg_m2"):
+            one, other = f"nominal.{key}", f"simulation.parameters.body.{key}"
+            if one in now and other in now:
+                ratio = _largest(now, one) / _largest(now, other)
+                yield Relation(
+                    (one, other), ratio, 1.0, 1.0, OFTEN, f"one is {max(ratio, 1 / ratio):.3g} times the other"
+                )
+        for size, scatter in ((RANGE, NOISE), ("sensors.range_Nm", "sensors.moment_noise_Nm")):
+            if size in now and scatter in now:
+                part = float(now[scatter] / now[size])
+                yield Relation((scatter, size), part, 0.0, 0.1, HARDLY, f"noise is {100.0 * part:.3g} % of the range")
+        if "nominal.mass_kg" not in now:
+            return
+        mass = float(now["nominal.mass_kg"])
+        if RANGE in now and carried.frame.struts is None:
+            load = mass * _weighed(carried, now[CENTRE])
+            words = f"the body's weight alone loads a sensor with {load:.3g} N"
+            yield Relation((RANGE, "nominal.mass_kg", CENTRE), load / float(now[RANGE]), 0.0, 1.0, NEVER, words)
+        if NOISE in now:
+            part = float(now[NOISE]) / float(np.linalg.norm(carried.gravity)) / mass
+            words = f"noise is {100.0 * part:.3g} % of the body's weight"
+            yield Relation((NOISE, "nominal.mass_kg"), part, 0.0, 0.5, HARDLY, words)
+
+    yield from contradictions(stated, relations)
+
+
+RANGE, NOISE = "sensors.range_N", "sensors.force_noise_N"
+CENTRE = "nominal.centre_of_gravity_mm"
+
+
+def _weighed(carried: Carried, centre: Array) -> float:
+    """Largest force on a channel by a kilogram somewhere in {P}, shape (3,) [m], in its best orientation [N/kg]."""
+
+    def largest(turn: Array) -> float:
+        weight = turn.T @ carried.gravity
+        wrench = -np.hstack([weight, np.cross(centre, weight)])
+        return float(
+            np.abs(np.linalg.solve(carried.frame.structure, wrench)[: 3 if carried.frame.has_moments else 6]).max()
+        )
+
+    return min(map(largest, carried.turns))
+
+
+def _of_body(now: Values, table: str, size: float | None) -> Iterator[Relation]:
+    mass, centre, inertia = (f"{table}.{key}" for key in ("mass_kg", "centre_of_gravity_mm", "inertia_kg_m2"))
+    m, i = float(now[mass]), now[inertia]
+    moment = float(i[0] + i[3] + i[5]) / 2.0  # integral of the squared distance from the centre
+    gyration, away = math.sqrt(moment / m), float(np.linalg.norm(now[centre]))
+    ball = 0.6 * m * (0.75 * m / math.pi / DENSEST) ** (2.0 / 3.0)
+    words = f"no matter is dense enough for so small a body ({_mm(gyration)} about its centre of gravity)"
+    yield Relation((inertia, mass), moment / ball, 1.0, math.inf, NEVER, words)
+    low, high = (LEAST_SIZE, SIZE) if size is None else (size / 100.0, 10.0 * size)
+    of = "" if size is None else f", the machine {_mm(size)}"
+    words = f"mass lies {_mm(gyration)} from its centre of gravity{of}"
+    yield Relation((inertia, mass), gyration, low, high, HARDLY, words)
+    words = f"it lies {_mm(away)} from the origin of {{P}}{of}"
+    yield Relation((centre,), away, 0.0, 10.0 * (SIZE if size is None else size), HARDLY, words)
+    if 0.0 < away < MM and gyration > 20.0 * MM:  # nobody states tenths of a millimetre, but for 0
+        words = f"it lies {_mm(away)} from the origin of {{P}}, its mass {_mm(gyration)} from it"
+        yield Relation((centre, inertia, mass), away / gyration, 0.05, 20.0, HARDLY, words)
+
+
+def _mm(length: float) -> str:
+    return f"{length / MM:.4g} mm"
+
+
+def of_geometry(machine: HexapodMachine | None, frame: SensorFrame, workspace: Workspace | None) -> Iterator[str]:
+    """Doubts about lengths and angles of joints, bars and struts, which look like metres or radians."""
+    groups = [] if machine is None else [("machine.base", machine.base), ("machine.platform", machine.platform)]
+    if frame.bars is not None:
+        groups += [("sensor_frame.bars.lower", frame.bars.lower), ("sensor_frame.bars.upper", frame.bars.upper)]
+    stated, angles, least = list[Stated](), list[Stated](), dict[str, float]()
+    for table, joints in groups:
+        if joints.ring is None:
+            farthest = np.linalg.norm(np.array(joints.points_mm), axis=1).max()
+            stated.append(Stated(f"{table}.points_mm", np.array(farthest), "at most from the origin"))
+            continue
+        stated.append(Stated(f"{table}.ring.radius_mm", np.array(joints.ring.radius_mm)))
+        for key in ("half_angle_deg", "included_angle_deg"):
+            if (angle := getattr(joints.ring, key)) is not None:
+                angles.append(Stated(f"{table}.ring.{key}", np.array(angle)))
+                least[angles[-1].key] = LEAST_OF_PAIR
+    if machine is not None:
+        distance = np.linalg.norm(np.array([machine.home.x_mm, machine.home.y_mm, machine.home.z_mm]))
+        summary = "" if distance == abs(machine.home.z_mm) else "with x and y, from the origin"
+        stated.append(Stated("machine.home.z_mm", np.array(distance), summary))
+    if workspace is not None:
+        stated.append(Stated("workspace.strut_length_mm", np.array(workspace.strut_length_mm)))
+        for key in ("base_joint_angle_deg", "platform_joint_angle_deg"):
+            angles.append(Stated(f"workspace.{key}", np.array(getattr(workspace, key))))
+            least[angles[-1].key] = LEAST_OF_JOINT
+
+    def relations(now: Values) -> Iterator[Relation]:
+        lengths = [value.key for value in stated]
+        for key in lengths:
+            words = f"{_mm(_largest(now, key))} is too small for a machine that carries sensors of force"
+            yield Relation((key,), _largest(now, key), 5.0 * MM, math.inf, HARDLY, words)
+        for one, other in pairwise(lengths):
+            ratio = _largest(now, one) / _largest(now, other)
+            words = f"one is {max(ratio, 1.0 / ratio):.3g} times the other"
+            yield Relation((one, other), ratio, 1.0, 1.0, WIDELY, words)
+        for angle in angles:
+            size = _largest(now, angle.key) / DEG
+            yield Relation((angle.key,), size, least[angle.key], 180.0, HARDLY, f"{size:.3g} deg is no angle of joints")
+
+    yield from contradictions([*stated, *angles], relations)
+
+
+def of_times(stated: Mapping[str, float | None]) -> Iterator[str]:
+    """Doubts about rates and times, by the keys of `TIMES`; None where one is not stated."""
+    given = [Stated(key, np.array(value)) for key, value in stated.items() if value is not None]
+    rate, cutoff = "recording.rate_Hz", "recording.filter_cutoff_Hz"
+    block, cycle = "controller.block_ms", "controller.cycle_ms"
+
+    def relations(now: Values) -> Iterator[Relation]:
+        for key, value in now.items():
+            low, high = TIMES[key]
+            words = "no such controller or recorder has it"
+            yield Relation((key,), float(value), low, high, HARDLY, words)
+        if rate in now and cutoff in now:
+            share = float(now[cutoff] / now[rate])
+            words = "half the rate is the highest frequency that samples hold"
+            yield Relation((cutoff, rate), share, 0.0, 0.5, NEVER, words)
+        if block in now and cycle in now:
+            yield Relation(
+                (block, cycle), float(now[block] / now[cycle]), 0.5, 1e4, HARDLY, "a block lasts a cycle at least"
+            )
+
+    yield from contradictions(given, relations)
+
+
+TIMES: Mapping[str, tuple[float, float]] = {
+    "recording.rate_Hz": (0.5, 1e6),
+    "recording.filter_cutoff_Hz": (0.01, 1e5),
+    "controller.block_ms": (1e-4, 10.0),
+    "controller.cycle_ms": (1e-5, 1.0),
+    "controller.settle_s": (0.0, 60.0),
+    "poses.settle_s": (0.0, 120.0),
+    "poses.average_s": (1e-3, 120.0),
+    "simulation.force_delay_ms": (0.0, 2.0),
+}
+"""Keys of times and rates, and what they have on machines [s, Hz]."""
