@@ -43,7 +43,7 @@ def wider(case: Case, share: float) -> Case:
 
 def looser(case: Case, share: float) -> Case:
     """The machine with larger limits of rates, accelerations and jerks, of coordinates and struts."""
-    names = [n for n in type(MOTION).model_fields if n.startswith(("velocity", "angular", "acc", "jerk"))]
+    names = [n for n in MOTION.model_fields_set if n.startswith(("velocity", "angular", "acc", "jerk"))]
     three = {f"limits__motion__{n}": [share * v for v in getattr(MOTION, n)] for n in names}
     struts = {f"limits__motion__strut_{n}": share * getattr(MOTION, f"strut_{n}")
               for n in ("velocity_m_s", "acceleration_m_s2")}  # fmt: skip
