@@ -1,10 +1,10 @@
 """The one family of errors that hexcite raises on purpose: one line with place, value, limit and remedy."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from copy import copy
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 ALSO = "; also: "  # between problems of one error
 
@@ -109,6 +109,24 @@ class ProgramError(HexciteError, ValueError):
         self.file, self.line, self.column = file, line, column
         place = f"{file}, line {line}" if line else str(file)
         super().__init__(f"{place}, column {column}" if column else place, problem)
+
+
+class Violation(NamedTuple):
+    """A limit that a program exceeds."""
+
+    line: int  # of the program
+    limit: str  # family of the limit
+    sentence: str  # value, limit and time in words
+
+
+class NotProven(ProgramError):
+    """A program exceeds limits; `violations` are all of them, the worst first."""
+
+    def __init__(self, file: Path | str, violations: Sequence[Violation], remedy: str) -> None:
+        worst, more = violations[0], len(violations) - 1
+        others = f" ({more} more: --all of post and check shows them)" if more else ""
+        super().__init__(file, worst.line, 0, f"{worst.sentence}; {remedy}{others}")
+        self.violations = tuple(violations)
 
 
 class FileProblem(HexciteError, OSError):

@@ -124,7 +124,7 @@ def prove_at(
 ) -> LimitReport:
     """Checks limits, by default every one, at given instants, shape (n,) [s]; see `prove`."""
     reports = []
-    for quantities, t in _evaluated(trajectory, case, instants, in_box, limited):
+    for quantities, t, _ in _evaluated(trajectory, case, instants, in_box, limited):
         reports.append(LimitReport(tuple(worst_case(q, t) for q in quantities)))
     return worst_of(reports)
 
@@ -132,8 +132,8 @@ def prove_at(
 def shares_at(trajectory: Trajectory, case: Case, instants: Array, in_box: bool, limited: Limited) -> Array:
     """Share of each limit that is used at each instant, shape (n, limits); see `prove_at`."""
     parts = [
-        np.column_stack([q.ratio.max(axis=1) for q in quantities])
-        for quantities, _ in _evaluated(trajectory, case, instants, in_box, limited)
+        np.column_stack([q.ratio.max(axis=1) for q in quantities])[own]
+        for quantities, _, own in _evaluated(trajectory, case, instants, in_box, limited)
     ]
     return np.concatenate(parts)
 
@@ -152,10 +152,10 @@ def kinetic_shares(trajectory: Trajectory, case: Case, instants: Array) -> tuple
     """
     parts = [
         [
-            np.max([q.ratio.max(axis=1) for q in quantities if q.of.kind.family in families], axis=0)
+            np.max([q.ratio.max(axis=1) for q in quantities if q.of.kind.family in families], axis=0)[own]
             for families in _BY_POWER
         ]
-        for quantities, _ in _evaluated(trajectory, case, instants, True, everything)
+        for quantities, _, own in _evaluated(trajectory, case, instants, True, everything)
     ]
     velocity, acceleration, jerk = (np.concatenate(shares) for shares in zip(*parts, strict=True))
     return velocity, acceleration, jerk
@@ -194,12 +194,16 @@ def slowed_for_forces(move: StraightMove, case: Case) -> StraightMove:
 
 def _evaluated(
     trajectory: Trajectory, case: Case, instants: Array, in_box: bool, limited: Limited
-) -> Iterator[tuple[tuple[Quantity, ...], Array]]:
-    """Quantities that are limited, in chunks of instants."""
+) -> Iterator[tuple[tuple[Quantity, ...], Array, slice]]:
+    """Quantities that are limited, in chunks of instants: with the instants beside each chunk, and which are its own.
+
+    What is between two instants belongs to both.
+    """
     for first in range(0, len(instants), CHUNK):
-        t = instants[first : first + CHUNK]
+        before = min(first, 1)
+        t = instants[first - before : first + CHUNK + 1]
         with np.errstate(invalid="ignore"):  # what is not a number counts as exceeded, and is reported so
-            yield tuple(limited(trajectory.at(t), case, in_box)), t
+            yield tuple(limited(trajectory.at(t), case, in_box)), t, slice(before, before + CHUNK)
 
 
 def worst_case(quantity: Quantity, t: Array) -> LimitCheck:

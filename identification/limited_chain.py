@@ -198,7 +198,7 @@ class _Body(NamedTuple):
 
 
 def body_clearances(t: Array, frames: Frames, chain: Chain) -> Iterable[Quantity]:
-    """Distances of bodies from boxes and from each other, at each instant and until half way to the next.
+    """Distances of bodies from boxes and from each other, at each instant and until half way to those beside it.
 
     Bodies of one link, or of two that meet, may touch. The share is 1 at the surface and above 1 inside. For a box it
     falls to 0 at a distance of half the box's diagonal, for two bodies at the sum of their radii.
@@ -207,7 +207,8 @@ def body_clearances(t: Array, frames: Frames, chain: Chain) -> Iterable[Quantity
         return
     count = len(t)
     still = np.tile(np.eye(4), (count, 1, 1)), np.zeros((count, 4, 4)), np.zeros((count, 4, 4))
-    half = float(np.diff(t).max()) / 2 if count > 1 else 0.0
+    gaps = np.diff(t)
+    half = np.maximum(np.append(gaps, 0.0), np.insert(gaps, 0, 0.0)) / 2
     last = len(chain.joints)
     owners = [(0, still, chain.base), *((k + 1, frames[k], joint.bodies) for k, joint in enumerate(chain.joints))]
     bodies = [
@@ -233,8 +234,8 @@ def body_clearances(t: Array, frames: Frames, chain: Chain) -> Iterable[Quantity
         yield Quantity.clear(Limit(LimitKind.DISTANCE_BETWEEN_LINKS), labels, distances, reach)
 
 
-def _body(link: int, frames: tuple[Array, Array, Array], body: Tool, half: float) -> _Body:
-    """A body in {B}: velocities are affine along its axis, so that no point is faster than the faster end."""
+def _body(link: int, frames: tuple[Array, Array, Array], body: Tool, half: Array) -> _Body:
+    """A body in {B}, and its way in half a step, shape (n,) [s]: of its axis no point is faster than the faster end."""
     ends = [[frame[:, :3, :3] @ point + frame[:, :3, 3] for point in body.axis] for frame in frames]
     speed, acceleration = (np.linalg.norm(both, axis=2).max(axis=0) for both in ends[1:])
     way = (speed + acceleration * half / 2) * half

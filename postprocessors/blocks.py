@@ -91,6 +91,8 @@ def knots(motion: Trajectory) -> Array:
         return motion.times
     if isinstance(motion, StraightMove):
         return np.unique(np.concatenate([[0.0], np.cumsum([s for s in motion.profile.lengths if s > 1e-9])]))
+    if isinstance(motion, Slowed):
+        return knots(motion.motion) / motion.speed
     if isinstance(motion, Joined):
         parts = [start + knots(part)[:-1] for start, part in zip(motion.starts, motion.parts, strict=False)]
         return np.append(np.concatenate(parts), motion.duration)

@@ -4,19 +4,24 @@
 the motion begin and end, and between them as close as the case's blocks: pieces up to the fifth power are exact.
 """
 
+from dataclasses import replace
+
 import numpy as np
+from numpy.typing import NDArray
 
 from cases.errors import ProgramError
 from cases.schema import Case
-from identification.motion import Array, Joined, Standstill
+from identification.motion import Array, Joined, Slowed, Standstill, Trajectory
+from identification.trajectories.moves import StraightMove
 from postprocessors.block_writer import comment_lines, header_of
 from postprocessors.blocks import Blocks, block_motions, divided, knots
 from postprocessors.reading import Reading, Still, Timed
 
-DECIMALS = 9  # decimals of rad, m and their derivatives
+DECIMALS = 12  # of rad, m and their derivatives: in pieces of 2 ms this rounding makes jerks of 0.008 rad/s^3
+NANOSECOND = 1e-9  # [s] to which the message states times; states are those at the times as stated
 SAME = 1e-7  # [rad, m] tolerance between points of a motion that is not a polynomial
-CLOSEST = 2e-3  # [s] least distance of points: rounding of closer ones makes jerks
-FIRST = 0.02  # [s] time of the first point: at 0 the controller would jump to it
+CLOSEST = 2e-3  # [s] least distance of points
+FIRST = 3.0  # [s] time of the first point, home: the controller goes there from where the machine stands, at any speed
 
 
 def write_joint_trajectory(program: Blocks, case: Case) -> bytes:
@@ -24,10 +29,13 @@ def write_joint_trajectory(program: Blocks, case: Case) -> bytes:
     chain, _ = case.need_chain("a joint trajectory")
     controller = case.need_controller("a joint trajectory")
     lines = [f"# {line}" for text in header_of(program) for line in comment_lines(text)]
-    lines += [f"joint_names: [{', '.join(chain.names)}]", "points:"]
-    motion = _motion(program)
-    points = motion.at(_instants(motion, controller.block))
-    for t, *values in zip(points.t + FIRST, points.pose, points.rates, points.accelerations, strict=True):
+    names = ", ".join(f'"{name}"' for name in chain.names)
+    lines += [f"joint_names: [{names}]", "points:"]
+    motion = _motion(program, case)
+    instants, at_rest = _instants(motion, controller.block)
+    stated = np.round(instants / NANOSECOND) * NANOSECOND
+    points = motion.at(np.where(at_rest, instants, stated))
+    for t, *values in zip(stated + FIRST, points.pose, points.rates, points.accelerations, strict=True):
         for mark, name, row in zip("-  ", ("positions", "velocities", "accelerations"), values, strict=True):
             lines.append(f"{mark} {name}: [{', '.join(_number(v) for v in row)}]")
         seconds, nanoseconds = divmod(round(float(t) * 1e9), 10**9)
@@ -37,7 +45,7 @@ def write_joint_trajectory(program: Blocks, case: Case) -> bytes:
 
 def require_same_trajectory(program: Blocks, reading: Reading, case: Case) -> None:
     """Raises ProgramError unless the message, as read back, is the program's motion, at its points and between them."""
-    motion, clock = _motion(program), -FIRST
+    motion, clock = _motion(program, case), -FIRST
     for part in reading.stretches:
         if isinstance(part, Still):
             clock += part.duration
@@ -53,21 +61,43 @@ def require_same_trajectory(program: Blocks, reading: Reading, case: Case) -> No
         raise ProgramError(reading.file, 0, 0, f"lasts {clock:.6f} s of {motion.duration:.6f} s; report this")
 
 
-def _motion(program: Blocks) -> Joined:
-    """The whole motion: the message has no place for the trigger."""
-    return Joined(tuple(motion for motion, _ in block_motions(program)))
+def _motion(program: Blocks, case: Case) -> Joined:
+    """The whole motion from home, where it stands at first; the message has no place for the trigger.
+
+    It is without phases that have no room between two points: a point that was left out where the jerk changes would
+    make the pieces beside it exceed its limit.
+    """
+    home, _ = case.need_motion("a joint trajectory")
+    settled = Standstill(home, case.need_controller("a joint trajectory").settle_s)
+    return Joined(tuple(map(_with_room, (settled, *(motion for motion, _ in block_motions(program))))))
 
 
-def _instants(motion: Joined, step: float) -> Array:
-    """Ends of all pieces, and instants between them, shape (n,) [s]; none within a standstill."""
-    instants = [np.zeros(1)]
+def _with_room(motion: Trajectory) -> Trajectory:
+    if isinstance(motion, StraightMove):
+        return replace(motion, profile=motion.profile.without_short_phases(CLOSEST))
+    if isinstance(motion, Slowed):
+        return Slowed(_with_room(motion.motion), motion.speed)
+    if isinstance(motion, Standstill):
+        return Standstill(motion.pose, max(motion.duration, CLOSEST))
+    return motion
+
+
+def _instants(motion: Joined, step: float) -> tuple[Array, NDArray[np.bool_]]:
+    """Ends of all pieces, and instants between them [s], none within a standstill; and which are ends of parts, (n,).
+
+    There, between one part and the next, the machine stands.
+    """
+    instants, at_rest = [0.0], [True]
     for part, start in zip(motion.parts, motion.starts, strict=False):
-        ends = [0.0]
-        if not isinstance(part, Standstill):  # without those that are too close to another one
-            ends += [t for t in knots(part)[1:-1] if min(t - ends[-1], part.duration - t) >= CLOSEST]
-        longest = part.duration if isinstance(part, Standstill) else step
-        instants.append(start + divided(np.array([*ends, part.duration]), longest)[1:])
-    return np.concatenate(instants)
+        ends, longest = [0.0], part.duration
+        if not isinstance(part, Standstill):
+            longest = max(step, 2 * CLOSEST)  # halves have room, too
+            for t in knots(part)[1:-1]:
+                if min(t - ends[-1], part.duration - t) >= CLOSEST:
+                    ends.append(float(t))
+        instants += (start + divided(np.array([*ends, part.duration]), longest)[1:]).tolist()
+        at_rest += [False] * (len(instants) - len(at_rest) - 1) + [True]
+    return np.array(instants), np.array(at_rest)
 
 
 def _number(value: float) -> str:

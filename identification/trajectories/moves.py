@@ -58,6 +58,23 @@ class Profile(NamedTuple):
         times = (self.jerk_time / speed, self.hold_time / speed, self.cruise_time / speed)
         return Profile(self.acceleration * speed**2, *times)
 
+    def without_short_phases(self, shortest: float) -> "Profile":
+        """The same way in the same time, whose phases of constant velocity and acceleration last `shortest` [s] or 0.
+
+        What a shorter one lasted is given to those beside it: no limit of jerk is exceeded by that, those of velocity
+        and acceleration by half of its share of the move's time at most.
+        """
+        distance = self.peak_velocity * (2 * self.jerk_time + self.hold_time + self.cruise_time)
+        jerk_time, hold_time, cruise_time = self.jerk_time, self.hold_time, self.cruise_time
+        if cruise_time < shortest and hold_time >= shortest:
+            hold_time, cruise_time = hold_time + cruise_time / 2, 0.0
+        elif cruise_time < shortest and jerk_time > 0.0:
+            jerk_time, cruise_time = jerk_time + cruise_time / 4, 0.0
+        if hold_time < shortest and jerk_time > 0.0:
+            jerk_time, hold_time = jerk_time + hold_time / 2, 0.0
+        unit = unit_profile(jerk_time, hold_time, cruise_time)
+        return unit._replace(acceleration=distance * unit.acceleration)
+
     def at(self, t: ArrayLike) -> tuple[Array, Array, Array, Array]:
         """Distance covered, velocity, acceleration and jerk at times t, each of shape (n,).
 

@@ -1,13 +1,17 @@
 """`hexcite post`, `hexcite check` and `hexcite run`: programs are written, read back and executed."""
 
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
 import hexcite as hx
+from cases.errors import NotProven, Violation
 from cases.files import RUN, check_file, check_folder, output_place
 from planner.cli import console
 from planner.cli.console import argument, option, out
 
+All = Annotated[bool, option("Show every line that exceeds a limit, the worst first.", "--all")]
 Accept = Annotated[
     list[str] | None,
     option("A limit that the controller does not enforce and that you answer for, as in: --accept jerk."),
@@ -29,6 +33,7 @@ def post(
     output: Annotated[Path | None, out("Program to write; by default the plan's name.")] = None,
     stale: console.Stale = False,
     overwrite: console.Overwrite = False,
+    every: All = False,
     json: console.Json = False,
 ) -> None:
     """Write a plan as a program for the machine's controller.
@@ -41,7 +46,7 @@ def post(
     language = language_of(loaded, dialect, output)
     file = output_place(output, Path(f"{loaded.name}{language.suffix}"), overwrite)
     check_file(file, language.suffixes, [plan, *plan.glob("*")], overwrite)
-    with console.status(f"writing and proving {file.name}", json):
+    with console.status(f"writing and proving {file.name}", json), _told(every, json):
         program = hx.write(
             loaded,
             language.name,
@@ -53,6 +58,23 @@ def post(
     answer = answer_of_program(program)
     notes = (f"note: {remark}" for remark in answer["remarks"])
     console.answered(answer, json, *notes, f"program written: {program.path}, read back", repr(program))
+
+
+@contextmanager
+def _told(every: bool, as_json: bool) -> Iterator[None]:
+    """Inside, all limits that a program exceeds are printed where they were asked for, before the error passes on."""
+    try:
+        yield
+    except NotProven as error:
+        answer = {"ok": False, "violations": [v._asdict() for v in error.violations]}
+        if every or as_json:
+            console.answered(answer, as_json, *lines_of(error.violations))
+        raise
+
+
+def lines_of(violations: Sequence[Violation]) -> list[str]:
+    """Limits that a program exceeds, a line each."""
+    return [f"line {v.line}: {v.sentence}" for v in violations]
 
 
 def answer_of_program(program: "hx.Program") -> dict[str, Any]:
@@ -75,6 +97,7 @@ def check(
     program: Annotated[Path, argument("Program file.")],
     case: Annotated[str, option("Built-in name, folder or case file.")],
     dialect: Annotated[str | None, option("The program's language; by default the one that its suffix names.")] = None,
+    every: All = False,
     json: console.Json = False,
 ) -> None:
     """Read a program back, independently of its writer, and prove it."""
@@ -84,7 +107,8 @@ def check(
     with console.status(f"proving {program.name}", json):
         read = hx.check(program, loaded, dialect)
         answer = answer_of_proof(read)
-    console.answered(answer, json, *(f"note: {remark}" for remark in answer["remarks"]), read)
+    lines = lines_of(read.proof.exceeded) if every else []
+    console.answered(answer, json, *(f"note: {remark}" for remark in answer["remarks"]), *lines, read)
     require_proven(read, loaded)
 
 
@@ -97,9 +121,7 @@ def answer_of_proof(program: "hx.Program") -> dict[str, Any]:
         "ok": proof.ok,
         "verdict": proof.verdict,
         "relies_on": list(proof.relies_on),
-        "violations": [
-            {"line": v.line, "limit": str(v.kind.family), "sentence": v.sentence()} for v in proof.violations
-        ],
+        "violations": [v._asdict() for v in proof.exceeded],
         "duration_s": proof.duration,
         "remarks": [*proof.remarks, *([other] if other else [])],
         "limits": proof.limits.to_json(),

@@ -31,12 +31,17 @@ from postprocessors.proving.guarantees import limits_jerk
 from postprocessors.reading import Reading
 
 FEWEST, MOST = 8, 64  # moves
-SHORTEST_PHASE = 3  # controller cycles; a shorter phase is absent
+SHORTEST_CYCLES, SHORTEST_TIME = 3, 2e-3  # of a phase: controller cycles, and [s]; a shorter one is absent
 LONGEST_PHASE = 4.0  # mean durations of a move
 GAUSS = 0.5 - 0.5 / np.sqrt(3.0)  # two points integrate what is cubic in time exactly: jerk phases squared
 
 
 MOVES_A_SECOND = 10.0 / 3.0  # at most where jerk is limited
+
+
+def shortest_phase(cycle: float) -> float:
+    """Shortest duration of a phase for a controller of some cycle [s]."""
+    return max(SHORTEST_CYCLES * cycle, SHORTEST_TIME)
 
 
 def moves_in(box: Box, duration: float) -> float:
@@ -101,8 +106,8 @@ class PointToPointFamily(Family):
     # limits of rates, accelerations and jerks, shape (3, n); without those of jerks, for a controller that knows none,
     # shape (2, n)
     limits: Array
-    # phases of constant acceleration and of constant velocity that are omitted, shape (moves, 2); others last at least
-    # three controller cycles. None while that is open
+    # phases of constant acceleration and of constant velocity that are omitted, shape (moves, 2); others last as long
+    # as the shortest phase at least. None while that is open
     absent: Flags | None = None
 
     @classmethod
@@ -209,7 +214,7 @@ class PointToPointFamily(Family):
         return LinearStates(np.arange(n)[None], offset, slope)
 
     def _time_bounds(self) -> tuple[Array, Array]:
-        shortest = SHORTEST_PHASE * self.cycle / self.unit
+        shortest = shortest_phase(self.cycle) / self.unit
         lower, upper = np.zeros((self.moves, 3)), np.full((self.moves, 3), LONGEST_PHASE)
         lower[:, 1 if self.steps else 0] = shortest
         if self.steps:
@@ -275,9 +280,9 @@ class PointToPointFamily(Family):
         return np.concatenate([share * points.ravel(), times.ravel() / longer])
 
     def refined(self, unknowns: Array) -> "PointToPointFamily":
-        """The family in which phases that are too short for the controller are omitted, or last three cycles."""
+        """The family in which phases that are too short for the controller are omitted, or last as long as it needs."""
         phases = self.split(unknowns)[1][:, 1:] * self.unit
-        absent = phases < SHORTEST_PHASE / 2 * self.cycle
+        absent = phases < shortest_phase(self.cycle) / 2
         if self.steps:
             absent[:, 0] = False  # without it nothing accelerates
         return replace(self, absent=absent)

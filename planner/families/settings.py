@@ -219,7 +219,7 @@ class PointToPoint(FamilySettings):
         return int(np.clip(round(fitting), ptp.FEWEST, ptp.MOST))
 
     def require_plannable(self, case: Case, duration: float) -> None:
-        """Raises HexciteError where a move is too short for four phases of jerk, or two of acceleration, of 3 cycles.
+        """Raises HexciteError where a move is too short for four phases of jerk, or two of acceleration.
 
         A move whose coordinates cannot reach half of their limits of acceleration hardly leaves its place: the search
         would take minutes to make few moves of many, and find less than with few.
@@ -227,7 +227,7 @@ class PointToPoint(FamilySettings):
         cycle = case.need_controller(TIMED).cycle
         own, _ = ptp.controlled(case, self.made_for(case))
         box, count = own.need_motion("planning")[1], self.count(own, duration)
-        phases = (4 if box.limits_jerk else 2) * ptp.SHORTEST_PHASE * cycle
+        phases = (4 if box.limits_jerk else 2) * ptp.shortest_phase(cycle)
         least = max(phases, 4 * HALF * float(np.min(box.acceleration / box.jerk)))
         if duration < count * least * (1.0 - ROUNDING):
             raise HexciteError(

@@ -214,7 +214,7 @@ class _Run:
             if number > 0 or self.close or self.task.refine:
                 self.program = self.program.tightened(shares, 1.0 - MARGIN - SLIPPED)
             unknowns = self.solve(unknowns, self.family.mending, _AT_HAND)
-        return unknowns
+        return np.asarray(np.clip(unknowns, self.program.lower, self.program.upper))  # phases that are absent last 0
 
     def feasible(self, unknowns: Array) -> tuple[Array, float]:
         """Unknowns of the motion shrunk inside every limit, and the share to which it was shrunk."""

@@ -50,6 +50,8 @@ class Guarantees:
     # whether it covers each timed block in a straight line at one feed, in whole cycles: then rates are proven also
     # where it does not follow the assumed curve
     even_blocks: bool = False
+    # what to do about a timed block of another duration
+    timing_remedy: str = "write such blocks (controller.block_ms), or a move at a feed (G94) with an exact stop"
     arc_shares: tuple[float, float] = ARC_SHARES  # shares of its acceleration limit, along an arc and across it
     # allowed deviation of its polynomials from a motion that is none, beside rounding, shape (6,) or (1,) [m, rad]
     tolerance: Array = field(default_factory=lambda: np.zeros(1))
@@ -168,6 +170,7 @@ def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
         longest_block=math.inf if polynomial else LONGEST_POINTS,
         enforced=frozenset(map(LimitKind, settings.controller_keeps)),
         law=_SEVEN_SEGMENTS,
+        timing_remedy=f"make such blocks longer (controller.{'sinumerik.poly_' if polynomial else ''}block_ms)",
         tolerance=np.repeat(settings.poly_tolerance, 3) if isinstance(settings, Sinumerik) else np.zeros(1),
     )
 
@@ -196,7 +199,8 @@ def urscript_guarantees(reading: Reading, case: Case) -> Guarantees:
 def joint_trajectory_guarantees(reading: Reading, case: Case) -> Guarantees:
     """Guarantees for quintic pieces through stated positions, rates and accelerations: all proven, nothing enforced."""
     name = "joint_trajectory_controller"
-    return Guarantees(case, name, SHORTEST_POINTS, math.inf, _SEVEN_SEGMENTS, follows_paths=True)
+    remedy = "leave out points that are closer to the one before"
+    return Guarantees(case, name, SHORTEST_POINTS, math.inf, _SEVEN_SEGMENTS, follows_paths=True, timing_remedy=remedy)
 
 
 def setpoint_guarantees(reading: Reading, case: Case) -> Guarantees:
@@ -204,5 +208,6 @@ def setpoint_guarantees(reading: Reading, case: Case) -> Guarantees:
     settings = case.need_settings(Setpoints, "a setpoint table")
     enforced, cycle = frozenset(map(LimitKind, settings.controller_keeps)), settings.cycle
     return Guarantees(
-        case, "setpoint generator", cycle, cycle, _SEVEN_SEGMENTS, enforced, jerk_time=cycle, follows_paths=True
-    )
+        case, "setpoint generator", cycle, cycle, _SEVEN_SEGMENTS, enforced, jerk_time=cycle, follows_paths=True,
+        timing_remedy="write a row for each cycle (controller.setpoints.cycle_ms)",
+    )  # fmt: skip

@@ -65,10 +65,7 @@ def require_timing(part: Timed, by: Guarantees, file: str) -> None:
         most = f"to {1e3 * longest:g} ms" if np.isfinite(longest) else "ms and more"
         times = f"{1e3 * shortest:g} {most}" + (" in whole cycles" if by.even_blocks else "")
         problem = f"the timed block takes {1e3 * steps[k]:.6g} ms; {by.controller} keeps times of {times}"
-        remedy = "write such blocks (controller.block_ms), or a move at a feed (G94) with an exact stop"
-        if isinstance(part.points, PolynomialMotion):
-            remedy = "make its pieces longer (poly_block_ms of SINUMERIK), or plan for this controller with --for"
-        raise ProgramError(file, part.lines[k], 0, f"{problem}: {remedy}")
+        raise ProgramError(file, part.lines[k], 0, f"{problem}; {by.timing_remedy}")
 
 
 def _timed(part: Timed, by: Guarantees) -> Iterable[LimitCheck]:
@@ -174,22 +171,24 @@ def prove_path(motion: TimedPoints | PolynomialMotion | Tabulated, case: Case, i
     """
     reports = []
     for limited in (of_coordinates, of_mechanics):
-        instants = _critical_instants(motion, motion.times, case, in_box, limited)
-        reports.append(prove_at(motion, case, instants, in_box, limited))
+        for instants in _critical_instants(motion, motion.times, case, in_box, limited):
+            reports.append(prove_at(motion, case, instants, in_box, limited))
     return worst_of(reports)
 
 
-def _critical_instants(motion: Trajectory, times: Array, case: Case, in_box: bool, limited: Limited) -> Array:
-    """Instants that include the worst of each limit and all that are near one, shape (n,) [s]."""
+def _critical_instants(motion: Trajectory, times: Array, case: Case, in_box: bool, limited: Limited) -> list[Array]:
+    """Instants that include the worst of each limit and all that are near one [s], without gaps in each array.
+
+    What is between two instants is judged by both: those of blocks with others between them do not belong together.
+    """
     rough, starts = _grid(times, ROUGH, ROUGH_RATE)
     shares = np.maximum.reduceat(shares_at(motion, case, rough, in_box, limited), starts, axis=0)
     blocks = np.asarray((shares >= NEAR_LIMIT).any(axis=1))
     blocks[np.argsort(shares, axis=0)[-WORST_BLOCKS:]] = True
     fine, starts = _grid(times, FINE, PROOF_RATE)
-    counts = np.diff(np.append(starts, len(fine) - 1))
-    mask = np.append(np.repeat(blocks, counts), True)
-    mask[np.append(starts[1:], len(fine) - 1)[blocks]] = True  # both ends of a block belong to it
-    return np.asarray(fine[mask])
+    bounds = np.append(starts, len(fine) - 1)
+    edges = np.flatnonzero(np.diff(blocks.astype(int), prepend=0, append=0))  # of runs of such blocks
+    return [fine[bounds[first] : bounds[end] + 1] for first, end in edges.reshape(-1, 2)]
 
 
 def _grid(times: Array, most: int, rate: float) -> tuple[Array, NDArray[np.int64]]:

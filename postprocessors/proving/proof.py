@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cases.chain import Box
-from cases.errors import ProgramError
+from cases.errors import NotProven, ProgramError, Violation
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limit import KINETIC, LimitCheck, LimitKind, LimitReport, Status, worst_of
@@ -91,13 +91,16 @@ class ProgramProof:
             raise ProgramError(self.file, 0, 0, f"{problem}; {predicted}; {remedy} if the machine can bear it")
 
     def require(self) -> None:
-        """Raises ProgramError, naming line, value and limit, unless the proof holds."""
+        """Raises NotProven, naming line, value and limit, unless the proof holds."""
         if self.violations:
             first = self.violations[0]
-            more = f" ({len(self.violations) - 1} more)" if len(self.violations) > 1 else ""
             faster = first.kind.kinetic or first.kind is LimitKind.FEED_TO_HOME
-            remedy = "slow down or change the move" if faster else "change the move"
-            raise ProgramError(self.file, first.line, 0, f"{first.sentence()}; {remedy}{more}")
+            raise NotProven(self.file, self.exceeded, "slow down or change the move" if faster else "change the move")
+
+    @property
+    def exceeded(self) -> tuple[Violation, ...]:
+        """The violations in words."""
+        return tuple(Violation(v.line, str(v.kind.family), v.sentence()) for v in self.violations)
 
 
 def prove_program(reading: Reading, guarantees: Guarantees) -> ProgramProof:
@@ -150,6 +153,8 @@ def remarks(reading: Reading, case: Case) -> Iterator[str]:
         )
         if distance := _away(first.end, home, limits):
             yield f"line {first.line}: the first move does not go home, {distance}"
+    elif reading.start is not None and reading.start_time > 0.0:
+        yield _taken_home(reading.start_time, case)
     elif reading.start is not None:
         yield "the machine must stand at home when it starts"
     last = moves[-1]
@@ -168,6 +173,33 @@ def remarks(reading: Reading, case: Case) -> Iterator[str]:
         yield f"line {reading.left_on}: the trigger is never switched off again"
     elif not any(part.trigger for part in reading.stretches):
         yield "the trigger is never switched on: a recording would not know what to evaluate"
+
+
+# Peaks of rate, acceleration and jerk of a quintic from rest to rest over 1 in the time 1
+_QUINTIC = 15 / 8, 10 / np.sqrt(3.0), 60.0
+
+
+def _taken_home(time: float, case: Case) -> str:
+    """The remark on a controller that goes to home in some time [s], from wherever the machine stands."""
+    _, limits = case.need_motion("the check of a program")
+    share = case.need_controller("the check of a program").safe_share
+    near = [
+        share * limit * time**order / peak
+        for order, (limit, peak) in enumerate(
+            zip((limits.rate, limits.acceleration, limits.jerk), _QUINTIC, strict=True), 1
+        )
+    ]
+    way = np.min(near, axis=0)
+    lengths = [
+        (way[own].min() / unit, name)
+        for own, unit, name in ((limits.turns, DEG, "deg"), (~limits.turns, MM, "mm"))
+        if own.any()
+    ]
+    ways = " and ".join(f"{length:.3g} {name}" for length, name in lengths)
+    return (
+        f"the machine must stand at home when it starts: from where it stands it is taken there in {time:.3g} s, at no "
+        f"more than {100 * share:.3g} % of its limits only if no joint is further than {ways} from home"
+    )
 
 
 def _away(pose: Array, home: Array, limits: Box) -> str:

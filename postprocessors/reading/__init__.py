@@ -97,6 +97,7 @@ class Reading:
     stretches: tuple[Stretch, ...]  # stretches in order
     blocks: int  # number of lines that hold words
     start: Array | None = None  # where the machine must stand, of programs that do not bring it there, shape (6,)
+    start_time: float = 0.0  # time in which the controller takes it there from where it stands; 0 where it does not [s]
     left_on: int = 0  # line that switches the trigger on for good; 0 where it is off in the end
     # words that are missing before its first move: without them offsets of another program shift its poses
     unsaid: tuple[str, ...] = ()
@@ -139,8 +140,9 @@ class Grouping:
     controller's own timing that run into each other, a trigger that waits for a motion which never comes.
     """
 
-    def __init__(self, file: str) -> None:
+    def __init__(self, file: str, exact_stop: str = "", switch_at_rest: str = "") -> None:
         self.file = file
+        self.exact_stop, self.switch_at_rest = exact_stop, switch_at_rest  # in the words of the language
         self.stretches: list[Stretch] = []
         self.start: Array | None = None
         self.pose: Array | None = None
@@ -199,7 +201,7 @@ class Grouping:
         self._settle_trigger()
         if not exact:
             problem = "a move at a feed without exact stop is blended into the next, its path is not known"
-            raise self.error(line, f"{problem}; write G61 (LinuxCNC) or G60")
+            raise self.error(line, f"{problem}; write {self.exact_stop}")
         self.stretches.append(Untimed(line, self.pose, end, feed, linear, arc, self.trigger, *law))
         self.pose = end
 
@@ -216,7 +218,7 @@ class Grouping:
         self._finish_path()
         if self.waiting is not None:
             problem = "the trigger waits for a next motion that never comes; "
-            raise self.error(self.waiting[0], f"{problem}write M64 or M65 (LinuxCNC), or a dwell after it (SINUMERIK)")
+            raise self.error(self.waiting[0], f"{problem}write {self.switch_at_rest}")
         left_on = self.switched if self.trigger else 0
         return Reading(self.file, tuple(self.stretches), blocks, self.start, left_on)
 

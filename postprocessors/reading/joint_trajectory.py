@@ -1,11 +1,13 @@
 """Reads a ROS 2 `trajectory_msgs/msg/JointTrajectory` in YAML, in the layout that `ros2 topic echo` and hexcite write.
 
 Between points with position, rate and acceleration `joint_trajectory_controller` interpolates with a quintic polynomial
-(ros2_controllers, trajectory.cpp). It reaches the first point from wherever the machine stands.
+(ros2_controllers, trajectory.cpp), from where the machine stands to the first point, too: that must be home. Read is
+what every reader of YAML takes alike: to some 010 is 8, 1e5 a text, and `no` a truth value.
 """
 
 import itertools
 import re
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -13,12 +15,17 @@ import numpy as np
 from cases.errors import ProgramError
 from cases.schema import Case
 from identification.motion import Array
-from postprocessors.reading import FLOAT, Grouping, Reading, TimedBlock, program_lines
+from postprocessors.reading import STILL, Grouping, Reading, TimedBlock, program_lines
 
 LARGEST = 1e6  # rad, m and their derivatives: no machine has such numbers
 LONGEST_LINE = 4096
 SHOWN = 120  # characters of a line that an error repeats: names of seven joints
-_TIME = re.compile(r"  time_from_start: \{\s*sec:\s*(\d{1,9})\s*,\s*nanosec:\s*(\d{1,9})\s*\}")
+_WHOLE = r"(?:0|[1-9]\d{0,8})"
+_NUMBER = r"([+-]?(?:0|[1-9]\d{0,17})(?:\.\d*(?:[eE][+-]\d{1,3})?)?)"
+_TIME = re.compile(rf"  time_from_start: \{{\s*sec:\s*({_WHOLE})\s*,\s*nanosec:\s*({_WHOLE})\s*\}}")
+_NO_TEXT = {"yes", "no", "on", "off", "true", "false", "null", "y", "n"}  # without quotes, in any case
+
+_FORM = ", without leading zeros, with an exponent only behind a decimal point, as 1.0e-05"
 
 _Point = tuple[int, Array, float]  # line, position with rate and acceleration, shape (3, joints), and time [s]
 
@@ -29,16 +36,16 @@ def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
     The recording has no trigger: the whole motion counts as the excitation.
     """
     chain, _ = case.need_chain("a joint trajectory")
-    names, row = "[ '\"]*,[ '\"]*".join(map(re.escape, chain.names)), r",\s*".join([FLOAT] * len(chain.names))
+    names, row = r"\s*,\s*".join(map(_name, chain.names)), r",\s*".join([_NUMBER] * len(chain.names))
     forms = [
-        (f"joint_names: [{', '.join(chain.names)}]", re.compile(rf"joint_names: \[[ '\"]*{names}[ '\"]*\]")),
+        (f"joint_names: [{', '.join(chain.names)}]", re.compile(rf"joint_names: \[\s*{names}\s*\]")),
         ("points:", re.compile("points:")),
     ]
     of_a_point = [
-        (f"{mark} {key}: [{len(chain.names)} plain numbers]", re.compile(rf"{mark} {key}: \[\s*{row}\s*\]"))
+        (f"{mark} {key}: [{len(chain.names)} plain numbers]{_FORM}", re.compile(rf"{mark} {key}: \[\s*{row}\s*\]"))
         for mark, key in zip("-  ", ("positions", "velocities", "accelerations"), strict=True)
     ]
-    of_a_point.append(("  time_from_start: {sec: .., nanosec: ..}", _TIME))
+    of_a_point.append(("  time_from_start: {sec: .., nanosec: ..}, whole numbers without leading zeros", _TIME))
     texts = (text.split("#", 1)[0].rstrip() for text in program_lines(content, file, LONGEST_LINE))
     lines = [(number, code) for number, code in enumerate(texts, 1) if code]
     found: list[tuple[int, tuple[str, ...]]] = []
@@ -58,21 +65,34 @@ def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
             problem = f"the point at {time:g} s must come after {before:g} s, have numbers below {LARGEST:g}"
             raise ProgramError(file, rows[k][0], 0, f"{problem}, and rest if it is the first or last; correct it")
         points.append((rows[k][0], state, time))
-    return _grouped(file, points).reading(len(points))
+    home, _ = case.need_motion("a joint trajectory")
+    return replace(_grouped(file, points, home).reading(len(points)), start_time=points[0][2])
 
 
-def _grouped(file: str, points: list[_Point]) -> Grouping:
-    """Quintic pieces, and pauses where the machine stands; the trigger is on from the first movement to the last."""
-    line, state, time = points[0]
+def _name(name: str) -> str:
+    """Pattern of the name of a joint: in quotes, or without where that is a text to every reader."""
+    plain = name.lower() not in _NO_TEXT and re.fullmatch(r"[A-Za-z_][\w.-]*", name)
+    quoted = rf"'{re.escape(name)}'|\"{re.escape(name)}\""
+    return f"(?:{quoted}|{re.escape(name)})" if plain else f"(?:{quoted})"
+
+
+def _grouped(file: str, points: list[_Point], home: Array) -> Grouping:
+    """Quintic pieces, and pauses where the machine stands; the trigger is on from the first movement to the last.
+
+    It begins at rest at home; a first point elsewhere is the end of a piece.
+    """
+    line, state, _ = points[0]
+    begin = state.copy()
+    if np.abs(state[0] - home).max() > STILL:
+        begin[0] = home
     blocks: list[TimedBlock] = []
-    for (_, before, start), (place, after, until) in pairwise(points):
+    for (_, before, start), (place, after, until) in pairwise([(line, begin, 0.0), *points]):
         duration = until - start
         standing = np.array_equal(before, after) and not after[1:].any()
         blocks.append((place, duration, after[0], None if standing else _quintic(before, after, duration)))
     moving = [k for k, (*_, coefficients) in enumerate(blocks) if coefficients is not None]
     motions = Grouping(file)
-    motions.stand(state[0])
-    motions.pause(line, time)
+    motions.stand(begin[0])
     for k, block in enumerate(blocks):
         place, duration, _, coefficients = block
         if k in moving[:1]:

@@ -36,7 +36,7 @@ class _LinuxCncInterpreter(ModalState):
     """Meaning of the words."""
 
     name, last, reads, fractions = "LinuxCNC", ("M2", "M30"), _READS, True
-    stops = ("M0", "M1", "M60")
+    stops, exact_stop, switch_at_rest = ("M0", "M1", "M60"), "G61", "M64 P0 or M65 P0"
     number = re.compile(r"\s*N\s*\d+(?:\.\d+)?", re.IGNORECASE)
     word = re.compile(rf"(?P<comment>\([^()]*\)|;.*)|(?P<letter>[A-Za-z])\s*(?P<number>{NUMBER})")
     # those of groups of one change nothing that a program here relies on: no compensation, no offset; relative centres

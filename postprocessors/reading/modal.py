@@ -57,6 +57,8 @@ class ModalState(ABC):
     last: ClassVar[tuple[str, ...]]  # words that end a program, the usual one first
     stops: ClassVar[tuple[str, ...]] = ("M0", "M1")  # words at which the machine stands until its operator goes on
     block_time: ClassVar[str] = "F = 60 / seconds"  # F under G93, for messages
+    exact_stop: ClassVar[str] = "G60"  # word of an exact stop, for messages
+    switch_at_rest: ClassVar[str] = "a dwell after it"  # what switches the trigger without a motion, for messages
     fractions: ClassVar[bool] = False  # whether G and M functions may have decimals
     inverse_time: ClassVar[bool] = True  # whether that F is one over minutes; else seconds
     feed_group: ClassVar[str] = ""  # command that names the axes whose path F counts, with {} for them; empty: none
@@ -67,7 +69,7 @@ class ModalState(ABC):
         self.axes = axes
         self.own_axes = own_axes
         self.line = 0
-        self.motions = Grouping(file)
+        self.motions = Grouping(file, self.exact_stop, self.switch_at_rest)
         self.linear = np.array([name in ("X", "Y", "Z") for name in axes])
         self.angles = tuple(name for name in axes if name not in ("X", "Y", "Z"))  # where F counts them
         self.scale = np.where(self.linear, MM, DEG)  # SI values of the coordinates' units [m or rad]

@@ -6,6 +6,8 @@ from typing import Any
 
 import pytest
 
+import hexcite
+from cases.errors import NotProven, Violation
 from cases.schema import load_case
 from tests.planner.command_line import ACCEPT, call
 from tests.planner.json_answer import one_json_object
@@ -94,6 +96,32 @@ def test_a_check_that_fails_still_answers(chain: Chain, shared: Path, tmp_path: 
     answer = one_json_object(out)
     assert answer["ok"] is False
     assert abs(answer["violations"][0]["line"] - (line + 1)) <= 2
+    assert len(answer["violations"]) > 2
+    assert f"({len(answer['violations']) - 1} more: --all of post and check shows them)" in err
+    shown = call("check", tmp_path / "edited.ngc", "--case", "hexapod", "--all").out.splitlines()
+    assert [f"line {v['line']}: {v['sentence']}" in shown for v in answer["violations"]] == [True] * len(
+        answer["violations"]
+    )
+
+
+@pytest.mark.parametrize("options", [(), ("--all",), ("--json",), ("--all", "--json")])
+def test_a_program_that_is_not_written_says_every_limit_that_it_exceeds(
+    options: tuple[str, ...], shared: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    violations = [Violation(7, "jerk", "jerk (x) reaches 101"), Violation(9, "velocity", "velocity (x) reaches 7")]
+
+    def written(*_: object, **__: object) -> None:
+        raise NotProven("p.ngc", violations, "slow down")
+
+    monkeypatch.setattr(hexcite, "write", written)
+    code, out, err = call("post", shared / "plan", "-o", tmp_path / "p.ngc", *options)
+    assert (code, len(err.splitlines()), (tmp_path / "p.ngc").exists()) == (1, 1, False)
+    assert "line 7: jerk (x) reaches 101; slow down (1 more: --all of post and check shows them)" in err
+    if "--json" in options:
+        assert one_json_object(out) == {"ok": False, "violations": [v._asdict() for v in violations]}
+    else:
+        lines = ["line 7: jerk (x) reaches 101", "line 9: velocity (x) reaches 7"]
+        assert out.splitlines() == (lines if options else [])
 
 
 @pytest.mark.parametrize("command", ["post", "check", "run", "identify"])

@@ -23,6 +23,7 @@ from identification.symbolic import over_samples
 from planner.bounds.information_limit import compute_bound
 from planner.demonstration import demo
 from planner.execution import execute
+from planner.families.ptp import shortest_phase
 from planner.families.settings import FamilySettings, Fourier, PointToPoint, Spline
 from planner.plan_program import write
 from planner.planning import make
@@ -53,6 +54,16 @@ class Plans(dict[int, Plan]):
 @pytest.fixture(scope="module")
 def plans(tmp_path_factory: pytest.TempPathFactory) -> Plans:
     return Plans(tmp_path_factory.mktemp("plans"))
+
+
+@pytest.mark.slow
+def test_phases_of_moves_are_absent_or_last_as_long_as_their_controller_needs(plans: Plans) -> None:
+    """What a solver leaves of an absent phase is some microseconds, for which no program has room."""
+    case, parts = chain_case(5), plans[5].motion.parts
+    phases = np.array([part.profile.lengths for part in parts])
+    shortest = shortest_phase(case.controller.cycle)
+    assert np.all((phases == 0.0) | (phases >= shortest * (1 - 1e-6)))
+    assert sum(part.duration for part in parts) == pytest.approx(3.0, rel=1e-12)
 
 
 class Runs(dict[int, Recording]):

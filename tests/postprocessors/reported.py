@@ -33,8 +33,8 @@ class Switch(NamedTuple):
 
 
 class _Log(Grouping):
-    def __init__(self, file: str) -> None:
-        super().__init__(file)
+    def __init__(self, file: str, *words: str) -> None:
+        super().__init__(file, *words)
         self.reports: list[Any] = []
 
     def block(self, block: TimedBlock, exact: bool = False) -> None:
