@@ -180,10 +180,11 @@ COUNTS = frozenset(
 _OTHERS = frozenset(
     {
         "V", "mV", "uV", "kV", "mV/V", "uV/V", "V/V", "A", "mA", "uA", "Ohm", "Ω", "bar", "mbar", "psi", "ksi", "Pa",
-        "hPa", "kPa", "MPa", "°C", "degC", "°F", "K", "Hz", "kHz", "MHz", "W", "kW", "J", "C", "nC", "pC", "%FS",
-        "FS", "bit", "bits", "m/s", "mm/s", "mm/min", "m/min", "in/s", "in/min", "m/s^2", "m/s2", "m/s²", "mm/s^2",
-        "mm/s2", "mm/s²", "m/s3", "deg/s", "°/s", "rad/s", "rpm", "1/min", "U/min", "1/s", "deg/s^2", "deg/s2",
-        "°/s²", "rad/s^2", "rad/s2", "rad/s²", "um/m", "ustrain", "ue", "N/mm", "N/s", "bool", "-", "none",
+        "hPa", "kPa", "MPa", "°C", "degC", "°F", "K", "Hz", "kHz", "MHz", "W", "kW", "J", "a.u.", "a.u", "arb.u.",
+        "p.u.", "C", "nC", "pC", "%FS", "FS", "bit", "bits", "m/s", "mm/s", "mm/min", "m/min", "in/s", "in/min",
+        "m/s^2", "m/s2", "m/s²", "mm/s^2", "mm/s2", "mm/s²", "m/s3", "deg/s", "°/s", "rad/s", "rpm", "1/min", "U/min",
+        "1/s", "deg/s^2", "deg/s2", "°/s²", "rad/s^2", "rad/s2", "rad/s²", "um/m", "ustrain", "ue", "N/mm", "N/s",
+        "bool", "-", "none",
     }
 )  # fmt: skip
 """Other units that recorders write: no column of ours has such a quantity."""
