@@ -159,17 +159,3 @@ def units_row(head: Sequence[Sequence[str]], names_row: int) -> list[str]:
             continue
         return [*cells, ""][:count]
     return []
-
-
-# Signals of robots that look like a sensor's wrench -> what they are.
-_NOT_READINGS = (
-    (r"actual_?tcp_?force|^tcp_?force", "a wrench in the axes of the base, without the set payload and zeroed"),
-    (r"[ok]_f_ext|ext(ernal)?_?(wrench|force|torque)|f_?ext", "an external wrench that the controller estimates"),
-    (r"compensat|kompens", "a wrench from which the controller has subtracted a load"),
-)
-
-
-def not_a_reading(label: str) -> str | None:
-    """What a signal is that a robot offers beside the readings of its sensor; None: by its name it may be a reading."""
-    name = label.casefold()
-    return next((what for pattern, what in _NOT_READINGS if re.search(pattern, name)), None)

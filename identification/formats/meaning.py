@@ -18,13 +18,19 @@ from cases.recording_format import (
     COLUMNS,
     DRIVES,
     OVERRIDE,
+    ROLE_OF,
+    ROLE_UNITS,
     STRUTS,
     TRIGGER,
     WRENCH,
+    Role,
 )
 from cases.schema import Case
+from cases.unit_names import ANGLES as ANGLE_UNITS
+from cases.unit_names import FORCES, LENGTHS, MOMENTS
 from identification.formats import vocabulary as say
 from identification.formats.families import AXES, AXIS, JOINT, NUMBER, Family, families, words_of
+from identification.formats.labels import is_count, stated_unit
 
 Group = tuple[str, ...]
 _GROUPS: tuple[Group, ...] = (
@@ -44,11 +50,12 @@ class Meaning:
     doubts: tuple[str, ...]  # what the names leave open, a sentence each
 
 
-def meaning_of(names: Sequence[str], case: Case | None = None) -> Meaning:
+def meaning_of(names: Sequence[str], case: Case | None = None, units: Sequence[str] = ()) -> Meaning:
     """What the columns of a file mean by their names.
 
     Args:
         names: as the file has them; a column without a name is empty.
+        units: what a row of units says of each, or empty.
         case: the machine: how many joints it has and what they are called, and what its sensors measure.
     """
     ours = {name: k for k, name in reversed([*enumerate(names)]) if name in COLUMNS}
@@ -56,11 +63,13 @@ def meaning_of(names: Sequence[str], case: Case | None = None) -> Meaning:
     words = {k: words_of(name) for k, name in enumerate(names) if name and name not in COLUMNS}
     found = [*families(words, None if case is None or case.chain is None else case.chain.names)]
     doubts: list[str] = []
-    for columns, readings in _readings(found, case):
+    quantities = {k: _quantities(names[k], units[k] if k < len(units) else "") for k in words}
+    for columns, readings in _readings(found, quantities, case):
         if not any(column in places for column in columns):
             taken = {*places.values()}
-            free = [reading for reading in readings if not taken & {*reading.members}]
+            free = [r for r in readings if not taken & {*r.members} and _fits(columns, r, quantities)]
             places |= _best(columns, free, names, doubts)
+    doubts += _other_count(found, places, names, case)
     if case is None:
         doubts += _without_a_machine(found, places, names)
     orientations: tuple[str, ...] = ()
@@ -105,7 +114,49 @@ class _Reading(NamedTuple):
     rank: tuple[int, ...]  # the smaller, the more its words say so
 
 
-def _readings(found: Sequence[Family], case: Case | None) -> Iterator[tuple[Group, list[_Reading]]]:
+_ANY = "any"  # of counts and volts, which have the quantity of the channel by a factor
+
+
+def _quantities(name: str, cell: str) -> frozenset[str]:
+    """The quantities that the unit of a column may be of; none where it states no unit."""
+    stated = [(units.quantity, stated_unit(name, cell, units)) for units in (LENGTHS, ANGLE_UNITS, FORCES, MOMENTS)]
+    if known := frozenset(quantity for quantity, unit in stated if unit is not None and unit.symbol is not None):
+        return known
+    texts = {unit.text for _, unit in stated if unit is not None} - {*"ABCUVW"}  # of axes rather than ampere and volt
+    by_factor = any(is_count(text) or text in ("V", "mV", "uV", "mV/V", "uV/V") for text in texts)
+    return frozenset({_ANY} if by_factor else {"another"} if texts else ())
+
+
+def _fits(columns: Group, reading: "_Reading", quantities: Mapping[int, frozenset[str]]) -> bool:
+    """Whether the units that a file states are of what the columns hold."""
+    for ours, k in zip(columns, reading.members, strict=True):
+        role = ROLE_OF.get(ours)
+        stated = quantities.get(k, frozenset())
+        if role is not None and stated and not stated & {ROLE_UNITS[role].quantity, _ANY}:
+            return role in (Role.FORCES, Role.MOMENTS) and stated == {"another"}  # the reader says that it is unknown
+    return True
+
+
+def _other_count(
+    found: Sequence[Family], places: Mapping[str, int], names: Sequence[str], case: Case | None
+) -> Iterator[str]:
+    """What to say of the joints of another robot than that of the case."""
+    joints, taken = _joints(case), {*places.values()}
+    if not joints or joints[0] in places:
+        return
+    for family in found:
+        members = [*family.members.values()]
+        if NUMBER in family.words and len(members) >= 3 and len(members) != len(joints) and not taken & {*members}:
+            for _ in _as_joints(family, False):
+                yield (
+                    f"{span([names[k] for k in members])} look like positions of {len(members)} joints, the machine of "
+                    f"the case has {len(joints)}"
+                )
+
+
+def _readings(
+    found: Sequence[Family], quantities: Mapping[int, frozenset[str]], case: Case | None
+) -> Iterator[tuple[Group, list[_Reading]]]:
     """What may be each group of columns."""
     numbered = [family for family in found if NUMBER in family.words]
     vectors = [family for family in found if family.axis is not None]
@@ -123,7 +174,8 @@ def _readings(found: Sequence[Family], case: Case | None) -> Iterator[tuple[Grou
     if case is None or transducer:
         yield WRENCH, [*_wrenches(vectors), *(r for family in six for r in _as_wrench(family, transducer))]
     if case is None or not transducer:
-        yield BAR_FORCES, [reading for family in six for reading in _as_bars(family)]
+        bars = [reading for family in six for reading in _as_bars(family)]
+        yield BAR_FORCES, bars or [r for family in six for r in _by_unit(family, "force", quantities)]
     of_acceleration = [family for family in vectors if _quantity(family) == "acceleration"]
     yield ACCELEROMETER, [_reading(f) for f in of_acceleration if not say.NO_READING.among(f.rest)]
 
@@ -183,6 +235,14 @@ def _as_bars(family: Family) -> Iterator[_Reading]:
     sensors = bool(rest) and all(word in ("sensor", "bar", "stab", "channel", "raw") for word in rest)
     forces = say.FORCE.among(rest) and not say.EFFORT.among(word for word in rest if word != "load")
     if (sensors or forces) and not any(words.among(rest) for words in excluded):
+        yield _reading(family)
+
+
+def _by_unit(family: Family, quantity: str, quantities: Mapping[int, frozenset[str]]) -> Iterator[_Reading]:
+    """A family whose words do not say what it is, but whose units are of a quantity."""
+    silent = (say.NO_READING, say.SPEED, say.ACCELERATION, say.OTHER, say.NOT_OF_A_SENSOR)
+    stated = all(quantities.get(k) == frozenset({quantity}) for k in family.members.values())
+    if stated and not any(words.among(_joined(family.rest)) for words in silent):
         yield _reading(family)
 
 
@@ -336,11 +396,9 @@ def _computed(family: Family, names: Sequence[str]) -> Iterator[str]:
     if not force or len(family.members) not in (len(AXES), len(WRENCH)) or say.SPEED.among(words):
         return
     members = span([names[k] for k in family.members.values()])
-    why = next((why for named, why in say.COMPUTED if named <= words), None)
-    if why is not None:
-        yield f"{members}: not readings of the sensor, {why}"
-    elif say.NOT_OF_A_SENSOR.among(words) and not say.NO_READING.among(words):
-        yield f"{members}: by the name computed from readings, not what the sensor reads; record that"
+    what = None if say.NO_READING.among(words) else say.computed(words)
+    if what is not None:
+        yield f"{members}: not readings of the sensor but {what[0]}; {what[1]}"
 
 
 def _is_clock(words: tuple[str, ...]) -> bool:

@@ -109,7 +109,7 @@ class _Draft:
             self.layout["column_names"] = own
             renamed = dict(zip(given, own, strict=True))
             self.names = tuple(renamed.get(name, name) for name in self.names)
-        self.said = meaning_of(self.names, case)
+        self.said = meaning_of(self.names, case, table.units)
         self.places: dict[str, int] = {}
         self.units: dict[str, str] = {}
         self.guessed: dict[str, str] = {}

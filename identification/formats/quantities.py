@@ -14,8 +14,10 @@ from cases.recording_format import BAR_FORCES, CLOCK, COLUMNS, ROLE_OF, ROLE_UNI
 from cases.unit_names import is_unit
 from cases.units import Array
 from identification.finding import Finding, Kind, note, warning
-from identification.formats.labels import StatedUnit, counted, is_count, not_a_reading, stated_unit
+from identification.formats.families import words_of
+from identification.formats.labels import StatedUnit, counted, is_count, stated_unit
 from identification.formats.table import ColumnTable, shown
+from identification.formats.vocabulary import computed
 
 _FORCES = (*BAR_FORCES, *WRENCH)
 _ENOUGH = 1000  # rows that show whether numbers are whole
@@ -160,10 +162,10 @@ def _nobody_says(table: ColumnTable, ours: str) -> bool:
 def _no_readings(table: ColumnTable) -> Iterator[Finding]:
     """A finding where the columns of the forces are not readings of a sensor by their names."""
     for ours in table.values:
-        if ours in _FORCES and (why := not_a_reading(label := table.form.file_name(ours))):
+        if ours in _FORCES and (what := computed(words_of(label := table.form.file_name(ours)))):
             yield warning(
                 Kind.FORMAT,
-                f"{shown(label)} is not a reading of the sensor but {why}; record the sensor's own, raw channels",
+                f"{shown(label)} is not a reading of the sensor but {what[0]}; {what[1]}",
                 table.source,
             )
             return

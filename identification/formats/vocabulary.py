@@ -36,7 +36,7 @@ SPEED = words("v vel qd dq dl ld dp dx speed feed twist omega rpm", "velo speed 
 ACCELERATION = words("acc qdd ddq ldd ddl", "accel beschl")
 EFFORT = words("tau trq mom curr amp amps i power load", "effort torque moment current strom leistung power auslast")
 OTHER = words("temp volt humidity druck", "temper voltage spannung battery pressure")
-POSITION = words("pos q angle angles winkel lage weg theta qpos", "posit istpos lageist angle")
+POSITION = words("pos q angle angles winkel lage weg theta qpos", "position istpos lageist angle")
 DRIVE = words("joint joints j axis achse axes drive antrieb motor actuator aktor enc encoder jnt", "encod antrieb")
 STRUT = words("strut struts leg legs bein beine strebe streben l len length laenge länge", "strut streb")
 FORCE = words("f fs lc dms cell cells", "force kraft kräfte loadcell wägezelle messdose")
@@ -58,20 +58,35 @@ SPEED_AXIS = words("v vel velocity w omega speed gyro angular linear twist")
 PLACE_AXIS = words("pos position tcp pose p translation trans istposition lage ee")
 
 NOT_OF_A_SENSOR = words(
-    "ext est hat comp tcp contact tared zeroed world base cart",
-    "external extern compens kompens estimat unbias contact",
+    "ext est hat comp tcp contact tared zeroed cart", "external extern compens kompens estimat unbias contact"
 )
 """Words that say of a wrench that it is computed from readings, or estimated."""
-_ESTIMATED = "{} estimates it from the torques of the joints; record a sensor on the flange"
-COMPUTED: tuple[tuple[frozenset[str], str], ...] = (
+_ESTIMATED = "an external wrench that {} estimates from the torques of the joints", "record a sensor on the flange"
+_COMPUTED: tuple[tuple[frozenset[str], str, str], ...] = (
     (frozenset({"actual", "tcp", "force"}),
-     "the controller of Universal Robots takes the payload off, zeroes it and turns it into the axes of the base; "
-     "record ft_raw_wrench"),
-    (frozenset({"ext", "hat"}), _ESTIMATED.format("libfranka")),
-    (frozenset({"ext", "est"}), _ESTIMATED.format("KUKA's FRI")),
-    (frozenset({"cart", "force"}), _ESTIMATED.format("KUKA Sunrise")),
+     "a wrench that the controller of Universal Robots turns into the axes of the base, without the payload that is "
+     "set, and zeroes", "record ft_raw_wrench"),
+    (frozenset({"ext", "hat"}), _ESTIMATED[0].format("libfranka"), _ESTIMATED[1]),
+    (frozenset({"ext", "est"}), _ESTIMATED[0].format("KUKA's FRI"), _ESTIMATED[1]),
+    (frozenset({"cart", "force"}), _ESTIMATED[0].format("KUKA Sunrise"), _ESTIMATED[1]),
+    (frozenset({"cart", "torque"}), _ESTIMATED[0].format("KUKA Sunrise"), _ESTIMATED[1]),
 )  # fmt: skip
-"""Wrenches that are no readings by the words of their names: why, and what to record instead."""
+"""Words of wrenches that are no readings, what they are, and what to record instead."""
+
+
+def computed(said: Iterable[str]) -> tuple[str, str] | None:
+    """What a wrench is that is not what a sensor reads, by the words of its name, and what to record instead.
+
+    None: by its name it may be readings.
+    """
+    named = {*said}
+    for of, what, remedy in _COMPUTED:
+        if of <= named:
+            return what, remedy
+    if NOT_OF_A_SENSOR.among(named):
+        return "by its name a wrench that was computed from readings", "record the sensor's own, raw channels"
+    return None
+
 
 CLOCK = words("t ts time zeit timestamp stamp zeitstempel millis micros uhrzeit datetime", "timestamp zeitstempel")
 BESIDE_A_CLOCK = words(

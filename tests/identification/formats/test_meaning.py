@@ -237,6 +237,11 @@ HEADERS = [
     header("Doosan", UR, "timestamp", (Q6, numbered("actual_joint_position[#]", 0)),
            numbered("actual_joint_velocity[#]", 0), numbered("external_tcp_force[#]", 0),
            (WRENCH, numbered("raw_force_torque[#]", 0)), clock="timestamp", doubt="external_tcp_force"),
+    # units decide where words do not
+    header("load bars by unit", HEX, "t", (BAR_FORCES, numbered("Messstab #, Zug positiv [N]")),
+           numbered("Antrieb #: Strom [A]"), numbered("Position des Schlittens # [mm/s]"), clock="t"),
+    header("joints by unit", UR, "t", (Q6, numbered("joint_# [rad]")), numbered("axis # [Nm]"), clock="t"),
+    header("seven joints", UR, "t", numbered("q[#]", 0, 7), clock="t", doubt="7 joints"),
     header("no machine named", "none", "t", (STRUTS, numbered("leg #")), (BAR_FORCES, numbered("force #")), clock="t"),
 ]  # fmt: skip
 
