@@ -6,6 +6,7 @@ the first, the second and the third that the convention names, whatever the file
 Users of conventions as the manuals of Basler's rc_cube and Mech-Mind's software list them (pose formats, Euler angles).
 """
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
@@ -103,9 +104,8 @@ OF_ANGLES = tuple(c for c in CONVENTIONS.values() if c.columns == ANGLES)
 def ways_to_write(text: str) -> str:
     """What to write in place of a name that is none of the conventions', a maker's perhaps."""
     word = text.casefold().strip()
-    hints = [
-        f"of {c.users} it is {c.name!r}" for c in CONVENTIONS.values() if len(word) > 2 and word in c.users.casefold()
-    ]
+    users = ((c.name, user) for c in CONVENTIONS.values() for user in re.split("[,;] ", c.users))
+    hints = [f"{user}: {name!r}" for name, user in users if len(word) > 2 and word in user.casefold()]
     names = "an order of three axes with how they turn, such as 'xyz intrinsic' (moved) or 'zyx extrinsic' (fixed)"
     others = ", ".join(f"'{c.name}'" for c in CONVENTIONS.values() if c.form != "angles")
     return "; ".join([*hints, f"give {names}, or {others}"])

@@ -15,13 +15,13 @@ import numpy as np
 from cases.errors import RecordingError
 from cases.machine import POSE
 from cases.orientation import ROTATION
-from cases.recording_format import CLOCK, FileFormat, RecordingFormat
+from cases.recording_format import CLOCK, FileFormat, FileOfRun, RecordingFormat
 from cases.schema import Case
 from identification.formats import binary, known
 from identification.formats.assembly import require_clock, start_of, stream_of
 from identification.formats.joining import on_one_axis
 from identification.formats.quantities import with_units
-from identification.formats.table import ColumnTable, Stream, require_file, require_room, shown, unreadable
+from identification.formats.table import ColumnTable, Stream, listed, require_file, require_room, shown, unreadable
 from identification.formats.text import without
 
 _PARQUET = b"PAR1"
@@ -122,7 +122,13 @@ def _read_in_one_of(file: Path, ways: Sequence[FileFormat], case: Case) -> tuple
     Raises RecordingError with what is wrong with each way, where there are several.
     """
     if len(ways) == 1:
-        return read_tables(file, ways[0])
+        try:
+            return read_tables(file, ways[0])
+        except RecordingError as error:
+            patterns = [form.match for form in case.recording.files if form.match is not None]
+            if not patterns or isinstance(ways[0], FileOfRun):
+                raise
+            raise error.beside([f"its name fits no match of [[recording.files]]: {listed(patterns)}"]) from error
     problems = []
     for form in ways:
         try:

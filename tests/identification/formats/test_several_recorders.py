@@ -103,6 +103,13 @@ def test_a_pattern_leaves_no_other_table(tmp_path: Path) -> None:
         read([file], case_of(SAMPLER, AMPLIFIER | {"match": "forces*"}))
 
 
+def test_a_name_that_no_pattern_fits_is_named_with_the_patterns(tmp_path: Path) -> None:
+    file = amplified(tmp_path, 0.0)
+    with pytest.raises(RecordingError, match=r"fits no match of \[\[recording\.files\]\]: struts\*, kraft\*") as caught:
+        read([file], case_of(SAMPLER | {"match": "struts*"}, AMPLIFIER | {"match": "kraft*"}))
+    one_line(caught.value)
+
+
 def test_what_belongs_to_the_machine_is_stated_once(tmp_path: Path) -> None:
     text = (Path(load_case.__globals__["__file__"]).parent / "hexapod" / "case.toml").read_text()
     drives = "drives = { sign = [1, 1, 1, 1, 1, 1], offset_mm = [0, 0, 0, 0, 0, 0] }"
