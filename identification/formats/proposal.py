@@ -29,6 +29,7 @@ from cases.recording_format import (
 )
 from cases.schema import Case
 from cases.units import DEG, MM, Array
+from identification.formats.assembly import lengths_of_struts
 from identification.formats.families import words_of
 from identification.formats.labels import StatedUnit, counted, stated_unit
 from identification.formats.layout import TextColumns
@@ -42,7 +43,6 @@ USUAL_RATE = 1000.0  # what `recording.rate_Hz` has by default
 _RATES = (20.0, 50_000.0)  # rows per second that recorders have
 _SLOW = 1.0  # rows per second below which a stated unit of stamps is taken for an error
 _CUTOFF_SHARE = 0.19  # of the rows per second; the reader takes a fifth at most
-_AROUND_HOME = 2.5  # times the length at home that a strut may have where the case states no workspace
 _MOST_RADIANS = 6.5  # of joints; in degrees one of them is beyond that in any motion
 _MOST_METRES = 2.0  # of joints that slide; in millimetres one of them is beyond that in any motion
 _NEARER = 3.0  # times nearer to home, from which on one unit fits and the other does not
@@ -435,13 +435,7 @@ def _strut_unit(columns: Sequence[Array], case: Case | None) -> str | None:
     """The unit in which six columns are strut lengths that the machine has; None: there is none."""
     if case is None or case.hexapod is None:
         return None
-    if case.workspace is not None:
-        low, high = case.workspace.strut_length
-    else:
-        from identification.hexapod import Hexapod
-
-        usual = float(Hexapod.of(case).strut_lengths(case.hexapod.home.vector[None]).mean())
-        low, high = usual / _AROUND_HOME, usual * _AROUND_HOME
+    low, high = lengths_of_struts(case)
     if not all(np.isfinite(column).any() for column in columns):
         return None
     least, most = min(map(np.nanmin, columns)), max(map(np.nanmax, columns))
