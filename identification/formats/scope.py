@@ -101,7 +101,8 @@ def _unit(content: Content, stamp: str, line: int, form: FileFormat) -> str:
     if _DATED.match(stamp):
         remedy = "export again without it: Scope then writes ms from the beginning"
         raise RecordingError(f"{content.file}, line {line}", "has dates for time stamps (Full Timestamp)", remedy)
-    counted = float(stamp.replace(",", ".", 1)) >= _LEAST_FILETIME
+    number = stamp.replace(",", ".", 1)
+    counted = is_number(number) and float(number) >= _LEAST_FILETIME
     stated = form.clock.unit or ("filetime" if counted else "ms")
     if counted != (stated == "filetime"):
         problem = f"its time stamps, such as {stamp.strip()}, are not in {stated}"

@@ -138,6 +138,8 @@ def tables(
         frozenset(clocks),
         frozenset(positions[ours] for ours in switches if ours in positions),
     )
+    if not wanted.positions:
+        raise RecordingError(content.file, "holds no columns of numbers", "export it again, one row a sample")
     parts = [_section(content, section, layout, wanted) for section in layout.sections]
     counts = [len(next(iter(part.values()))) for part in parts]
     if not sum(counts):

@@ -14,8 +14,9 @@ from tests.bench.reliability.programs import DIALECTS
 from tests.bench.reliability.rearranged import tally_of_rearranged
 from tests.bench.reliability.recordings import tally_of_other_files, tally_of_runs
 from tests.bench.reliability.tally import Tally
+from tests.bench.reliability.texts import tally_of_texts
 
-COUNTS = {"recordings": 20_000, "programs": 20_000, "cases": 5_000, "folders": 2_000}
+COUNTS = {"recordings": 20_000, "texts": 5_000, "programs": 20_000, "cases": 5_000, "folders": 2_000}
 """How many of each kind `make bench` tries; programs are of each dialect."""
 
 
@@ -37,6 +38,7 @@ def tallies(counts: dict[str, int], first: int = 0) -> Iterator[Tally]:
         yield tally_of_cases(seeds("cases"), folder)
         yield tally_of_plans(seeds("folders", 0.5), folder)
         yield tally_of_results(seeds("folders", 0.5), folder)
+        yield tally_of_texts(seeds("texts"), folder)
         yield tally_of_rearranged(seeds("recordings", 0.5), folder)
         yield tally_of_other_files(seeds("recordings", 0.25), folder)
         yield tally_of_runs(seeds("recordings", 0.25), folder)

@@ -9,6 +9,7 @@ from tests.bench.reliability.folders import tally_of_cases, tally_of_plans, tall
 from tests.bench.reliability.programs import CASE, DIALECTS
 from tests.bench.reliability.recordings import ALONE_AND_IN_PAIRS, KINDS, tally_of_other_files, tally_of_runs
 from tests.bench.reliability.tally import Tally
+from tests.bench.reliability.texts import bases, tally_of_texts
 from tests.postprocessors.canonical import interpreted_share
 from tests.postprocessors.edited import EVERY_DIALECT, changed, moves
 
@@ -29,6 +30,13 @@ def test_damaged_recordings_cases_and_results(
     assert tally.defects == []
     assert tally.counts["refused"] > 0, "nothing was refused: not a test"
     assert tally.tried == count
+
+
+def test_damaged_texts_of_all_formats(tmp_path: Path) -> None:
+    """Each base once; what is looked at and then read counts up to five times."""
+    tally = tally_of_texts(range(len(bases())), tmp_path)
+    assert tally.defects == []
+    assert min(tally.counts["refused"], tally.counts["answered"]) > len(bases()) // 4, "not a test"
 
 
 @pytest.mark.slow
