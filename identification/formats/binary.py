@@ -1,4 +1,4 @@
-"""Files that hold numbers as numbers: ROS 2 bags and Parquet.
+"""Files that hold numbers as numbers: bags of ROS 2 and ROS 1, and Parquet.
 
 A bag has positions of joints and readings of a force/torque sensor in two topics, each with a clock of its own:
 `sensor_msgs/JointState` and `geometry_msgs/WrenchStamped`, in SI units (REP 103), by the stamps in their headers. A
@@ -78,17 +78,20 @@ def bag_tables(bag: Path, form: FileFormat) -> Iterator[ColumnTable]:
 def opened(bag: Path) -> "Iterator[AnyReader]":
     """The bag, whose damages become one line each."""
     try:
+        from rosbags import rosbag1, rosbag2
         from rosbags.highlevel import AnyReader, AnyReaderError
-        from rosbags.typesys import Stores, get_typestore
+        from rosbags.serde import SerdeError
+        from rosbags.typesys import Stores, TypesysError, get_typestore
     except ModuleNotFoundError:
         raise RecordingError(bag, "is a ROS bag, which rosbags reads", "pip install 'hexcite[ros]'") from None
     import sqlite3
 
     damaged = (AnyReaderError, OSError, EOFError, ValueError, LookupError, AttributeError, TypeError, AssertionError)
+    inside = (rosbag1.ReaderError, rosbag2.ReaderError, SerdeError, TypesysError)
     try:
         with AnyReader([bag], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
             yield reader
-    except (*damaged, ArithmeticError, MemoryError, struct.error, sqlite3.Error) as error:
+    except (*damaged, *inside, ArithmeticError, MemoryError, struct.error, sqlite3.Error) as error:
         if isinstance(error, RecordingError):
             raise
         reason = shown(" ".join(str(error).split()) or type(error).__name__, 120)

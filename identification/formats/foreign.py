@@ -16,7 +16,7 @@ class Kind(NamedTuple):
 
 _UNPACK = "unpack it and give the file in it"
 _SHEET = "save the sheet as CSV, with a header line of names"
-_BAG = "give the bag's folder, with its metadata.yaml (ros2 bag reindex makes one)"
+_BAG = "let its name end in .mcap or .db3, or give the bag's folder"
 _KINDS = (
     Kind("a workbook of Excel or an archive (ZIP)", f"{_SHEET}; unpack an archive", (b"PK\x03\x04", b"PK\x05\x06")),
     Kind("an old workbook of Excel, or another file of Office", _SHEET, (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1",)),
@@ -32,7 +32,7 @@ _KINDS = (
     Kind("an MDF file (MF4)", "export it as CSV or Parquet, with asammdf for example", (b"MDF     ", b"UnFinMF ")),
     Kind("an array of NumPy", "save it with numpy.savetxt, with names in a header", (b"\x93NUMPY",)),
     Kind("a file of imc FAMOS", "export it as CSV", (b"|CF,",)),
-    Kind("a bag of ROS 1", "convert it with rosbags-convert to a bag of ROS 2", (b"#ROSBAG V",)),
+    Kind("a bag of ROS 1", "let its name end in .bag", (b"#ROSBAG V",)),
     Kind("an MCAP file of a ROS 2 bag", _BAG, (b"\x89MCAP0\r\n",)),
     Kind("a database of SQLite, perhaps of a ROS 2 bag", _BAG, (b"SQLite format 3\0",)),
     Kind("a Feather or Arrow file", "write it as Parquet", (b"ARROW1\0\0", b"FEA1\0\0\0\0")),

@@ -81,23 +81,41 @@ def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
     return replace(main, findings=(*findings, *of_clocks)), *(s for s in streams if s.forces is None)
 
 
-_STORED = (".mcap", ".db3")  # of a bag
+_STORED = {".mcap": b"\x89MCAP0\r\n", ".db3": b"SQLite format 3\0", ".bag": b"#ROSBAG V"}
+"""How the files of bags end, and begin: of ROS 2 as MCAP or SQLite, of ROS 1."""
 
 
 def is_bag(path: Path) -> bool:
-    """Whether a path is the folder of a bag."""
-    return os.path.isdir(path) and os.path.isfile(path / "metadata.yaml")  # False for names that no system takes
+    """Whether a path is the folder of a bag, or the file of one by itself."""
+    if os.path.isdir(path):  # False for names that no system takes
+        return os.path.isfile(path / "metadata.yaml")
+    mark = _STORED.get(path.suffix)
+    if mark is None or not os.path.isfile(path):
+        return False
+    try:
+        with path.open("rb") as stream:
+            return stream.read(len(mark)) == mark
+    except OSError:  # the reader says why
+        return False
 
 
 def bag_of(path: Path) -> Path:
-    """The folder of the bag whose file a path is; else the path itself."""
-    return path.parent if path.suffix in _STORED and is_bag(path.parent) else path
+    """The bag that a path means: the folder of a file with metadata.yaml beside it, the only file of one without.
+
+    Any other path is returned as it is.
+    """
+    if path.suffix in _STORED and os.path.isfile(path) and is_bag(path.parent):
+        return path.parent
+    if os.path.isdir(path) and not is_bag(path):  # as after a recorder was stopped hard
+        stored = [file for file in sorted(path.iterdir()) if file.suffix in _STORED and is_bag(file)]
+        return stored[0] if len(stored) == 1 else path
+    return path
 
 
 def files_of(paths: Sequence[Path]) -> list[Path]:
     """The files that paths mean: a folder of `hexcite run` means the recording in it, a bag all of its files."""
     places = [_file_of(path, None)[0] for path in paths]
-    return [file for place in places for file in (sorted(place.iterdir()) if is_bag(place) else [place])]
+    return [file for place in places for file in (sorted(place.iterdir()) if place.is_dir() else [place])]
 
 
 def _file_of(path: Path, case: Case | None) -> tuple[Path, tuple[FileFormat, ...]]:

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag1 import Writer as Writer1
+from rosbags.rosbag2 import ReaderError, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from cases.errors import RecordingError
@@ -187,6 +188,53 @@ def test_look_shows_topics_with_rates_frames_and_channels(bag: Path, tmp_path: P
 def test_the_file_in_the_folder_is_the_bag(bag: Path) -> None:
     (file,) = bag.glob("*.db3")
     np.testing.assert_array_equal(read(file, ROBOT).forces, read(bag, ROBOT).forces)
+
+
+@pytest.mark.parametrize("stored", StoragePlugin)
+def test_a_bag_whose_metadata_is_missing_is_read_from_its_file(stored: StoragePlugin, tmp_path: Path) -> None:
+    """A recorder that is stopped hard leaves the messages and no metadata.yaml."""
+    bag = write(tmp_path / "bag", run(), stored)
+    whole = read(bag, ROBOT)
+    (bag / "metadata.yaml").unlink()
+    (file,) = bag.iterdir()
+    for path in (bag, file):
+        np.testing.assert_array_equal(read(path, ROBOT).forces, whole.forces)
+        assert look(path, ROBOT).reads
+
+
+def test_a_bag_of_ros_1_is_read(bag: Path, tmp_path: Path) -> None:
+    old = get_typestore(Stores.ROS1_NOETIC)
+
+    def as_old(message: Any) -> Any:
+        if not hasattr(message, "__msgtype__"):
+            return message
+        fields = {name: as_old(getattr(message, name)) for name in vars(message) if name != "__msgtype__"}
+        extra = {"seq": 0} if message.__msgtype__ == "std_msgs/msg/Header" else {}
+        return old.types[message.__msgtype__](**fields, **extra)
+
+    file = tmp_path / "run.bag"
+    with Writer1(file) as writer:
+        topics = {}
+        for topic, received, message in sorted(run(), key=lambda m: m[1]):
+            kind = message.__msgtype__
+            if topic not in topics:
+                topics[topic] = writer.add_connection(topic, kind, typestore=old)
+            writer.write(topics[topic], received, old.serialize_ros1(as_old(message), kind))
+    assert look(file, ROBOT).reads
+    np.testing.assert_allclose(read(file, ROBOT).forces, read(bag, ROBOT).forces)
+
+
+def test_a_bag_that_is_damaged_inside_is_named_in_a_line(bag: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Chunks have checksums, which rosbags checks where they are read, not where the bag is opened."""
+
+    def damaged(*_: Any, **__: Any) -> Any:
+        raise ReaderError("Chunk checksum mismatch.")
+
+    monkeypatch.setattr("rosbags.highlevel.AnyReader.messages", damaged)
+    for call_it in (lambda: read(bag, ROBOT), lambda: look(bag, ROBOT)):
+        with pytest.raises(RecordingError, match=r"damaged bag \(Chunk checksum mismatch") as caught:
+            call_it()
+        assert one_line(caught.value).startswith(str(bag))
 
 
 def test_without_rosbags_one_line_says_what_to_install(bag: Path, monkeypatch: pytest.MonkeyPatch) -> None:
