@@ -4,6 +4,8 @@ Values that no measurement can have are refused with their place; doubts about n
 findings: `identification.runs.sample_checks`.
 """
 
+import re
+from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -16,6 +18,7 @@ from cases.orientation import ANGLES, CONVENTIONS, OF_ANGLES, QUATERNION, ROLL_P
 from cases.recording_format import (
     ACCELEROMETER,
     CLOCK,
+    COLUMNS,
     DRIVES,
     OVERRIDE,
     SHIFTED,
@@ -25,6 +28,7 @@ from cases.recording_format import (
 from cases.schema import Case
 from cases.unit_names import LENGTHS
 from cases.units import MM, Array, Flags, Indices
+from identification.finding import Finding, Kind, note
 from identification.formats.table import (
     MOST_MISSING,
     UNIFORMITY,
@@ -75,7 +79,7 @@ def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
         lines=table.lines,
         missing=missing,
         missing_in=missing_in,
-        findings=table.findings,
+        findings=(*table.findings, *(_of_convention(table) if poses is not None or rotations is not None else ())),
     )
     if not stream.channels:
         wanted = (STRUTS[0], POSE[0], ROTATION[0], case.sensor_frame.channels[0])
@@ -172,6 +176,7 @@ def _pose(table: ColumnTable, case: Case) -> tuple[Array | None, Array | None]:
 
 # How a table writes orientations whose case does not say it, by its columns; the first of them is used.
 _UNSTATED = (ROLL_PITCH_YAW, CONVENTIONS["matrix"], CONVENTIONS["quaternion"])
+_SAID = re.compile(r"roll|pitch|yaw")  # in a name, that angles are these
 _SAME_TURN = 0.01  # [rad] between two orientations of one row that files write with few digits
 
 
@@ -195,6 +200,16 @@ def _orientation(table: ColumnTable) -> Array | None:
             remedy = " or ".join(f"'{name}'" for name in (*names, convention.name))
             raise RecordingError(table.source, problem, f"state recording.orientation = {remedy}")
     return turns[0] if turns else None
+
+
+def _of_convention(table: ColumnTable) -> Iterator[Finding]:
+    """A note on how three angles of a file are read whose convention neither its names nor the case state."""
+    labels = [table.form.file_name(ours) for ours in ANGLES if ours in table.values]
+    said = all(label in COLUMNS or _SAID.search(label.casefold()) for label in labels)
+    if labels and not said and table.form.orientation is None:
+        names = ", ".join(map(shown, labels))
+        sentence = f"{names} are read as {ROLL_PITCH_YAW.name!r}, {ROLL_PITCH_YAW.words}; if they are not, state "
+        yield note(Kind.FORMAT, f"{sentence}recording.orientation, such as 'zyx intrinsic' or 'rotation vector'")
 
 
 def _apart(turns: Array, others: Array) -> float:

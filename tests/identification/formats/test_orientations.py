@@ -196,3 +196,21 @@ def test_struts_beside_half_a_pose_are_enough(tmp_path: Path) -> None:
     rows = np.column_stack([SHORT.t, SHORT.struts * 1e3, SHORT.position * 1e3, SHORT.forces])
     file = written(tmp_path, csv(rows, ["t_s", *STRUTS, *POSITIONS, *BAR_FORCES]))
     np.testing.assert_allclose(read(file, CASE).struts, SHORT.struts, atol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("names", "stated", "said"),
+    [
+        (["RX", "RY", "RZ"], {}, True),
+        (["RX", "RY", "RZ"], {"orientation": "xyz extrinsic"}, False),
+        (["roll", "pitch", "yaw"], {}, False),
+        ([*ANGLES], {}, False),
+    ],
+)
+def test_a_convention_that_nobody_states_is_said(
+    names: list[str], stated: dict[str, str], said: bool, tmp_path: Path
+) -> None:
+    columns = {ours: name for ours, name in zip(ANGLES, names, strict=True) if ours != name}
+    file, case = wrist(tmp_path, names, TURNS.as_euler("xyz", degrees=True), columns=columns, **stated)
+    notes = [f.sentence for f in read(file, case).findings]
+    assert [("recording.orientation" in note and "RX, RY, RZ" in note) for note in notes] == [True] * said
