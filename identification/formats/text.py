@@ -20,6 +20,7 @@ from identification.formats.content import PART, Block, Content, Section, blocks
 from identification.formats.table import ColumnTable, Lines, Stamps, listed, require_room, shown
 from identification.formats.words import EMPTY, MISSING, OFF, ON, is_switch, regular, split
 
+_REMARKS = (b"#", b"%", b"//")  # how a line begins that is a remark among rows
 _TYPICAL = ("t_s", "l1_mm", "q1_mm", "x_mm", "r11", "ax", "f1_N", "fx_N")
 _PEEK = 1 << 16  # bytes of the first rows that show which columns are switches in words
 _LATE = 2  # samples by which the last of channels with one clock may differ
@@ -70,10 +71,12 @@ class Layout:
         return line.split() if self.aligned else split(line, self.form.separator)
 
     def is_no_row(self, line: bytes) -> bool:
-        """Whether a line is blank, or holds nothing but a word that is not a row."""
+        """Whether a line is blank, holds nothing but a word that is not a row, or a remark."""
         blanks = b" \t\r" if self.aligned else b" \t\r".replace(self.form.separator.encode(), b"")
         word = line.strip(blanks)
-        return not word or word in self.no_rows
+        if not word or word in self.no_rows:
+            return True
+        return word.startswith(_REMARKS) and len(self.split(word.decode("latin-1"))) != len(self.fields)
 
 
 def cells(line: str, form: FileFormat) -> list[str]:
