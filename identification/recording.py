@@ -23,7 +23,8 @@ from cases.recording_format import ACCELEROMETER, CLOCK, OVERRIDE, ROLE_OF, TRIG
 from cases.schema import Case
 from cases.tables import own_units
 from cases.units import Array, Indices, as_html
-from identification.formats.table import Channel, Stream, lost_samples, unreadable
+from identification.formats.clocks import lost_samples
+from identification.formats.table import Channel, Stream, unreadable
 from identification.precision import share_text
 
 

@@ -8,7 +8,6 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 
@@ -27,24 +26,17 @@ from cases.recording_format import (
 )
 from cases.schema import Case
 from cases.unit_names import LENGTHS
-from cases.units import MM, Array, Flags, Indices
+from cases.units import MM, Array, Flags
 from identification.finding import Finding, Kind, note
-from identification.formats.table import (
-    MOST_MISSING,
-    UNIFORMITY,
-    Channel,
-    ColumnTable,
-    Stream,
-    crowded,
-    listed,
-    lost_samples,
-    shown,
-)
+from identification.formats import dates
+from identification.formats.clocks import Unsteady
+from identification.formats.sampling import on_equal_steps, spread
+from identification.formats.table import MOST_MISSING, ColumnTable, Stream, listed, shown
 from identification.formats.text import without
 
 
 def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
-    """Channels of a table in SI; samples that were lost, a few at a time, are rows of it too.
+    """Channels of a table in SI, at equal steps; samples that were lost, a few at a time, are rows of it too.
 
     `origin` becomes time 0, see `start_of`. Raises RecordingError where a value cannot be what it should, or columns
     are missing.
@@ -95,7 +87,13 @@ def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
         if not 1.0 / _OTHER_UNIT <= read / gravity <= _OTHER_UNIT:
             problem = f"the accelerometer reads {read:.3g} m/s^2 where gravity is {gravity:.3g} m/s^2"
             raise RecordingError(table.source, problem, "correct recording.accelerometer.scale_m_s2 in the case")
-    return _with_lost_rows(stream)
+    sampled = on_equal_steps(stream, table.form.clock.period if table.stamped else None)
+    if isinstance(sampled, Unsteady):
+        assert table.stamps is not None
+        value = table.stamps[sampled.row].item()
+        stamp = dates.written(value) if table.tick == dates.TICK != table.form.tick else value
+        raise RecordingError(table.place(sampled.row, CLOCK), f"{stamp} {sampled.problem}", sampled.remedy)
+    return sampled
 
 
 def _require(table: ColumnTable, ours: str, good: Flags, problem: str, remedy: str) -> None:
@@ -284,12 +282,9 @@ _FIRST = 10_000  # rows that show a wrong unit as well as all of them
 
 
 def require_clock(table: ColumnTable) -> None:
-    """Raises RecordingError at the first time stamp that cannot be of a clock, or not later than the one above it."""
+    """Raises RecordingError at the first time stamp that cannot be of a clock."""
     if table.stamps is not None:
         _require(table, CLOCK, np.abs(table.stamps) < _MOST, "is not a time stamp", "remove the row")
-        later = np.r_[True, table.stamps[1:] > table.stamps[:-1]]
-        problem = "is not later than the time stamp above it, but time must increase"
-        _require(table, CLOCK, later, problem, "sort the rows or remove the repeated part")
 
 
 LEVELS = 0.2  # of the way between two levels that a switch may be off either: noise of a voltage
@@ -353,8 +348,6 @@ def lengths_of_struts(case: Case) -> tuple[float, float]:
 
 
 _KEPT = frozenset((*ROTATION, *QUATERNION, TRIGGER, OVERRIDE))
-MOST_PUT_BACK = 3  # samples in a row
-_SWITCHING: tuple[Channel, ...] = ("trigger", "override", "rotations")  # a lost sample gets their last value
 
 
 def _marked(table: ColumnTable) -> tuple[ColumnTable, Flags | None, tuple[str, ...]]:
@@ -377,36 +370,3 @@ def _marked(table: ColumnTable) -> tuple[ColumnTable, Flags | None, tuple[str, .
     if not columns:
         return table, None, ()
     return replace(table, values={**table.values, **values}), missing, columns
-
-
-def _with_lost_rows(stream: Stream) -> Stream:
-    """The stream with rows for samples that were lost, a few at a time, so that a filter can pass them."""
-    if stream.t is None or len(stream.t) < MOST_PUT_BACK:
-        return stream
-    steps = np.diff(stream.t)
-    usual = float(np.median(steps))
-    gaps = lost_samples(stream.t, step=usual)
-    if np.any((np.abs(steps - usual) > UNIFORMITY * usual) & (gaps == 0)) or crowded(gaps > 0) is not None:
-        return stream  # not at one rate: the reason is given where a rate is needed
-    count = np.r_[0, np.where(gaps <= MOST_PUT_BACK, gaps, 0)]
-    if not count.any():
-        return stream
-    own = np.arange(len(stream.t)) + np.cumsum(count)  # where the rows that are there stand in the result
-    rows = np.arange(own[-1] + 1)
-    present = np.zeros(len(rows), dtype=bool)
-    present[own] = True
-    more: dict[Any, Any] = {n: spread(v, own, rows, n in _SWITCHING) for n, v in stream.channels.items()}
-    missing = ~present
-    if stream.missing is not None:
-        missing[own] = stream.missing
-    lines = replace(stream.lines, inserted=tuple(np.flatnonzero(~present).tolist()))
-    t = np.interp(rows, own, stream.t)
-    return replace(stream, t=t, lines=lines, missing=missing, **more)
-
-
-def spread(values: Array, own: Indices, rows: Indices, last: bool) -> Array:
-    """Values at all rows: straight lines between those that are there, or the last of them."""
-    if last:
-        return np.asarray(values[np.maximum(np.searchsorted(own, rows, side="right") - 1, 0)])
-    columns = [np.interp(rows, own, column) for column in values.reshape(len(values), -1).T]
-    return np.stack(columns, axis=1).reshape(len(rows), *values.shape[1:])

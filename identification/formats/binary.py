@@ -25,7 +25,6 @@ from identification.formats.table import (
     ColumnTable,
     Lines,
     Stamps,
-    equal_steps,
     listed,
     require_room,
     shown,
@@ -152,7 +151,7 @@ def _messages(reader: "AnyReader", topic: str) -> Iterator[tuple[int, Any]]:
 def _table(
     source: str, names: Sequence[str], samples: Iterator[tuple[int, list[float]]], form: FileFormat
 ) -> ColumnTable | None:
-    """The samples in the order of their stamps; what was recorded twice counts once. None: there are none."""
+    """The samples in the order of their stamps. None: there are none."""
     at, numbers = array("q"), array("d")
     for stamp, values in samples:
         at.append(stamp)
@@ -161,16 +160,11 @@ def _table(
         return None
     order = np.argsort(at, kind="stable")
     stamps, rows = np.array(at)[order], np.array(numbers).reshape(-1, len(names))[order]
-    again = np.r_[False, (np.diff(stamps) == 0) & np.all(rows[1:] == rows[:-1], axis=1)]
-    stamps, rows = stamps[~again], rows[~again]
     if not stamps[-1]:
         raise RecordingError(source, "its headers have no stamps", "use a driver that stamps its messages")
     ours, lines = {form.file_name(column): column for column in form.columns}, Lines(1, word="message")
     columns = {ours[name]: np.ascontiguousarray(rows[:, k]) for k, name in enumerate(names)}
-    if len(stamps) > 1 and np.all(np.diff(stamps) > 0):  # else the reader says why that is not a run
-        instants, _ = equal_steps(source, (stamps - stamps[0]) * form.tick, lines)
-        stamps = stamps[0] + np.rint(instants / form.tick).astype(np.int64)
-    return ColumnTable(source, form, (STAMP, *names), columns, stamps, form.tick, lines)
+    return ColumnTable(source, form, (STAMP, *names), columns, stamps, form.tick, lines, True)
 
 
 def parquet_tables(file: Path, form: FileFormat) -> list[ColumnTable]:
@@ -200,7 +194,7 @@ def parquet_tables(file: Path, form: FileFormat) -> list[ColumnTable]:
     stamps, tick = _stamps(file, clock[0], table, form.tick) if clock else (None, 0.0)
     if stamps is None and form.clock.period is not None:
         stamps, tick = np.arange(rows), form.clock.period
-    return [ColumnTable(str(file), form, names, values, stamps, tick, Lines(1, word="row"))]
+    return [ColumnTable(str(file), form, names, values, stamps, tick, Lines(1, word="row"), bool(clock))]
 
 
 def _numbers(file: Path, name: str, table: "pa.Table") -> Array:

@@ -5,6 +5,7 @@ LinuxCNC 2.9 (src/hal/components/sampler_usr.c).
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 from cases.errors import RecordingError
@@ -86,4 +87,5 @@ def tables(
                     "LinuxCNC lost samples here and does not say how many",
                     "record with halsampler -t and a longer queue (depth of the sampler)",
                 )
-    return text.tables(content, layout, chosen, switches)
+    for table in text.tables(content, layout, chosen, switches):
+        yield replace(table, stamped=CLOCK in chosen)  # numbers of samples count periods

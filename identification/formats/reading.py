@@ -21,6 +21,7 @@ from identification.formats import binary, known
 from identification.formats.assembly import require_clock, start_of, stream_of
 from identification.formats.joining import on_one_axis
 from identification.formats.quantities import with_units
+from identification.formats.sampling import clocked
 from identification.formats.table import ColumnTable, Stream, listed, require_file, require_room, shown, unreadable
 from identification.formats.text import without
 
@@ -65,6 +66,7 @@ def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
         require_room(file, max(table.rows for table in own), sum(len(table.values) for table in own), others)
     for table in tables:
         require_clock(table)  # before the first of them is taken for the run's beginning
+    tables = [clocked(table) for table in tables]
     origin = min((start_of(table) for table in tables if table.stamps is not None), default=Fraction(0))
     streams = [stream_of(table, case, origin) for table in tables]
     _require_whole(streams, case, [name for table in tables for name in table.names])

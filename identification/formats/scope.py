@@ -57,7 +57,7 @@ def layout(content: Content, head: Sequence[bytes], form: FileFormat) -> Layout:
         fields=_fields(names, [row for row in header[1:] if len(row) >= len(names)]),
         sections=(section_of(content, first, form.trailing_rows, (_END,)),),
         names_row=top + 1,
-        tick=TICKS[_unit(content, rows[0][0], first + 1, form)],
+        tick=TICKS[_unit(content, rows[0][0], form)],
         uneven=True,
         no_rows=(_END,),
     )
@@ -96,11 +96,10 @@ def _fields(names: Sequence[str], about: Sequence[Sequence[str]]) -> tuple[Field
     return tuple(fields)
 
 
-def _unit(content: Content, stamp: str, line: int, form: FileFormat) -> str:
+def _unit(content: Content, stamp: str, form: FileFormat) -> str:
     """The unit of time stamps, by the first of them and by the case; raises RecordingError where they differ."""
-    if _DATED.match(stamp):
-        remedy = "export again without it: Scope then writes ms from the beginning"
-        raise RecordingError(f"{content.file}, line {line}", "has dates for time stamps (Full Timestamp)", remedy)
+    if _DATED.match(stamp):  # Full Timestamp, which is read in ns
+        return "ns"
     number = stamp.replace(",", ".", 1)
     counted = is_number(number) and float(number) >= _LEAST_FILETIME
     stated = form.clock.unit or ("filetime" if counted else "ms")

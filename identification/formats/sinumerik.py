@@ -91,7 +91,7 @@ def session_tables(
         )
     values = {ours: np.array(column) for ours, column in columns.items()}
     yield ColumnTable(
-        str(content.file), layout.form, layout.names, values, np.array(times), 1.0, Lines(1, word="record")
+        str(content.file), layout.form, layout.names, values, np.array(times), 1.0, Lines(1, word="record"), True
     )
 
 

@@ -1,8 +1,8 @@
-"""What readers share: columns with the place of each row in its file, streams, and clocks."""
+"""What readers share: columns with the place of each row in its file, and streams."""
 
 import stat
 from bisect import bisect_right
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -14,6 +14,7 @@ from cases.errors import RecordingError
 from cases.recording_format import FileFormat
 from cases.units import Array, Flags
 from identification.finding import Finding
+from identification.formats.clocks import Unsteady, evened
 
 Stamps = NDArray[np.float64] | NDArray[np.int64]
 Channel = Literal["struts", "rotations", "forces", "trigger", "poses", "specific_forces", "override"]
@@ -39,6 +40,10 @@ class Lines:
         count = bisect_right(self.inserted, start)
         inserted = tuple(k - start for k in self.inserted[count:])
         return replace(self, first=self.first + start - count, every=self.every * every, inserted=inserted)
+
+    def without(self, rows: Sequence[int]) -> "Lines":
+        """Places where some rows, counted from 0 and ascending, are left out."""
+        return replace(self, skipped=tuple(sorted({*self.skipped, *map(self.number, rows)})))
 
     def number(self, row: int) -> int:
         """Number of the line of a row, counted from 0; of one that stands in no line that before it."""
@@ -67,6 +72,7 @@ class ColumnTable:
     stamps: Stamps | None
     tick: float  # duration of one unit of the stamps [s]
     lines: Lines  # where the rows stand
+    stamped: bool = False  # whether the file has stamps; else its rows are counted
     unit_cells: Mapping[str, str] = field(default_factory=dict)  # our column name -> what a row of units has for it
     header: tuple[str, ...] = ()  # lines above the rows, which may say more about units
     factors: Mapping[str, float] = field(default_factory=dict)  # our column name -> SI value of the file's unit
@@ -123,28 +129,17 @@ class Stream:
     def step(self) -> float:
         """Time between samples, gaps apart [s].
 
-        Raises RecordingError where there is no clock, or where it is not uniform between gaps: with the first step that
-        differs.
+        Raises RecordingError where there is no clock, or where samples are not at equal steps: with the first that is
+        not.
         """
         if self.t is None:
             raise RecordingError(self.source, "has no t_s column", "its rows are standstills")
         if len(self.t) < 2:
             raise RecordingError(self.source, "has one row, which is not a motion", "record again")
-        steps = np.diff(self.t)
-        usual = float(np.median(steps))
-        off = np.abs(steps - usual) > UNIFORMITY * usual
-        if not off.any():
-            return float((self.t[-1] - self.t[0]) / (len(self.t) - 1))
-        gaps = steps > GAP * usual
-        changed = crowded(gaps)
-        if changed is not None or np.any(off & ~gaps):
-            row = int(np.argmax(off & ~gaps)) if changed is None else changed
-            raise RecordingError(
-                f"{self.source}, {self.lines.place(row + 1)}, t_s",
-                f"step of {steps[row] * 1e3:.4g} ms that is not a gap, where the run has {usual * 1e3:.4g} ms",
-                "export the run at one rate",
-            )
-        return float(steps[~gaps].mean())
+        even = evened(self.t)
+        if isinstance(even, Unsteady):
+            raise RecordingError(f"{self.source}, {self.lines.place(even.row)}, t_s", even.problem, even.remedy)
+        return even.step
 
 
 def require_file(file: Path) -> None:
@@ -201,82 +196,3 @@ def listed(names: Iterable[str]) -> str:
     labels = [shown(n) for n in names if n.strip()]
     more = f" and {len(labels) - _SHOWN_NAMES} more" if len(labels) > _SHOWN_NAMES else ""
     return (", ".join(labels[:_SHOWN_NAMES]) or "no names") + more
-
-
-# Time stamps of equal steps are printed with rounding; beyond this share of a step the sampling is not uniform.
-UNIFORMITY = 0.05
-GAP = 1.5  # steps between two samples, from which on others were lost between them
-HOST_GAP = 5.0  # the same where a host stamps what it receives: so far its stamps stray from equal steps
-_FEW_STEPS = 5  # steps that distinguish a changed rate from a gap
-_SEEN = 15  # stamps of a host that distinguish a lost sample from a late one
-
-
-def lost_samples(t: Array | None, least: float = GAP, step: float | None = None) -> NDArray[np.int64]:
-    """How many samples were lost between each one and the next, shape (n - 1,).
-
-    Args:
-        t: time stamps, ascending, shape (n,) [s]; None: there is no clock, and no loss is known.
-        least: steps between two samples, from which on others were lost.
-        step: time between samples [s]; by default the usual one.
-    """
-    if t is None or len(t) < 3:
-        return np.zeros(0 if t is None else max(len(t) - 1, 0), dtype=np.int64)
-    steps = np.diff(t)
-    usual = float(np.median(steps)) if step is None else step
-    if not steps.max() > least * usual:
-        return np.zeros(len(steps), dtype=np.int64)
-    counts = np.maximum(np.rint(steps / usual) - 1.0, 1.0)
-    return np.where(steps > least * usual, counts, 0.0).astype(np.int64)
-
-
-def usual_step(stamps: Stamps) -> float:
-    """Usual time between the stamps of a host, at least two; late ones and lost samples do not count."""
-    span = min(_SEEN, len(stamps) - 1)
-    return float(np.median(stamps[span:] - stamps[:-span])) / span
-
-
-def equal_steps(source: str, t: Array, lines: Lines) -> tuple[Array, float]:
-    """Sampling instants behind the jitter of a host's stamps, shape (n,) [s], and their step [s].
-
-    They are a straight line through the stamps, ascending, at least two, shape (n,) [s], which leaves room for samples
-    that were lost; behind a gap it begins anew, with the same step. Raises RecordingError where a stamp is too far off.
-    """
-    usual = usual_step(t)
-    section = np.r_[0, np.cumsum(lost_samples(t, HOST_GAP, usual) > 0)] if len(t) > 2 else np.zeros(len(t), dtype=int)
-    count = np.bincount(section)
-    index = _numbers(t, usual)
-    middle, mean = (np.bincount(section, weights=v) / count for v in (index, t))
-    away, late = index - middle[section], t - mean[section]
-    step = float(away @ late / (away @ away))
-    instants = mean[section] + step * away
-    off = np.abs(t - instants)
-    if off.max() > HOST_GAP * step:
-        row = int(np.argmax(off))
-        raise RecordingError(
-            f"{source}, {lines.place(row)}",
-            f"the time stamp is {off[row] * 1e3:.3g} ms from equal steps of {step * 1e3:.4g} ms",
-            "export the run at one rate",
-        )
-    return instants, step
-
-
-def _numbers(t: Array, step: float) -> Array:
-    """Number of each sample where lost ones count: a late stamp is followed by usual ones, a loss shifts all behind."""
-    numbers = np.arange(len(t), dtype=float)
-    late = t / step - numbers
-    for k in np.flatnonzero(np.diff(t) > GAP * step) + 1:
-        shift = np.median(late[k : k + _SEEN]) - np.median(late[max(k - _SEEN, 0) : k])
-        lost = float(np.clip(np.rint(shift), 0.0, np.rint((t[k] - t[k - 1]) / step) - 1.0))
-        numbers[k:] += lost
-        late[k:] -= lost
-    return numbers
-
-
-def crowded(gaps: Flags) -> int | None:
-    """The first of gaps between samples, shape (n - 1,), so close together that the rate has changed; None: none is."""
-    total = np.r_[0, np.cumsum(gaps)]
-    width = min(2 * _FEW_STEPS, len(gaps))
-    many = total[width:] - total[:-width] >= _FEW_STEPS
-    if not many.any():
-        return None
-    return int(np.argmax(many) + np.argmax(gaps[np.argmax(many) :]))

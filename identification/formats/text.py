@@ -16,6 +16,7 @@ import pyarrow.csv as pacsv
 
 from cases.errors import RecordingError
 from cases.recording_format import CLOCK, COLUMNS, TRIGGER, FileFormat
+from identification.formats import dates
 from identification.formats.content import PART, Block, Content, Section, blocks_of, lines_of
 from identification.formats.table import ColumnTable, Lines, Stamps, listed, require_room, shown
 from identification.formats.words import EMPTY, MISSING, OFF, ON, is_switch, regular, split
@@ -23,6 +24,7 @@ from identification.formats.words import EMPTY, MISSING, OFF, ON, is_switch, reg
 _REMARKS = (b"#", b"%", b"//")  # how a line begins that is a remark among rows
 _TYPICAL = ("t_s", "l1_mm", "q1_mm", "x_mm", "r11", "ax", "f1_N", "fx_N")
 _PEEK = 1 << 16  # bytes of the first rows that show which columns are switches in words
+_FEW = 20  # rows that show which clocks are dates
 _LATE = 2  # samples by which the last of channels with one clock may differ
 
 
@@ -140,6 +142,7 @@ def tables(
         tuple(sorted({*positions.values(), *clocks})),
         frozenset(clocks),
         frozenset(positions[ours] for ours in switches if ours in positions),
+        _of_dates(content, layout, clocks),
     )
     if not wanted.positions:
         raise RecordingError(content.file, "holds no columns of numbers", "export it again, one row a sample")
@@ -165,6 +168,7 @@ class _Wanted(NamedTuple):
     positions: tuple[int, ...]  # all of them, ascending
     clocks: frozenset[int]
     switches: frozenset[int]  # may hold the states of a switch in words
+    dates: frozenset[int] = frozenset()  # clocks whose stamps are dates or times of day
 
 
 _Clock = tuple[Stamps | None, float]
@@ -183,20 +187,23 @@ def _table(
         if layout.hold:
             column = pc.fill_null_forward(column)
         values[ours] = column.to_numpy()
-    return ColumnTable(str(content.file), layout.form, layout.names, values, stamps, tick, lines)
+    stamped = any(layout.fields[k].clock is not None for k in positions.values()) or layout.form.file_name(CLOCK) in (
+        field.name for field in layout.fields
+    )
+    return ColumnTable(str(content.file), layout.form, layout.names, values, stamps, tick, lines, stamped)
 
 
 def _own_clock(
     layout: Layout,
     position: int,
     clock: int | None,
-    stamps: Mapping[int, Stamps],
+    stamps: "Mapping[int, _Clock]",
     column: pa.ChunkedArray,
     counts: Sequence[int],
 ) -> _Clock:
     """The clock of a channel: stamps in a field, or rows at equal steps."""
     if clock is not None:
-        return stamps[clock], layout.tick
+        return stamps[clock]
     step = layout.fields[position].step or layout.period
     if step is None:
         return None, 0.0
@@ -211,8 +218,8 @@ def _own_clock(
 
 def _stamps(
     content: Content, layout: Layout, position: int, column: pa.ChunkedArray, counts: Sequence[int], lines: Lines
-) -> Stamps:
-    """The stamps of a clock, of one that ends earlier than others up to its last sample; raises RecordingError."""
+) -> "_Clock":
+    """A clock in a field, of one that ends earlier than others up to its last sample; raises RecordingError."""
     valid = column.is_valid().to_numpy()
     count = int(valid.sum()) if layout.uneven else len(column)
     if not valid[:count].all():
@@ -221,10 +228,18 @@ def _stamps(
             raise RecordingError(place, "a clock has no value but goes on below", "remove the row")
         place = f"{place}, {shown(layout.label(position))}"
         raise RecordingError(place, "is empty where a time stamp is needed", "remove the row")
-    stamps = np.asarray(column.slice(0, count).to_numpy())
+    column = column.slice(0, count)
+    if pa.types.is_string(column.type):
+        if (dated := dates.stamps_of(column)) is not None:
+            return dated, dates.TICK
+        row = dates.first_unread(column)
+        place = f"{content.file}, {lines.place(row)}, {shown(layout.label(position))}"
+        problem = f"{shown(str(column[row]))!r} is not a time stamp like those above it"
+        raise RecordingError(place, problem, "correct or remove the row, or state recording.clock.period_ms")
+    stamps = np.asarray(column.to_numpy())
     if any(layout.starts):
         stamps = stamps + np.repeat(layout.starts, counts)[:count] / layout.tick
-    return stamps
+    return stamps, layout.tick
 
 
 def _groups(clocks: Mapping[str, _Clock]) -> list[tuple[str, ...]]:
@@ -311,6 +326,7 @@ def _columns(
         words: fields that hold the states of a switch in words.
     """
     kinds = {str(k): pa.bool_() if k in words else pa.float64() for k in wanted.positions if k not in wanted.clocks}
+    kinds |= {str(k): pa.string() for k in wanted.dates}
     table = pacsv.read_csv(
         source,
         read_options=pacsv.ReadOptions(column_names=[str(k) for k in names], use_threads=False, block_size=size),
@@ -326,7 +342,7 @@ def _columns(
         ),
     )
     columns = {k: table.column(str(k)) for k in wanted.positions}
-    for k in wanted.clocks:
+    for k in wanted.clocks - wanted.dates:
         if columns[k].type not in (pa.int64(), pa.float64(), pa.null()):
             raise pa.ArrowInvalid("a time stamp is no number")
     return columns | {k: columns[k].cast(pa.float64()) for k in words}
@@ -341,6 +357,18 @@ def _in_words(content: Content, section: Section, layout: Layout, switches: froz
         data = stream.read(min(_PEEK, section.end - section.start))
     rows = [layout.split(line.decode("latin-1")) for line in data.split(b"\n")[:-1]]
     return frozenset(k for k in switches if any(len(row) > k and is_switch(row[k]) for row in rows))
+
+
+def _of_dates(content: Content, layout: Layout, clocks: Iterable[int]) -> frozenset[int]:
+    """Those of some fields that hold dates or times of day, by the first rows."""
+    fields = frozenset(clocks)
+    if not fields or not layout.sections:
+        return frozenset()
+    with content.opened() as stream:
+        stream.seek(layout.sections[0].start)
+        data = stream.read(min(_PEEK, layout.sections[0].end - layout.sections[0].start))
+    rows = [layout.split(line.decode(layout.form.encoding, "replace")) for line in data.split(b"\n")[:_FEW]]
+    return frozenset(k for k in fields if any(len(row) > k and dates.is_stamp(row[k]) for row in rows))
 
 
 def squeezed(data: bytes) -> bytes:
@@ -377,7 +405,7 @@ def _rewritten(file: Path, block: Block, layout: Layout, wanted: _Wanted, last: 
             raise RecordingError(place, f"expected {width} columns, got {len(fields)}", remedy)
         row = []
         for k in wanted.positions:
-            value = regular(fields[k], form, k in wanted.switches)
+            value = fields[k] if k in wanted.dates else regular(fields[k], form, k in wanted.switches)
             if value is None:
                 problem = f"{shown(fields[k])!r} is not a number with a decimal {form.decimal or '.'!r}"
                 remedy = "correct or remove the row, or set recording.decimal in the case"

@@ -8,7 +8,7 @@ from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from cases.units import Array, Flags, Indices
 from identification.finding import Finding, Kind, warning
-from identification.formats.assembly import MOST_PUT_BACK
+from identification.formats.sampling import MOST_PUT_BACK
 from identification.formats.table import Stream
 from identification.hexapod import Hexapod
 from identification.model import Model, machine_of

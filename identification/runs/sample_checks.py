@@ -13,8 +13,9 @@ from cases.machine import MotionLimits
 from cases.schema import Case
 from cases.units import MM, Array, Flags, Indices
 from identification.finding import Finding, Kind, warning
-from identification.formats.assembly import spread
-from identification.formats.table import GAP, HOST_GAP, Lines, Stream, lost_samples
+from identification.formats.clocks import lost_samples
+from identification.formats.sampling import spread
+from identification.formats.table import Lines, Stream
 from identification.recording import Recording
 from identification.signals import stretches
 
@@ -109,7 +110,7 @@ def missing_values(stream: Stream) -> list[Finding]:
         before = np.r_[inserted[1:] & ~inserted[:-1], False]
         sentence = f"{_behind(stream.lines, before, int(inserted.sum()))}; bridged from their neighbours"
         findings.append(warning(Kind.DAMAGE, sentence))
-    gaps = lost_samples(stream.t, HOST_GAP if stream.struts is None else GAP)
+    gaps = lost_samples(stream.t)
     if gaps.any():
         sentence = f"{_behind(stream.lines, gaps > 0, int(gaps.sum()))}; no filter reaches across"
         findings.append(warning(Kind.DAMAGE, sentence))

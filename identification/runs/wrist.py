@@ -16,7 +16,8 @@ from cases.schema import Case
 from cases.units import Array, Flags
 from identification.estimation.fit import Robust
 from identification.estimation.force_noise import coloured_covariance, turned
-from identification.formats.table import HOST_GAP, Stream, equal_steps, lost_samples
+from identification.formats.clocks import lost_samples
+from identification.formats.table import Stream
 from identification.model import Model
 from identification.parameters import MASS
 from identification.recording import Recording
@@ -108,7 +109,7 @@ def wrist_run(recording: Recording, case: Case, model: Model, cutoff: float | No
     band = cutoff if model.needs_motion else min(cutoff, widest_band(turning))
     t, low_pass = _filter(recording, cutoff)
     inner = slice(low_pass.margin, len(t) - low_pass.margin)
-    lost, t = lost_samples(recording.t, HOST_GAP), t[inner]
+    lost, t = lost_samples(recording.t), t[inner]
     recorded = bridged(recording.forces, recording.bad)
     smooth = low_pass.apply(recorded)
     quaternion, without_turn = _smooth(turning, quaternions * flips[:, None], band, t)
@@ -140,13 +141,13 @@ def _smooth(stream: Stream, values: Array, cutoff: float, at: Array) -> tuple[Cu
     """A stream behind the filter, and whether damage or a gap disturbs it beside some instants, shape (n,)."""
     t, low_pass = _filter(stream, cutoff)
     signal = CubicSpline(t[low_pass.margin : len(t) - low_pass.margin], low_pass.apply(bridged(values, stream.bad)))
-    spoilt = spoilt_by(stream.bad, lost_samples(stream.t, HOST_GAP), low_pass)
+    spoilt = spoilt_by(stream.bad, lost_samples(stream.t), low_pass)
     after = np.clip(np.searchsorted(signal.x, at), 1, len(signal.x) - 1)
     return signal, np.asarray(spoilt[after] | spoilt[after - 1])
 
 
 def _filter(stream: Stream, cutoff: float) -> tuple[Array, Filter]:
-    """Sampling instants of a stream behind the jitter of a host's stamps, and its filter."""
+    """Sampling instants of a stream, and its filter."""
     t, step = _equal_steps(stream)
     if not 1.5 * cutoff < 0.5001 / step:
         raise RecordingError(
@@ -167,10 +168,10 @@ def widest_band(*streams: Stream) -> float:
 
 
 def _equal_steps(stream: Stream) -> tuple[Array, float]:
-    """Sampling instants behind the jitter of a host's stamps, and their step [s]."""
+    """Sampling instants of a stream, and their step [s]."""
     if stream.t is None or len(stream.t) < LEAST_ROWS:
         raise RecordingError(stream.source, "has too few samples with time stamps for a moving run", "record longer")
-    return equal_steps(stream.source, stream.t, stream.lines)
+    return stream.t, stream.step
 
 
 def _product(a: Array, b: Array) -> Array:

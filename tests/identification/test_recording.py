@@ -128,9 +128,10 @@ def test_a_gap_is_counted_and_does_not_change_the_step(recording: Recording) -> 
 
 
 def test_uneven_sampling_is_named_where_it_happens(recording: Recording) -> None:
+    """From one of a thousand samples on the recorder is 4 % slower."""
     late = recording.t.copy()
-    late[700] += 0.0003
-    with pytest.raises(RecordingError, match=r"line 702, t_s: .*1\.3 ms .*\b1 ms") as caught:
+    late[700:] += 0.04 * (late[700:] - late[700])
+    with pytest.raises(RecordingError, match=r"line 70\d, t_s: .*\b1\.04 ms .*\b1 ms") as caught:
         _ = replace(recording, t=late).step
     assert "at one rate" in one_line(caught.value)
 
@@ -139,15 +140,13 @@ def test_rounded_time_stamps_count_as_even(recording: Recording) -> None:
     assert replace(recording, t=np.round(recording.t, 5)).step == pytest.approx(1e-3)
 
 
-@pytest.mark.parametrize(("jitter", "even"), [(0.02, True), (0.2, False)])
-def test_a_clock_may_tremble_by_a_few_percent_of_a_step(recording: Recording, jitter: float, even: bool) -> None:
+@pytest.mark.parametrize("jitter", [0.02, 0.2, 0.95, 7.0])
+def test_a_stamp_may_be_late(recording: Recording, jitter: float) -> None:
     trembling = recording.t.copy()
     trembling[400] += jitter * 1e-3
-    if even:
-        assert replace(recording, t=trembling).step == pytest.approx(1e-3)
-        return
-    with pytest.raises(RecordingError, match=r"line 402, t_s: .*1\.2 ms .*\b1 ms"):
-        _ = replace(recording, t=trembling).step
+    if jitter > 1.0:  # a host that was busy stamps what waited at once
+        trembling[401:410] = np.maximum(trembling[401:410], trembling[400] + 1e-6 * np.arange(1, 10))
+    assert replace(recording, t=trembling).step == pytest.approx(1e-3, rel=2e-5)
 
 
 def test_standstills_have_no_step(recording: Recording) -> None:

@@ -64,7 +64,6 @@ DAMAGE: dict[str, tuple[Callable[[Rows], Rows], tuple[str, ...]]] = {
     "nothing in a column": (lambda r: emptied(r, "f2_N"), ("line 2", "f2_N", "more than 30 %")),
     "a decimal comma": (with_value(17, "f2_N", '"1,5"'), ("line 17", "f2_N", "'1,5'")),
     "time that runs backwards": (backwards, ("line 401", "t_s", "must increase")),
-    "stamps that stray": (with_value(300, "t_s", "0.2983"), ("line 300", "t_s", "step of", "at one rate")),
     "a rate that changes": (lambda r: r[:400] + r[400::2], ("t_s", "step of 2 ms", "at one rate")),
     "a row that is too short": (
         lambda r: [*r[:50], r[50][:5], *r[51:]],

