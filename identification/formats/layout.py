@@ -1,7 +1,8 @@
 """A text file of unknown layout: the settings with which it is read, and what it holds when it is read with them."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -9,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.recording_format import TICKS, FileFormat
+from cases.recording_format import CLOCK, TICKS, FileFormat
 from cases.units import Array
-from identification.formats import halsampler, plain
+from identification.formats import dates, halsampler, plain
 from identification.formats.content import LONGEST_LINE, Content, content_of, section_of
 from identification.formats.known import TextFormat, described, format_of
 from identification.formats.meaning import known_among
@@ -22,6 +23,7 @@ from identification.formats.words import EMPTY, is_missing, is_number, is_switch
 
 _SEPARATORS = (";", "\t", "|", ",", " ")
 _NUMERIC = 0.7  # share of a column's fields, from which on it is numeric
+_FEW = 20  # rows that show which columns are dates
 _MOST_BELOW = 20  # lines below the rows that are looked for
 
 
@@ -34,6 +36,7 @@ class TextColumns:
     numbers: dict[int, Array]  # values of the columns of numbers by position; those of other clocks differ in length
     settings: dict[str, Any]  # of `[recording]`, without what columns mean
     clock: tuple[int, str] | None  # the column of time stamps where the format says which it is, and their unit
+    dates: frozenset[int] = frozenset()  # columns of dates or times of day, whose numbers are ns from the first row
 
 
 def look_at_text(file: Path, stated: FileFormat | None = None) -> TextColumns:
@@ -76,7 +79,24 @@ def look_at_text(file: Path, stated: FileFormat | None = None) -> TextColumns:
             clock = own, next(unit for unit, tick in TICKS.items() if tick == table.tick)
             numbers[own] = np.asarray(table.stamps, dtype=float)
     settings |= _stated(known, layout, clock) if stated is None else {}
-    return TextColumns(names, units, numbers, settings, clock)
+    dated = {} if clock is not None else _dates(known, content, layout, rows, wanted)
+    return TextColumns(names, units, numbers | dated, settings, clock, frozenset(dated))
+
+
+def _dates(
+    known: TextFormat, content: Content, layout: Layout, rows: Sequence[Sequence[str]], wanted: Mapping[str, int]
+) -> dict[int, Array]:
+    """Columns of dates or times of day by position, in ns from the first row."""
+    columns = list(zip(*rows, strict=True)) if wanted else []
+    found: dict[int, Array] = {}
+    for k, column in enumerate(columns):
+        if k not in wanted.values() and all(dates.is_stamp(field) for field in column[:_FEW]):
+            with suppress(RecordingError):  # one that is not like those above it is for the reader to name
+                chosen = dict([next(iter(wanted.items()))]) | {CLOCK: k}
+                for table in known.tables(content, layout, chosen, ()):
+                    if table.stamps is not None:
+                        found[k] = np.asarray(table.stamps - table.stamps[0], dtype=float)
+    return found
 
 
 def _stated(known: TextFormat, layout: Layout, clock: tuple[int, str] | None) -> dict[str, Any]:

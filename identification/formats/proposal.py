@@ -117,6 +117,11 @@ class _Draft:
         self.clock_unit_stated = False  # whether the settings must state it, though it is the usual one
         self.doubts: list[str] = []
 
+    @property
+    def _says_its_unit(self) -> bool:
+        """Whether the unit of the clock follows from the format, or from how stamps are written."""
+        return self.table.clock is not None or self.places.get(CLOCK) in self.table.dates
+
     def name(self, ours: str) -> str:
         """What the file calls a column of ours."""
         return self.names[self.places[ours]]
@@ -216,6 +221,8 @@ class _Draft:
             label = _stated_unit(ours, self.names[k], self.table.units[k] if k < len(self.table.units) else "")
             if role is not None and str(role) in own:
                 self.units[ours] = str(own[str(role)])
+            elif ours == CLOCK and k in self.table.dates:
+                self.units[ours] = "ns"
             elif ours == CLOCK and (clock is not None or self.table.clock is not None):
                 self.units[ours] = str(clock) if self.table.clock is None else self.table.clock[1]
             elif label is not None and (label.symbol is not None or ours != CLOCK):
@@ -248,7 +255,7 @@ class _Draft:
 
     def _check_clock_unit(self, by_values: Mapping[str, str]) -> None:
         """A clock whose stated unit makes a recorder slower than any is has the unit that fits its steps."""
-        if CLOCK not in by_values or by_values[CLOCK] == self.units[CLOCK] or self.table.clock is not None:
+        if CLOCK not in by_values or by_values[CLOCK] == self.units[CLOCK] or self._says_its_unit:
             return
         step, wrong, unit = float(np.median(np.diff(self.values(CLOCK)))), self.units[CLOCK], by_values[CLOCK]
         if step <= 0.0 or 1.0 / (step * TICKS[wrong]) >= _SLOW:
@@ -291,6 +298,7 @@ class _Draft:
         """The table `[recording]`, with what the case states beside names, units and layout."""
         result = {key: value for key, value in self.layout.items() if value is not None}
         own_clock = self.table.clock is not None  # which the format says
+        dated = self.places.get(CLOCK) in self.table.dates  # whose unit follows from how they are written
         ordered = [ours for ours in COLUMNS if ours in self.places and not (own_clock and ours == CLOCK)]
         if renamed := {ours: self.name(ours) for ours in ordered if self.name(ours) != ours}:
             result["columns"] = renamed
@@ -301,7 +309,7 @@ class _Draft:
             self.doubts.append(f"{self.name(CLOCK)} has time stamps: recording.clock.period_ms of the case is left out")
         if not own_clock:
             stated = clock.pop("unit", None) is not None and CLOCK in self.units
-            if stated or self.clock_unit_stated or self.units.get(CLOCK, "s") != "s":
+            if not dated and (stated or self.clock_unit_stated or self.units.get(CLOCK, "s") != "s"):
                 clock = {"unit": self.units[CLOCK], **clock}
         clock |= result.pop("clock", {})
         result |= {"clock": clock} if clock else {}

@@ -326,3 +326,20 @@ def test_the_unit_of_joints_is_that_in_which_the_machine_can_be_there(
     assert found.reads, found.odd
     assert found.settings.get("units", {}).get("joints") == (unit if unit != "doubt" else None)
     assert any("recording.units.joints = 'rad'" in sentence for sentence in found.odd) == (unit == "doubt")
+
+
+@pytest.mark.parametrize("kind", ["date", "time of day"])
+def test_dates_and_times_of_day_are_a_clock(kind: str, hexapod_case: Case, tmp_path: Path) -> None:
+    """They need no unit, and go on after midnight."""
+    table = run(hexapod_case)
+    begin = np.datetime64("2026-03-05T23:59:59.500")
+    stamps = [str(begin + np.timedelta64(k, "ms")).replace("T", " ") for k in range(ROWS)]
+    stamps = [stamp.split()[1] for stamp in stamps] if kind == "time of day" else stamps
+    rows = [f"{stamp},{','.join(f'{v:.9g}' for v in row[1:])}" for stamp, row in zip(stamps, table, strict=True)]
+    file = tmp_path / "run.csv"
+    file.write_text("\n".join([_named("Timestamp", "Strut # [mm]", "Force # [N]", "Trigger"), *rows]) + "\n")
+    found = look(file, hexapod_case)
+    assert found.reads, found.odd
+    assert found.settings["columns"]["t_s"] == "Timestamp"
+    assert "clock" not in found.settings
+    assert found.rate == pytest.approx(1000.0, rel=1e-6)
