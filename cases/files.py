@@ -12,22 +12,41 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from itertools import chain, count
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 from cases.errors import FileProblem
 
-FolderKind = tuple[str, frozenset[str]]
-"""A kind of folder that hexcite writes: what it is, for messages, and the names of everything that it may hold.
 
-A folder with anything else in it is not ours.
-"""
-PLAN = "a plan", frozenset({"plan.json", "motion.csv", "poses.csv", "plots", "report.html"})
-RUN = "a run", frozenset({"recording.json", "recording.csv"})
-RESULT = "a result", frozenset({"result.json", "identifiability.json", "plots", "report.html"})
+class FolderKind(NamedTuple):
+    """A kind of folder that hexcite writes."""
 
-COMPARISON = "a comparison", frozenset({"comparison.json", "report.html", "plots"})
-VALIDATION = "a validation", frozenset({"validation.json", "report.html", "plots", "plans", "programs"})
-DEMO = "a demo", frozenset({"plan", "excitation.ngc", "recording", "result", "report.html"})
+    name: str  # what it is, for messages
+    contents: frozenset[str]  # names of everything that it may hold
+    record: str = ""  # the file that says what it is; folders of 0.2 are known by it, later ones by their marker
+    beside: frozenset[str] = frozenset()  # what others may make of it there, and may be replaced too
+
+
+MARKER = ".hexcite"
+"""The file in a folder of ours that lists all its files: what is not listed is not ours."""
+_RECORDED = frozenset({"case", "case_hash", "rows", "schema_version", "source"})  # keys of our records, one at least
+_DRAWN = frozenset({".parquet", ".csv", ".json", ".html", ".svg", ".png", ".ngc", ".mpf", ".nc", ".script", ".yaml"})
+_DEEPEST = 3  # folders of 0.2 inside each other
+
+PLAN = FolderKind("a plan", frozenset({"plan.json", "motion.csv", "poses.csv", "plots", "report.html"}), "plan.json")
+RUN = FolderKind("a run", frozenset({"recording.json", "recording.csv"}), "recording.json")
+RESULT = FolderKind(
+    "a result", frozenset({"result.json", "identifiability.json", "plots", "report.html"}), "result.json"
+)
+COMPARISON = FolderKind("a comparison", frozenset({"comparison.json", "report.html", "plots"}), "comparison.json")
+VALIDATION = FolderKind(
+    "a validation", frozenset({"validation.json", "report.html", "plots", "plans", "programs"}), "validation.json"
+)
+DEMO = FolderKind(
+    "a demo",
+    frozenset({"plan", "recording", "result", "report.html"})
+    | {f"excitation{suffix}" for suffix in (".ngc", ".mpf", ".nc", ".csv", ".script", ".yaml")},
+    "plan/plan.json",
+)
 
 
 def _flush(path: Path) -> None:
@@ -118,31 +137,82 @@ def check_file(path: Path, suffixes: Iterable[str], inputs: Iterable[Path] = (),
 def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = (), overwrite: bool = False) -> None:
     """Raises FileProblem, before the work starts, for an output folder that could not be written.
 
-    A folder that stands there is replaced only if it is empty, or of the same kind and `overwrite` is set, so that no
-    slip of `-o` wipes a folder that is not ours, or another result of ours. None of `inputs`, which the work reads, may
-    be in it.
+    A folder that stands there is replaced only if it is empty, or of the same kind, with nothing else in it, and
+    `overwrite` is set, so that no slip of `-o` wipes what is not ours, or another result of ours. None of `inputs`,
+    which the work reads, may be in it.
     """
     if path.resolve() == Path.cwd() or path.resolve() in Path.cwd().parents:
         raise FileProblem(path, "is the folder that you work in", "name a new one with -o")
     for source in inputs:
         if path.resolve() in (source.resolve(), *source.resolve().parents):
             raise FileProblem(path, f"holds {source}, which is read", "choose another place with -o")
-    name, contents = kind
+    if os.path.islink(path):
+        raise FileProblem(path, "exists and is not a folder but a link", "name the folder itself with -o")
     entries = set[str]()
     try:  # one look: another command may be writing here
         entries = {entry.name for entry in path.iterdir()}
     except (NotADirectoryError, FileNotFoundError) as error:
         # where a file stands above it, this is reported below
-        if path.is_symlink() or (isinstance(error, NotADirectoryError) and os.path.lexists(path)):
+        if isinstance(error, NotADirectoryError) and os.path.lexists(path):
             raise FileProblem(path, "exists and is not a folder", "choose another place with -o") from error
     except OSError as error:
         raise FileProblem(path, f"cannot be read ({_reason(error)})", "choose another place with -o") from error
-    if entries and not entries <= contents:
-        other = sorted(entries - contents)[0]
-        raise FileProblem(path, f"is not {name} of hexcite's (it holds {other})", "choose another place with -o")
+    if entries and (other := _foreign(path, entries, kind)):
+        raise FileProblem(path, f"is not {kind.name} of hexcite's ({other})", "choose another place with -o")
     if entries and not overwrite:
-        _refuse_to_replace(path, name)
+        _refuse_to_replace(path, kind.name)
+    if entries and not os.access(path, os.W_OK):
+        raise FileProblem(path, "cannot be replaced (Permission denied)", "choose another place with -o")
     _require_place(path)
+
+
+def _foreign(path: Path, entries: set[str], kind: FolderKind) -> str:
+    """What says that a folder is not one of a kind that hexcite wrote; empty where it is."""
+    marked = _marked(path)
+    if marked is None or marked[0] != kind.name:
+        if others := sorted(entries - kind.contents - {MARKER}):
+            return f"it holds {others[0]}"
+        if marked is not None:
+            return f"it is {marked[0]}"
+        if kind.record and not _is_record(path / kind.record):
+            return f"it has no {kind.record} of hexcite's"
+    for name in _files(path):
+        of_the_kind = len(name.parts) <= _DEEPEST and (len(name.parts) == 1 or name.suffix in _DRAWN)
+        listed = of_the_kind if marked is None else name.as_posix() in marked[1]
+        if not listed and name.name != MARKER and name.as_posix() not in kind.beside:
+            return f"it holds {name}"
+    return ""
+
+
+def _marked(path: Path) -> tuple[str, frozenset[str]] | None:
+    """Kind and files of a folder by its marker; None where it has none that says them."""
+    try:
+        content = json.loads(read_whole(path / MARKER, MOST_JSON))
+        return str(content["kind"]), frozenset(map(str, content["files"]))
+    except (FileProblem, *DAMAGED, RecursionError):
+        return None
+
+
+def _is_record(file: Path) -> bool:
+    """Whether a file is one of ours by which folders without a marker are known."""
+    try:
+        content = read_whole(file, MOST_JSON)
+        return b"hexcite" in content if file.suffix == ".h" else not _RECORDED.isdisjoint(json.loads(content))
+    except (FileProblem, *DAMAGED, RecursionError):
+        return False
+
+
+def _files(folder: Path) -> Iterator[Path]:
+    """Everything in a folder but folders with something in them, relative to it."""
+    for place, folders, files in os.walk(folder):
+        below = Path(place).relative_to(folder)
+        links = [name for name in folders if os.path.islink(os.path.join(place, name))]
+        yield from (below / name for name in (*files, *links))
+        if not folders and not files and below.parts:
+            yield below
+
+
+LEAST_SPACE = 2**23  # bytes that results, with their pages, take at most
 
 
 def _require_place(path: Path) -> None:
@@ -153,6 +223,8 @@ def _require_place(path: Path) -> None:
     except OSError as error:
         reason = _reason(error) if above.is_dir() else f"{above} is not a folder"
         raise FileProblem(path, f"cannot be written ({reason})", "choose another place with -o") from error
+    if (free := shutil.disk_usage(above).free) < LEAST_SPACE:
+        raise FileProblem(path, f"cannot be written ({free / 2**20:.1f} MB are left there)", "make room there")
 
 
 @contextmanager
@@ -169,12 +241,14 @@ def atomic_folder(path: Path, kind: FolderKind, overwrite: bool = False) -> Iter
         part = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent))
         try:
             yield part
+            listed = {"kind": kind.name, "files": sorted(name.as_posix() for name in _files(part))}
+            (part / MARKER).write_text(json_text(listed), encoding="utf-8")
             part.chmod(0o777 & ~_mask())
             for file in part.rglob("*"):
                 _flush(file)
             placed = _put(part, path, overwrite)
             if placed != path:
-                raise FileProblem(path, f"{kind[0]} stands there by now and stays", f"the new one is in {placed}")
+                raise FileProblem(path, f"{kind.name} stands there by now and stays", f"the new one is in {placed}")
         finally:
             shutil.rmtree(part, ignore_errors=True)
 

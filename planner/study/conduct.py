@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cases.errors import FileProblem, HexciteError, Interrupted
-from cases.files import check_folder, json_text, read_json, write_text
+from cases.files import FolderKind, check_folder, json_text, read_json, write_text
 from cases.schema import Case
 from cases.units import as_html
 from planner.reports.chart import Axis, Box, Chart
@@ -198,7 +198,7 @@ def study(
 def _require_own(folder: Path, spec: Spec, case: Case) -> None:
     """Refuses, before the work starts, a folder of another study or of something else, or that cannot be written."""
     if not (folder / ABOUT).exists():
-        check_folder(folder, ("a study", frozenset({ROWS})), overwrite=True)
+        check_folder(folder, FolderKind("a study", frozenset({ROWS})), overwrite=True)
         return
     record = read_json(folder / ABOUT, "hexcite study")
     if (record.get("name"), record.get("case")) != (spec.name, case.name):

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from cases.errors import FileProblem, HexciteError, IdentificationError
-from cases.files import atomic_folder, check_file, check_folder, output_place, write_text
+from cases.files import FolderKind, atomic_folder, check_file, check_folder, output_place, write_text
 from cases.units import DEG, MM, Array
 from identification.outcome import Result
 from postprocessors.export.calibration import (
@@ -74,7 +74,8 @@ def _c_folder(result: Result, output: Path | None, overwrite: bool) -> list[Path
     if folder.suffix in (".c", ".h"):
         raise FileProblem(folder, f"--to c writes a folder with {name}.h and {name}.c", "name a folder with -o")
     names = [f"{name}.c", f"{name}.h"]
-    kind = "a C model", frozenset((*names, f"{name}.o"))  # files of a compiler there may be replaced too
+    compiled = frozenset({f"{name}.o"})  # files of a compiler there may be replaced too
+    kind = FolderKind("a C model", frozenset(names) | compiled, f"{name}.h", compiled)
     check_folder(folder, kind, [Path(result.source)], overwrite)
     header, source = c_sources(result, name)
     with atomic_folder(folder, kind, overwrite) as part:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import stat
 from collections.abc import Callable
 from contextlib import AbstractContextManager
@@ -11,8 +12,11 @@ import pytest
 
 from cases.errors import FileProblem
 from cases.files import (
+    MARKER,
     PLAN,
     RESULT,
+    RUN,
+    FolderKind,
     atomic_file,
     atomic_folder,
     check_file,
@@ -27,8 +31,9 @@ from tests.helpers import one_line
 
 
 def tree(folder: Path) -> dict[str, str | None]:
-    """Everything below a folder: file contents by name, None for folders."""
-    return {str(p.relative_to(folder)): p.read_text() if p.is_file() else None for p in folder.rglob("*")}
+    """Everything below a folder but markers: file contents by name, None for folders."""
+    every = (p for p in folder.rglob("*") if p.name != MARKER)
+    return {str(p.relative_to(folder)): p.read_text() if p.is_file() else None for p in every}
 
 
 def plan_folder(folder: Path) -> AbstractContextManager[Path]:
@@ -141,6 +146,72 @@ def test_a_folder_of_somebody_else_is_left_alone(name: str, tmp_path: Path) -> N
         plan(tmp_path / "p", "new")
     assert one_line(caught.value).startswith(str(tmp_path / "p"))
     assert tree(tmp_path) == {"p": None, f"p/{name}": "years of work"}
+
+
+@pytest.mark.parametrize(
+    ("files", "kind", "says"),
+    [
+        ({"report.html": "page", "plots/deep/thesis.doc": "years of work"}, RESULT, "no result.json"),
+        ({"recording.csv": "t_s,.."}, RUN, "no recording.json"),
+        ({"result.json": '{"of": "another program"}', "plots/a.svg": ""}, RESULT, "no result.json"),
+        ({"result.json": '{"case": "mine"}', "plots/thesis.doc": "years of work"}, RESULT, "plots/thesis.doc"),
+        ({"result.json": '{"case": "mine"}', "plots/a/b/c.svg": "years of work"}, RESULT, "plots/a/b/c.svg"),
+        ({"plan.json": '{"case": "mine"}', "result.json": '{"case": "mine"}'}, RESULT, "plan.json"),
+    ],
+)
+def test_no_folder_is_deleted_that_only_looks_like_ours(
+    files: dict[str, str], kind: FolderKind, says: str, tmp_path: Path
+) -> None:
+    for name, content in files.items():
+        (tmp_path / "p" / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "p" / name).write_text(content)
+    before = tree(tmp_path)
+    with (
+        pytest.raises(FileProblem, match=rf"is not .* of hexcite's \(.*{says}") as caught,
+        atomic_folder(tmp_path / "p", kind, overwrite=True),
+    ):
+        pass
+    one_line(caught.value)
+    assert tree(tmp_path) == before
+
+
+@pytest.mark.parametrize("name", ["notes.txt", "plots/mine.svg", "plots/deep/thesis.doc", "empty/folder/"])
+def test_what_somebody_put_into_a_folder_of_ours_is_never_deleted(name: str, tmp_path: Path) -> None:
+    plan(tmp_path / "p", "old")
+    plan(tmp_path / "p", "new", overwrite=True)
+    own = tmp_path / "p" / name
+    if name.endswith("/"):
+        own.mkdir(parents=True)
+    else:
+        own.parent.mkdir(exist_ok=True)
+        own.write_text("years of work")
+    before = tree(tmp_path)
+    with pytest.raises(FileProblem, match=f"it holds {name.rstrip('/')}"):
+        plan(tmp_path / "p", "newer", overwrite=True)
+    assert tree(tmp_path) == before
+
+
+def test_folders_of_earlier_versions_are_known_by_their_record(tmp_path: Path) -> None:
+    (tmp_path / "p" / "plots").mkdir(parents=True)
+    (tmp_path / "p" / "plan.json").write_text('{"schema_version": 1, "case": "hexapod"}')
+    (tmp_path / "p" / "plots" / "pose.svg").write_text("<svg/>")
+    plan(tmp_path / "p", "new", overwrite=True)
+    assert tree(tmp_path)["p/plan.json"] == "new"
+
+
+def test_a_link_is_refused_before_the_work(tmp_path: Path) -> None:
+    (tmp_path / "t").mkdir()
+    (tmp_path / "link").symlink_to("t")
+    with pytest.raises(FileProblem, match="a link; name the folder itself"):
+        check_folder(tmp_path / "link", PLAN)
+    check_folder(tmp_path / "link" / "below", PLAN)
+
+
+def test_a_full_disk_is_told_before_the_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    usage = shutil.disk_usage(tmp_path)._replace(free=1000)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: usage)
+    with pytest.raises(FileProblem, match=r"0.0 MB are left there\); make room"):
+        check_folder(tmp_path / "p", PLAN)
 
 
 def test_a_file_is_not_replaced_by_a_folder(tmp_path: Path) -> None:

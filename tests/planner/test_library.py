@@ -55,7 +55,7 @@ def folder(lines: str, cache: Path, tmp_path_factory: pytest.TempPathFactory) ->
 
 def test_twelve_lines_write_what_they_are_told_to_and_nothing_else(folder: Path):
     assert {str(p.relative_to(folder)) for p in folder.rglob("*") if p.is_file()} == {
-        "run.ngc", "result/result.json", "result.html", "residuals.pdf"
+        "run.ngc", "result/result.json", "result/.hexcite", "result.html", "residuals.pdf"
     }  # fmt: skip
 
 
@@ -90,7 +90,7 @@ def by_hand(hexapod_case: Case, cache: Path) -> Plan:
 def test_a_plan_comes_back_as_it_was_saved(by_hand: Plan, tmp_path: Path):
     by_hand.save(tmp_path / "plan")
     again = hx.Plan.load(tmp_path / "plan")
-    assert {p.name for p in (tmp_path / "plan").iterdir()} == {"plan.json", "motion.csv"}
+    assert {p.name for p in (tmp_path / "plan").iterdir()} == {"plan.json", "motion.csv", ".hexcite"}
     assert again.to_json() == by_hand.to_json()
     assert (again.request.family, again.worth, again.limits) == (hx.Manual(), by_hand.worth, by_hand.limits)
     t = np.linspace(0.0, by_hand.duration, 50)

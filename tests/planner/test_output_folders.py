@@ -106,6 +106,7 @@ def test_what_an_earlier_run_made_stays_unless_it_may_be_replaced(
     sources: dict, chain: Any, shared: Path, tmp_path: Path
 ):
     result = Path(shutil.copytree(shared / "result", tmp_path / "result"))
+    (result / ".hexcite").unlink()  # as of an earlier version, which wrote plots too
     (result / "plots").mkdir(exist_ok=True)
     (result / "plots" / "old.svg").write_text("of another run")
     assert "--overwrite" in refused(*sources["identify"], "-o", result)
@@ -113,6 +114,10 @@ def test_what_an_earlier_run_made_stays_unless_it_may_be_replaced(
     call(*sources["identify"], "-o", result, "--overwrite").json()
     assert not (result / "plots" / "old.svg").exists()
     assert (result / "result.json").is_file()
+    (result / "plots").mkdir()
+    (result / "plots" / "mine.svg").write_text("of the user")
+    assert "it holds plots/mine.svg" in refused(*sources["identify"], "-o", result, "--overwrite")
+    assert (result / "plots" / "mine.svg").exists()
 
 
 def test_without_o_a_command_writes_beside_the_user_under_a_name_that_tells(

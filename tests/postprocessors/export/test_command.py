@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from cases.files import MARKER
 from cases.schema import load_case
 from cases.tables import built_in_cases
 from postprocessors.export.targets import TARGETS
@@ -46,7 +47,7 @@ def test_every_target_is_written_whole_and_says_where_it_is_from(target: str, tm
         text = Path(file).read_text(encoding="utf-8")
         for word in (str(result / "result.json"), load_case(name).hash, name):
             assert word in text
-    written = {path for path in here.rglob("*") if path.is_file()}
+    written = {path for path in here.rglob("*") if path.is_file() and path.name != MARKER}
     assert written == {here / file for file in answer["files"]}
 
 
@@ -59,7 +60,7 @@ def test_what_is_exported_again_gets_a_free_name(target: str, name: str, tmp_pat
     (folder / "case.toml").write_text(text, encoding="utf-8")
     result = write_result(tmp_path / "result", load_case(str(folder)), model)
     files = [call("export", result, "--to", target, "--case", folder, "--json").json()["files"] for _ in range(3)]
-    written = [str(path.relative_to(here)) for path in here.rglob("*") if path.is_file()]
+    written = [str(f.relative_to(here)) for f in here.rglob("*") if f.is_file() and f.name != MARKER]
     assert sorted(written) == sorted(file for run in files for file in run)
     assert len(set(written)) == 3 * len(files[0])
 
