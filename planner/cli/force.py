@@ -35,7 +35,9 @@ Parameters = Annotated[Path, option("Result folder of hexcite identify.", "--par
 
 
 def force(
-    recording: Annotated[Path, argument("Recording: a CSV file, or a folder of hexcite run.")],
+    recordings: Annotated[
+        list[Path], argument("One run: a file, several files of it in any order, or a folder of hexcite run.")
+    ],
     parameters: Parameters,
     case: OwnCase = None,
     output: Annotated[Path | None, out("CSV file to write; RECORDING-force.csv by default.")] = None,
@@ -46,10 +48,10 @@ def force(
     """Compute external force and moment over a recording."""
     from cases.recording_format import WRENCH
 
-    file = output_place(output, Path(f"{recording.resolve().stem}-force.csv"), overwrite)
-    inputs = [recording, *recording.glob("*")] if recording.is_dir() else [recording]
+    file = output_place(output, Path(f"{recordings[0].resolve().stem}-force.csv"), overwrite)
+    inputs = [path for place in recordings for path in (place, *(place.glob("*") if place.is_dir() else ()))]
     check_file(file, [".csv"], inputs, overwrite)
-    result = hx.force(*_read(recording, parameters, case, stale))
+    result = hx.force(*_read(recordings, parameters, case, stale))
     result.save(file, overwrite)
     answer: dict[str, Any] = {
         "force": str(file),
@@ -61,20 +63,20 @@ def force(
     answered(answer, json, f"written: {file}, behind the filter of the case", result)
 
 
-def _read(recording: Path, parameters: Path, case: str | None, stale: bool) -> "tuple[hx.Recording, hx.Result]":
+def _read(recordings: list[Path], parameters: Path, case: str | None, stale: bool) -> "tuple[hx.Recording, hx.Result]":
     """The run, and the result whose parameters are used; its case stands in where no other is named."""
     from identification.outcome import case_of_result
     from identification.recording import record_of
 
     named = None if case is None else hx.load_case(case)
-    if named is None and not record_of(recording):
+    if named is None and not record_of(recordings[0]):
         named = case_of_result(parameters)
-    run = hx.Recording.load(recording, named, stale)
+    run = hx.Recording.load(recordings, named, stale)
     return run, hx.Result.load(parameters, run.case, stale)
 
 
 def tare(
-    recording: Annotated[Path, argument("Recording of a standstill without contact.")],
+    recordings: Annotated[list[Path], argument("Recording of a standstill without contact, in one or several files.")],
     parameters: Parameters,
     case: OwnCase = None,
     output: Annotated[Path | None, out("Result folder to write; RESULT-tared by default.")] = None,
@@ -87,8 +89,8 @@ def tare(
     All other parameters stay as they are.
     """
     folder = output_place(output, Path(f"{parameters.resolve().stem}-tared"), overwrite)
-    check_folder(folder, RESULT, [recording, parameters], overwrite)
-    run, saved = _read(recording, parameters, case, stale)
+    check_folder(folder, RESULT, [*recordings, parameters], overwrite)
+    run, saved = _read(recordings, parameters, case, stale)
     tared = hx.tare(run, saved)
     tared.save(folder, overwrite)
     answered({"result": str(folder), **tared.record.to_json()}, json, f"result written: {folder}", tared)
