@@ -9,6 +9,7 @@ from cases.schema import Case, fingerprint, load_case
 from cases.tables import built_in_cases
 
 KEPT = "computed_from"  # key of plan.json, recording.json and result.json
+CONTENT = "content"  # key of the fingerprint of all other entries of plan.json and result.json
 _MACHINE = ("setup", "gravity_m_s2", "sensor_frame", "machine")
 _MOTION = ("setup", "machine", "workspace", "limits", "controller.cycle_ms")
 _BOUND = (*_MACHINE, "workspace", "limits", "controller.cycle_ms")
@@ -54,6 +55,11 @@ def motion_hash(case: Case) -> str:
 def bound_hash(case: Case) -> str:
     """Fingerprint of what a bound of the information depends on."""
     return fingerprint(values(case, _BOUND))
+
+
+def content_of(data: Mapping[str, Any]) -> str:
+    """Fingerprint of the entries of an artefact but itself and the place of its case, which may be moved."""
+    return fingerprint({key: value for key, value in data.items() if key not in (CONTENT, "case_file")})
 
 
 def values(case: Case, keys: Sequence[str]) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
-from cases.basis import case_of, require_unchanged, result_basis
+from cases.basis import CONTENT, case_of, content_of, require_unchanged, result_basis
 from cases.errors import FileProblem, HexciteError
 from cases.files import RESULT, atomic_folder, check_folder, json_text, read_json
 from cases.schema import Case
@@ -126,7 +126,8 @@ class Result:
 
     def write(self, folder: Path) -> None:
         """Writes result.json into a folder that is there."""
-        (folder / "result.json").write_text(json_text(self.record.to_json()), encoding="utf-8")
+        entries = self.record.to_json()
+        (folder / "result.json").write_text(json_text(entries | {CONTENT: content_of(entries)}), encoding="utf-8")
 
     def save(self, folder: Path | str, overwrite: bool = False) -> None:
         """Makes a folder with the same file; residuals are not saved.
@@ -215,6 +216,8 @@ def _read(path: Path) -> tuple[Path, ResultEntries]:
     version = data.get("schema_version")
     if version != SCHEMA_VERSION:
         raise FileProblem(file, f"schema_version {version!r}, expected {SCHEMA_VERSION}", AGAIN)
+    if data.pop(CONTENT, None) not in (None, content_of(data)):  # version 0.2 stated none
+        raise FileProblem(file, "was changed by hand", AGAIN)
     try:
         return file, ResultEntries.model_validate_json(json_text(data))
     except ValidationError as error:

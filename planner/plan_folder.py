@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from cases.basis import case_of, plan_basis, require_unchanged
+from cases.basis import case_of, content_of, plan_basis, require_unchanged
 from cases.errors import FileProblem, HexciteError
 from cases.files import DAMAGED, read_json
-from cases.schema import Case, fingerprint
+from cases.schema import Case
 from cases.tables import LARGEST
 from identification.limit import LimitReport
 from identification.model import identification_model
@@ -35,11 +35,6 @@ DIGITS = 16  # digits of a fingerprint
 def fingerprint_of(content: bytes) -> str:
     """Fingerprint of the content of a plan.json: the first 16 digits of its SHA-256."""
     return hashlib.sha256(content).hexdigest()[:DIGITS]
-
-
-def content_of(data: Mapping[str, Any]) -> str:
-    """Fingerprint of the entries of a plan, by which a change by hand is known; its case may be moved."""
-    return fingerprint({key: value for key, value in data.items() if key not in ("content", "case_file")})
 
 
 def load_plan(kind: "type[Plan]", folder: Path, case: Case | None, stale: bool) -> "Plan":
@@ -83,7 +78,7 @@ def load_plan(kind: "type[Plan]", folder: Path, case: Case | None, stale: bool) 
             entries.assumed_rate_Hz, worth, entries.settings, entries.solve_s, entries.interrupted,
             folder, fingerprint_of(file.read_bytes()), remarks,
         )  # fmt: skip
-    if entries.content not in (None, content_of(data)):
+    if entries.content != content_of(data):
         raise FileProblem(file, "was changed by hand", "plan again")
     return plan
 
@@ -104,7 +99,7 @@ class Entries(BaseModel, strict=True, frozen=True):
     settings: dict[str, bool | int | float | str | list[str]]
     solve_s: float
     interrupted: bool = False
-    content: str | None = None  # earlier versions stated none
+    content: str = ""
 
 
 @contextmanager

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from cases.basis import KEPT, plan_basis
+from cases.basis import CONTENT, KEPT, content_of, plan_basis
 from cases.errors import HexciteError
 from cases.files import PLAN, atomic_folder, check_folder, json_text
 from cases.schema import Case
@@ -27,7 +27,7 @@ from identification.precision import (
 )
 from planner.families import Settings
 from planner.plan_figures import PoseWorth, Worth, bound_by
-from planner.plan_folder import SCHEMA_VERSION, content_of, fingerprint_of, load_plan, motion_entries
+from planner.plan_folder import SCHEMA_VERSION, fingerprint_of, load_plan, motion_entries
 from planner.request import PoseRequest, Request
 
 SAMPLE_RATE = 1000.0  # [1/s] of motion.csv
@@ -186,7 +186,7 @@ class Plan:
         }
         if self.stale:
             entries["stale"] = list(self.stale)
-        return entries | {"content": content_of(entries)}
+        return entries | {CONTENT: content_of(entries)}
 
     @property
     def rating(self) -> tuple[float, str]:

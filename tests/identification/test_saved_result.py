@@ -1,5 +1,6 @@
 """A result that is saved and loaded is the same, and nobody can change it."""
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -22,6 +23,7 @@ from identification.outcome import Result
 from identification.result import ResultEntries, entries_of_parameters, physical_values
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic
+from tests.postprocessors.export.calibrations import calibration
 from tests.simulated_machine import PoseExecution
 
 CASE = load_case("hexapod")
@@ -107,3 +109,19 @@ def test_a_damaged_entry_of_the_recording_is_named() -> None:
     run = simulate_recording(CASE, execution, np.array([[0.15, 1.85]]), 0, "run.csv")
     with pytest.raises(FileProblem, match=r"run.csv: recording.json: entry plan_hash is damaged; run again"):
         identify(replace(run, record={"case": CASE.name, "plan_hash": 5}), CASE)
+
+
+@pytest.mark.parametrize(("key", "value"), [("s0", 0.5), ("samples", 7), ("recording", "other.csv")])
+def test_an_entry_that_was_changed_by_hand_is_refused(key: str, value: object, tmp_path: Path) -> None:
+    """Also one that nothing else in the file contradicts; files of 0.2 have no fingerprint and are read."""
+    made = calibration(tmp_path / "made", "hexapod", 9)
+    made.save(tmp_path / "saved")
+    file = tmp_path / "saved" / "result.json"
+    data = json.loads(file.read_text(encoding="utf-8"))
+    assert Result.load(tmp_path / "saved").record == made.record
+    file.write_text(json.dumps(data | {key: value}), encoding="utf-8")
+    with pytest.raises(FileProblem, match="was changed by hand"):
+        Result.load(tmp_path / "saved")
+    del data["content"]
+    file.write_text(json.dumps(data), encoding="utf-8")
+    assert Result.load(tmp_path / "saved").record == made.record
