@@ -53,7 +53,7 @@ DAMAGES: dict[str, tuple[bytes, str]] = {
     "text in a number": (cell(4, "l2_mm", "9x0"), r", line 5, l2_mm: '9x0' is not a number .*; correct or remove"),
     "nothing in a column": (
         column("f1_N", ""),
-        r", line 2, f1_N: is empty, like 9 of the 9 rows of this column; record again",
+        r", line 2, f1_N: is empty, like 9 of the 9 rows of this column, more than 30 %; record again",
     ),
     "nothing in most rows": (
         csv([*table()[:4], *[[*row[:3], "", *row[4:]] for row in table()[4:]]]),
