@@ -177,6 +177,15 @@ class TextFile(Part):
         return self.delimiter or (" " if self.format == "halsampler" else ",")
 
 
+class Trigger(Part):
+    """The trigger, where it is a bit of a column, or its column has another name."""
+
+    column: str | None = None
+    """Name that the file has for its column."""
+    bit: Annotated[int, Field(strict=True, ge=0, le=52)] | None = None
+    """Which bit of whole numbers it is, counted from 0; by default the column is a switch."""
+
+
 class FileFormat(TextFile):
     """How a file is read: its layout, names, units, orientations and clock."""
 
@@ -194,19 +203,30 @@ class FileFormat(TextFile):
     """How the file writes orientations; by default `xyz extrinsic`, roll, pitch and yaw, where it has angles."""
     clock: Clock = Clock()
     """The time stamps."""
+    trigger: Trigger | None = None
+    """Where the trigger is a bit among others."""
     drives: Drives | None = None
     """Where the file holds drive positions instead of strut lengths."""
     accelerometer: Accelerometer | None = None
     """Where the file holds readings of an accelerometer."""
-    ros: dict[Literal["joints", "wrench"], str] = Field(default_factory=dict)
-    """Topics of a ROS 2 bag that hold the run, `sensor_msgs/JointState` as `joints` and `geometry_msgs/WrenchStamped`,
-    the raw one, as `wrench`; by default the only ones of their kind."""
+    ros: dict[Literal["joints", "wrench", "time", "frame"], str] = Field(default_factory=dict)
+    """Topics of a bag of ROS that hold the run, `sensor_msgs/JointState` as `joints` and `geometry_msgs/WrenchStamped`,
+    the raw one, as `wrench`; by default the only ones of their kind. `time = "receipt"`: the bag's own time counts, for
+    headers without one. `frame`: what headers call the axes of the sensor, where that is the name of another frame."""
+
+    @model_validator(mode="after")
+    def _times(self) -> Self:
+        if (time := self.ros.get("time", "header")) not in ("header", "receipt"):
+            raise ValueError(f"ros.time = {time!r} is not known; give 'header' or 'receipt'")
+        return self
 
     @model_validator(mode="after")
     def _known_names(self) -> Self:
         for ours in self.columns:
             if ours not in COLUMNS:
                 raise ValueError(f"columns: {ours!r} is none of our columns; they are {', '.join(COLUMNS)}")
+        if self.trigger is not None and self.trigger.column is not None and TRIGGER in self.columns:
+            raise ValueError("columns.trigger and trigger.column both name the trigger's column; leave one out")
         for theirs in self.columns.values():
             if list(self.columns.values()).count(theirs) > 1:
                 raise ValueError(f"columns maps {theirs!r} to two of our columns; give each column one meaning")
@@ -246,9 +266,15 @@ class FileFormat(TextFile):
                 raise ValueError(f"{key} is missing; files of {self.format} do not say it, or differ in it: state it")
         return self
 
+    def stated_name(self, ours: str) -> str | None:
+        """Name that is stated for one of our columns; None where none is."""
+        if ours == TRIGGER and self.trigger is not None and self.trigger.column is not None:
+            return self.trigger.column
+        return self.columns.get(ours)
+
     def file_name(self, ours: str) -> str:
         """Name that files have for one of our columns."""
-        return self.columns.get(ours, ours)
+        return self.stated_name(ours) or ours
 
     def factor(self, ours: str) -> float:
         """SI value of a 1 in a column: by its scale, else its role in `units`, else the unit of its name."""
@@ -308,4 +334,4 @@ class RecordingFormat(FileFormat):
 
     def file_name(self, ours: str) -> str:
         """Name that files have for one of our columns."""
-        return next((form.columns[ours] for form in (self, *self.files) if ours in form.columns), ours)
+        return next((name for form in (self, *self.files) if (name := form.stated_name(ours))), ours)

@@ -19,7 +19,7 @@ from identification.outcome import Result
 from identification.parameters import offset_columns
 from identification.recording import Recording
 from identification.result import entries_of_parameters, physical_values
-from identification.runs.preparation import moving_run, on_one_clock
+from identification.runs.preparation import NOISY, encoder_noise, moving_run, on_one_clock
 from identification.runs.sample_checks import unmeasured
 from identification.runs.standstills import standstills, variance_of_mean
 
@@ -143,7 +143,7 @@ def drifted_since(change: Array, std: Array, case: Case, source: str) -> list[Fi
     return [note(Kind.OFFSETS, f"{sentence}deviations) since {source}: what was computed with that is off by it")]
 
 
-STILL = 1e-4  # [m or rad] that drives may move in a standstill: encoder noise and drift, not motion
+STILL = 1e-4  # [m or rad] that drives may move in a standstill, beside the noise of their encoders
 
 
 def tare(recording: Recording, result: Result) -> Result:
@@ -162,11 +162,12 @@ def tare(recording: Recording, result: Result) -> Result:
     if count < 2:
         raise IdentificationError(recording.source, f"{count} sample; a tare needs a standstill of two or more")
     travel = 0.0 if recording.struts is None else float(np.ptp(recording.struts[~recording.bad], axis=0).max())
-    if travel > STILL:
+    noise = 0.0 if recording.struts is None else float(encoder_noise(recording.struts).max())
+    if travel > STILL + NOISY * noise:
         drives, unit = case.drive_words
         raise IdentificationError(
             recording.source,
-            f"{drives} move by {travel * 1e3:.3g} {unit}, at most {STILL * 1e3:g} {unit} in a "
+            f"{drives} move by {travel * 1e3:.3g} {unit}, at most {(STILL + NOISY * noise) * 1e3:.3g} {unit} in a "
             "standstill; cut the motion off",
         )
     still = standstills(recording, case, model)

@@ -33,6 +33,7 @@ from identification.formats.clocks import Unsteady
 from identification.formats.sampling import on_equal_steps, spread
 from identification.formats.table import MOST_MISSING, ColumnTable, Stream, listed, shown
 from identification.formats.text import without
+from identification.formats.triggers import trigger_of
 
 
 def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
@@ -45,23 +46,17 @@ def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
     if table.stamps is not None:
         t = (table.stamps - table.stamps[0]) * table.tick + float(start_of(table) - origin)
     table, missing, missing_in = _marked(table)
-    trigger, override = _single(table, TRIGGER), _single(table, OVERRIDE)
+    (flags, of_trigger), override = trigger_of(table), _single(table, OVERRIDE)
     poses, rotations = _pose(table, case)
     if override is not None:
         ratio = "state recording.units.override = '1' if it is a ratio"
         _require(table, OVERRIDE, (override >= 0.0) & (override <= MOST_OVERRIDE), "is not a feed override", ratio)
-    flags = None if trigger is None else switched(trigger)
-    if trigger is not None and flags is None:
-        off = np.minimum(
-            np.abs(trigger), np.abs(trigger - trigger.max())
-        )  # 0 and the largest are the levels of a switch
-        remedy = f"export the trigger as a switch between 0 and {trigger.max():g}, or leave it out"
-        _require(table, TRIGGER, off < off.max(), "is no level of a switch", remedy)
     readings = None if (mounted := table.form.accelerometer) is None else _group(table, ACCELEROMETER)
+    struts, turned = _struts(table, case)
     stream = Stream(
         source=table.source,
         t=t,
-        struts=_struts(table, case),
+        struts=struts,
         rotations=rotations,
         forces=_group(table, case.sensor_frame.channels),
         trigger=flags,
@@ -73,6 +68,7 @@ def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
         missing_in=missing_in,
         findings=(*table.findings, *(_of_convention(table) if poses is not None or rotations is not None else ())),
     )
+    stream = replace(stream, findings=(*stream.findings, *of_trigger, *turned))
     if not stream.channels:
         wanted = (STRUTS[0], POSE[0], ROTATION[0], case.sensor_frame.channels[0])
         unmounted = "has readings of an accelerometer; say in [recording.accelerometer] of the case how it is mounted"
@@ -246,18 +242,21 @@ def _roll_pitch_yaw(turns: Array) -> Array:
     return np.column_stack([roll, pitch, np.arctan2(turns[:, 1, 0], turns[:, 0, 0])])
 
 
-def _struts(table: ColumnTable, case: Case) -> Array | None:
-    """Strut lengths of a hexapod, positions of the joints of a chain."""
+def _struts(table: ColumnTable, case: Case) -> tuple[Array | None, list[Finding]]:
+    """Strut lengths of a hexapod, positions of the joints of a chain, and what to say of them."""
     if case.chain is not None:
-        positions = _group(table, case.chain.columns)
+        positions, leaping = _group(table, case.chain.columns), []
         for joint, column in zip(case.chain.joints, () if positions is None else positions.T, strict=False):
-            if joint.kind == "continuous":  # as if its encoder counted turns: from row to row less than half a turn
-                rows = np.flatnonzero(np.isfinite(column))
-                column[rows] = np.unwrap(column[rows])
-        return positions
+            # as if its encoder counted turns: from row to row less than half a turn
+            endless = joint.kind == "continuous" or (joint.turns and table.stamps is not None)
+            if endless and np.abs(np.diff(column)).max(initial=0.0) > np.pi:
+                column[:] = np.unwrap(column)
+                leaping += [joint.name] if joint.kind != "continuous" else []
+        sentence = f"leaps of 360 deg in {', '.join(leaping)} are taken for those of a reading, not of the joint"
+        return positions, [note(Kind.FORMAT, sentence)] if leaping else []
     struts, drives = _group(table, STRUTS), _group(table, DRIVES)
     if drives is None:
-        return struts
+        return struts, []
     if struts is not None:
         raise RecordingError(
             table.source, "has strut lengths and drive positions", "take one of them out of [recording.columns]"
@@ -266,7 +265,7 @@ def _struts(table: ColumnTable, case: Case) -> Array | None:
         raise RecordingError(
             table.source, "has drive positions", "say in [recording.drives] of the case how they move the struts"
         )
-    return np.array(how.sign) * drives[:, how.index] + how.offset
+    return np.array(how.sign) * drives[:, how.index] + how.offset, []
 
 
 # Rotation matrices are printed with a few digits; beyond this they are not rotations (transposed columns, wrong order).
@@ -285,19 +284,6 @@ def require_clock(table: ColumnTable) -> None:
     """Raises RecordingError at the first time stamp that cannot be of a clock."""
     if table.stamps is not None:
         _require(table, CLOCK, np.abs(table.stamps) < _MOST, "is not a time stamp", "remove the row")
-
-
-LEVELS = 0.2  # of the way between two levels that a switch may be off either: noise of a voltage
-OFF = 0.3  # share of the level on, up to which the level off of a voltage may be
-
-
-def switched(values: Array) -> Flags | None:
-    """Whether a switch is on: 0 and 1, or a voltage near one of two levels, shape (n,); None if it is not a switch."""
-    low, high = float(np.min(values)), float(np.max(values))
-    if low == high:
-        return values > 0.0
-    near = np.minimum(values - low, high - values) <= LEVELS * (high - low)
-    return values > (low + high) / 2 if near.all() and abs(low) <= OFF * high else None
 
 
 def _require_reach(stream: Stream, case: Case, factor: float) -> None:

@@ -61,7 +61,8 @@ def bag_tables(bag: Path, form: FileFormat) -> Iterator[ColumnTable]:
     with opened(bag) as reader:
         joints, wrench = (topic_of(bag, reader, what, form.ros.get(what)) for what in KINDS)
         theirs = [form.file_name(ours) for ours in form.columns if ours not in (*WRENCH, CLOCK)]
-        positions = _positions(reader, joints, theirs)
+        received = form.ros.get("time") == "receipt"
+        positions = _positions(reader, joints, theirs, received)
         if (table := _table(f"{bag}, {joints}", theirs, positions, form)) is None:
             raise RecordingError(
                 f"{bag}, {joints}",
@@ -69,7 +70,7 @@ def bag_tables(bag: Path, form: FileFormat) -> Iterator[ColumnTable]:
                 "map their names in [recording.columns] of the case, such as q1_deg",
             )
         yield table
-        if (table := _table(f"{bag}, {wrench}", AXES, _readings(bag, reader, wrench), form)) is not None:
+        if (table := _table(f"{bag}, {wrench}", AXES, _readings(bag, reader, wrench, form), form)) is not None:
             yield table
 
 
@@ -115,18 +116,30 @@ def topic_of(bag: Path, reader: "AnyReader", what: Topic, stated: str | None) ->
     raise RecordingError(bag, reason, f'set recording.ros.{what} = "{shown(possible[0])}" in the case')
 
 
-def _positions(reader: "AnyReader", topic: str, joints: Sequence[str]) -> Iterator[tuple[int, list[float]]]:
+def _positions(
+    reader: "AnyReader", topic: str, joints: Sequence[str], received: bool
+) -> Iterator[tuple[int, list[float]]]:
     """Stamps [ns], and positions of some joints [rad or m], of messages that have all of them."""
-    for stamp, message in _messages(reader, topic):
+    for stamp, message in _messages(reader, topic, received):
         place = {name: k for k, name in enumerate(message.name) if k < len(message.position)}
         if joints and all(joint in place for joint in joints):
             yield stamp, [message.position[place[joint]] for joint in joints]
 
 
-def _readings(bag: Path, reader: "AnyReader", topic: str) -> Iterator[tuple[int, list[float]]]:
-    """Stamps [ns], and forces and moments [N, N m]; raises RecordingError where their frame changes."""
+_FIXED = ("base", "base_link", "base_footprint", "world", "map", "odom")  # frames that no sensor moves with
+
+
+def _readings(bag: Path, reader: "AnyReader", topic: str, form: FileFormat) -> Iterator[tuple[int, list[float]]]:
+    """Stamps [ns], and forces and moments [N, N m]; raises RecordingError where their frame changes or stands."""
     frame = None
-    for stamp, message in _messages(reader, topic):
+    for stamp, message in _messages(reader, topic, form.ros.get("time") == "receipt"):
+        if frame is None and message.header.frame_id.strip("/") in _FIXED and form.ros.get("frame") is None:
+            own = shown(message.header.frame_id)
+            raise RecordingError(
+                f"{bag}, {topic}",
+                f"its wrench is in the frame {own}, which does not move with the sensor",
+                f'record the raw topic, in the axes of the sensor; if they are, state recording.ros.frame = "{own}"',
+            )
         if (frame := frame or message.header.frame_id) != message.header.frame_id:
             names = f"{frame}, {message.header.frame_id}"
             raise RecordingError(f"{bag}, {topic}", f"is in several frames: {names}", "record the sensor's own topic")
@@ -139,13 +152,13 @@ def joint_names(reader: "AnyReader", topic: str) -> tuple[str, ...]:
     return max((tuple(map(str, message.name)) for _, message in _messages(reader, topic)), key=len, default=())
 
 
-def _messages(reader: "AnyReader", topic: str) -> Iterator[tuple[int, Any]]:
-    """Stamps in the headers [ns], and messages."""
+def _messages(reader: "AnyReader", topic: str, received: bool = False) -> Iterator[tuple[int, Any]]:
+    """Stamps in the headers, or of receipt [ns], and messages."""
     connections = [c for c in reader.connections if c.topic == topic]
-    for connection, _, raw in reader.messages(connections=connections):
+    for connection, receipt, raw in reader.messages(connections=connections):
         message: Any = reader.deserialize(raw, connection.msgtype)
         stamp = message.header.stamp
-        yield int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec), message
+        yield receipt if received else int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec), message
 
 
 def _table(
@@ -160,8 +173,10 @@ def _table(
         return None
     order = np.argsort(at, kind="stable")
     stamps, rows = np.array(at)[order], np.array(numbers).reshape(-1, len(names))[order]
-    if not stamps[-1]:
-        raise RecordingError(source, "its headers have no stamps", "use a driver that stamps its messages")
+    if len(stamps) > 1 and len(np.unique(stamps)) < len(stamps) / 2:
+        problem = "its headers have no stamps of use: most of them are alike"
+        remedy = 'take the time of receipt: state recording.ros.time = "receipt" in the case'
+        raise RecordingError(source, problem, remedy)
     ours, lines = {form.file_name(column): column for column in form.columns}, Lines(1, word="message")
     columns = {ours[name]: np.ascontiguousarray(rows[:, k]) for k, name in enumerate(names)}
     return ColumnTable(source, form, (STAMP, *names), columns, stamps, form.tick, lines, True)

@@ -26,6 +26,9 @@ LEAST_TRAVEL = 1e-4  # [m or rad] of struts or joints; below, the pose counts as
 MOVING = 1e-3  # [m/s or rad/s] of struts or joints, from which the machine counts as moving, where there is no trigger
 STANDING = 0.5e-3  # [m or rad] of struts or joints with the trigger on; below, a run was recorded at standstills
 MOST_RATE = 2e3  # a fifth of the samples a second that a recorder of forces takes at most [1/s]
+SURE = 6.0  # deviations of the encoders' noise, beyond which a change is motion
+NOISY = 10.0  # deviations of noise between the largest and the smallest reading of a standstill
+SLOWEST = 0.5  # [s] between samples, from which on no motion is seen in them
 MOST_LEFT_OUT = 0.5  # share of the motion lost to damage and the filter's reach around it
 # Bad samples in a row that a straight line replaces; behind the filter the difference is negligible.
 MOST_BRIDGED = MOST_PUT_BACK
@@ -152,7 +155,15 @@ def stands_only(recording: Recording) -> bool:
     if recording.t is None or recording.struts is None or recording.trigger is None or not delimited(recording.trigger):
         return False
     ranges = [np.ptp(recording.struts[w], axis=0).max() for w in stretches(recording.trigger) if w.stop > w.start + 1]
-    return bool(ranges) and bool(max(ranges) < STANDING)
+    return bool(ranges) and bool(max(ranges) < STANDING + NOISY * encoder_noise(recording.struts).max())
+
+
+def encoder_noise(struts: Array) -> Array:
+    """Standard deviation of the noise of each coordinate, by how far samples are from their neighbours, shape (k,)."""
+    if len(struts) < 5:
+        return np.zeros(struts.shape[1])
+    changes = np.abs(np.diff(struts, 4, axis=0))  # in which no smooth motion is left
+    return np.asarray(1.4826 * np.median(changes, axis=0) / np.sqrt(70.0))
 
 
 def delimited(trigger: Flags | None) -> bool:
@@ -174,7 +185,12 @@ def checked_filter(recording: Recording, case: Case) -> Filter:
     if len(recording.forces) < 2:
         raise RecordingError(recording.source, f"{len(recording.forces)} sample is not a run", "record longer")
     step = recording.step
-    if not cutoff <= 0.2 / step * (1.0 + 1e-9):  # what the message allows is taken, however the clock rounds
+    if step >= SLOWEST and (other := _other_clock(step, cutoff)):
+        raise RecordingError(
+            recording.source,
+            f"{1 / step:.4g} samples a second are too few for a motion{other}, and a cut-off of some ten Hz",
+        )
+    if not cutoff <= 0.2 / step * (1.0 + 1e-3):  # what the message allows is taken, however stamps say the step
         raise RecordingError(
             recording.source,
             f"filter_cutoff_Hz = {cutoff:g} is too high for {1 / step:.4g} samples a second",
@@ -257,18 +273,21 @@ def _window(recording: Recording, low_pass: Filter, drives: str, unit: str) -> t
             )
     else:
         speed = low_pass.apply(recording.struts, 1)
-        moving = np.flatnonzero(np.abs(speed).max(axis=1) > MOVING)
+        # of noise behind the filter
+        least = SURE * encoder_noise(recording.struts) * np.sqrt(np.sum(low_pass.kernel(1, 0.0) ** 2))
+        moving = np.flatnonzero(np.any(np.abs(speed) > np.maximum(MOVING, least), axis=1))
         rows = np.arange(moving[0], moving[-1] + 1) if len(moving) else np.arange(len(speed))
         if not len(moving):
             sentence = f"the {drives} are never faster than {MOVING * 1e3:g} {unit}/s, so that all of the recording is "
             sentence += "evaluated; record a trigger where only a part is meant"
             warnings = (warning(Kind.WINDOW, sentence),)
     travel = max(float(np.ptp(strut[margin + rows])) for strut in recording.struts.T)
-    if travel < LEAST_TRAVEL:
+    least_travel = LEAST_TRAVEL + NOISY * float(encoder_noise(recording.struts).max())
+    if travel < least_travel:
         raise IdentificationError(
             recording.source,
             f"the pose is constant ({drives} move by {travel * 1e3:.3g} {unit}, at least "
-            f"{LEAST_TRAVEL * 1e3:g} {unit} are needed); record the excitation, or remove t_s from averaged "
+            f"{least_travel * 1e3:.3g} {unit} are needed); record the excitation, or remove t_s from averaged "
             "standstills",
         )
     return rows, warnings

@@ -17,7 +17,7 @@ from cases.schema import Case
 from cases.units import Array, Flags, Indices
 from identification.formats.table import Channel, Stream
 from identification.recording import Recording
-from identification.runs.sample_checks import FULL_RANGE
+from identification.runs.sample_checks import at_full_range
 
 GAP = 1.6  # usual steps of the forces without a sample, which an average would hide
 ROUNDING = 1e-6  # of a step, that clocks may be off by rounding
@@ -90,9 +90,10 @@ def _at_full_range(means: Array, t: Array, forces: Array, centres: Array, half: 
     newtons = 3 if case.sensor_frame.has_moments else 6
     first, end = np.searchsorted(t, centres - half), np.searchsorted(t, centres + half)
     for k in range(newtons):
-        clipped = np.r_[0, np.cumsum(np.abs(forces[:, k]) >= FULL_RANGE * most)]
+        clipped = np.r_[0, np.cumsum(at_full_range(forces[:, k], most))]
         rows = clipped[end] > clipped[first]
-        means[rows, k] = np.copysign(most, means[rows, k])
+        if np.abs(forces[:, k]).min() < most:  # else its range is about a constant, and its end is in the means
+            means[rows, k] = np.copysign(most, means[rows, k])
     return means
 
 

@@ -22,6 +22,8 @@ from identification.signals import stretches
 Problem = tuple[int, str, Flags]  # number of a channel or strut, counted from 1, what is wrong with it, and where
 
 FULL_RANGE = 0.999  # share of a sensor's range, from which on it is at its end
+FLAT = 5  # samples in a row at the largest or smallest value of a channel, as where it is clipped
+DIGITS = 5.0  # of a channel, by which others must change for it to be stuck: one that counts 10 N stands still for long
 MOST_NAMED = 3  # places of one finding that a message lists
 NEVER = 1e-9  # probability below which a silence of a channel is not chance
 OUTLIER = 20.0  # robust standard deviations by which a single sample leaves its neighbours
@@ -126,8 +128,24 @@ def _clipped(recording: Recording, case: Case) -> Iterator[Problem]:
     """Forces at the end of the sensors' range."""
     most = case.sensors.range_N
     for k in range(3 if case.sensor_frame.has_moments else 6):
-        if most is not None and (rows := np.abs(recording.forces[:, k]) >= FULL_RANGE * most).any():
+        if most is not None and (rows := at_full_range(recording.forces[:, k], most)).any():
             yield k + 1, f"is at the end of its range of {most:g} N", rows
+
+
+def at_full_range(force: Array, most: float) -> Flags:
+    """Samples of a channel, shape (n,), at the end of its range [N].
+
+    Of one that reads a constant far beyond its range, as raw values of converters do, the constant does not count: it
+    is at an end where it stays at its largest or smallest value.
+    """
+    beyond = np.abs(force) >= FULL_RANGE * most
+    if not beyond.all() or not 0.0 < np.ptp(force) <= 2.0 * most:
+        return np.asarray(beyond)
+    flat = np.zeros(len(force), dtype=bool)
+    for end in (force.min(), force.max()):
+        for part in stretches(force == end):
+            flat[part] = part.stop - part.start >= FLAT
+    return flat
 
 
 def _silent(recording: Recording) -> Iterator[Problem]:
@@ -137,6 +155,8 @@ def _silent(recording: Recording) -> Iterator[Problem]:
     travel = TRAVELLING * float(np.median(np.diff(recording.t)))
     for k in range(6):
         still = np.diff(recording.forces[:, k]) == 0.0
+        steps_of = np.abs(np.diff(recording.forces[:, k]))
+        digit = float(np.min(steps_of[steps_of > 0.0], initial=np.inf))  # what the channel changes by at least
         usual = float(np.clip(np.mean(still), 0.01, 0.999))
         least = int(np.ceil(np.log(NEVER / len(still)) / np.log(usual)))
         rows = np.zeros(len(recording.forces), dtype=bool)
@@ -147,7 +167,7 @@ def _silent(recording: Recording) -> Iterator[Problem]:
             span = slice(steps.start, steps.stop + 1)
             others = np.ptp(np.delete(recording.forces[span], k, axis=1), axis=0).max()
             moves = np.abs(np.diff(recording.struts[span], axis=0)).max(axis=1) > travel
-            if others > 0.0 and moves.mean() > 0.5:
+            if others > (DIGITS * digit if np.isfinite(digit) else 0.0) and moves.mean() > 0.5:
                 rows[span] = True
         if rows.any():
             yield k + 1, f"is stuck at {recording.forces[np.argmax(rows), k]:g} while the machine moves", rows

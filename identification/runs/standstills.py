@@ -12,12 +12,13 @@ from identification.formats.table import Lines
 from identification.hexapod import StrutsDoNotClose
 from identification.model import Model, machine_of, regressors
 from identification.recording import Recording
-from identification.runs.preparation import MOVING, delimited, require_position
+from identification.runs.preparation import MOVING, SURE, delimited, encoder_noise, require_position
 from identification.samples import Standstills
 from identification.signals import stretches
 
 SPEED_SPAN = 0.02  # [s] over which strut speeds are taken: encoder steps of 1 um then look like 0.05 mm/s
 LEAVING = 0.04  # [s] of the beginning of a movement that is too slow to be seen
+LONGEST_SPAN = 0.2  # [s] the same where encoders are noisy
 SHORTEST = 0.1  # [s] of a standstill that is worth averaging
 SAME_POSITION = 2.0 * MM  # between a standstill and its pose of the program
 SAME_ANGLE = 0.5 * DEG
@@ -116,8 +117,14 @@ def match(averages: Recording, case: Case, expected: Array, names: str) -> tuple
     home, limits = case.need_motion("the match of poses")
     poses, tolerance = machine_of(case).coordinates(averages.struts), np.where(limits.turns, SAME_ANGLE, SAME_POSITION)
 
+    turn = 2.0 * np.pi
+    joints = () if case.chain is None else case.chain.joints
+    endless = np.array([joint.kind == "continuous" for joint in joints] or [False] * len(limits.turns))
+
     def same(pose: Array, other: Array) -> bool:
-        return bool(np.all(np.abs(pose - other) <= tolerance))
+        apart = pose - other
+        apart = np.where(endless, apart - turn * np.rint(apart / turn), apart)
+        return bool(np.all(np.abs(apart) <= tolerance))
 
     first, end = 0, len(poses)
     while end - first > len(expected) and same(poses[first], home) and not same(expected[0], home):
@@ -169,11 +176,23 @@ def standstills(recording: Recording, case: Case, model: Model) -> Standstills:
 
 def _moving(struts: Array, step: float) -> Flags:
     """Whether a strut is faster than what counts as moving, taken over some milliseconds around each row."""
+    noise = encoder_noise(struts)
     half = max(1, round(SPEED_SPAN / step / 2))
+    while 2.0 * SURE * noise.max() > MOVING * (2 * half * step) * np.sqrt(half) and half * step < LONGEST_SPAN / 2:
+        half += 1  # of the means on either side, the further apart, the less is noise
+    most = np.maximum(MOVING, SURE * noise * np.sqrt(2.0 / half) / (half * step))
+    if not np.any(SURE * noise * np.sqrt(2.0) > MOVING * SPEED_SPAN):
+        rows = np.arange(len(struts))
+        before, after = np.maximum(rows - half, 0), np.minimum(rows + half, len(struts) - 1)
+        span = np.maximum(after - before, 1)[:, None] * step
+        return np.asarray(np.any(np.abs((struts[after] - struts[before]) / span) > most, axis=1))
+    from scipy.ndimage import uniform_filter1d
+
+    means = uniform_filter1d(struts, half, axis=0, mode="nearest", origin=0)
     rows = np.arange(len(struts))
-    before, after = np.maximum(rows - half, 0), np.minimum(rows + half, len(struts) - 1)
+    before, after = np.maximum(rows - (half + 1) // 2, 0), np.minimum(rows + half // 2, len(struts) - 1)
     span = np.maximum(after - before, 1)[:, None] * step
-    return np.asarray(np.abs((struts[after] - struts[before]) / span).max(axis=1) > MOVING)
+    return np.asarray(np.any(np.abs((means[after] - means[before]) / span) > most, axis=1))
 
 
 def variance_of_mean(forces: Array) -> Array:

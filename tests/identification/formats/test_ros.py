@@ -146,6 +146,37 @@ def test_a_bag_that_cannot_be_used_is_named_with_its_topic(what: str, tmp_path: 
     assert one_line(caught.value).startswith(str(bag))
 
 
+def without_time() -> list[tuple[str, int, Any]]:
+    """The run of a driver that leaves the stamps of its wrenches at 1 s."""
+    return [
+        (t, r, m if t == JOINTS else make(m.__msgtype__, header=header(10**9), wrench=m.wrench)) for t, r, m in run()
+    ]
+
+
+def test_headers_without_time_are_named_and_the_time_of_receipt_is_taken_where_it_is_stated(tmp_path: Path) -> None:
+    bag = write(tmp_path / "bag", without_time())
+    with pytest.raises(RecordingError, match=r'no stamps of use.*recording\.ros\.time = "receipt"') as caught:
+        read(bag, ROBOT)
+    one_line(caught.value)
+    recording = read(bag, with_recording(ros={"time": "receipt"}))
+    assert recording.step == pytest.approx(1e-3, rel=1e-4)
+
+
+def test_a_wrench_in_a_frame_that_stands_is_named_and_read_only_where_the_case_says_so(tmp_path: Path) -> None:
+    def renamed(message: Any) -> Any:
+        stamp = message.header.stamp
+        return make(
+            message.__msgtype__, header=header(stamp.sec * 10**9 + stamp.nanosec, "base"), wrench=message.wrench
+        )
+
+    messages = [(t, r, m if t == JOINTS else renamed(m)) for t, r, m in run()]
+    bag = write(tmp_path / "bag", messages)
+    with pytest.raises(RecordingError, match=r'in the frame base.*axes of the sensor.*ros\.frame = "base"') as caught:
+        read(bag, ROBOT)
+    one_line(caught.value)
+    assert read(bag, with_recording(ros={"frame": "base"})).rows == 8500
+
+
 def with_recording(**keys: Any) -> Case:
     data = ROBOT.model_dump(exclude_none=True)
     data["recording"] |= keys
