@@ -110,7 +110,10 @@ def written(seed: int) -> Written:
         return f"{value:.{digits}g}".replace(".", decimal)
 
     def with_sign(fields: list[str]) -> list[str]:
-        return [field.replace(".", decimal) if field.replace(".", "").isdigit() else field for field in fields]
+        return [
+            field.replace(".", decimal) if field.lstrip("-").replace(".", "", 1).isdigit() else field
+            for field in fields
+        ]
 
     columns: list[tuple[str, str, list[str]]] = []  # name, unit, fields
     for names, values, units, role in (
