@@ -88,7 +88,9 @@ def computed(said: Iterable[str]) -> tuple[str, str] | None:
     return None
 
 
-CLOCK = words("t ts time zeit timestamp stamp zeitstempel millis micros uhrzeit datetime", "timestamp zeitstempel")
+CLOCK = words(
+    "t ts time zeit timestamp stamp zeitstempel elapsed millis micros uhrzeit datetime", "timestamp zeitstempel"
+)
 BESIDE_A_CLOCK = words(
     "default sample rate messrate standardmessrate schnelle langsame fast slow field header rel relative since start "
     "in s ms us ns sec secs nsec nsecs nano nanosec seconds robot sys system utc epoch unix elapsed the of x value "
