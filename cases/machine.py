@@ -8,7 +8,20 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import Field, model_validator
 
-from cases.tables import NonNegative, Number, Part, Positive, PositiveVector, Range, Six, Vector, frozen, own_units, si
+from cases.tables import (
+    NonNegative,
+    Number,
+    Part,
+    Positive,
+    PositiveVector,
+    Range,
+    Six,
+    Text,
+    Vector,
+    frozen,
+    own_units,
+    si,
+)
 from cases.units import DEG, MM, Array, Flags
 
 
@@ -175,7 +188,7 @@ class HexapodMachine(Part):
 class KeepOut(Part):
     """A box in {B} that neither platform, struts nor tools may enter; `z_mm` alone is a floor, `x_mm` alone a wall."""
 
-    name: str
+    name: Text
     """What stands there; messages use it."""
     x_mm: Range | None = None
     """Lower and upper limit in {B}; left out, it has no end."""
@@ -205,7 +218,7 @@ class KeepOut(Part):
 class Tool(Part):
     """A round body on the platform, a tool or a workpiece, which must not enter the boxes of `keep_out` either."""
 
-    name: str
+    name: Text
     """What it is; messages use it."""
     from_mm: Vector = (0.0, 0.0, 0.0)
     """One end of its axis in {P}, like `to_mm`."""

@@ -22,7 +22,18 @@ from cases.machine import HexapodMachine, MotionLimits, Workspace, box_problems,
 from cases.poses import Poses
 from cases.recording_format import STRUTS, RecordingFormat
 from cases.sensors import Payloads, RigidBody, SensorFrame, Sensors, Simulation, together
-from cases.tables import Part, Vector, built_in_cases, find_case, frozen, kind_of, lasting_name, read_tables, spelled
+from cases.tables import (
+    Part,
+    Text,
+    Vector,
+    built_in_cases,
+    find_case,
+    frozen,
+    kind_of,
+    lasting_name,
+    read_tables,
+    spelled,
+)
 from cases.units import DEG, MINUTE, MM, Array, as_html
 
 # 9.76 on the highest mountain of the tropics to 9.83 at the poles; other values are typing errors or in another unit.
@@ -42,7 +53,7 @@ class Heading(Part):
     """Version of this description."""
     name: Annotated[str, spelled(r"[a-z][a-z0-9_]*", "a name: small letters, digits and _, a letter first")]
     """Small letters, digits and underscores."""
-    title: str
+    title: Text
     """What it is, in a line."""
 
 

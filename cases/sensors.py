@@ -8,14 +8,14 @@ from pydantic import Field, model_validator
 
 from cases.machine import Frame, Joints, require_spanning
 from cases.recording_format import BAR_FORCES, WRENCH
-from cases.tables import NonNegative, Number, Part, Positive, Six, Vector, frozen, si, si_value
+from cases.tables import NonNegative, Number, Part, Positive, Six, Text, Vector, frozen, si, si_value
 from cases.units import DEG, MM, Array
 
 
 class Disturbances(Part):
     """Imperfections of the simulated machine that no identification model contains; effective values for all loads."""
 
-    source: str
+    source: Text
     """Where the values come from."""
     mode_Hz: Positive
     """Structural mode between drives and platform, without payload; it falls with the root of the moved mass."""
@@ -297,7 +297,7 @@ class Truth(Part):
 class Simulation(Part):
     """The simulated machine: its parameters and how imperfectly it measures."""
 
-    source: str
+    source: Text
     """Where the values come from."""
     parameters: Truth
     """The true parameters."""
@@ -344,7 +344,7 @@ class Simulation(Part):
 class Payloads(Part):
     """Known weights that are mounted one after the other to validate an identification."""
 
-    source: str
+    source: Text
     """Where the values come from."""
     weights: Annotated[tuple[RigidBody, ...], Field(min_length=1)]
     """Weights in order of mounting; centres of gravity in {P}."""

@@ -106,6 +106,19 @@ def spelled(pattern: str, words: str) -> AfterValidator:
     return AfterValidator(checked)
 
 
+def _one_line(text: str) -> str:
+    line = " ".join(text.split())
+    if not line.isprintable():
+        raise ValueError(
+            f"{text!r}: holds control characters, which a terminal or a controller would obey; remove them"
+        )
+    return line
+
+
+Text = Annotated[str, AfterValidator(_one_line)]
+"""Words for people, in one line without control characters; line breaks are blanks."""
+
+
 def own_units(keys: Iterable[str]) -> Array:
     """SI values of the units that keys and columns end in, shape (keys,); 1 where they are SI, or have none."""
     return np.array([_OWN[match[1]] if (match := _ENDING.search(key)) else 1.0 for key in keys])

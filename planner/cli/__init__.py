@@ -4,6 +4,7 @@ Heavy imports happen inside the commands, so that `hexcite --help` stays fast.
 """
 
 import gc
+import io
 import logging
 import os
 import signal
@@ -43,6 +44,9 @@ for command in (
 
 def main() -> None:
     """Entry point: 0 done, 1 a line on stderr for each reason why not, 2 wrong usage, 130 interrupted."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # where the terminal's letters are fewer than ours
     gc.set_threshold(100_000)  # the usual 700 looks through all that imports create, again and again
     try:
         with ctrl_c_raises(), warnings_on_stderr():

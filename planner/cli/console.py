@@ -67,11 +67,12 @@ def status(text: str, quiet: bool) -> Iterator[Callable[[str], None]]:
         yield lambda _: None
         return
     from rich.console import Console
+    from rich.text import Text  # names may hold what is markup in a plain string
 
     console = Console(stderr=True)
     if console.is_terminal:
-        with console.status(text) as spinner:
-            yield lambda remark: spinner.update(f"{text}: {remark}")
+        with console.status(Text(text)) as spinner:
+            yield lambda remark: spinner.update(Text(f"{text}: {remark}"))
         return
     last_report = time.monotonic()
 

@@ -200,3 +200,16 @@ def test_a_transducer_has_noise_of_forces_and_of_moments(tmp_path: Path) -> None
     with pytest.raises(CaseError, match=r"sensors\.moment_noise_Nm.*force_noise_N.*add") as caught:
         load_case(str(tmp_path))
     one_line(caught.value)
+
+
+@pytest.mark.parametrize("character", ["\\u001b[31m", "\\u0007", "\\u202e", "\\u0000"])
+def test_nothing_that_a_terminal_obeys_gets_into_a_case(character: str, tmp_path: Path) -> None:
+    for old in ('title = "', 'source = "'):
+        with pytest.raises(CaseError, match="holds control characters") as caught:
+            load_case(edited(tmp_path, old, old + character))
+        one_line(caught.value)
+
+
+def test_a_title_of_several_lines_is_one(tmp_path: Path) -> None:
+    title = load_case("hexapod").title
+    assert load_case(edited(tmp_path, title, title.replace(", ", ",\\n  "))).title == title

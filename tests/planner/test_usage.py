@@ -1,5 +1,6 @@
 """Start-up and wrong usage: fast help, exit code 2, and no heavy import before there is work."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -8,11 +9,12 @@ import numpy as np
 import pytest
 
 from cases.schema import load_case
+from cases.tables import built_in_cases
 from identification.hexapod import Hexapod
 from identification.recording import write_recording
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic
-from tests.planner.command_line import call
+from tests.planner.command_line import PROGRAM, call
 from tests.postprocessors.programs import typed
 from tests.simulated_machine import PoseExecution
 
@@ -98,3 +100,19 @@ def test_wrong_usage_ends_with_2_and_says_how_to_use_it(arguments: tuple[str, ..
     assert answer.code == 2
     assert "Usage: hexcite" in answer.out + answer.err
     assert "Traceback" not in answer.err
+
+
+def test_a_terminal_with_few_letters_gets_escapes(tmp_path: Path):
+    """Not an internal error of a command that has succeeded."""
+    text = load_case("hexapod").title
+    file = tmp_path / "case.toml"
+    file.write_text(
+        built_in_cases()["hexapod"]
+        .read_text(encoding="utf-8")
+        .replace(text, "M\N{LATIN SMALL LETTER U WITH DIAERESIS}hle"),
+        "utf-8",
+    )
+    plain = os.environ | {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    run = subprocess.run([PROGRAM, "case", "check", file], capture_output=True, env=plain, timeout=120)
+    assert (run.returncode, run.stderr) == (0, b"")
+    assert b"M\\xfchle" in run.stdout
