@@ -33,7 +33,7 @@ _DAY, _HOUR, _MINUTE, _SECOND = 86_400 * 10**9, 3_600 * 10**9, 60 * 10**9, 10**9
 
 def is_stamp(text: str) -> bool:
     """Whether text is a date with a time of day, or a time of day."""
-    return stamps_of(pa.array([text])) is not None
+    return (":" in text or "T" in text) and stamps_of(pa.array([text])) is not None
 
 
 def stamps_of(texts: pa.Array | pa.ChunkedArray) -> Nanoseconds | None:

@@ -141,7 +141,7 @@ def _signs_changed(text: str, draw: random.Random) -> str:
 
 
 def _stained(text: str, draw: random.Random) -> str:
-    return stained(text, draw).decode("latin-1")
+    return stained(text.encode("latin-1", "replace").decode("latin-1"), draw).decode("latin-1")
 
 
 DAMAGES: tuple[Callable[[str, random.Random], str], ...] = (
