@@ -140,7 +140,7 @@ def look(
         raise typer.Exit(1)
 
 
-def _end_of_look(report: hx.Look, write: str | None, changes: Sequence[Change]) -> list[str]:
+def _end_of_look(report: "hx.Look", write: str | None, changes: Sequence[Change]) -> list[str]:
     """What to do next, or what was written."""
     if not report.reads:
         nothing = "nothing was written: " if write is not None else ""
