@@ -23,6 +23,9 @@ from postprocessors.proving.guarantees import Guarantees
 # of mm and degrees: over 10 ms blocks this rounding stays below 0.1 % of the jerk limits
 LENGTH_DECIMALS, ANGLE_DECIMALS = 5, 6
 FEED_DECIMALS, FEED_DIGITS = 6, 10
+# of mm and degrees: what a control can tell apart. A coordinate that moves by less is written as it stands, or a feed
+# would count a way that rounding made
+RESOLUTION = 1e-4
 COMMENT_WIDTH = 120
 PLANE_WORDS = {Plane.XY: "G17", Plane.ZX: "G18", Plane.YZ: "G19"}
 
@@ -87,6 +90,7 @@ class BlockWriter(ABC):
         self.limits: Box = case.need_motion("a program")[1]
         self.own_axes = not self.limits.of_pose
         self.counted: tuple[str, ...] = () if self.own_axes else ("X", "Y", "Z")
+        self.standing: list[str] = []  # the coordinates in which the block before ends, as written
 
     def comments(self, text: str) -> list[str]:
         """Comment lines behind a semicolon, without what may mean something there: quotes, `$PATH=`, backslashes."""
@@ -122,12 +126,15 @@ class BlockWriter(ABC):
         limits = self.limits
         return digits(block.feed * float((limits.rate / np.where(limits.turns, DEG, MM)).min()) * MINUTE)
 
-    def move_feed(self, move: StraightMove) -> tuple[bool, str]:
-        """Whether F counts X, Y, Z, and F, for the way as written: where these hardly move, rounding matters."""
+    def move_feed(self, move: StraightMove, words: Sequence[str]) -> tuple[bool, str]:
+        """Whether F counts X, Y, Z, and F, for the way as written: where these hardly move, rounding matters.
+
+        `words` are the coordinates of its end as written.
+        """
         turns = self.limits.turns
         start, end = (
-            np.array([float(word) for word in self.coordinates(pose)]) * np.where(turns, DEG, MM)
-            for pose in (move.start, move.end)
+            self._as_meant(np.array([float(word) for word in coordinates]))
+            for coordinates in (self.standing or self.coordinates(move.start), words)
         )
         written = replace(move, start=start, end=end) if np.any(start != end) else move
         way = (written.end - written.start)[~turns]
@@ -185,7 +192,24 @@ class BlockWriter(ABC):
 
     def pose(self, pose: Array) -> str:
         """Coordinates as words."""
-        return " ".join(word + value for word, value in zip(self.words, self.coordinates(pose), strict=True))
+        return self._joined(self.coordinates(pose))
+
+    def _joined(self, coordinates: Sequence[str]) -> str:
+        return " ".join(word + value for word, value in zip(self.words, coordinates, strict=True))
+
+    def _to(self, pose: Array) -> list[str]:
+        """Coordinates of the end of a move as written: as in the block before where they move by too little."""
+        ends = self.coordinates(pose)
+        if not self.standing:
+            return ends
+        return [
+            before if abs(float(before) - float(end)) < RESOLUTION else end
+            for before, end in zip(self.standing, ends, strict=True)
+        ]
+
+    def _as_meant(self, written: Array) -> Array:
+        """Coordinates [m, rad] of written ones in mm and degrees, shape (k,)."""
+        return written * np.where(self.limits.turns, DEG, MM)
 
     def group(self, *turning: bool) -> list[str]:
         """The command that makes F count axes that slide (False) or turn (True), where it does not yet."""
@@ -201,12 +225,15 @@ class BlockWriter(ABC):
             case str():
                 return self.comments(block)
             case ToHome():
+                self.standing = self.coordinates(block.pose)
                 group = self.group(False, True) if self.own_axes else self.group(False)
                 move = f"{self.straight} {self.pose(block.pose)} F{self.home_feed(block)}"
                 return self.to_home([*group, move])
             case StraightMove():
-                linear, value = self.move_feed(block)
-                return [*self.group(not linear), f"{self.straight} {self.pose(block.end)} F{value}"]
+                words = self._to(block.end)
+                linear, value = self.move_feed(block, words)
+                self.standing = words
+                return [*self.group(not linear), f"{self.straight} {self._joined(words)} F{value}"]
             case Standstill():
                 return [f"{self.dwell}{number(block.duration, 6)}"]
             case Trace():
@@ -218,6 +245,8 @@ class BlockWriter(ABC):
             case CircularMove():
                 arc = f"{self.arcs[0] if block.angle > 0.0 else self.arcs[1]} {self.arc_words(block)}"
                 value = feed(self._feed_of(block, True), True)
+                self.standing = self.coordinates(block.end)
                 return [*self.group(False), f"{PLANE_WORDS[block.plane]} {arc} F{value}", "G17"]
             case TimedPath():
+                self.standing = self.coordinates(block.poses[-1])
                 return self.path(block)

@@ -1,6 +1,6 @@
 """Writes programs for LinuxCNC: axes in mm and degrees, the pose of a platform or the joints of a chain.
 
-Point-to-point moves are G1 with exact stop (G61), arcs G2 and G3, timed paths and splines dense G1 in inverse time
+Point-to-point moves are G1 with exact stop (G61.1), arcs G2 and G3, timed paths and splines dense G1 in inverse time
 (G93). Of a chain there are moves only: paths would be cut where rotary axes turn round.
 """
 
@@ -38,7 +38,7 @@ class _LinuxCncWriter(BlockWriter):
         return [f"(- {line})" for line in comment_lines(text.translate(_PLAIN))]
 
     def to_home(self, move: list[str]) -> list[str]:
-        return super().to_home(["G61", *(f"G94 {line}" for line in move)])
+        return super().to_home(["G61.1", *(f"G94 {line}" for line in move)])
 
     def trigger(self, on: bool, moves_next: bool) -> str:
         """Block that switches on with the first cycle of a motion that follows at once (M62); else, and off, at once.
@@ -51,8 +51,9 @@ class _LinuxCncWriter(BlockWriter):
 
     def path(self, path: TimedPath) -> list[str]:
         """Dense blocks in inverse time."""
-        # Back to feed per minute; G61 makes whatever follows wait until the path has come to rest.
-        return self.dense(path, ["G64 P1 Q0", "G93"], ["G94", "G61"])
+        # Back to feed per minute; G61.1 makes whatever follows wait until the path has come to rest. G61 would stop at
+        # corners alone: moves in one direction would run into each other.
+        return self.dense(path, ["G64 P1 Q0", "G93"], ["G94", "G61.1"])
 
 
 def prepare_linuxcnc(program: Blocks, case: Case) -> Blocks:
@@ -90,5 +91,5 @@ def write_linuxcnc(program: Blocks, case: Case) -> bytes:
     of_pose = case.need_motion("a program")[1].of_pose
     writer = _LinuxCncWriter(case, of_pose and any(isinstance(block, TimedPath) for block in program))
     # G92.1 cancels offsets of an operator; G54 itself must be zero, which a program cannot check.
-    start = [*writer.comments(OFFSETS), "G17 G21 G40 G49 G54 G80 G90 G91.1 G94", "G92.1"]
+    start = [*writer.comments(OFFSETS), "G8 G17 G21 G40 G49 G54 G80 G90 G91.1 G94", "G92.1"]
     return writer.text(program, [], start, ["M2"])

@@ -41,6 +41,10 @@ class _TwinCatWriter(BlockWriter):
             pose = pose * [1, 1, 1, 1, self.settings.angle_sign_b, 1]
         return super().coordinates(pose)
 
+    def _as_meant(self, written: Array) -> Array:
+        meant = super()._as_meant(written)
+        return meant * [1, 1, 1, 1, self.settings.angle_sign_b, 1] if isinstance(self.settings, TwinCat) else meant
+
     def to_home(self, move: list[str]) -> list[str]:
         return super().to_home(move) if self.own_axes else ['#MSG ["TO HOME: KEEP THE WAY CLEAR"]', *move]
 

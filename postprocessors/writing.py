@@ -20,6 +20,7 @@ from postprocessors.reading import Reading, Stretch, Timed, Untimed
 
 # Twice the last decimal of the words: the program as read back must be the plan, up to rounding [m or rad].
 ROUNDING = max(1e-5 * MM, 1e-6 * DEG)
+STANDING = max(1e-4 * MM, 1e-4 * DEG)  # by which a move may end off the plan: a coordinate is not moved by less
 
 
 def proven_program(
@@ -104,7 +105,7 @@ def _require_same(program: Blocks, reading: Reading, tolerance: Array) -> None:
             same = (
                 isinstance(stretch, Untimed)
                 and (stretch.arc is not None) == isinstance(block, CircularMove)
-                and bool(np.all(np.abs(stretch.end - block.end) <= ROUNDING))
+                and bool(np.all(np.abs(stretch.end - block.end) <= ROUNDING + STANDING))
             )
         if not same:
             raise ProgramError(reading.file, stretch.line, 0, "the motion reads back differently; report this")
@@ -114,10 +115,10 @@ def _same_path(path: TimedPath, stretch: Timed, tolerance: Array) -> bool:
     times = stretch.points.times
     if isinstance(stretch.points, PolynomialMotion):
         off = np.abs(path.poses - stretch.points.at(np.minimum(path.times, times[-1])).pose)
-        return bool(np.isclose(path.times[-1], times[-1], rtol=1e-7) and np.all(off <= ROUNDING + tolerance))
+        return bool(np.isclose(path.times[-1], times[-1], rtol=1e-7) and np.all(off <= ROUNDING + STANDING + tolerance))
     if len(path.times) != len(times) or not np.allclose(path.times, times, rtol=1e-7, atol=1e-9):
         return False  # F has 6 decimals: 1e-10 of 10 ms a block
-    return bool(np.all(np.abs(path.poses - stretch.points.at(times).pose) <= ROUNDING))
+    return bool(np.all(np.abs(path.poses - stretch.points.at(times).pose) <= ROUNDING + STANDING))
 
 
 SAME = 1e-8  # [m, rad] distance of equal poses, below the last decimal of any program

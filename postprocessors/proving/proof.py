@@ -161,11 +161,6 @@ def remarks(reading: Reading, case: Case) -> Iterator[str]:
     end = last.end if isinstance(last, Untimed) else last.points.at([last.points.duration]).pose[0]
     if distance := _away(end, home, limits):
         yield f"the program does not end at home, {distance}"
-    if reading.unsaid:
-        yield (
-            f"{', '.join(reading.unsaid)} missing before the first move: offsets that another program left would shift "
-            "every pose"
-        )
     if reading.stops:
         lines = f"line{'s' if len(reading.stops) > 1 else ''} {', '.join(map(str, reading.stops))}"
         yield f"{lines}: the machine waits for its operator, who must not move it; the recording goes on meanwhile"

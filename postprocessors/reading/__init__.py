@@ -99,8 +99,6 @@ class Reading:
     start: Array | None = None  # where the machine must stand, of programs that do not bring it there, shape (6,)
     start_time: float = 0.0  # time in which the controller takes it there from where it stands; 0 where it does not [s]
     left_on: int = 0  # line that switches the trigger on for good; 0 where it is off in the end
-    # words that are missing before its first move: without them offsets of another program shift its poses
-    unsaid: tuple[str, ...] = ()
     stops: tuple[int, ...] = ()  # lines at which the machine waits for its operator
 
     @property
@@ -220,7 +218,7 @@ class Grouping:
             problem = "the trigger waits for a next motion that never comes; "
             raise self.error(self.waiting[0], f"{problem}write {self.switch_at_rest}")
         left_on = self.switched if self.trigger else 0
-        return Reading(self.file, tuple(self.stretches), blocks, self.start, left_on)
+        return Reading(self.file, tuple(self.stretches), blocks, self.start, left_on=left_on)
 
     def _settle_trigger(self) -> None:
         if self.waiting is not None:

@@ -8,23 +8,26 @@ of a chain moves between exact stops only: G64 guards corners of X, Y, Z and cut
 
 import re
 from collections.abc import Iterable
-from dataclasses import replace
 
 import numpy as np
 
 from cases.errors import ProgramError
 from cases.schema import Case
+from cases.units import Array
 from postprocessors.reading import NUMBER, Reading, axis_letters, program_lines
-from postprocessors.reading.modal import ModalState, Word
+from postprocessors.reading.modal import ROUND, ModalState, Word
 
 LONGEST_LINE = 252  # measured with rs274: 253 characters are "Command too long"
 LOOSEST = 1.0  # [mm] largest tolerance of G64: on 10 ms blocks corners are cut by far less
 
 _READS = (
-    "LinuxCNC programs consist of G0 and G1 under G61 (of a platform also arcs, and G93 under G64 P1 Q0), G4 P, M62 to "
-    "M65 P0, modal words as hexcite post writes them, M0, and M2 or M30"
+    "LinuxCNC programs consist of G0 and G1 under G61.1 (of a platform also arcs, and G93 under G64 P1 Q0), G4 P, M62 "
+    "to M65 P0, modal words as hexcite post writes them, M0, and M2 or M30"
 )
-_OFFSETS_OFF = ("G49", "G54", "G92.1")  # neither the interpreter's start nor M2 switches all of them off
+# What a program relies on, and what an operator's commands may have left otherwise. They stand in blocks before the
+# first move: in its own block LinuxCNC takes F before the unit.
+_SETTINGS = ("G21", "G90", "G94", "G40", "G49", "G54", "G92.1")
+_NEARLY_STRAIGHT = np.cos(np.radians(30.0))  # of the angle below which G61 may not stop; LinuxCNC's own is 15 degrees
 _SWITCHES = {"M62": (True, False), "M63": (False, False), "M64": (True, True), "M65": (False, True)}  # on, at once
 _EXECUTED = re.compile(  # comments that begin with a name and a comma, whatever the name, and those without a comma
     r"\s*(?:(?!msg\s*,)[a-z_]\w*\s*,|log(?:open|append|close)|probe(?:open|close)|py(?:run|reload))", re.IGNORECASE
@@ -36,22 +39,22 @@ class _LinuxCncInterpreter(ModalState):
     """Meaning of the words."""
 
     name, last, reads, fractions = "LinuxCNC", ("M2", "M30"), _READS, True
-    stops, exact_stop, switch_at_rest = ("M0", "M1", "M60"), "G61", "M64 P0 or M65 P0"
+    stops, exact_stop, switch_at_rest = ("M0", "M1", "M60"), "G61.1", "M64 P0 or M65 P0"
     number = re.compile(r"\s*N\s*\d+(?:\.\d+)?", re.IGNORECASE)
     word = re.compile(rf"(?P<comment>\([^()]*\)|;.*)|(?P<letter>[A-Za-z])\s*(?P<number>{NUMBER})")
     # those of groups of one change nothing that a program here relies on: no compensation, no offset; relative centres
     groups = (
-        *("G0 G1 G2 G3 G80", "G17 G18 G19", "G93 G94", "G61 G64", "M62 M63 M64 M65", "M0 M1 M2 M30 M60"),
-        *("G21", "G90", "G91.1", "G40", "G49", "G54", "G92.1"),
+        *("G0 G1 G2 G3 G80", "G17 G18 G19", "G93 G94", "G61 G61.1 G64", "M62 M63 M64 M65", "M0 M1 M2 M30 M60"),
+        *("G8", "G21", "G90", "G91.1", "G40", "G49", "G54", "G92.1"),
     )
 
     def __init__(self, file: str, case: Case) -> None:
         axes = axis_letters(case, "LinuxCNC", file)
         super().__init__(file, axes, not case.need_motion("a program")[1].of_pose)
-        self.needed = {name: (name,) for name in ("G21", "G90")}
-        self.activate("G94")  # the interpreter's start
+        self.needed = {name: (name,) for name in _SETTINGS}
+        self.activate("G94")
+        self.way: Array | None = None  # direction of the last move, where the machine need not stand at its end
         self.loose: ProgramError | None = None
-        self.moved = False
 
     @classmethod
     def comment_problem(cls, text: str, match: re.Match[str]) -> str:
@@ -82,8 +85,8 @@ class _LinuxCncInterpreter(ModalState):
     def read(self, block: dict[str, Word]) -> None:
         for word in block.values():
             self._word(word, block)
-        if not self.moved:
-            self.said |= set(block)
+        if (arc := block.get("G2") or block.get("G3")) and "P" in block:
+            self.fail(block["P"], f"P counts turns beside {arc.name}; remove it, or move its own command away")
         for letter, owners in (("P", {"G4", "G64", *_SWITCHES}), ("Q", {"G64"})):
             if letter in block and owners.isdisjoint(block):
                 self.refuse(block[letter])
@@ -95,6 +98,7 @@ class _LinuxCncInterpreter(ModalState):
             self.fail(code, f"{code.name} without a motion in its block; remove it")
         elif self.active("G93"):
             self.feed = None
+        self.said |= set(block)
 
     def _word(self, word: Word, block: dict[str, Word]) -> None:
         code = word.name
@@ -102,6 +106,7 @@ class _LinuxCncInterpreter(ModalState):
             return
         if code == "G4":
             self.pause(word, block.get("P"), "G4 P0.3")
+            self.way = None
         elif code in _SWITCHES:
             if "P" not in block or block["P"].value != 0.0:
                 self.fail(word, f"{code} needs P0, the output that the trigger is wired to")
@@ -123,21 +128,54 @@ class _LinuxCncInterpreter(ModalState):
         remedy = f"G64 lets the controller leave the path; write G64 P{LOOSEST:g} Q0"
         return ProgramError(self.file, self.line, word.column, remedy)
 
+    def execute(self, block: dict[str, Word]) -> None:
+        super().execute(block)
+        if any(name in self.stops for name in block):
+            self.way = None
+
+    def require_said(self, word: Word) -> None:
+        """Refuses a move before all that it needs was said in blocks before it."""
+        if missing := [text for text in self.needed if text not in self.said]:
+            problem = f"a move before a block with {' '.join(missing)}; an operator may have left something else"
+            self.fail(word, f"{problem}: write it first")
+
     def _move(self, block: dict[str, Word], first: Word) -> None:
         self.require_said(first)
-        self.moved = True
-        exact = self.active("G61")
+        exact, before = self.active("G61", "G61.1"), self.pose
         if self.active("G2", "G3"):
+            if "G91.1" not in self.said:
+                self.fail(first, "an arc before a block with G91.1; I, J, K may be absolute: write it first")
+            self._require_stop(first, None)
+            end = self._end_of(block, first)
+            if 0.0 < np.abs(end - before)[self.linear].max() < ROUND:
+                self.fail(first, "the arc ends next to where it begins; leave X, Y, Z out for a full circle")
             self.arc(block, first, exact)
+            self.way = np.full(len(self.pose), np.nan)
             return
         end, duration, feed = self.target(block, first)
         if duration is not None and self.loose is not None and not np.isnan(self.pose).any():
             raise self.loose
+        if duration is None:
+            self._require_stop(first, end - before)
         self.straight(end, duration, feed, exact)
+        self.way = None if duration is not None or np.isnan(before).any() else end - before
+
+    def _require_stop(self, first: Word, way: Array | None) -> None:
+        """Refuses a move that G61 does not separate from the one before: it stops at corners alone.
+
+        Measured: collinear moves run into each other, and so does what turns by less than some degrees.
+        """
+        if self.way is None or not self.active("G61"):
+            return
+        if way is not None and not np.isnan(self.way).any():
+            own = self.linear if np.any(self.way[self.linear]) and np.any(way[self.linear]) else ~self.linear
+            one, other = self.way[own], way[own]
+            lengths = float(np.linalg.norm(one) * np.linalg.norm(other))
+            if lengths > 0.0 and float(one @ other) < _NEARLY_STRAIGHT * lengths:
+                return
+        self.fail(first, "under G61 the move before may run into this one; write G61.1, or G4 P0.1 between them")
 
 
 def read_linuxcnc(content: bytes, file: str, case: Case) -> Reading:
     """Reads a program, see `Dialect.read`, byte by byte: only a line feed ends a line, as for the controller."""
-    interpreter = _LinuxCncInterpreter(file, case)
-    reading = interpreter.read_program(program_lines(content, file, LONGEST_LINE))
-    return replace(reading, unsaid=tuple(word for word in _OFFSETS_OFF if word not in interpreter.said))
+    return _LinuxCncInterpreter(file, case).read_program(program_lines(content, file, LONGEST_LINE))

@@ -101,7 +101,7 @@ TWINCAT = Typed(
     "#SPLINE OFF\nG94",
     "A",
 )
-LINUXCNC = Typed("linuxcnc", HEAD, "M2\n", "G64 P1 Q0\nG93", "G94\nG61", "A")
+LINUXCNC = Typed("linuxcnc", HEAD, "M2\n", "G64 P1 Q0\nG93", "G94\nG61.1", "A")
 BOTH = [SINUMERIK, TWINCAT]
 
 

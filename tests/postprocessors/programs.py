@@ -20,7 +20,7 @@ from postprocessors.reading import Reading, Stretch, linuxcnc
 Array = NDArray[np.float64]
 
 HOME = np.array([0.0, 0.0, 0.9, 0.0, 0.0, 0.0])
-HEAD = "G21 G90 G94\nG61\nG1 X0 Y0 Z900 A0 B0 C0 F3000\n"  # three lines: whatever follows begins in line 4
+HEAD = "G17 G21 G40 G49 G54 G80 G90 G91.1 G94\nG92.1 G61.1\nG1 X0 Y0 Z900 A0 B0 C0 F3000\n"  # three lines
 FIRST = 4
 RANGE = np.array([0.25, 0.25, 0.1, 0.35, 0.35, 0.35])
 
@@ -38,7 +38,7 @@ def there_and_back(count: int = 20, size: float = 2.0, seconds: float = 0.05, le
 
 def timed(lines: list[str]) -> str:
     """The lines as a timed path, blended as the writer does it."""
-    return "\n".join(["G64 P1 Q0", "G93", *lines, "G94", "G61"])
+    return "\n".join(["G64 P1 Q0", "G93", *lines, "G94", "G61.1"])
 
 
 def read_linuxcnc(text: str, file: str) -> Reading:

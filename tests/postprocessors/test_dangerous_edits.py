@@ -26,8 +26,8 @@ OF_A_DIALECT = {
     "linuxcnc": {
         "inches": (r"\bG21\b", "G20"),
         "no unit": (r"\bG21\b", ""),
-        "corners cut": (r"^G61$", "G64"),
-        "no stop between moves": (r"^G61\n", ""),
+        "corners cut": (r"^G61\.1$", "G64"),
+        "no stop between moves": (r"^G61\.1\n", ""),
         "shifted coordinates": (r"^G92\.1$", "G92 X10"),
         "another coordinate system": (r"\bG54\b", "G55", 1),
         "seconds of a dwell as coordinate": (r"G4 P0\.2", "G4 X0.2"),
@@ -130,8 +130,6 @@ TOLD = {
     "the first move does not go home, where X is 0 mm, but to 5 mm": dict.fromkeys(
         NAMES, (r"X0 Y0 Z900(.*)F3000", r"X5 Y0 Z900\1F3000")
     ),
-    "G49 missing before the first move": {"linuxcnc": ("G49 ", "")},
-    "G92.1 missing before the first move": {"linuxcnc": (r"^G92\.1\n", "")},
 }
 
 

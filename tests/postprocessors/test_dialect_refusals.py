@@ -49,7 +49,7 @@ SINUMERIK_WRONG: dict[str, tuple[int, str]] = {
     "DO $R1=$AC_TIME\nG1 X1 F10": (1, r"DO\(\$R1=\$AC_TIME\) is not read here"),
     "WHEN $A_IN[1]==1 DO $A_OUT[1]=1\nG1 X1 F10": (6, "cannot read"),
     "DO $A_OUT[1]": (1, r"DO\(\$A_OUT\[1\]\) is not read here"),
-    "DO $A_OUT[1]=1": (0, r"waits for a next motion that never comes; .*a dwell after it \(SINUMERIK\)"),
+    "DO $A_OUT[1]=1": (0, r"waits for a next motion that never comes; write a dwell after it"),
     "G4 F-1": (1, "G4 needs a duration"),
     "G4 F2000000": (1, "a duration of 0 to 1e"),
     "G4 F1 X1": (7, "block of its own"),

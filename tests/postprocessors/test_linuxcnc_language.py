@@ -12,6 +12,7 @@ from tests.postprocessors.reported import Move, Pause, Switch, reports
 SKELETON = """(hexapod skeleton)
 ; semicolon comment
 G17 G21 G40 G49 G54 G80 G90 G91.1 G94
+G92.1
 G64 P0.02 Q0
 G0 X0 Y0 Z0 A0 B0 C0
 G4 P0.25

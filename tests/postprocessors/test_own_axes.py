@@ -23,7 +23,7 @@ LANGUAGE = LINUXCNC
 TEXT = proven_program(
     walk(CASE, jerk=False), CASE, LINUXCNC, "walk.ngc", ("a walk",), accepted=("jerk",)
 ).content.decode()
-HEAD = "G17 G21 G40 G49 G54 G80 G90 G91.1 G94\nG92.1\nG61\nG1 X0 Y0 Z0 A0 C0 F500\n"
+HEAD = "G17 G21 G40 G49 G54 G80 G90 G91.1 G94\nG92.1\nG61.1\nG1 X0 Y0 Z0 A0 C0 F500\n"
 
 
 def judged(text: str):
@@ -86,8 +86,8 @@ def test_who_answers_for_what() -> None:
 
 
 REFUSED = {
-    "a blend": ("G61", "G64 P0.01", "G64 is not read here"),
-    "a time": ("G61", "G61\nG93", "G93 is not read here"),
+    "a blend": ("G61.1", "G64 P0.01", "G64 is not read here"),
+    "a time": ("G61.1", "G61.1\nG93", "G93 is not read here"),
     "an arc": ("G1 X", "G2 I5 X", "G2 is not read here"),
     "an axis that is not there": ("A-", "B-", "is not read here"),
     "an axis left open": (" C0 F", " F", "leaves C open; name all 5 coordinates"),

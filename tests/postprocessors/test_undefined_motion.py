@@ -7,7 +7,7 @@ from cases.schema import Case
 from tests.helpers import one_line
 from tests.postprocessors.programs import parts, proof, there_and_back, timed, typed
 
-FREE = "G21 G90 G94\n"
+FREE = "G21 G90 G94 G40 G49 G54 G92.1\n"
 
 
 @pytest.mark.parametrize(
@@ -19,7 +19,7 @@ FREE = "G21 G90 G94\n"
         ),
         (
             typed("G64\nG1 X5 F100\nG1 X6"),
-            "line 5: a move at a feed without exact stop is blended into the next, its path is not known; write G61",
+            r"line 5: a move at a feed without exact stop is blended .*, its path is not known; write G61\.1",
         ),
         (typed("G1 X0 Y0 Z900 A0 B0 C0 F100", head=FREE), "line 2: a move at a feed without exact stop is blended"),
         (typed("G64\nG0 X5"), "line 5: a move at a feed without exact stop is blended"),

@@ -11,9 +11,9 @@ from postprocessors.execute import ControllerLog
 from postprocessors.execute.linuxcnc.session import run_linuxcnc
 from postprocessors.reading import Reading
 
-PROGRAM = """G17 G21 G40 G49 G54 G80 G90 G94
+PROGRAM = """G17 G21 G40 G49 G54 G80 G90 G94 G92.1
 (G4 P99 in a comment is not a dwell)
-G61
+G61.1
 G0 X10 Y5 Z905 A2 B-3 C4
 G4 P0.25
 (M62 and M63 act with the next motion)

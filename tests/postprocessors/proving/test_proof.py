@@ -8,7 +8,7 @@ from cases.schema import Case
 from postprocessors.proving.proof import ProgramProof
 from tests.helpers import one_line, tells
 from tests.postprocessors.changed_case import changed
-from tests.postprocessors.programs import proof, small_excitation, there_and_back, timed, typed
+from tests.postprocessors.programs import HEAD, proof, small_excitation, there_and_back, timed, typed
 
 PATH = timed(there_and_back())
 
@@ -170,7 +170,7 @@ def test_the_untimed_way_home_does_not_hide_what_a_timed_path_reaches(hexapod_ca
 
 
 def test_the_feed_home_is_held_to_the_velocity_limits_whatever_its_direction(hexapod_case: Case):
-    fast = typed("", head="G21 G90 G94\nG61\nG1 X0 Y0 Z900 A0 B0 C0 F37000\n")
+    fast = typed("", head=HEAD.replace("F3000", "F37000"))
     (violation,) = proof(fast, hexapod_case).violations
     assert (violation.line, violation.name) == (3, "feed to home")
 
