@@ -115,10 +115,10 @@ def _same_path(path: TimedPath, stretch: Timed, tolerance: Array) -> bool:
     times = stretch.points.times
     if isinstance(stretch.points, PolynomialMotion):
         off = np.abs(path.poses - stretch.points.at(np.minimum(path.times, times[-1])).pose)
-        return bool(np.isclose(path.times[-1], times[-1], rtol=1e-7) and np.all(off <= ROUNDING + STANDING + tolerance))
+        return bool(np.isclose(path.times[-1], times[-1], rtol=1e-7) and np.all(off <= ROUNDING + tolerance))
     if len(path.times) != len(times) or not np.allclose(path.times, times, rtol=1e-7, atol=1e-9):
         return False  # F has 6 decimals: 1e-10 of 10 ms a block
-    return bool(np.all(np.abs(path.poses - stretch.points.at(times).pose) <= ROUNDING + STANDING))
+    return bool(np.all(np.abs(path.poses - stretch.points.at(times).pose) <= ROUNDING))
 
 
 SAME = 1e-8  # [m, rad] distance of equal poses, below the last decimal of any program
