@@ -103,7 +103,7 @@ def look(
     ] = False,
     json: console.Json = False,
 ) -> None:
-    """Propose how a file of unknown format is read, try that, and draw the file.
+    """Propose how a file of unknown format is read, and try that.
 
     Compare the proposal with what you know, and paste it into the case file, or let --write do that. Exit code 1: the
     file is not read with the proposal.
@@ -158,7 +158,7 @@ def _shown(value: Any) -> str:
     return "not stated" if value is None else toml_value(value)
 
 
-def _draw(report: hx.Look, file: Path, overwrite: bool) -> list[Path]:
+def _draw(report: "hx.Look", file: Path, overwrite: bool) -> list[Path]:
     """Writes the pictures of a look, a file a page, of PDF all pages in one; returns their paths."""
     if not any(len(column.values) for column in report.columns):
         return []
