@@ -78,6 +78,7 @@ def _checked(function: FunctionType, package: str) -> Callable[..., Any]:
     def call(*args: Any, **kwargs: Any) -> Any:
         from cases.errors import HexciteError
 
+        args, kwargs = tuple(map(_plain, args)), {name: _plain(value) for name, value in kwargs.items()}
         place = function.__qualname__.removesuffix(".__init__")
         for name in kwargs:
             if name not in annotations:
@@ -92,6 +93,12 @@ def _checked(function: FunctionType, package: str) -> Callable[..., Any]:
 
     call.__module__ = package  # where it is found again by other processes
     return call
+
+
+def _plain(value: Any) -> Any:
+    """A number of NumPy as Python's own, which goes into files; anything else as it is."""
+    own = isinstance(value, bool | int | float) or not isinstance(value, Integral | Real)
+    return value if own else int(value) if isinstance(value, Integral) else float(value)
 
 
 def checks_arguments(settings: type[Settings]) -> type[Settings]:

@@ -148,22 +148,44 @@ def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = (), over
             raise FileProblem(path, f"holds {source}, which is read", "choose another place with -o")
     if os.path.islink(path):
         raise FileProblem(path, "exists and is not a folder but a link", "name the folder itself with -o")
-    entries = set[str]()
-    try:  # one look: another command may be writing here
-        entries = {entry.name for entry in path.iterdir()}
-    except (NotADirectoryError, FileNotFoundError) as error:
-        # where a file stands above it, this is reported below
-        if isinstance(error, NotADirectoryError) and os.path.lexists(path):
-            raise FileProblem(path, "exists and is not a folder", "choose another place with -o") from error
-    except OSError as error:
-        raise FileProblem(path, f"cannot be read ({_reason(error)})", "choose another place with -o") from error
-    if entries and (other := _foreign(path, entries, kind)):
+    entries, other = _looked_at(path, kind)
+    if other:
         raise FileProblem(path, f"is not {kind.name} of hexcite's ({other})", "choose another place with -o")
     if entries and not overwrite:
         _refuse_to_replace(path, kind.name)
     if entries and not os.access(path, os.W_OK):
         raise FileProblem(path, "cannot be replaced (Permission denied)", "choose another place with -o")
     _require_place(path)
+
+
+_LOOKS = 100  # at a folder that other commands are replacing
+
+
+def _looked_at(path: Path, kind: FolderKind) -> tuple[set[str], str]:
+    """Names in a folder, and what is not ours in it, both of one folder: another command may be replacing it."""
+    for _ in range(_LOOKS):
+        before = _identity(path)
+        try:
+            entries = {entry.name for entry in path.iterdir()}
+        except (NotADirectoryError, FileNotFoundError) as error:
+            # where a file stands above it, this is reported later
+            if isinstance(error, NotADirectoryError) and os.path.lexists(path):
+                raise FileProblem(path, "exists and is not a folder", "choose another place with -o") from error
+            return set(), ""
+        except OSError as error:
+            raise FileProblem(path, f"cannot be read ({_reason(error)})", "choose another place with -o") from error
+        other = _foreign(path, entries, kind) if entries else ""
+        if _identity(path) == before:
+            break
+    return entries, other
+
+
+def _identity(path: Path) -> int | None:
+    """Number of a folder on its disk; None where there is none."""
+    try:
+        return path.stat().st_ino
+    except (OSError, ValueError):
+        return None
 
 
 def _foreign(path: Path, entries: set[str], kind: FolderKind) -> str:

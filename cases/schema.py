@@ -107,6 +107,7 @@ class Case(Heading):
     @classmethod
     def load(cls, name: str) -> "Case":
         """Loads and validates a case; see `load_case`."""
+        name = str(name)  # a path does as well
         return read_tables(cls, find_case(name)).found_at(lasting_name(name))
 
     def save(self, path: Path | str, overwrite: bool = False) -> Path:
@@ -452,5 +453,5 @@ def load_case(name: str) -> Case:
     """
     case = Case.load(name)
     for doubt in case.doubts:
-        LOG.warning("%s: look at %s", printable(name), doubt)
+        LOG.warning("%s: look at %s", printable(str(name)), doubt)
     return case

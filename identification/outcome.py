@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
@@ -47,6 +48,10 @@ class Result:
 
     def __hash__(self) -> int:
         return hash((self.record.case_hash, self.record.values))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """What goes to another process: all that `save` keeps, without the residuals."""
+        return type(self), (self.case, self.record, None, self.file, self.remarks)
 
     def __getitem__(self, name: str) -> Value:
         """A physical parameter [SI]: `result["m"].value`, `.std` by (28), `.std_robust`, `.unit`."""

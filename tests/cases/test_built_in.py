@@ -182,3 +182,10 @@ def test_saving_and_loading_a_case_are_inverse(
         return  # a name of a column that the case refuses
     file = case.save(tmp_path_factory.mktemp("case") / "case.toml")
     assert Case.load(str(file)) == case
+
+
+def test_a_path_names_a_case_as_a_text_does(tmp_path: Path) -> None:
+    (tmp_path / "case.toml").write_bytes(built_in_cases()["hexapod"].read_bytes())
+    assert load_case(tmp_path) == load_case(str(tmp_path)) == load_case("hexapod")
+    with pytest.raises(CaseError, match="no such case"):
+        load_case(tmp_path / "nowhere")

@@ -1,6 +1,7 @@
 """A result that is saved and loaded is the same, and nobody can change it."""
 
 import json
+import pickle
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -125,3 +126,11 @@ def test_an_entry_that_was_changed_by_hand_is_refused(key: str, value: object, t
     del data["content"]
     file.write_text(json.dumps(data), encoding="utf-8")
     assert Result.load(tmp_path / "saved").record == made.record
+
+
+def test_a_result_goes_to_another_process(tmp_path: Path) -> None:
+    made = calibration(tmp_path, "hexapod", 9)
+    again = pickle.loads(pickle.dumps(made))
+    assert again == made
+    assert again["m"] == made["m"]
+    assert again.case == made.case
