@@ -78,6 +78,7 @@ def bag_tables(bag: Path, form: FileFormat) -> Iterator[ColumnTable]:
 def opened(bag: Path) -> "Iterator[AnyReader]":
     """The bag, whose damages become one line each."""
     try:
+        import apsw  # by which rosbags reads SQLite
         from rosbags import rosbag1, rosbag2
         from rosbags.highlevel import AnyReader, AnyReaderError
         from rosbags.serde import SerdeError
@@ -87,7 +88,7 @@ def opened(bag: Path) -> "Iterator[AnyReader]":
     import sqlite3
 
     damaged = (AnyReaderError, OSError, EOFError, ValueError, LookupError, AttributeError, TypeError, AssertionError)
-    inside = (rosbag1.ReaderError, rosbag2.ReaderError, SerdeError, TypesysError)
+    inside = (rosbag1.ReaderError, rosbag2.ReaderError, SerdeError, TypesysError, apsw.Error)
     try:
         with AnyReader([bag], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
             yield reader

@@ -6,6 +6,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import apsw
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -255,15 +256,18 @@ def test_a_bag_of_ros_1_is_read(bag: Path, tmp_path: Path) -> None:
     np.testing.assert_allclose(read(file, ROBOT).forces, read(bag, ROBOT).forces)
 
 
-def test_a_bag_that_is_damaged_inside_is_named_in_a_line(bag: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("error", [ReaderError("Chunk checksum mismatch."), apsw.CorruptError("malformed")])
+def test_a_bag_that_is_damaged_inside_is_named_in_a_line(
+    error: Exception, bag: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Chunks have checksums, which rosbags checks where they are read, not where the bag is opened."""
 
     def damaged(*_: Any, **__: Any) -> Any:
-        raise ReaderError("Chunk checksum mismatch.")
+        raise error
 
     monkeypatch.setattr("rosbags.highlevel.AnyReader.messages", damaged)
     for call_it in (lambda: read(bag, ROBOT), lambda: look(bag, ROBOT)):
-        with pytest.raises(RecordingError, match=r"damaged bag \(Chunk checksum mismatch") as caught:
+        with pytest.raises(RecordingError, match=rf"damaged bag \({error}") as caught:
             call_it()
         assert one_line(caught.value).startswith(str(bag))
 
