@@ -38,10 +38,11 @@ class StatedUnit:
     text: str  # as the file writes it
     symbol: str | None  # as hexcite writes it; None: it is not a unit of this quantity
     counts: float = 1.0  # numbers in the file for one unit
+    several: bool = False  # whether the header states several that differ
 
 
 _LINES = re.compile(r"(force|torque|moment|length|position|angle)s?\s+units?\s*[:=]\s*([^,;\t\n\"]+)", re.I)
-_COUNTS = re.compile(r"counts\s+per\s+(?:unit\s+)?(force|torque|moment)\s*[:=]\s*([\d.]+(?:e\+?\d+)?)", re.I)
+_COUNTS = re.compile(r"counts\s+per\s+(?:unit\s+)?(force|torque|moment)\s*[:=]\s*(\d+(?:\.\d*)?(?:e\+?\d{1,2})?)", re.I)
 _QUANTITIES = {"torque": "moment", "position": "length"}
 
 
@@ -60,7 +61,7 @@ def stated_unit(label: str, cell: str, units: Units, header: Sequence[str] = ())
     lines = [text.strip() for word, text in _LINES.findall(whole) if _quantity(word) == units.quantity]
     if lines and (own is None or (counts and is_count(own.text))):
         own = StatedUnit(lines[0], units.symbol(lines[0]))
-    return own if own is None or not counts else replace(own, counts=counts[0])
+    return own if own is None or not counts or counts[0] == 0.0 else replace(own, counts=counts[0])
 
 
 def _quantity(word: str) -> str:
@@ -76,7 +77,7 @@ def _of_column(label: str, cell: str, units: Units) -> StatedUnit | None:
     name = _of_label(label, units)
     if name is None or name.symbol in (None, row.symbol):
         return row
-    return StatedUnit(f"{name.text} and {row.text}", None)
+    return StatedUnit(f"{name.text} and {row.text}", None, several=True)
 
 
 def _of_label(label: str, units: Units) -> StatedUnit | None:

@@ -29,7 +29,7 @@ def with_units(table: ColumnTable) -> ColumnTable:
     factors: dict[str, float] = {}
     by_label: dict[Role, list[tuple[str, StatedUnit]]] = {}
     contradicted: dict[Role, list[tuple[str, StatedUnit]]] = {}
-    unknown: dict[str, str] = {}
+    unknown: dict[str, StatedUnit] = {}
     for ours, values in table.values.items():
         role = ROLE_OF.get(ours)
         factors[ours] = form.factor(ours)
@@ -37,17 +37,19 @@ def with_units(table: ColumnTable) -> ColumnTable:
             continue
         units, label = ROLE_UNITS[role], form.file_name(ours)
         stated = _stated(table, ours)
-        if stated is not None:
-            factors[ours] /= stated.counts
         if role in form.units:
-            other = stated is not None and is_unit(stated.text) and stated.symbol != units.symbol(form.units[role])
-            if other and stated is not None:
+            if stated is None:
+                continue
+            if stated.counts != 1.0 and label not in COLUMNS:
+                factors[ours] /= stated.counts
+                by_label.setdefault(role, []).append((label, stated))
+            elif (stated.several or is_unit(stated.text)) and stated.symbol != units.symbol(form.units[role]):
                 contradicted.setdefault(role, []).append((label, stated))
         elif stated is None:
             if label not in COLUMNS and (word := counted(label, _whole(values))):
-                unknown[ours] = word
-        elif stated.symbol is None:
-            unknown[ours] = stated.text
+                unknown[ours] = StatedUnit(word, None)
+        elif stated.symbol is None or stated.several:
+            unknown[ours] = stated
         else:
             factors[ours] = units[stated.symbol] / stated.counts
             if stated.symbol != units.usual or stated.counts != 1.0:
@@ -76,25 +78,33 @@ def with_units(table: ColumnTable) -> ColumnTable:
 
 
 def _stated(table: ColumnTable, ours: str) -> StatedUnit | None:
-    """The unit that the file states for a column; the unit in our own names is what the case may state otherwise."""
+    """The unit that the file states for a column; beside a name of ours, which says one too, several if it differs."""
     label = table.form.file_name(ours)
     units = TICKS if ours == CLOCK else ROLE_UNITS[ROLE_OF[ours]]
-    return stated_unit("" if label in COLUMNS else label, table.unit_cells.get(ours, ""), units, table.header)
+    if label not in COLUMNS:
+        return stated_unit(label, table.unit_cells.get(ours, ""), units, table.header)
+    stated = stated_unit("", table.unit_cells.get(ours, ""), units, table.header)
+    if stated is None or stated.symbol is None or (stated.symbol == units.usual and stated.counts == 1.0):
+        return stated
+    other = stated.text if stated.counts == 1.0 else f"{stated.text}/{stated.counts:.6g}"
+    return replace(stated, text=f"{units.usual} and {other}", several=True)
 
 
-def _refusal(table: ColumnTable, unknown: Mapping[str, str]) -> RecordingError:
+def _refusal(table: ColumnTable, unknown: Mapping[str, StatedUnit]) -> RecordingError:
     """The error for columns whose unit is not known, our name -> what the file says."""
-    ours, text = next(iter(unknown.items()))
+    ours, stated = next(iter(unknown.items()))
     role, label = ROLE_OF[ours], table.form.file_name(ours)
     units = ROLE_UNITS[role]
     others = f" (likewise {len(unknown) - 1} more)" if len(unknown) > 1 else ""
     scale = f"recording.scale = {{ {ours} = .. }}, what a 1 of each channel is in {units.usual}"
-    if is_count(text):
-        problem = f"holds counts ({shown(text)}), which have a unit by a factor only{others}"
+    remedy = f"state recording.units.{role}, one of {', '.join(units)}; or {scale}"
+    if is_count(stated.text):
+        problem = f"holds counts ({shown(stated.text)}), which have a unit by a factor only{others}"
         remedy = f"state {scale}; where they are {role} already, recording.units.{role} = '{units.usual}'"
+    elif stated.several:
+        problem = f"has units that differ, {shown(stated.text)}{others}"
     else:
-        problem = f"{shown(text)!r} is not a known unit of {role}{others}"
-        remedy = f"state recording.units.{role}, one of {', '.join(units)}; or {scale}"
+        problem = f"{shown(stated.text)!r} is not a known unit of {role}{others}"
     return RecordingError(f"{table.source}, {shown(label)}", problem, remedy)
 
 
@@ -116,10 +126,11 @@ def _tick(table: ColumnTable) -> tuple[float, list[Finding]]:
             f"{shown(label)} says {stated.text}, recording.clock.unit of the case says {form.clock.unit}, which is used"
         )
         return table.tick, [warning(Kind.FORMAT, f"{sentence}; correct one of them", table.source)]
-    if stated.symbol is None:
+    if stated.symbol is None or stated.several:
+        known = "is not a unit of time that is known" if not stated.several else "are units that differ"
         raise RecordingError(
             f"{table.source}, {shown(label)}",
-            f"{shown(stated.text)!r} is not a unit of time that is known",
+            f"{shown(stated.text)!r} {known}",
             f"state recording.clock.unit: {', '.join(TICKS)}; of counts recording.scale = {{ t_s = 0.001 }} [s]",
         )
     if stated.symbol == TICKS.usual:

@@ -134,8 +134,22 @@ def test_a_unit_in_a_row_that_is_not_known_is_refused(tmp_path: Path) -> None:
 def test_label_and_row_that_contradict_are_refused(tmp_path: Path) -> None:
     labels = [f"{name} [kN]" for name in LABELS]
     file = with_forces(tmp_path, labels, RUN.forces, "s" + ",mm" * 6 + ",N" * 6)
-    with pytest.raises(RecordingError, match="'kN and N'"):
+    with pytest.raises(RecordingError, match="units that differ, kN and N"):
         read(file, mapped(labels, header_rows=2, names_row=1))
+
+
+def test_our_names_state_a_unit_that_a_row_may_contradict(tmp_path: Path) -> None:
+    row = "s" + ",mm" * 6 + ",{}" * 6
+    agrees = with_forces(tmp_path, [*BAR_FORCES], RUN.forces, row.format(*["N"] * 6))
+    assert read(agrees, case_with(header_rows=2, names_row=1)).findings == ()
+    differs = with_forces(tmp_path, [*BAR_FORCES], RUN.forces / 1e3, row.format(*["kN"] * 6))
+    with pytest.raises(
+        RecordingError, match=r"f1_N: has units that differ, N and kN .*5 more.*recording\.units\.forces"
+    ):
+        read(differs, case_with(header_rows=2, names_row=1))
+    stated = read(differs, case_with(header_rows=2, names_row=1, units={"forces": "kN"}))
+    np.testing.assert_allclose(stated.forces, RUN.forces, rtol=1e-7)
+    assert stated.findings == ()
 
 
 def test_what_the_case_states_wins_over_a_label_and_is_a_warning(tmp_path: Path) -> None:
