@@ -83,7 +83,7 @@ def lost_samples(t: Array | None) -> Indices:
 
 def _lost(t: Array, step: float, least: float = GAP) -> Indices:
     steps = np.diff(t)
-    if not steps.max() > least * step:
+    if not steps.max() > least * step or step <= 0.0:
         return np.zeros(len(steps), dtype=np.int64)
     counts = np.maximum(np.rint(steps / step) - 1.0, 1.0)
     return np.asarray(np.where(steps > least * step, counts, 0.0).astype(np.int64))
@@ -122,7 +122,10 @@ def evened(t: Array, period: float | None = None) -> Even | Unsteady:
         return Even(steps, start + period * steps, period, 0.0, line.stray, line.most, clear, line.step)
     sections = section[np.maximum(np.searchsorted(anchors, rows, side="right") - 1, 0)]
     instants = line.offsets[sections] + line.step * every
-    return Even(steps, instants, line.step, line.deviation, line.stray, line.most, clear)
+    off = t - instants
+    off = off - off.mean() if coarse else off  # stamps of few digits are early by half a digit in the mean
+    stray, most = float(np.sqrt(np.mean(off**2))), float(np.abs(off).max())
+    return Even(steps, instants, line.step, line.deviation, stray, most, clear)
 
 
 class _Marks(NamedTuple):

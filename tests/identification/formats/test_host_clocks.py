@@ -149,6 +149,14 @@ def test_a_body_is_found_behind_stamps_of_a_host_and_the_jitter_is_stated(tmp_pa
     identified(recording)
 
 
+def test_stamps_of_two_digits_are_read_and_said_to_be_coarse(tmp_path: Path) -> None:
+    recording = read(written(tmp_path, table(seconds(np.floor(T * 100.0 + 1e-6) / 100.0, 2))), CASE)
+    assert np.ptp(recording.t - T) < 1e-6
+    assert not recording.bad.any()
+    (said,) = of_clock(recording)
+    assert said.quantity["time_stamps"]["most_ms"] == pytest.approx(4.0, rel=0.3)
+
+
 def german(t: float) -> str:
     ms = round(1e3 * t) + 86_400_000 - 2_000
     day, ms = divmod(ms, 86_400_000)
