@@ -293,8 +293,9 @@ def _bag(bag: Path, case: Case | None) -> Look:
         if len(possible) > 1 and named is None:
             ros[what] = best.name
             doubts.append(f"several topics of {meant}: {listed([t.name for t in possible])}; {best.name} is proposed")
-        if not best.stamped:
-            doubts.append(f"{best.name}: its headers have no stamps, only the times of receipt; stamp its messages")
+        if not best.stamped and "time" not in ros:
+            ros["time"] = "receipt"
+            doubts.append(f"{best.name}: its headers have no stamps of use; the bag's own times, of receipt, are taken")
     if ros:
         settings["ros"] = ros
     if "wrench" in chosen:

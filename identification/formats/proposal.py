@@ -35,6 +35,7 @@ from identification.formats.labels import StatedUnit, counted, stated_unit
 from identification.formats.layout import TextColumns
 from identification.formats.meaning import groups_of, meaning_of, span
 from identification.formats.table import listed
+from identification.formats.triggers import changing_bits, switched
 from identification.formats.vocabulary import CLOCK_UNITS
 
 CUTOFF_HZ = 40.0  # of a proposal where the case states none
@@ -114,6 +115,7 @@ class _Draft:
         self.units: dict[str, str] = {}
         self.guessed: dict[str, str] = {}
         self.orientation: str | None = None
+        self.bit: int | None = None  # of the trigger's column
         self.clock_unit_stated = False  # whether the settings must state it, though it is the usual one
         self.doubts: list[str] = []
 
@@ -135,7 +137,9 @@ class _Draft:
 
         Of a group of which the file lacks one that the case names, the names say where it is.
         """
-        own = self.stated.get("columns", {})
+        own = dict(self.stated.get("columns", {}))
+        if column := self.stated.get("trigger", {}).get("column"):
+            own[TRIGGER] = column
         lacking = {ours for ours, theirs in own.items() if theirs not in self.names}
         given = {
             ours: self.names.index(own[ours])
@@ -176,9 +180,21 @@ class _Draft:
             chosen = possible if len(possible) == 1 else changing
             if len(chosen) == 1:
                 self.places[ours] = chosen[0]
+                if ours == TRIGGER and "trigger" not in self.stated:
+                    self.choose_bit()
             elif possible:
                 each = ", ".join(self.names[k] for k in possible)
                 self.doubts.append(f"{each}: each may be the {ours}; name one as {ours} in [recording.columns]")
+
+    def choose_bit(self) -> None:
+        """The bit of the trigger's column, where that is a field of bits of which one alone changes."""
+        values = self.values(TRIGGER)
+        if not np.isfinite(values).all() or switched(values) is not None:
+            return
+        bits = changing_bits(values)
+        if len(bits) == 1:
+            self.bit = bits[0]
+            self.doubts.append(f"the trigger is taken for bit {self.bit} of {self.name(TRIGGER)}, which alone changes")
 
     def fit_the_machine(self) -> None:
         """What names cannot say: six drives of a hexapod whose values are lengths that its struts have are struts."""
@@ -300,8 +316,12 @@ class _Draft:
         own_clock = self.table.clock is not None  # which the format says
         dated = self.places.get(CLOCK) in self.table.dates  # whose unit follows from how they are written
         ordered = [ours for ours in COLUMNS if ours in self.places and not (own_clock and ours == CLOCK)]
-        if renamed := {ours: self.name(ours) for ours in ordered if self.name(ours) != ours}:
-            result["columns"] = renamed
+        renamed = {ours: self.name(ours) for ours in ordered if self.name(ours) != ours}
+        if self.bit is not None or "column" in self.stated.get("trigger", {}):
+            renamed.pop(TRIGGER, None)
+        if self.bit is not None:
+            result["trigger"] = {"column": self.name(TRIGGER), "bit": self.bit}
+        result |= {"columns": renamed} if renamed else {}
         if units := dict(self._differing_units(ordered)):
             result["units"] = units
         clock = dict(self.stated.get("clock", {}))  # some formats are not valid without a unit
@@ -367,7 +387,7 @@ def missing_parts(places: Container[str], of_run: Container[str], settings: Mapp
         yield "no trigger: the whole motion is evaluated, the ways from and to home too"
 
 
-_OF_A_FILE = LAYOUT | {"columns", "units", "clock", "orientation", "scale", "offset"}
+_OF_A_FILE = LAYOUT | {"columns", "units", "clock", "orientation", "scale", "offset", "trigger"}
 """Keys of `[recording]` that may differ between the files of a run."""
 
 

@@ -41,9 +41,10 @@ def trigger_of(table: ColumnTable) -> tuple[Flags | None, list[Finding]]:
         row = int(np.argmax(off))
         remedy = f"export the trigger as a switch between 0 and {values.max():g}, or leave it out"
         if _is_whole(values):
-            names = ", ".join(str(k) for k in _bits(values))
+            bits = changing_bits(values)
+            names = ", ".join(map(str, bits))
             remedy = (
-                f"if it is a bit field (bits {names} change), state which: recording.trigger = {{ bit = {names[0]} }}"
+                f"if it is a bit field (bits {names} change), state which: recording.trigger = {{ bit = {bits[0]} }}"
             )
         raise RecordingError(table.place(row, TRIGGER), f"{values[row].item()} is no level of a switch", remedy)
     return flags, found
@@ -72,8 +73,10 @@ def _is_whole(values: Array) -> bool:
     return bool(np.all((values >= 0.0) & (values < _WHOLE) & (values == np.rint(values)))) and values.max() > 1.0
 
 
-def _bits(values: Array) -> list[int]:
-    """The bits that change, counted from 0."""
+def changing_bits(values: Array) -> list[int]:
+    """The bits of whole numbers, shape (n,), that change, counted from 0; none where they are not such numbers."""
+    if not _is_whole(values):
+        return []
     whole = values.astype(np.int64)
     changing = int(np.bitwise_or.reduce(whole ^ whole[0]))
     return [k for k in range(changing.bit_length()) if changing >> k & 1]
@@ -83,7 +86,7 @@ def _changing_bit(values: Array) -> int | None:
     """The only bit that changes where another one is on all along; None where there is no such."""
     if not _is_whole(values):
         return None
-    bits = _bits(values)
+    bits = changing_bits(values)
     return bits[0] if len(bits) == 1 and values.min() > 0.0 else None
 
 

@@ -343,3 +343,18 @@ def test_dates_and_times_of_day_are_a_clock(kind: str, hexapod_case: Case, tmp_p
     assert found.settings["columns"]["t_s"] == "Timestamp"
     assert "clock" not in found.settings
     assert found.rate == pytest.approx(1000.0, rel=1e-6)
+
+
+def test_a_bit_that_alone_changes_is_the_trigger(hexapod_case: Case, tmp_path: Path) -> None:
+    """A gripper holds output 8 on all along, the program switches output 2."""
+    table = run(hexapod_case)
+    table[:, -1] = 256.0 + 4.0 * table[:, -1]
+    file = Written("run.csv", [_named("t_s", "l#_mm", "f#_N", "actual_digital_output_bits")]).write(table, tmp_path)
+    found = look(file, hexapod_case)
+    assert found.reads, found.odd
+    assert found.settings["trigger"] == {"column": "actual_digital_output_bits", "bit": 2}
+    assert "trigger" not in found.settings.get("columns", {})
+    form = RecordingFormat.model_validate(tomllib.loads(found.toml)["recording"])
+    recording = read([file], hexapod_case.model_copy(update={"recording": form}))
+    assert np.array_equal(recording.trigger, table[:, -1] > 256.0)
+    assert look(file, hexapod_case.model_copy(update={"recording": form})).unchanged
