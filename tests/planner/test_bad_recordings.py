@@ -71,7 +71,6 @@ DAMAGE: dict[str, tuple[Callable[[Rows], Rows], tuple[str, ...]]] = {
     ),
     "no rows": (lambda r: r[:1], ("no rows", "record or export")),
     "a constant pose": (lambda r: constant(all_on(r)), ("pose is constant", "record the excitation")),
-    "no trigger": (lambda r: r[:500], ("trigger", "never 1")),
     "too few samples for the filter": (lambda r: all_on(r)[:150], ("149 samples", "filter")),
     "fewer standstills than unknowns": (lambda r: without("t_s")(r)[:3], ("not determined|rank|fewer|unknowns",)),
 }
