@@ -14,7 +14,7 @@ from tests.helpers import tells
 from tests.planner.browser import opened
 from tests.planner.command_line import call
 
-PLOTS = ("errors", "limits", "forces", "residuals", "spectrum")
+PLOTS = ("errors", "forces", "residuals", "spectrum")
 FETCHED = {"src", "href", "srcset", "data", "poster", "action", "background"}
 
 
