@@ -4,6 +4,7 @@ Strut k joins base joint b_k (in {B}) to platform joint p_k (in {P}): s_k = o + 
 as CasADi functions; NumPy arrays go through them sample by sample.
 """
 
+from collections.abc import Callable
 from functools import cached_property, lru_cache
 from typing import ClassVar
 
@@ -13,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from cases.errors import IdentificationError
 from cases.schema import Case
-from cases.units import Array, Flags
+from cases.units import Array, Flags, Indices
 from identification.machine_limits import hexapod_shares
 from identification.symbolic import (
     FrameMotion,
@@ -79,19 +80,10 @@ class Hexapod:
         return coordinates[:, :3]
 
     def _struts(self, pose: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """Strut vectors, shape (3, 6), and arms R p_k from the origin of {P} to the platform joints, shape (3, 6)."""
-        arms = rotation(pose[3:]) @ ca.DM(self.platform.T)
-        return ca.repmat(pose[:3], 1, 6) + arms - ca.DM(self.base.T), arms
+        return _struts(pose, ca.DM(self.base.T), ca.DM(self.platform.T))
 
     def _inverse_jacobian(self, pose: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """Strut lengths and J_Hex^-1 of (8): l' = J_Hex^-1 twist."""
-        struts, arms = self._struts(pose)
-        lengths = [ca.norm_2(struts[:, k]) for k in range(6)]
-        rows = []
-        for k in range(6):
-            direction = struts[:, k] / lengths[k]
-            rows.append(ca.horzcat(direction.T, ca.cross(arms[:, k], direction).T))
-        return ca.vertcat(*lengths), ca.vertcat(*rows)
+        return _inverse_jacobian(*self._struts(pose))
 
     @cached_property
     def inverse(self) -> ca.Function:
@@ -129,17 +121,13 @@ class Hexapod:
     def jacobian_drift(self) -> ca.Function:
         """(pose, twist) -> d/dt(J_Hex^-1) twist, the part of l'' that is there without acceleration."""
         pose, motion = ca.SX.sym("pose", 6), ca.SX.sym("twist", 6)
-        velocity = self._inverse_jacobian(pose)[1] @ motion
-        drift = ca.jtimes(velocity, pose, pose_rates(pose, motion))
+        drift = _drift(pose, motion, self._inverse_jacobian(pose)[1])
         return ca.Function("jacobian_drift", [pose, motion], [drift], {"cse": True})
 
-    @cached_property
+    @property
     def newton_step(self) -> ca.Function:
         """(pose, step in position and rotation vector) -> pose; turns about the axes of {B}."""
-        pose, step = ca.SX.sym("pose", 6), ca.SX.sym("step", 6)
-        half = step[3:] / 2  # Cayley: a proper rotation for every step, equal to it to second order
-        turn = ca.solve(ca.SX.eye(3) - ca.skew(half), (ca.SX.eye(3) + ca.skew(half)) @ rotation(pose[3:]))
-        return ca.Function("newton_step", [pose, step], [ca.vertcat(pose[:3] + step[:3], rpy(turn))])
+        return _newton_step()
 
     def strut_lengths(self, poses: ArrayLike) -> Array:
         """Inverse kinematics: strut lengths at poses, shapes (n, 6) [m]."""
@@ -178,31 +166,8 @@ class Hexapod:
         pose[again], jacobians[again], closed[again] = self._newton(lengths[again], home[again])
         return pose, jacobians, closed
 
-    @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # samples that diverge are given up
     def _newton(self, lengths: Array, start: Array) -> tuple[Array, Array, Flags]:
-        """Poses by Newton's method from a start, J_Hex^-1 there, and for which samples the struts close."""
-        count = len(lengths)
-        pose, jacobians, closed = start.copy(), np.empty((count, 6, 6)), np.zeros(count, dtype=bool)
-        active = np.arange(count)
-        for _ in range(MOST_STEPS):
-            estimate, jacobian = over_samples(self.inverse_jacobian, pose[active])
-            error = lengths[active] - estimate
-            converged = np.abs(error).max(axis=1) <= STRUT_TOLERANCE
-            closed[active[converged]] = True
-            jacobians[active[converged]] = jacobian[converged]
-            # Only a sample that diverges, or that comes into a singularity, is given up, not the others.
-            alive = ~converged & np.isfinite(error).all(axis=1)
-            active, error, jacobian = active[alive], error[alive], jacobian[alive]
-            if not len(active):
-                break
-            try:
-                step = np.linalg.solve(jacobian, error[:, :, None])[:, :, 0]
-            except np.linalg.LinAlgError:  # one of them is singular
-                regular = np.abs(np.linalg.det(jacobian)) > np.finfo(float).tiny
-                active = active[regular]
-                step = np.linalg.solve(jacobian[regular], error[regular][:, :, None])[:, :, 0]
-            pose[active] = over_samples(self.newton_step, pose[active], step)[0]
-        return pose, jacobians, closed
+        return _newton(lengths, start, lambda _, pose: over_samples(self.inverse_jacobian, pose))
 
     def kinematics(
         self, lengths: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike, near: Array | None = None
@@ -230,6 +195,105 @@ class Hexapod:
         drift = over_samples(self.jacobian_drift, pose, moving)[0]
         rate = np.linalg.solve(jacobian, (accelerations - drift)[:, :, None])[:, :, 0]
         return Kinematics(pose, moving, np.asarray(rate, dtype=np.float64)), closed
+
+
+def kinematics_of_hexapods(
+    joints: Array, home: Array, lengths: Array, velocities: Array, accelerations: Array, steps: int = MOST_STEPS
+) -> tuple[Kinematics, Flags]:
+    """Kinematics of samples each of which has a hexapod of its own; and which of them close, shape (n,).
+
+    They mean nothing where struts do not close.
+
+    Args:
+        joints: joints of the base in {B}, then those of the platform in {P}, shape (n, 36) [m].
+        home: home of each, from where poses are looked for, shape (n, 6) [m, rad].
+        lengths: strut lengths, shape (n, 6) [m].
+        velocities: their first derivatives [m/s].
+        accelerations: their second derivatives [m/s^2].
+        steps: number of Newton's steps after which struts count as not closing.
+    """
+    inverse_jacobian, jacobian_drift = _of_any_joints()
+    pose, jacobian, closed = _newton(
+        lengths, home, lambda rows, pose: over_samples(inverse_jacobian, joints[rows], pose), steps
+    )
+    pose[~closed], jacobian[~closed] = home[~closed], np.eye(6)
+    moving = np.asarray(np.linalg.solve(jacobian, velocities[:, :, None])[:, :, 0], dtype=np.float64)
+    drift = over_samples(jacobian_drift, joints, pose, moving)[0]
+    rate = np.linalg.solve(jacobian, (accelerations - drift)[:, :, None])[:, :, 0]
+    return Kinematics(pose, moving, np.asarray(rate, dtype=np.float64)), closed
+
+
+def _struts(pose: ca.SX, base: ca.SX, platform: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Strut vectors, shape (3, 6), and arms R p_k from the origin of {P} to the platform joints, shape (3, 6)."""
+    arms = rotation(pose[3:]) @ platform
+    return ca.repmat(pose[:3], 1, 6) + arms - base, arms
+
+
+def _inverse_jacobian(struts: ca.SX, arms: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Strut lengths and J_Hex^-1 of (8): l' = J_Hex^-1 twist."""
+    lengths = [ca.norm_2(struts[:, k]) for k in range(6)]
+    rows = []
+    for k in range(6):
+        direction = struts[:, k] / lengths[k]
+        rows.append(ca.horzcat(direction.T, ca.cross(arms[:, k], direction).T))
+    return ca.vertcat(*lengths), ca.vertcat(*rows)
+
+
+def _drift(pose: ca.SX, motion: ca.SX, inverse_jacobian: ca.SX) -> ca.SX:
+    """d/dt(J_Hex^-1) twist, shape (6,)."""
+    return ca.jtimes(inverse_jacobian @ motion, pose, pose_rates(pose, motion))
+
+
+@lru_cache(maxsize=1)
+def _newton_step() -> ca.Function:
+    """(pose, step in position and rotation vector) -> pose; turns about the axes of {B}."""
+    pose, step = ca.SX.sym("pose", 6), ca.SX.sym("step", 6)
+    half = step[3:] / 2  # Cayley: a proper rotation for every step, equal to it to second order
+    turn = ca.solve(ca.SX.eye(3) - ca.skew(half), (ca.SX.eye(3) + ca.skew(half)) @ rotation(pose[3:]))
+    return ca.Function("newton_step", [pose, step], [ca.vertcat(pose[:3] + step[:3], rpy(turn))])
+
+
+@lru_cache(maxsize=1)
+def _of_any_joints() -> tuple[ca.Function, ca.Function]:
+    """(joints, pose) -> strut lengths, J_Hex^-1; (joints, pose, twist) -> d/dt(J_Hex^-1) twist."""
+    joints, pose, motion = ca.SX.sym("joints", 36), ca.SX.sym("pose", 6), ca.SX.sym("twist", 6)
+    base, platform = ca.horzsplit(ca.reshape(joints, 3, 12), 6)
+    lengths, jacobian = _inverse_jacobian(*_struts(pose, base, platform))
+    of_pose = ca.Function("inverse_jacobian_of_joints", [joints, pose], [lengths, jacobian], {"cse": True})
+    drift = _drift(pose, motion, jacobian)
+    return of_pose, ca.Function("jacobian_drift_of_joints", [joints, pose, motion], [drift], {"cse": True})
+
+
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # samples that diverge are given up
+def _newton(
+    lengths: Array, start: Array, inverse_jacobian: Callable[[Indices, Array], list[Array]], steps: int = MOST_STEPS
+) -> tuple[Array, Array, Flags]:
+    """Poses by Newton's method from a start, J_Hex^-1 there, and for which samples the struts close.
+
+    `inverse_jacobian` gives strut lengths and J_Hex^-1 of some samples, by their numbers, at poses.
+    """
+    count = len(lengths)
+    pose, jacobians, closed = start.copy(), np.empty((count, 6, 6)), np.zeros(count, dtype=bool)
+    active = np.arange(count)
+    for _ in range(steps):
+        estimate, jacobian = inverse_jacobian(active, pose[active])
+        error = lengths[active] - estimate
+        converged = np.abs(error).max(axis=1) <= STRUT_TOLERANCE
+        closed[active[converged]] = True
+        jacobians[active[converged]] = jacobian[converged]
+        # Only a sample that diverges, or that comes into a singularity, is given up, not the others.
+        alive = ~converged & np.isfinite(error).all(axis=1)
+        active, error, jacobian = active[alive], error[alive], jacobian[alive]
+        if not len(active):
+            break
+        try:
+            step = np.linalg.solve(jacobian, error[:, :, None])[:, :, 0]
+        except np.linalg.LinAlgError:  # one of them is singular
+            regular = np.abs(np.linalg.det(jacobian)) > np.finfo(float).tiny
+            active = active[regular]
+            step = np.linalg.solve(jacobian[regular], error[regular][:, :, None])[:, :, 0]
+        pose[active] = over_samples(_newton_step(), pose[active], step)[0]
+    return pose, jacobians, closed
 
 
 def _require_closed(closed: Flags, lengths: ArrayLike) -> None:

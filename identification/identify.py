@@ -2,7 +2,7 @@
 
 Standstills are averaged where a run holds them. The delay between forces and motion of a moving run is estimated with
 the parameters. What speaks against a run is looked for before the estimate (`sample_checks`) and in its residuals
-(`wiring`, `contact`).
+(`contact`, `fit_checks`); then its cause is looked for (`causes`).
 """
 
 from collections.abc import Callable
@@ -18,12 +18,12 @@ from cases.errors import FileProblem, IdentificationError, RecordingError
 from cases.schema import Case
 from cases.units import Array
 from identification.estimation.estimators import Method
-from identification.estimation.fit import require_alive
+from identification.estimation.fit import Fit, require_alive
 from identification.finding import Kind, changed_cases, sentences, warning
+from identification.findings.causes.answer import Answer, answer
 from identification.findings.contact import contact_findings, free_of_contact, touched
 from identification.findings.fit_checks import fit_findings
 from identification.findings.noise_level import doubtful
-from identification.findings.wiring import other_wiring
 from identification.formats.reading import files_of
 from identification.model import Model, full_model, identification_model
 from identification.outcome import RUN_ENTRIES, Result
@@ -154,20 +154,41 @@ def estimate_parameters(
     `identify`.
     """
     model = identification_model(case, default_model(recording, case) if number is None else number)
+
+    def evaluate(run: Recording, of: Case) -> Fit:
+        return _estimated(run, of, identification_model(of, model.number), how).fit
+
     try:
         with threadpool_limits(limits=1, user_api="blas"):
             try:
                 estimate = _estimated(recording, case, model, how)
             except (IdentificationError, RecordingError) as error:
-                if said := other_wiring(recording, case, model, negative=error.quantity == "m"):
-                    raise IdentificationError(said) from error
-                raise
-            doubt = doubtful(estimate.evaluated, estimate.fit, case, estimate.findings)
-            if doubt and (said := other_wiring(recording, case, model)):
-                raise IdentificationError(said)
-        return estimate
+                raise _explained(error, answer(recording, case, model, evaluate)) from error
+            if not doubtful(estimate.evaluated, estimate.fit, case, estimate.findings):
+                return estimate
+            said = answer(recording, case, model, evaluate, estimate.fit)
+            if said is None:
+                return estimate
+            if said.named:
+                raise IdentificationError(said.sentence)
+        return replace(estimate, findings=(*estimate.findings, warning(Kind.MODEL, said.sentence)))
     except (IdentificationError, RecordingError) as error:
         raise error.at(recording.source).beside(sentences(recording.findings, "warning")) from error
+
+
+def _explained(
+    error: IdentificationError | RecordingError, said: Answer | None
+) -> IdentificationError | RecordingError:
+    """The error with its cause, or with what was tried to find it."""
+    if said is None:
+        return error
+    if said.named:
+        return IdentificationError(said.sentence)
+    kind = RecordingError if isinstance(error, RecordingError) else IdentificationError
+    problem = error.problem.removesuffix(f"; {error.remedy}")
+    explained = kind(error.place, f"{problem} ({said.sentence})", error.remedy)
+    explained.quantity = error.quantity
+    return explained
 
 
 def _samples(recording: Recording, case: Case, model: Model) -> Samples:

@@ -299,8 +299,8 @@ def _converged(
         delay = float(np.clip(delay + step, -MOST_DELAY, MOST_DELAY))
     if abs(delay) >= MOST_DELAY:
         raise IdentificationError(
-            f"no delay up to {MOST_DELAY * 1e3:.0f} ms brings forces and motion together; are they "
-            "of one run, and struts and forces in the order of the case?"
+            f"no delay up to {MOST_DELAY * 1e3:.0f} ms brings forces and motion together; record them in "
+            "one run, with one clock"
         )
     assert regression is not None
     return delay, values, regression, whitening

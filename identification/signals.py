@@ -184,6 +184,18 @@ def _turn(stride: int, count: int, phase: int) -> Spectrum:
     return np.asarray(np.exp(2j * np.pi * ((phase * index) % (stride * count)) / (stride * count)))
 
 
+DIFFERENCES = 8  # repeated differences of a signal, which leave its noise, but nothing of a slow motion
+NORMAL_MEDIAN = 0.6745  # median size of a normal variable in standard deviations
+
+
+def white_noise(signals: Array) -> Array:
+    """Standard deviation of the white noise in each of some signals, shape (n, channels) -> (channels,)."""
+    if len(signals) <= DIFFERENCES:
+        return np.zeros(signals.shape[1])
+    changes = np.median(np.abs(np.diff(signals, DIFFERENCES, axis=0)), axis=0)  # few leaps do not count
+    return np.asarray(changes / (NORMAL_MEDIAN * np.sqrt(comb(2 * DIFFERENCES, DIFFERENCES))))
+
+
 # Samples of a long run that stand for it where their number only costs time: two minutes behind 20 Hz.
 FAIR_PART = 8_000
 STRETCHES = 8  # number of stretches that hold them

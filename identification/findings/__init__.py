@@ -1,1 +1,1 @@
-"""Checks of a run beyond its samples: contact, wiring, and what every fit is asked."""
+"""Checks of a run beyond its samples: contact, causes, and what every fit is asked."""

@@ -12,7 +12,6 @@ more unknown, estimated where the run determines it. Without it, the mass of a c
 its standard deviations.
 """
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
@@ -28,7 +27,7 @@ from identification.hexapod import StrutsDoNotClose
 from identification.model import expected_forces, regressors
 from identification.recording import Recording
 from identification.samples import MOST_DELAY, Moving
-from identification.signals import MOST_SAMPLES, Filter, Residuals, decimated, fair_part
+from identification.signals import MOST_SAMPLES, Filter, Residuals, decimated, fair_part, white_noise
 from identification.symbolic import Kinematics, Machine
 
 SMOOTHING_STEP = 1e-3  # [s] for the second derivative: far below the periods that pass
@@ -179,9 +178,7 @@ def signals_at(recording: Recording, low_pass: Filter, rows: Indices) -> tuple[A
 
 SAMPLED = 1.0 / 12.0  # of T^2: the largest b that sampling alone makes
 CLEAR = 3.0  # standard deviations of b from which it is reported
-DIFFERENCES = 8  # repeated differences of the struts, which leave their noise, but nothing of a slow motion
 BLOCK = 100_000  # rows that are looked at for that noise, and to which it is added at a time: limits the memory
-NORMAL_MEDIAN = 0.6745  # median size of a normal variable in standard deviations
 
 
 def _worth_smoothing(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> bool:
@@ -214,8 +211,7 @@ def _worth_smoothing(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -
     assert part.recording.struts is not None
     draw, struts = np.random.default_rng(0), part.recording.struts.copy()
     moving = struts[part.filter.margin + part.rows[0] : part.filter.margin + part.rows[-1]][:BLOCK]
-    changes = np.median(np.abs(np.diff(moving, DIFFERENCES, axis=0)), axis=0)  # few leaps do not count
-    noise = changes / (NORMAL_MEDIAN * math.sqrt(math.comb(2 * DIFFERENCES, DIFFERENCES)))  # of each strut, white [m]
+    noise = white_noise(moving)  # of each strut [m]
     for first in range(0, len(struts), BLOCK):
         block = struts[first : first + BLOCK]
         block += noise * draw.standard_normal(block.shape)

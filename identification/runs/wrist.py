@@ -44,14 +44,17 @@ class WristRun(Moving):
         """A at the instants t_k - delay, shape (n, 6, u)."""
         return self._matrices(delay, self.specific_force(self.t - delay))
 
-    def _matrices(self, delay: float, specific: Array) -> Array:
-        t = self.t - delay
+    def turning(self, t: Array) -> tuple[Array, Array, Array, Array]:
+        """Motion at some instants: R, angular velocity and acceleration in {B}, specific force in {P}."""
         q, first, second = (self.quaternion(t, order) for order in range(3))
         conjugate = Rotation.from_quat(q).inv()
-        turn = Rotation.from_quat(q).as_matrix()
         size = np.linalg.norm(q, axis=1)[:, None]
         omega, alpha = (2.0 * _product(d / size, conjugate.as_quat()) for d in (first, second))
-        still = np.zeros((len(t), 3))
+        return Rotation.from_quat(q).as_matrix(), omega, alpha, self.specific_force(t)
+
+    def _matrices(self, delay: float, specific: Array) -> Array:
+        turn, omega, alpha, _ = self.turning(self.t - delay)
+        still = np.zeros_like(omega)
         acceleration = np.einsum("nij,nj->ni", turn, specific) + self.model.gravity
         return self.model.matrices(still, turn, np.hstack([still, omega]), np.hstack([acceleration, alpha]))
 

@@ -1,0 +1,237 @@
+"""Hypotheses about recorded forces: channels in another order, with another sign, unit or scale, or in other axes."""
+
+from collections.abc import Iterator, Sequence
+from itertools import product
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from cases.chain import ChainFrame
+from cases.machine import turned
+from cases.recording_format import ROLE_UNITS, Role
+from cases.schema import Case
+from cases.sensors import Transducer
+from cases.units import DEG, Array
+from identification.findings.causes.hypothesis import Edit, Family, Hypothesis
+
+ORDER = tuple(range(6))
+AXES = ("x", "y", "z")
+
+
+def orders(count: int) -> Iterator[tuple[int, ...]]:
+    """For each column the place in which it was recorded: exchanged pairs, up to three at once, and shifts."""
+    straight = tuple(range(count))
+    for pairs in _pairs(straight, 3):
+        order = list(straight)
+        for one, other in pairs:
+            order[one], order[other] = other, one
+        yield tuple(order)
+    for shift in range(1, count):
+        if count > 2:
+            yield tuple((k + shift) % count for k in straight)
+
+
+def _pairs(places: Sequence[int], most: int) -> Iterator[tuple[tuple[int, int], ...]]:
+    """Sets of one to `most` pairs of places that have none in common."""
+    for k, one in enumerate(places):
+        for other in places[k + 1 :]:
+            yield ((one, other),)
+            if most > 1:
+                left = [place for place in places[k + 1 :] if place != other]
+                yield from (((one, other), *more) for more in _pairs(left, most - 1))
+
+
+def order_words(order: Sequence[int], what: str, names: Sequence[str]) -> str:
+    """What is wrong where an order of columns is the right one."""
+    pairs = [f"{names[k]} and {names[place]}" for k, place in enumerate(order) if k < place and order[place] == k]
+    moved = sum(place != k for k, place in enumerate(order))
+    if 2 * len(pairs) == moved:
+        return f"{what} {', '.join(pairs)} are exchanged"
+    shift = {(place - k) % len(order) for k, place in enumerate(order)}
+    if len(shift) == 1:
+        return f"{what} are shifted by {shift.pop()}"
+    cycle = ", ".join(f"{names[k]} is in the place of {names[place]}" for k, place in enumerate(order) if place != k)
+    return f"{what} are in another order: {cycle}"
+
+
+def matrix_of(order: Sequence[int], signs: Sequence[float] | None = None) -> Array:
+    """The matrix that brings columns in order, and changes their signs afterwards, shape (n, n)."""
+    matrix = np.eye(len(order))[list(order)]
+    return matrix if signs is None else np.asarray(np.diag(signs) @ matrix)
+
+
+def mapped(names: Sequence[str], order: Sequence[int]) -> Edit:
+    """The edit that reads each of our columns from the place in which it was recorded."""
+
+    def edit(case: Case) -> Case:
+        form = case.recording
+        entries = {names[k]: form.file_name(names[place]) for k, place in enumerate(order) if place != k}
+        return case.model_copy(update={"recording": form.model_copy(update={"columns": {**form.columns, **entries}})})
+
+    return edit
+
+
+def in_unit(role: Role, unit: str) -> Edit:
+    """The edit that reads columns of a role in a unit."""
+
+    def edit(case: Case) -> Case:
+        units = {**case.recording.units, role: unit}
+        return case.model_copy(update={"recording": case.recording.model_copy(update={"units": units})})
+
+    return edit
+
+
+def other_units(case: Case, role: Role) -> Iterator[tuple[str, float]]:
+    """Other units of a role than the case says, one of those alike, with what values are to be multiplied by."""
+    units = ROLE_UNITS[role]
+    usual = next(iter(units))
+    now = units[case.recording.units.get(role, usual)]
+    seen = {1.0}
+    for unit, factor in units.items():
+        if (ratio := float(f"{factor / now:.12g}")) not in seen:
+            seen.add(ratio)
+            yield unit, ratio
+
+
+def of_channels(case: Case) -> Iterator[Hypothesis]:
+    """Hypotheses about the channels of a case's sensors."""
+    names = case.sensor_frame.channels
+    numbers = [str(k + 1) for k in ORDER]
+    what = "force channels"
+    labels = [case.recording.file_name(name) for name in names] if case.sensor_frame.has_moments else numbers
+    for order in orders(6):
+        pairs = sum(place != k for k, place in enumerate(order)) // 2
+        swapped = all(order[place] == k for k, place in enumerate(order))
+        yield Hypothesis(
+            family=Family.CHANNELS, words=order_words(order, what, numbers), channels=matrix_of(order),
+            edit=mapped(names, order), mistakes=pairs if swapped else 1.5, single=pairs > 1 and swapped,
+        )  # fmt: skip
+    yield from _cycles(case) if case.sensor_frame.has_moments else ()
+    yield from _signs(case, labels)
+    if case.sensor_frame.has_moments:
+        yield from _moment_units(case)
+
+
+def _cycles(case: Case) -> Iterator[Hypothesis]:
+    """Axes of force and moment in another cyclic order, both alike."""
+    names = case.sensor_frame.channels
+    for shift in (1, 2):
+        order = [(k % 3 + shift) % 3 + 3 * (k // 3) for k in ORDER]
+        words = ", ".join(f"{AXES[k]} is in the place of {AXES[(k + shift) % 3]}" for k in range(3))
+        yield Hypothesis(
+            family=Family.CHANNELS, words=f"forces and moments are in another order: {words}",
+            channels=matrix_of(order), edit=mapped(names, order), mistakes=1.5,
+        )  # fmt: skip
+
+
+def _signs(case: Case, labels: Sequence[str]) -> Iterator[Hypothesis]:
+    """Channels with the other sign, any number of them; all of them are the sense of the sensor."""
+    for signs in product((1.0, -1.0), repeat=6):
+        turned_ones = [k for k in ORDER if signs[k] < 0.0]
+        if not turned_ones:
+            continue
+        every = len(turned_ones) == 6
+        numbers = ", ".join(str(k + 1) for k in turned_ones)
+        edit: Edit | None = None
+        remedy = f"turn the sign of {', '.join(labels[k] for k in turned_ones)} in the recorder"
+        if every:
+            edit, remedy = other_sense, ""
+        yield Hypothesis(
+            family=Family.CHANNELS, words=f"the signs of force channels {numbers} are turned",
+            channels=np.diag(signs), edit=edit, place="either" if every else "recording", remedy=remedy,
+            mistakes=1.0 if every else len(turned_ones), single=1 < len(turned_ones) < 6,
+        )  # fmt: skip
+
+
+def other_sense(case: Case) -> Case:
+    """The case whose sensors read the other way: the sense of a force/torque sensor, the ends of bars."""
+    frame = case.sensor_frame
+    if frame.transducer is not None:
+        sense = "sensor_on_load" if frame.transducer.sense == "load_on_sensor" else "load_on_sensor"
+        frame = frame.model_copy(update={"transducer": Transducer(sense=sense)})
+    elif frame.bars is not None:
+        bars = frame.bars
+        frame = frame.model_copy(update={"bars": bars.model_copy(update={"lower": bars.upper, "upper": bars.lower})})
+    return case.model_copy(update={"sensor_frame": frame})
+
+
+def _moment_units(case: Case) -> Iterator[Hypothesis]:
+    """Moments in another unit, beside forces in the right one: where a motion shows it."""
+    for unit, ratio in other_units(case, Role.MOMENTS):
+        scale = np.diag(np.repeat([1.0, ratio], 3))
+        yield Hypothesis(
+            family=Family.UNITS, words=f"moments are in {unit}", channels=scale, edit=in_unit(Role.MOMENTS, unit)
+        )
+
+
+def of_gain(case: Case, channel: int, gain: float) -> Hypothesis:
+    """One channel is to be multiplied by a gain."""
+    scale = np.ones(6)
+    scale[channel] = gain
+    name = case.recording.file_name(case.sensor_frame.channels[channel])
+    return Hypothesis(
+        family=Family.GAINS, words=f"{name} is {'smaller' if gain > 1.0 else 'larger'} than the other channels say",
+        channels=np.diag(scale), remedy=f"multiply {name} by {gain:.4g}, or check its amplifier", mistakes=1.5,
+    )  # fmt: skip
+
+
+CUBE = tuple(turn for turn in Rotation.create_group("O") if np.degrees(turn.magnitude()) > 1.0)
+"""Turns by right angles, about axes, diagonals of faces and of the cube."""
+
+
+def of_turn(case: Case, turn: Rotation, mistakes: float = 1.0, single: bool = False) -> Hypothesis:
+    """A force/torque sensor is turned: forces in the axes of the case are `turn` times the recorded ones."""
+    vector = np.degrees(turn.as_rotvec())
+    angle = float(np.linalg.norm(vector))
+    axis = vector / angle
+    main = int(np.argmax(np.abs(axis)))
+    if abs(axis[main]) > 0.9999:
+        about = f"{np.sign(axis[main]) * angle:.4g} deg about its {AXES[main]} axis"
+    else:
+        about = f"{angle:.4g} deg about ({', '.join(f'{value + 0.0:.2f}' for value in axis)})"
+    matrix = np.kron(np.eye(2), turn.as_matrix())
+    edit: Edit | None = None
+    remedy = f"turn forces and moments by {about.replace('its ', '')} in the recorder"
+    if case.chain is not None:
+        edit, remedy = _sensor_turned(turn), ""
+    return Hypothesis(
+        family=Family.SENSOR, words=f"the sensor is turned by {about}", channels=matrix, edit=edit,
+        place="either" if edit is not None else "recording", remedy=remedy, mistakes=mistakes, single=single,
+    )  # fmt: skip
+
+
+def _sensor_turned(turn: Rotation) -> Edit:
+    def edit(case: Case) -> Case:
+        assert case.chain is not None
+        assert case.machine is not None
+        sensor = case.chain.sensor
+        matrix = turned(sensor.rpy) @ turn.as_matrix()
+        rpy = tuple(float(round(v, 3)) + 0.0 for v in np.degrees(rpy_of(matrix)))
+        chain = case.chain.model_copy(update={"sensor": ChainFrame(origin_mm=sensor.origin_mm, rpy_deg=rpy)})
+        return case.model_copy(update={"machine": case.machine.model_copy(update={"chain": chain})})
+
+    return edit
+
+
+def rpy_of(matrix: Array) -> Array:
+    """Roll, pitch, yaw of a rotation matrix, shape (3,) [rad]."""
+    level = float(np.hypot(matrix[2, 1], matrix[2, 2]))
+    pitch = float(np.arctan2(-matrix[2, 0], level))
+    if level < 1e-9:
+        return np.array([0.0, pitch, np.arctan2(-matrix[0, 1], matrix[1, 1])])
+    return np.array([np.arctan2(matrix[2, 1], matrix[2, 2]), pitch, np.arctan2(matrix[1, 0], matrix[0, 0])])
+
+
+def of_sensor(case: Case) -> Iterator[Hypothesis]:
+    """A force/torque sensor that is turned by right angles."""
+    if not case.sensor_frame.has_moments:
+        return
+    for turn in CUBE:
+        vector = np.abs(turn.as_rotvec())
+        about_axis = np.count_nonzero(vector > 1e-6) == 1
+        yield of_turn(case, turn, mistakes=1.0 if about_axis else 1.2, single=not about_axis)
+
+
+def turns_about_z() -> list[float]:
+    """Angles at which the search for the angle of a sensor on its flange begins [rad]."""
+    return [float(angle) for angle in np.arange(-165.0, 180.1, 15.0) * DEG]

@@ -1,0 +1,204 @@
+"""Hypotheses with a size: an angle, a direction, a gain, found where they leave least."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from cases.schema import Case
+from cases.units import DEG, Array
+from identification.findings.causes.channels import of_gain, of_turn
+from identification.findings.causes.drives import of_offset
+from identification.findings.causes.geometry import of_turned_bars
+from identification.findings.causes.hypothesis import AS_RECORDED, Family, Hypothesis, Trial, together
+from identification.findings.causes.instants import Instants
+from identification.findings.causes.surroundings import of_gravity, of_pace
+from identification.findings.causes.trials import tried
+
+SIZED = 1.3  # mistakes that a hypothesis with a size counts for: round values are preferred to it
+FREE = 1.6  # the same of a turn about any axis
+BEST = 2  # starts of each that are refined
+ROUNDS = 9
+COARSELY = 4  # rounds on the coarse instants
+SHRINKING = 0.55  # of the steps from round to round
+LEAST_ANGLE = 0.3  # [deg] below which an angle is no mistake that people make
+
+
+@dataclass(frozen=True, slots=True)
+class Sized:
+    """A family of hypotheses over sizes, shape (k,) each."""
+
+    family: Family
+    make: Callable[[Array], Hypothesis | None]  # None for a size that is no mistake
+    starts: tuple[tuple[float, ...], ...]
+    steps: tuple[float, ...]  # by which sizes are changed at first
+    of_channels: bool  # whether it changes forces alone
+
+    def hypotheses(self, sizes: Sequence[Array]) -> list[tuple[Array, Hypothesis]]:
+        """Those of some sizes that are mistakes."""
+        made = [(size, self.make(size)) for size in sizes]
+        return [(size, hypothesis) for size, hypothesis in made if hypothesis is not None]
+
+
+def sized_of(instants: Instants) -> Iterator[Sized]:
+    """The hypotheses with a size of a run."""
+    case = instants.case
+    if case.sensor_frame.has_moments:
+        yield from _turns(case)
+        if instants.turning is None or instants.turning.specific is None:
+            yield _slopes(case)
+    elif case.sensor_frame.bars is not None:
+        yield _turned_bars()
+        yield _slopes(case)
+    else:
+        yield _slopes(case)
+    for channel in range(6):
+        yield _gain(case, channel)
+    if case.chain is not None:
+        for k, joint in enumerate(case.chain.joints):
+            if joint.turns:
+                yield _offset(case, k)
+    if instants.drives is not None and instants.step is not None:
+        yield _pace(instants.step)
+
+
+def _turns(case: Case) -> Iterator[Sized]:
+    """The sensor is turned by any angle about one of its axes, or about any."""
+
+    def of_turn_by(turn: Rotation, weight: float) -> Hypothesis | None:
+        return of_turn(case, turn, weight) if np.degrees(turn.magnitude()) > LEAST_ANGLE else None
+
+    def about(axis: Array) -> Callable[[Array], Hypothesis | None]:
+        return lambda size: of_turn_by(Rotation.from_rotvec(axis * size[0]), SIZED)
+
+    angles = tuple((float(angle),) for angle in np.arange(-165.0, 180.1, 15.0) * DEG)
+    for axis in np.eye(3):
+        yield Sized(Family.SENSOR, about(axis), angles, (7.0 * DEG,), True)
+    starts = tuple(tuple(turn.as_rotvec()) for turn in Rotation.create_group("O"))
+    yield Sized(
+        Family.SENSOR, lambda size: of_turn_by(Rotation.from_rotvec(size), FREE), starts, (12.0 * DEG,) * 3, True
+    )
+
+
+def _turned_bars() -> Sized:
+    def make(size: Array) -> Hypothesis | None:
+        angle = float((size[0] + 180.0) % 360.0 - 180.0)
+        return of_turned_bars(angle, SIZED) if abs(angle) > LEAST_ANGLE else None
+
+    return Sized(Family.BARS, make, tuple((float(a),) for a in np.arange(-165.0, 180.1, 15.0)), (7.0,), False)
+
+
+def _slopes(case: Case) -> Sized:
+    """Gravity along any direction: two angles from one of the axes, of which the first size is the number."""
+    frames = [Rotation.align_vectors([axis], [[0.0, 0.0, 1.0]])[0] for axis in np.vstack([np.eye(3), -np.eye(3)])]
+    lean = np.tan(35.0 * DEG)
+    starts = [(float(k), x, y) for k in range(6) for x in (-lean, 0.0, lean) for y in (-lean, 0.0, lean)]
+
+    def make(size: Array) -> Hypothesis | None:
+        direction = frames[round(float(size[0]))].apply([size[1], size[2], 1.0])
+        size_of = np.linalg.norm(direction) * np.linalg.norm(case.gravity)
+        away = np.degrees(np.arccos(np.clip(direction @ case.gravity / size_of, -1.0, 1.0)))
+        return of_gravity(case, direction, SIZED) if away > LEAST_ANGLE else None
+
+    return Sized(Family.GRAVITY, make, tuple(starts), (0.0, 0.2, 0.2), False)
+
+
+def _gain(case: Case, channel: int) -> Sized:
+    def make(size: Array) -> Hypothesis | None:
+        gain = float(np.exp(size[0]))
+        return of_gain(case, channel, gain) if abs(gain - 1.0) > 0.01 else None
+
+    starts = tuple((float(np.log(gain)),) for gain in (0.25, 0.5, 0.8, 0.95, 1.05, 1.25, 2.0, 4.0))
+    return Sized(Family.GAINS, make, starts, (0.1,), True)
+
+
+def _offset(case: Case, k: int) -> Sized:
+    chain = case.chain
+    assert chain is not None
+
+    def make(size: Array) -> Hypothesis | None:
+        angle = float((size[0] + 180.0) % 360.0 - 180.0)
+        return of_offset(chain, k, angle, SIZED) if abs(angle) > LEAST_ANGLE else None
+
+    return Sized(Family.OFFSETS, make, tuple((float(a),) for a in np.arange(-150.0, 181.0, 30.0)), (12.0,), False)
+
+
+def _pace(step: float) -> Sized:
+    def make(size: Array) -> Hypothesis | None:
+        pace = float(np.exp(size[0]))
+        return of_pace(step, pace) if abs(pace - 1.0) > 0.01 else None
+
+    starts = tuple((float(value),) for value in np.linspace(np.log(0.1), np.log(10.0), 25))
+    return Sized(Family.CLOCK, make, starts, (0.08,), False)
+
+
+@dataclass(frozen=True, slots=True)
+class _Point:
+    """A size of a family on the way to where it leaves least."""
+
+    sized: Sized
+    size: Array
+    residuals: float
+    proposed: Array  # size to go on from
+
+
+def refined(instants: Instants, coarse: Instants, families: Sequence[Sized], prefix: Trial) -> list[Trial]:
+    """The best of each family, sizes found on the coarse instants and then on all, beside other hypotheses."""
+    starts = [(sized, np.array(start)) for sized in families for start in sized.starts]
+    left = _left(coarse, prefix, starts)
+    points: list[_Point] = []
+    for sized in families:
+        own = [k for k, (other, _) in enumerate(starts) if other is sized and np.isfinite(left[k])]
+        best = sorted(own, key=lambda k: left[k])[:BEST]
+        points += [_Point(sized, starts[k][1], np.inf, starts[k][1]) for k in best]
+    for k in range(ROUNDS):
+        points = _stepped(coarse if k < COARSELY else instants, prefix, points, SHRINKING**k)
+    made = [point.sized.make(point.size) for point in points]
+    return [together(*prefix, hypothesis) for hypothesis in made if hypothesis is not None]
+
+
+def _stepped(instants: Instants, prefix: Trial, points: Sequence[_Point], shrunk: float) -> list[_Point]:
+    """Points after a step of each: to the minimum of the parabola through three sizes of each kind."""
+    wanted: list[tuple[Sized, Array]] = []
+    for point in points:
+        steps = np.diag(point.sized.steps)[np.flatnonzero(point.sized.steps)] * shrunk
+        wanted += [(point.sized, point.proposed + step) for step in (0.0 * steps[0], *steps, *-steps)]
+        wanted.append((point.sized, point.size))
+    left, results = list(_left(instants, prefix, wanted)), []
+    for point in points:
+        moved = np.flatnonzero(point.sized.steps)
+        values, before = np.array([left.pop(0) for _ in range(1 + 2 * len(moved))]), left.pop(0)
+        sizes = [wanted.pop(0)[1] for _ in range(2 + 2 * len(moved))]
+        best = int(np.argmin(values))
+        if not values[best] < before:
+            results.append(replace(point, residuals=before, proposed=point.size))
+            continue
+        size, proposed = sizes[best], sizes[best].copy()
+        if best == 0:
+            squares = values**2
+            for place, k in enumerate(moved):
+                high, low = squares[1 + place], squares[1 + len(moved) + place]
+                bend, slope = low - 2.0 * squares[0] + high, (high - low) / 2.0
+                if np.isfinite([low, high]).all() and bend > 0.0:
+                    proposed[k] -= np.clip(slope / bend, -1.0, 1.0) * point.sized.steps[k] * shrunk
+        results.append(_Point(point.sized, size, float(values[best]), proposed))
+    return results
+
+
+def _left(instants: Instants, prefix: Trial, wanted: Sequence[tuple[Sized, Array]]) -> Array:
+    """What some sizes of families leave; infinity where they are no mistakes."""
+    made = [sized.make(size) for sized, size in wanted]
+    left = np.full(len(made), np.inf)
+    alone = not any(hypothesis.channels is not None for hypothesis in prefix)
+    columns = [k for k, (sized, _) in enumerate(wanted) if made[k] is not None and sized.of_channels and alone]
+    rows = [k for k, hypothesis in enumerate(made) if hypothesis is not None and k not in {*columns}]
+    if columns:
+        left[columns] = tried(instants, [prefix], [_alone(made[k]) for k in columns]).residuals[0]
+    if rows:
+        left[rows] = tried(instants, [together(*prefix, *_alone(made[k])) for k in rows], [AS_RECORDED]).residuals[:, 0]
+    return left
+
+
+def _alone(hypothesis: Hypothesis | None) -> Trial:
+    return () if hypothesis is None else (hypothesis,)

@@ -1,0 +1,70 @@
+"""What to write into a case file: the keys in which an edited case differs from it, with their values."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from cases.schema import Case
+
+DIGITS = 6  # of numbers that a remedy states
+MOST_KEYS = 12  # that a sentence lists
+
+Path = tuple[str | int, ...]
+
+
+def keys_to_write(case: Case, edited: Case) -> str:
+    """The keys that lead from a case to another, by table, as they stand in a file; empty where none differs."""
+    tables: dict[str, list[str]] = {}
+    for path, value in _differences(case.model_dump(mode="json"), edited.model_dump(mode="json")):
+        table, key = _place(path, case)
+        tables.setdefault(table, []).append(f"{key} = {_toml(value)}" if value is not None else f"no {key}")
+    parts = [_in_table(table, entries) for table, entries in tables.items()]
+    return "write " + ", and ".join(parts) if parts else ""
+
+
+def _in_table(table: str, entries: Sequence[str]) -> str:
+    if table and len(entries) == 1 and " " not in table:
+        return f"{table}.{entries[0]}" if not entries[0].startswith("no ") else f"no {table}.{entries[0][3:]}"
+    return (f"in [{table}]: " if table and " " not in table else f"in {table}: " if table else "") + ", ".join(entries)
+
+
+def _differences(before: Any, after: Any, path: Path = ()) -> Iterator[tuple[Path, Any]]:
+    """Places where two values differ, with what the second has there: None where it has nothing."""
+    if isinstance(before, dict) and isinstance(after, dict):
+        for key in {**before, **after}:
+            yield from _differences(before.get(key), after.get(key), (*path, key))
+    elif _tables(before) and _tables(after) and len(before) == len(after):
+        for k, (old, new) in enumerate(zip(before, after, strict=True)):
+            yield from _differences(old, new, (*path, k))
+    elif before != after:
+        yield path, after
+
+
+def _tables(value: Any) -> bool:
+    """Whether a value is a list of tables or of points, whose entries are compared one by one."""
+    return isinstance(value, list | tuple) and bool(value) and isinstance(value[0], dict | list | tuple)
+
+
+def _place(path: Path, case: Case) -> tuple[str, str]:
+    """Table and key of a place, entries of lists counted from 1 or by the name of a joint."""
+    words = [str(part) if isinstance(part, str) else f"[{part + 1}]" for part in path]
+    if path[:3] == ("machine", "chain", "joints") and case.chain is not None and isinstance(path[3], int):
+        return f"joint {case.chain.joints[path[3]].name} of machine.chain.joints", ".".join(words[4:])
+    if isinstance(path[-1], int):
+        return ".".join(words[:-2]), words[-2] + words[-1]
+    return ".".join(words[:-1]), words[-1]
+
+
+def _toml(value: Any) -> str:
+    """A value as a case file has it, numbers rounded."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, float):
+        rounded = float(f"{value:.{DIGITS}g}") + 0.0
+        return repr(rounded)
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_toml, value))}]"
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key} = {_toml(inner)}" for key, inner in value.items() if inner is not None) + " }"
+    return str(value)

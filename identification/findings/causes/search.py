@@ -1,0 +1,298 @@
+"""The search for the cause: every hypothesis alone, then two of them at once, and what may be named of them.
+
+A trial explains a run where it leaves what noise makes and removes nearly all that is above it; what leaves as little
+is named beside it, for it predicts the same forces.
+"""
+
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from cases.errors import HexciteError
+from cases.schema import Case
+from cases.units import Array
+from identification.estimation.fit import Fit
+from identification.findings.causes import channels, drives, geometry, surroundings
+from identification.findings.causes.estimated import refined, sized_of
+from identification.findings.causes.hypothesis import (
+    AS_RECORDED,
+    FAMILIES,
+    Family,
+    Hypothesis,
+    Trial,
+    case_of,
+    mistakes,
+    together,
+)
+from identification.findings.causes.instants import Instants, instants_of
+from identification.findings.causes.readings import of_recording
+from identification.findings.causes.trials import Left, closing, left_by, tried
+from identification.model import Model
+from identification.recording import Recording
+
+NEAR = 3.0  # times what noise makes of the residuals, up to which they are explained
+REMOVED = 0.02  # share of what is above the noise, squared, that an explanation leaves at most
+ALIKE = 1.15  # ratio of residuals up to which trials predict the same forces
+SAME = 1.03  # the same within a family, of which the simplest is named
+SIMPLER = 0.75  # mistakes fewer, by which one of those that are alike is named alone
+COARSE = 40  # instants by which most trials are left out
+COARSE_PAIRS = 24  # the same of two hypotheses at once
+KEPT = 60  # trials of each kind that are tried on all instants
+GREEDY = 6  # hypotheses that leave least, to which every other one is added
+READINGS = 4  # of a recording that leave least, to which every other hypothesis is added
+LEVEL = 0.3  # of the measured noise: differences between smaller residuals say nothing
+SIMILAR = 0.1  # by which noise of channels may be changed by what a column of trials does
+
+
+@dataclass(frozen=True, slots=True)
+class Tried:
+    """A trial and what it leaves."""
+
+    trial: Trial
+    instants: Instants  # it was tried on
+    residuals: float  # over the noise
+    delay: float  # [s]
+
+    @property
+    def comparable(self) -> float:
+        """Residuals over the noise, without differences that say nothing."""
+        level = LEVEL * float(np.mean(self.instants.least / self.instants.noise))
+        return float(np.hypot(self.residuals, level))
+
+    def left(self) -> Left:
+        """The same in newtons."""
+        return left_by(self.instants, self.trial, self.delay)
+
+
+@dataclass(frozen=True, slots=True)
+class Search:
+    """What a search found."""
+
+    recorded: Tried | None  # all as recorded; None where nothing can be computed from that
+    explanations: tuple[Tried, ...]  # that leave what noise makes, the best first; none where no trial explains the run
+    best: Tried | None  # what leaves least of all that was tried
+    families: tuple[Family, ...]  # what was tried
+
+    @property
+    def sound(self) -> bool:
+        """Whether the run needs no explanation."""
+        return self.recorded is not None and not self.explanations and _near(self.recorded)
+
+
+def search(recording: Recording, case: Case, model: Model, fit: Fit | None = None) -> Search | None:
+    """What explains a run, one hypothesis or two; None where nothing can be tried on it.
+
+    Args:
+        recording: the run, without the samples that no estimate may use.
+        case: the case that it was read with.
+        model: model that its forces are compared with.
+        fit: the fit to it, where there is one; a run whose residuals are near its noise needs no explanation.
+    """
+    base = _instants(recording, case, model)
+    recorded = None if base is None else _alone(base, AS_RECORDED)
+    if base is not None and recorded is not None:
+        if fit is not None:
+            of_fit = float(np.sqrt(np.mean((fit.residuals / base.noise) ** 2)))
+            recorded = replace(recorded, residuals=min(of_fit, recorded.residuals))
+        if _near(recorded):
+            return Search(recorded, (), None, ())
+    readings: list[tuple[Trial, Instants]] = []
+    for reading in of_recording(recording, case):
+        instants = _of_reading(reading, recording, case, model)
+        if instants is not None:
+            readings.append(((reading,), instants))
+    if base is None and not readings:
+        return None
+    families = {reading.family for (reading,), _ in readings}
+    found = [_alone(instants, trial) for trial, instants in readings]
+    readings = [readings[int(k)] for k in np.argsort([entry.residuals for entry in found], kind="stable")]
+    if base is not None:
+        found += _singles(base, AS_RECORDED)
+        families |= {hypothesis.family for entry in found for hypothesis in entry.trial}
+    explained = explanations(found, recorded)
+    if not explained:
+        for trial, instants in readings[:READINGS]:
+            found += _singles(instants, trial)
+        if base is not None:
+            found += _pairs(base, found)
+        explained = explanations(found, recorded)
+    finite = [entry for entry in found if np.isfinite(entry.residuals)]
+    best = min(finite, key=lambda entry: (entry.residuals, mistakes(entry.trial)), default=None)
+    return Search(recorded, explained, best, tuple(sorted(families, key=FAMILIES.index)))
+
+
+def explanations(found: Sequence[Tried], recorded: Tried | None) -> tuple[Tried, ...]:
+    """Those of some trials that explain the run, alike, one of each family, the best first."""
+    before = np.inf if recorded is None else recorded.residuals
+    excess = REMOVED * max(before**2 - 1.0, 0.0)
+    better = [entry for entry in found if entry.trial and entry.residuals < before / 2.0]
+    better = [entry for entry in better if max(entry.residuals**2 - 1.0, 0.0) <= excess]
+    if not better:
+        return ()
+    best = min(better, key=lambda entry: entry.residuals)
+    most = NEAR if best.residuals <= NEAR else NEAR * float(np.hypot(1.0, best.left().shaking))
+    explaining = [entry for entry in better if entry.residuals <= most]
+    if not explaining:
+        return ()
+    least = min(entry.comparable for entry in explaining)
+    alike = [entry for entry in explaining if entry.comparable <= ALIKE * least]
+    simplest: dict[tuple[Family, ...], Tried] = {}
+    for families in dict.fromkeys(_families(entry) for entry in alike):
+        own = [entry for entry in alike if _families(entry) == families]
+        lowest = min(entry.comparable for entry in own)
+        same = [entry for entry in own if entry.comparable <= SAME * lowest]
+        simplest[families] = min(same, key=lambda entry: (mistakes(entry.trial), entry.residuals))
+    fewest = min(mistakes(entry.trial) for entry in simplest.values())
+    plain = [entry for entry in simplest.values() if mistakes(entry.trial) < fewest + SIMPLER]
+    return tuple(sorted(plain, key=lambda entry: (mistakes(entry.trial), entry.residuals)))
+
+
+def _families(entry: Tried) -> tuple[Family, ...]:
+    return tuple(hypothesis.family for hypothesis in entry.trial)
+
+
+def _near(entry: Tried) -> bool:
+    """Whether residuals are what the noise of forces and of drives makes."""
+    if entry.residuals <= NEAR:
+        return True
+    return bool(np.isfinite(entry.residuals) and entry.residuals <= NEAR * np.hypot(1.0, entry.left().shaking))
+
+
+def _instants(recording: Recording, case: Case, model: Model) -> Instants | None:
+    with suppress(HexciteError):
+        return instants_of(recording, case, model)
+    return None
+
+
+def _of_reading(reading: Hypothesis, recording: Recording, case: Case, model: Model) -> Instants | None:
+    if reading.recorded is None or (other := reading.recorded(recording, case)) is None:
+        return None
+    return _instants(other, case_of((reading,), case), model)
+
+
+def _alone(instants: Instants, trial: Trial) -> Tried:
+    outcome = tried(instants, [trial], [AS_RECORDED])
+    return Tried(trial, instants, float(outcome.residuals[0, 0]), float(outcome.delays[0, 0]))
+
+
+class Tables(NamedTuple):
+    """Hypotheses without a size, by how they are tried."""
+
+    changes: list[Hypothesis]  # of motion, case or noise
+    bars: list[Hypothesis]  # of what the sensors' bars make of the forces
+    forces: list[Hypothesis]  # of the recorded forces alone
+
+
+def hypotheses_of(instants: Instants) -> Tables:
+    """All hypotheses without a size about a run."""
+    case, every = instants.case, list(channels.of_channels(instants.case))
+    every += channels.of_sensor(case)
+    if case.chain is not None and instants.drives is not None:
+        every += drives.of_joints(case, case.chain)
+    if case.hexapod is not None and instants.drives is not None and not instants.posed:
+        every += drives.of_struts(case)
+        every += geometry.of_machine(case, case.hexapod)
+    if instants.turning is None or instants.turning.specific is None:
+        every += surroundings.of_surroundings(case)
+        every.append(surroundings.of_compensation())
+    if case.sensor_frame.has_moments:
+        every.append(surroundings.of_axes())
+    alone = [_of_forces_alone(hypothesis, instants) for hypothesis in every]
+    bars = [] if case.sensor_frame.bars is None else list(geometry.of_bars(case, case.sensor_frame.bars))
+    return Tables(
+        [h for h, of_forces in zip(every, alone, strict=True) if not of_forces],
+        bars,
+        [h for h, of_forces in zip(every, alone, strict=True) if of_forces],
+    )
+
+
+def _of_forces_alone(hypothesis: Hypothesis, instants: Instants) -> bool:
+    """Whether a hypothesis changes forces alone, and leaves the noise of each channel as it is."""
+    if hypothesis.channels is None or hypothesis.drives is not None or hypothesis.in_base:
+        return False
+    noise = np.sqrt(hypothesis.channels**2 @ instants.noise**2)
+    return bool(np.all(np.abs(noise / instants.noise - 1.0) < SIMILAR))
+
+
+def _singles(instants: Instants, prefix: Trial) -> list[Tried]:
+    """Every hypothesis beside some that are taken for granted, with its size where it has one."""
+    tables, coarse = hypotheses_of(instants), instants.part(COARSE)
+    rows = [together(*prefix, hypothesis) for hypothesis in (*tables.changes, *tables.bars)]
+    best = _best(coarse, [prefix, *rows], [AS_RECORDED])
+    best += _best(coarse, [prefix], [(hypothesis,) for hypothesis in tables.forces])
+    return _on_all(instants, [*best, *_sized(instants, coarse, prefix)])
+
+
+def _sized(instants: Instants, coarse: Instants, prefix: Trial) -> list[Trial]:
+    """The hypotheses with a size beside others of other families."""
+    taken = {hypothesis.family for hypothesis in prefix}
+    return refined(instants, coarse, [sized for sized in sized_of(instants) if sized.family not in taken], prefix)
+
+
+def _pairs(instants: Instants, singles: Sequence[Tried]) -> list[Tried]:
+    """Two hypotheses at once: the product of the elementary ones, and each size with those that leave least alone."""
+    tables, coarse = hypotheses_of(instants), instants.part(COARSE_PAIRS)
+    rows = [hypothesis for hypothesis in tables.changes if not hypothesis.single]
+    columns = [hypothesis for hypothesis in (*tables.bars, *tables.forces) if not hypothesis.single]
+    closed = closing(coarse, [(row,) for row in rows])
+    best = _best(coarse, closed, [(column,) for column in columns])
+    pairs = [together(*pair) for pair in combinations(rows, 2) if _compatible(*pair)]
+    best += _best(coarse, closing(coarse, pairs), [AS_RECORDED])
+    both = [together(*pair) for pair in combinations(columns, 2) if _compatible(*pair)]
+    best += _best(coarse, [AS_RECORDED], both)
+    greedy = [entry.trial for entry in sorted(singles, key=lambda entry: entry.residuals) if entry.instants is instants]
+    for trial in greedy[:GREEDY]:
+        best += _sized(instants, coarse, trial)
+    return _on_all(instants, best)
+
+
+def _compatible(*hypotheses: Hypothesis) -> bool:
+    """Whether hypotheses do not speak of the same thing."""
+    for one, other in combinations(hypotheses, 2):
+        if one.family is not other.family or one.family in (Family.MACHINE, Family.BARS):
+            continue
+        if one.family in (Family.CHANNELS, Family.OFFSETS) and not _orders(one, other):
+            continue
+        if one.family is Family.UNITS and (one.channels is None) != (other.channels is None):
+            continue
+        return False
+    return True
+
+
+def _orders(one: Hypothesis, other: Hypothesis) -> bool:
+    """Whether two hypotheses are both about order, or both about signs, or offsets of one joint."""
+    if one.channels is not None and other.channels is not None:
+        return _is_diagonal(one.channels) == _is_diagonal(other.channels)
+    assert one.drives is not None
+    assert other.drives is not None
+    return bool(np.any((one.drives.offset != 0.0) & (other.drives.offset != 0.0)))
+
+
+def _is_diagonal(matrix: Array) -> bool:
+    return not np.any(matrix - np.diag(np.diagonal(matrix)))
+
+
+def _best(instants: Instants, rows: Sequence[Trial], columns: Sequence[Trial]) -> list[Trial]:
+    """The trials of a product that leave least."""
+    if not rows or not columns:
+        return []
+    outcome = tried(instants, rows, columns)
+    order = np.argsort(outcome.residuals, axis=None)[:KEPT]
+    places = [divmod(int(k), len(columns)) for k in order]
+    return [together(*rows[i], *columns[j]) for i, j in places if np.isfinite(outcome.residuals[i, j])]
+
+
+def _on_all(instants: Instants, trials: Sequence[Trial]) -> list[Tried]:
+    """Trials on all instants."""
+    trials = [trial for trial in trials if trial]
+    if not trials:
+        return []
+    outcome = tried(instants, trials, [AS_RECORDED])
+    return [
+        Tried(trial, instants, float(residuals), float(delay))
+        for trial, residuals, delay in zip(trials, outcome.residuals[:, 0], outcome.delays[:, 0], strict=True)
+    ]

@@ -1,0 +1,74 @@
+"""Hypotheses about what is around the machine: gravity, a compensated wrench, its axes, and the pace of the clock."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from cases.schema import Case
+from cases.units import Array
+from identification.findings.causes.hypothesis import Edit, Family, Hypothesis
+
+DIRECTIONS = tuple(
+    (axis, sign, word)
+    for axis, (low, high) in enumerate((("-x", "+x"), ("-y", "+y"), ("-z", "+z")))
+    for sign, word in ((-1.0, low), (1.0, high))
+)
+UNIT_RATIOS = {"ms": 1e-3, "us": 1e-6, "s": 1.0, "min": 60.0, "h": 3600.0, "ns": 1e-9}
+
+
+def of_gravity(case: Case, direction: Array, mistakes: float = 1.0, words: str = "") -> Hypothesis:
+    """Gravity along another direction of {B}, of the size that the case says; direction: shape (3,)."""
+    size = float(np.linalg.norm(case.gravity))
+    vector = np.asarray(direction) / np.linalg.norm(direction) * size
+    entries = tuple(float(round(value, 4)) + 0.0 for value in vector)
+    if not words:
+        away = float(np.degrees(np.arccos(np.clip(case.gravity @ vector / size**2, -1.0, 1.0))))
+        words = f"gravity points {away:.3g} deg away from gravity_m_s2: the machine stands on a slope"
+    return Hypothesis(family=Family.GRAVITY, words=words, edit=_gravity(entries), place="case", mistakes=mistakes)
+
+
+def _gravity(vector: tuple[float, ...]) -> Edit:
+    return lambda case: case.model_copy(update={"gravity_m_s2": vector})
+
+
+def of_surroundings(case: Case) -> Iterator[Hypothesis]:
+    """Gravity along other axes of {B}: on a wall, under a ceiling."""
+    for axis, sign, word in DIRECTIONS:
+        vector = np.eye(3)[axis] * sign
+        if vector @ case.gravity < 0.999 * np.linalg.norm(case.gravity):
+            yield of_gravity(case, vector, words=f"gravity points along {word} of {{B}}")
+
+
+def of_compensation() -> Hypothesis:
+    """A wrench without the weight of what the sensor carries."""
+    return Hypothesis(
+        family=Family.COMPENSATED, words="the forces are compensated: they lack the weight of what the sensor carries",
+        edit=_gravity((0.0, 0.0, 0.0)), place="case",
+        remedy="record them raw, with every compensation of the tool or payload switched off",
+    )  # fmt: skip
+
+
+def of_axes() -> Hypothesis:
+    """A wrench in the axes of the base."""
+    return Hypothesis(
+        family=Family.AXES, words="the wrench is in the axes of the base, not of the sensor", in_base=True,
+        remedy="record it in the axes of the sensor, as the sensor itself reads it",
+    )  # fmt: skip
+
+
+def of_pace(step: float, pace: float) -> Hypothesis:
+    """Seconds of the recording that are longer or shorter than true ones.
+
+    Args:
+        step: between two samples, as recorded [s].
+        pace: true seconds in a second of the recording.
+    """
+
+    period = float(f"{step * pace * 1e3:.4g}")
+
+    def edit(case: Case) -> Case:
+        clock = case.recording.clock.model_copy(update={"period_ms": period})
+        return case.model_copy(update={"recording": case.recording.model_copy(update={"clock": clock})})
+
+    words = f"samples are {period:g} ms apart, not {step * 1e3:.4g} ms"
+    return Hypothesis(family=Family.CLOCK, words=words, pace=pace, edit=edit, mistakes=1.3)
