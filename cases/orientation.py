@@ -7,6 +7,7 @@ Users of conventions as the manuals of Basler's rc_cube and Mech-Mind's software
 """
 
 import re
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
@@ -58,6 +59,21 @@ class Convention:
         else:
             turns = Rotation.from_euler(self.axes, values).as_matrix()
         return np.asarray(turns.transpose(0, 2, 1) if self.inverse else turns)
+
+    def values(self, turns: Array) -> Array:
+        """What it writes for rotation matrices, shape (n, 3, 3): its columns, shape (n, 3, 4 or 9), angles [rad]."""
+        from scipy.spatial.transform import Rotation
+
+        turns = turns.transpose(0, 2, 1) if self.inverse else turns
+        if self.form == "matrix":
+            return np.reshape(turns, (-1, 9))
+        rotation = Rotation.from_matrix(turns)
+        if self.form == "quaternion":
+            return np.asarray(np.roll(rotation.as_quat(), 1, axis=1))
+        if self.form == "rotation vector":
+            return np.asarray(rotation.as_rotvec())
+        with warnings.catch_warnings(action="ignore", category=UserWarning):  # where two axes coincide, one angle is 0
+            return np.asarray(rotation.as_euler(self.axes))
 
 
 _USERS = {

@@ -17,6 +17,7 @@ from cases.machine import POSE
 from cases.orientation import ROTATION
 from cases.recording_format import CLOCK, FileFormat, FileOfRun, RecordingFormat
 from cases.schema import Case
+from cases.units import Array
 from identification.formats import binary, known
 from identification.formats.assembly import require_clock, start_of, stream_of
 from identification.formats.joining import on_one_axis
@@ -81,6 +82,18 @@ def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
 
         main = replace(main, struts=Hexapod.of(case).strut_lengths(main.poses))
     return replace(main, findings=(*findings, *of_clocks)), *(s for s in streams if s.forces is None)
+
+
+def written_columns(paths: Sequence[Path], case: Case, names: Sequence[str]) -> Array | None:
+    """Columns of a run's files as they are written, in SI units, shape (n, k); None where no file has all of them.
+
+    Raises RecordingError where a file cannot be read.
+    """
+    for path in paths:
+        for table in _read_in_one_of(*_file_of(path, case), case):
+            if {*names} <= table.values.keys():
+                return np.column_stack([table.values[c] * table.factors[c] + table.form.shift(c) for c in names])
+    return None
 
 
 _STORED = {".mcap": b"\x89MCAP0\r\n", ".db3": b"SQLite format 3\0", ".bag": b"#ROSBAG V"}

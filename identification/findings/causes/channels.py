@@ -1,14 +1,13 @@
 """Hypotheses about recorded forces: channels in another order, with another sign, unit or scale, or in other axes."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from cases.chain import ChainFrame
-from cases.machine import turned
-from cases.recording_format import ROLE_UNITS, Role
+from cases.machine import Frame, turned
+from cases.recording_format import ROLE_OF, ROLE_UNITS, Role
 from cases.schema import Case
 from cases.sensors import Transducer
 from cases.units import DEG, Array
@@ -84,8 +83,8 @@ def in_unit(role: Role, unit: str) -> Edit:
 def other_units(case: Case, role: Role) -> Iterator[tuple[str, float]]:
     """Other units of a role than the case says, one of those alike, with what values are to be multiplied by."""
     units = ROLE_UNITS[role]
-    usual = next(iter(units))
-    now = units[case.recording.units.get(role, usual)]
+    usual = units.usual
+    now = units[units.symbol(case.recording.units.get(role, usual)) or usual]
     seen = {1.0}
     for unit, factor in units.items():
         if (ratio := float(f"{factor / now:.12g}")) not in seen:
@@ -98,7 +97,6 @@ def of_channels(case: Case) -> Iterator[Hypothesis]:
     names = case.sensor_frame.channels
     numbers = [str(k + 1) for k in ORDER]
     what = "force channels"
-    labels = [case.recording.file_name(name) for name in names] if case.sensor_frame.has_moments else numbers
     for order in orders(6):
         pairs = sum(place != k for k, place in enumerate(order)) // 2
         swapped = all(order[place] == k for k, place in enumerate(order))
@@ -107,7 +105,7 @@ def of_channels(case: Case) -> Iterator[Hypothesis]:
             edit=mapped(names, order), mistakes=pairs if swapped else 1.5, single=pairs > 1 and swapped,
         )  # fmt: skip
     yield from _cycles(case) if case.sensor_frame.has_moments else ()
-    yield from _signs(case, labels)
+    yield from _signs(case)
     if case.sensor_frame.has_moments:
         yield from _moment_units(case)
 
@@ -124,7 +122,7 @@ def _cycles(case: Case) -> Iterator[Hypothesis]:
         )  # fmt: skip
 
 
-def _signs(case: Case, labels: Sequence[str]) -> Iterator[Hypothesis]:
+def _signs(case: Case) -> Iterator[Hypothesis]:
     """Channels with the other sign, any number of them; all of them are the sense of the sensor."""
     for signs in product((1.0, -1.0), repeat=6):
         turned_ones = [k for k in ORDER if signs[k] < 0.0]
@@ -132,15 +130,25 @@ def _signs(case: Case, labels: Sequence[str]) -> Iterator[Hypothesis]:
             continue
         every = len(turned_ones) == 6
         numbers = ", ".join(str(k + 1) for k in turned_ones)
-        edit: Edit | None = None
-        remedy = f"turn the sign of {', '.join(labels[k] for k in turned_ones)} in the recorder"
-        if every:
-            edit, remedy = other_sense, ""
+        names = [case.sensor_frame.channels[k] for k in turned_ones]
         yield Hypothesis(
-            family=Family.CHANNELS, words=f"the signs of force channels {numbers} are turned",
-            channels=np.diag(signs), edit=edit, place="either" if every else "recording", remedy=remedy,
+            family=Family.CHANNELS, words=f"the signs of force channels {numbers} are turned", channels=np.diag(signs),
+            edit=other_sense if every else scaled(dict.fromkeys(names, -1.0)), place="either" if every else "recording",
             mistakes=1.0 if every else len(turned_ones), single=1 < len(turned_ones) < 6,
         )  # fmt: skip
+
+
+def scaled(factors: Mapping[str, float]) -> Edit:
+    """The edit that reads columns times factors."""
+
+    def edit(case: Case) -> Case:
+        form, scale = case.recording, dict(case.recording.scale)
+        for ours, factor in factors.items():
+            units = ROLE_UNITS[ROLE_OF[ours]]
+            scale[ours] = float(f"{factor * form.factor(ours) / units[units.usual]:.6g}")
+        return case.model_copy(update={"recording": form.model_copy(update={"scale": scale})})
+
+    return edit
 
 
 def other_sense(case: Case) -> Case:
@@ -168,10 +176,11 @@ def of_gain(case: Case, channel: int, gain: float) -> Hypothesis:
     """One channel is to be multiplied by a gain."""
     scale = np.ones(6)
     scale[channel] = gain
-    name = case.recording.file_name(case.sensor_frame.channels[channel])
+    ours = case.sensor_frame.channels[channel]
+    name = case.recording.file_name(ours)
     return Hypothesis(
         family=Family.GAINS, words=f"{name} is {'smaller' if gain > 1.0 else 'larger'} than the other channels say",
-        channels=np.diag(scale), remedy=f"multiply {name} by {gain:.4g}, or check its amplifier", mistakes=1.5,
+        channels=np.diag(scale), edit=scaled({ours: float(f"{gain:.4g}")}), mistakes=1.5,
     )  # fmt: skip
 
 
@@ -207,7 +216,7 @@ def _sensor_turned(turn: Rotation) -> Edit:
         sensor = case.chain.sensor
         matrix = turned(sensor.rpy) @ turn.as_matrix()
         rpy = tuple(float(round(v, 3)) + 0.0 for v in np.degrees(rpy_of(matrix)))
-        chain = case.chain.model_copy(update={"sensor": ChainFrame(origin_mm=sensor.origin_mm, rpy_deg=rpy)})
+        chain = case.chain.model_copy(update={"sensor": Frame(origin_mm=sensor.origin_mm, rpy_deg=rpy)})
         return case.model_copy(update={"machine": case.machine.model_copy(update={"chain": chain})})
 
     return edit

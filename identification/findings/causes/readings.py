@@ -1,16 +1,27 @@
 """Hypotheses about how a recording was read, which no map of its drives makes: clocks, leaps of joints, poses."""
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 
-from cases.recording_format import TICKS
+from cases.errors import HexciteError
+from cases.machine import POSE
+from cases.orientation import ANGLES, CONVENTIONS, OF_ANGLES, QUATERNION, ROLL_PITCH_YAW, Convention
+from cases.recording_format import TICKS, Role
 from cases.schema import Case
 from cases.units import Array
+from identification.findings.causes.channels import in_unit, mapped, order_words, other_units, scaled
 from identification.findings.causes.drives import with_joints
 from identification.findings.causes.hypothesis import Edit, Family, Hypothesis
+from identification.formats.reading import written_columns
+from identification.hexapod import Hexapod
 from identification.recording import Recording
+
+Changed = Callable[[Recording, Case], Recording | None]
+Turns = Callable[[Array], Array]
+"""Rotation matrices, shape (n, 3, 3), or what a file writes of them, from rotation matrices."""
 
 SHORTEST, LONGEST = 1e-5, 0.2  # [s] between samples of a recorder
 HALF_TURN = np.pi
@@ -23,6 +34,11 @@ def of_recording(recording: Recording, case: Case) -> Iterator[Hypothesis]:
         yield from _clocks(recording, case)
     if case.chain is not None and recording.struts is not None:
         yield from _leaps(recording, case)
+    if recording.rotations is not None and case.setup != "1a":
+        yield from _orientations(recording, case, _of_rotations)
+    if recording.poses is not None and case.hexapod is not None:
+        yield from _orientations(recording, case, _of_poses)
+        yield from _positions(case)
 
 
 def _clocks(recording: Recording, case: Case) -> Iterator[Hypothesis]:
@@ -99,3 +115,138 @@ def _leaps(recording: Recording, case: Case) -> Iterator[Hypothesis]:
     names = ", ".join(f"{k + 1} ({chain.joints[k].name})" for k in leaping)
     words = f"readings of joint{'s' if len(leaping) > 1 else ''} {names} leap by 360 deg"
     yield Hypothesis(family=Family.CLOCK, words=words, edit=edit, recorded=changed)
+
+
+OTHER_QUATERNIONS = ((1, 2, 3, 0), (3, 0, 1, 2), (3, 2, 1, 0))  # orders in which they are written: qw last, or first
+SIGNED = 1.2  # mistakes that a convention which nobody is known to use, or a sign, counts for
+
+
+def _orientations(recording: Recording, case: Case, of: Callable[[Turns], Changed]) -> Iterator[Hypothesis]:
+    """Orientations that are written in another way than they are read, given what makes a recording of other turns."""
+    stated = case.recording.orientation
+    now = ROLL_PITCH_YAW if stated is None else CONVENTIONS[stated]
+    columns = {*case.recording.columns}
+    if stated is None and not columns & {*ANGLES} and columns & {*QUATERNION}:
+        now = CONVENTIONS["quaternion"]
+    elif stated is None and not columns & {*ANGLES} and case.hexapod is None:
+        now = CONVENTIONS["matrix"]
+    written = _written(recording, case, now)
+    for other in OF_ANGLES if now.columns == ANGLES else CONVENTIONS.values():
+        if other is not now and other.columns == now.columns:
+            users = f" ({other.users})" if other.users else ""
+            yield Hypothesis(
+                family=Family.ORIENTATION, words=f"orientations are written as '{other.name}'{users}",
+                edit=_in_convention(other), recorded=of(_rewritten(written, other)),
+                mistakes=1.0 if other.users or other.inverse else SIGNED,
+            )  # fmt: skip
+    if now.form == "quaternion":
+        for order in OTHER_QUATERNIONS:
+            words = order_words(order, "the parts of the quaternion", QUATERNION)
+            change = _rewritten(written, now, np.eye(4)[list(order)])
+            yield Hypothesis(
+                family=Family.ORIENTATION, words=words, edit=mapped(QUATERNION, order), recorded=of(change)
+            )
+    if now.columns == ANGLES:
+        yield from _angles(case, now, written, of)
+
+
+def _angles(case: Case, now: Convention, written: Turns, of: Callable[[Turns], Changed]) -> Iterator[Hypothesis]:
+    """Angles in another unit, or with another sign."""
+    for unit, ratio in other_units(case, Role.ANGLES):
+        yield Hypothesis(
+            family=Family.UNITS, words=f"angles of the pose are in {unit}", edit=in_unit(Role.ANGLES, unit),
+            recorded=of(_rewritten(written, now, ratio * np.eye(3))),
+        )  # fmt: skip
+    for signs in ((-1.0, 1.0, 1.0), (1.0, -1.0, 1.0), (1.0, 1.0, -1.0), (-1.0, -1.0, -1.0)):
+        names = [name for name, sign in zip(ANGLES, signs, strict=True) if sign < 0.0]
+        files = ", ".join(case.recording.file_name(name) for name in names)
+        yield Hypothesis(
+            family=Family.ORIENTATION, words=f"the sign of {files} is turned", mistakes=SIGNED,
+            edit=scaled(dict.fromkeys(names, -1.0)), recorded=of(_rewritten(written, now, np.diag(signs))),
+        )  # fmt: skip
+
+
+def _written(recording: Recording, case: Case, now: Convention) -> Turns:
+    """What the file holds, from the turns that were read by a convention: where it can be, from the file itself.
+
+    Angles of a rotation are not unique, and rotation vectors of more than half a turn are others then.
+    """
+    values: Array | None = None
+    with suppress(HexciteError):
+        values = written_columns(recording.paths, case, now.columns)
+
+    def written(turns: Array) -> Array:
+        return values if values is not None and len(values) == len(turns) else now.values(turns)
+
+    return written
+
+
+def _rewritten(written: Turns, other: Convention, matrix: Array | None = None) -> Turns:
+    """The turns by another convention, or of changed values."""
+    return lambda turns: other.matrices(written(turns) if matrix is None else written(turns) @ matrix.T)
+
+
+def _in_convention(other: Convention) -> Edit:
+    def edit(case: Case) -> Case:
+        form = case.recording.model_copy(update={"orientation": other.name})
+        return case.model_copy(update={"recording": form})
+
+    return edit
+
+
+def _of_rotations(change: Turns) -> Changed:
+    def changed(recording: Recording, case: Case) -> Recording | None:
+        del case
+        if recording.rotations is None:
+            return None
+        return replace(recording, rotations=change(recording.rotations))
+
+    return changed
+
+
+def _of_poses(change: Turns) -> Changed:
+    """The recording with other orientations of its poses."""
+    from scipy.spatial.transform import Rotation
+
+    def changed(recording: Recording, case: Case) -> Recording | None:
+        if recording.poses is None:
+            return None
+        turns = change(Rotation.from_euler("xyz", recording.poses[:, 3:]).as_matrix())
+        angles = Rotation.from_matrix(turns).as_euler("xyz")
+        return _with_poses(recording, case, np.hstack([recording.poses[:, :3], angles]))
+
+    return changed
+
+
+def _with_poses(recording: Recording, case: Case, poses: Array) -> Recording:
+    return replace(recording, poses=poses, struts=Hexapod.of(case).strut_lengths(poses))
+
+
+def _positions(case: Case) -> Iterator[Hypothesis]:
+    """Positions of a hexapod's platform in another unit, order, or with another sign."""
+    names = POSE[:3]
+
+    def of_matrix(matrix: Array) -> Changed:
+        def changed(recording: Recording, case: Case) -> Recording | None:
+            if recording.poses is None:
+                return None
+            return _with_poses(recording, case, np.hstack([recording.poses[:, :3] @ matrix.T, recording.poses[:, 3:]]))
+
+        return changed
+
+    for unit, ratio in other_units(case, Role.POSITIONS):
+        yield Hypothesis(
+            family=Family.UNITS, words=f"positions are in {unit}", edit=in_unit(Role.POSITIONS, unit),
+            recorded=of_matrix(ratio * np.eye(3)),
+        )  # fmt: skip
+    for order in ((1, 0, 2), (2, 1, 0), (0, 2, 1), (1, 2, 0), (2, 0, 1)):
+        yield Hypothesis(
+            family=Family.DRIVES, words=order_words(order, "positions", names), edit=mapped(names, order),
+            recorded=of_matrix(np.eye(3)[list(order)]),
+        )  # fmt: skip
+    for k, name in enumerate(names):
+        signs = np.where(np.arange(3) == k, -1.0, 1.0)
+        yield Hypothesis(
+            family=Family.SIGNS, words=f"the sign of {case.recording.file_name(name)} is turned", mistakes=SIGNED,
+            edit=scaled({name: -1.0}), recorded=of_matrix(np.diag(signs)),
+        )  # fmt: skip
