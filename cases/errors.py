@@ -20,6 +20,8 @@ class HexciteError(Exception):
 
     quantity: str = ""
     """Key of the case, or parameter, that the value is of; empty where it has none."""
+    doubtful: bool = False
+    """Whether its cause may be that data were read as they are not meant, or a case that is not the machine's."""
 
     def __init__(self, place: object, problem: str = "", remedy: str = "") -> None:
         self.place, self.problem = (str(place), problem) if problem else ("", str(place))
@@ -42,6 +44,11 @@ class HexciteError(Exception):
         said = tuple(doubts)
         error.args, error.remedy = (ALSO.join([self.args[0], *said]),), ALSO.join([self.remedy, *said])
         return error
+
+    def in_doubt(self) -> Self:
+        """The same error, of which the cause is to be looked for."""
+        self.doubtful = True
+        return self
 
     def __str__(self) -> str:
         """One printable line, whatever names and values it quotes; options are named as arguments of the library."""

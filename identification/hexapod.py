@@ -43,6 +43,7 @@ class StrutsDoNotClose(IdentificationError):
         words = ", ".join(f"{v * 1e3:.3f}" for v in lengths)
         problem = f"no pose has the strut lengths {words} mm"
         super().__init__(place or f"sample {sample + 1}", problem, "check unit, sign, order and offset of the struts")
+        self.doubtful = True
 
 
 class Hexapod:

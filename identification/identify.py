@@ -163,6 +163,8 @@ def estimate_parameters(
             try:
                 estimate = _estimated(recording, case, model, how)
             except (IdentificationError, RecordingError) as error:
+                if not error.doubtful:
+                    raise
                 raise _explained(error, answer(recording, case, model, evaluate)) from error
             if not doubtful(estimate.evaluated, estimate.fit, case, estimate.findings):
                 return estimate

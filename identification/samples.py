@@ -301,7 +301,7 @@ def _converged(
         raise IdentificationError(
             f"no delay up to {MOST_DELAY * 1e3:.0f} ms brings forces and motion together; record them in "
             "one run, with one clock"
-        )
+        ).in_doubt()
     assert regression is not None
     return delay, values, regression, whitening
 
@@ -326,4 +326,4 @@ def require_sense(model: Model, fit: Fit) -> None:
             "sensor_frame.transducer.sense and gravity_m_s2 of the case"
         )
         error.quantity = "m"
-        raise error
+        raise error.in_doubt()

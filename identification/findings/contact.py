@@ -143,7 +143,7 @@ def _require_free(recording: Recording, share: float, contacts: Sequence[Contact
             f"the forces leave the model in {100 * share:.0f} % of the samples, as in contact "
             f"({contact_sentence(recording, contacts[0])}); an identification run must be free: check columns, struts, "
             "model (6 to 9 in motion) and the case's dimensions, or record again"
-        )
+        ).in_doubt()
 
 
 def _without_pull(matrices: Array, fitted: Fitted) -> Array:

@@ -195,7 +195,7 @@ def checked_filter(recording: Recording, case: Case) -> Filter:
             recording.source,
             f"filter_cutoff_Hz = {cutoff:g} is too high for {1 / step:.4g} samples a second",
             f"at most {0.2 / step:.4g}{_other_clock(step, cutoff)}",
-        )
+        ).in_doubt()
     return Filter(cutoff, step, MOST_DELAY)
 
 
@@ -289,5 +289,5 @@ def _window(recording: Recording, low_pass: Filter, drives: str, unit: str) -> t
             f"the pose is constant ({drives} move by {travel * 1e3:.3g} {unit}, at least "
             f"{least_travel * 1e3:.3g} {unit} are needed); record the excitation, or remove t_s from averaged "
             "standstills",
-        )
+        ).in_doubt()
     return rows, warnings

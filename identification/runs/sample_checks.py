@@ -82,7 +82,7 @@ def scan(recording: Recording, case: Case) -> tuple[tuple[Finding, ...], Recordi
             f"{100 * bad.mean():.0f} % of the samples are unusable, at most {100 * MOST_BAD:.0f} % may "
             f"be: {next(f for f in findings if f.kind is Kind.DAMAGE)}",
             "mend the sensor and record again, or name the case of the machine that was recorded",
-        )
+        ).in_doubt()
     return tuple(findings), replace(recording, missing=bad)
 
 

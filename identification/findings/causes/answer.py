@@ -14,10 +14,11 @@ from cases.schema import Case
 from cases.units import Array
 from identification.estimation.fit import Fit
 from identification.findings.causes.hypothesis import Trial, case_of, channels_of, drives_of, pace_of
+from identification.findings.causes.instants import instants_of
 from identification.findings.causes.remedies import keys_to_write
 from identification.findings.causes.search import NEAR, Search, Tried, search
 from identification.hexapod import Hexapod
-from identification.model import Model, machine_of
+from identification.model import Model, identification_model, machine_of
 from identification.recording import Recording
 from identification.runs.sample_checks import scan
 
@@ -53,7 +54,7 @@ def answer(recording: Recording, case: Case, model: Model, evaluate: Evaluate, f
     found = search(clean, case, model, fit)
     if found is None or found.sound:
         return None
-    confirmed = [entry for entry in found.explanations if _confirmed(entry, recording, case, evaluate)]
+    confirmed = [entry for entry in found.explanations if _confirmed(entry, recording, case, model, evaluate)]
     if confirmed:
         return Answer(True, _cause(confirmed, found, case))
     return Answer(False, _tried(found, case)) if found.families else None
@@ -101,16 +102,17 @@ def _rotations(recording: Recording, case: Case) -> Array:
     return np.concatenate([Rotation.from_euler("xyz", pose[:, 3:]).as_matrix() for _, pose in still])
 
 
-def _confirmed(entry: Tried, recording: Recording, case: Case, evaluate: Evaluate) -> bool:
-    """Whether the whole run, evaluated with the remedies, leaves what they leave at some instants."""
+def _confirmed(entry: Tried, recording: Recording, case: Case, model: Model, evaluate: Evaluate) -> bool:
+    """Whether the whole run, evaluated with the remedies, leaves no more than some instants did."""
+    run, edited = mended(entry.trial, recording, case)
     try:
-        fit = evaluate(*mended(entry.trial, recording, case))
+        fit, instants = evaluate(run, edited), instants_of(run, edited, identification_model(edited, model.number))
     except HexciteError:
         return False
-    newtons = slice(0, 3 if case.sensor_frame.has_moments else 6)
-    left = float(np.sqrt(np.mean(fit.residuals[:, newtons] ** 2)))
-    expected = entry.left()
-    return left <= max(CONFIRMED * expected.newtons, NEAR * expected.noise)
+    if instants is None:
+        return False
+    left = float(np.sqrt(np.mean((fit.residuals / instants.noise) ** 2)))
+    return left <= max(CONFIRMED * entry.residuals, NEAR)
 
 
 def words_of(trial: Trial) -> str:

@@ -29,6 +29,13 @@ def of_struts(case: Case) -> Iterator[Hypothesis]:
             drives=Affine(matrix_of(order), np.zeros(6)), single=pairs > 1 and swapped,
             edit=mapped(STRUTS, order) if drives is None else _drives_in(order),
         )  # fmt: skip
+    role = Role.STRUTS if drives is None else Role.DRIVES
+    for unit, ratio in other_units(case, role):
+        offset = np.zeros(6) if drives is None else (1.0 - ratio) * drives.offset
+        yield Hypothesis(
+            family=Family.UNITS, words=f"{role} are in {unit}", edit=in_unit(role, unit),
+            drives=Affine(ratio * np.eye(6), offset),
+        )  # fmt: skip
     if drives is None:
         return
     for signs in product((1.0, -1.0), repeat=6):

@@ -22,6 +22,7 @@ BEST = 2  # starts of each that are refined
 ROUNDS = 9
 COARSELY = 4  # rounds on the coarse instants
 SHRINKING = 0.55  # of the steps from round to round
+PACE = 5.5  # factor by which seconds of a recording may be longer or shorter, unless their unit is another
 LEAST_ANGLE = 0.3  # [deg] below which an angle is no mistake that people make
 
 
@@ -127,9 +128,9 @@ def _offset(case: Case, k: int) -> Sized:
 def _pace(step: float) -> Sized:
     def make(size: Array) -> Hypothesis | None:
         pace = float(np.exp(size[0]))
-        return of_pace(step, pace) if abs(pace - 1.0) > 0.01 else None
+        return of_pace(step, pace) if abs(pace - 1.0) > 0.01 and 1.0 / PACE < pace < PACE else None
 
-    starts = tuple((float(value),) for value in np.linspace(np.log(0.1), np.log(10.0), 25))
+    starts = tuple((float(value),) for value in np.linspace(-np.log(0.9 * PACE), np.log(0.9 * PACE), 19))
     return Sized(Family.CLOCK, make, starts, (0.08,), False)
 
 

@@ -58,18 +58,21 @@ class Instants:
 
     def part(self, count: int) -> "Instants":
         """About so many of the instants, and some of the delays."""
-        every = slice(None, None, max(1, len(self.rows) // count))
-        some = slice(None, None, COARSE)
-        drives = None if self.drives is None else (self.drives[0][every], self.drives[1][every], self.drives[2][every])
+        some = self.cut(slice(None, None, max(1, len(self.rows) // count)))
+        return replace(some, delays=self.delays[::COARSE], forces=some.forces[::COARSE])
+
+    def cut(self, part: slice) -> "Instants":
+        """Some of the instants."""
+        drives = None if self.drives is None else (self.drives[0][part], self.drives[1][part], self.drives[2][part])
         turning = self.turning
         if turning is not None:
             turning = replace(
-                turning, rotations=turning.rotations[every], omega=turning.omega[every], alpha=turning.alpha[every],
-                specific=None if turning.specific is None else turning.specific[every],
+                turning, rotations=turning.rotations[part], omega=turning.omega[part], alpha=turning.alpha[part],
+                specific=None if turning.specific is None else turning.specific[part],
             )  # fmt: skip
         return replace(
-            self, rows=self.rows[every], delays=self.delays[some], forces=self.forces[some, every], drives=drives,
-            turning=turning, weights=self.weights[every], shaking=None,
+            self, rows=self.rows[part], forces=self.forces[:, part], drives=drives, turning=turning,
+            weights=self.weights[part], shaking=None,
         )  # fmt: skip
 
 

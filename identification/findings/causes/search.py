@@ -29,6 +29,7 @@ from identification.findings.causes.hypothesis import (
     together,
 )
 from identification.findings.causes.instants import Instants, instants_of
+from identification.findings.causes.leaps import leaps_of
 from identification.findings.causes.readings import of_recording
 from identification.findings.causes.trials import Left, closing, left_by, tried
 from identification.model import Model
@@ -38,12 +39,15 @@ NEAR = 3.0  # times what noise makes of the residuals, up to which they are expl
 REMOVED = 0.02  # share of what is above the noise, squared, that an explanation leaves at most
 ALIKE = 1.15  # ratio of residuals up to which trials predict the same forces
 SAME = 1.03  # the same within a family, of which the simplest is named
+WORSE = 1.5  # ratio of residuals by which two mistakes must explain a run better than one
+CLEAN = 1.3  # times the noise, above which a second mistake is looked for beside one that explains a run
 SIMPLER = 0.75  # mistakes fewer, by which one of those that are alike is named alone
 COARSE = 40  # instants by which most trials are left out
 COARSE_PAIRS = 24  # the same of two hypotheses at once
 KEPT = 60  # trials of each kind that are tried on all instants
 GREEDY = 6  # hypotheses that leave least, to which every other one is added
 READINGS = 4  # of a recording that leave least, to which every other hypothesis is added
+ROUNDING = 1e-9  # of residuals that are the same
 LEVEL = 0.3  # of the measured noise: differences between smaller residuals say nothing
 SIMILAR = 0.1  # by which noise of channels may be changed by what a column of trials does
 
@@ -59,9 +63,9 @@ class Tried:
 
     @property
     def comparable(self) -> float:
-        """Residuals over the noise, without differences that say nothing."""
+        """Residuals over the noise without differences that say nothing, and as if two mistakes left more than one."""
         level = LEVEL * float(np.mean(self.instants.least / self.instants.noise))
-        return float(np.hypot(self.residuals, level))
+        return float(np.hypot(self.residuals, level)) * WORSE ** (len(self.trial) - 1)
 
     def left(self) -> Left:
         """The same in newtons."""
@@ -110,11 +114,12 @@ def search(recording: Recording, case: Case, model: Model, fit: Fit | None = Non
     families = {reading.family for (reading,), _ in readings}
     found = [_alone(instants, trial) for trial, instants in readings]
     readings = [readings[int(k)] for k in np.argsort([entry.residuals for entry in found], kind="stable")]
-    if base is not None:
+    if base is not None and recorded is not None:
         found += _singles(base, AS_RECORDED)
+        found += _leaps(base, recorded, recording, case, model)
         families |= {hypothesis.family for entry in found for hypothesis in entry.trial}
     explained = explanations(found, recorded)
-    if not explained:
+    if not explained or explained[0].residuals > CLEAN * np.hypot(1.0, explained[0].left().shaking):
         for trial, instants in readings[:READINGS]:
             found += _singles(instants, trial)
         if base is not None:
@@ -140,15 +145,22 @@ def explanations(found: Sequence[Tried], recorded: Tried | None) -> tuple[Tried,
         return ()
     least = min(entry.comparable for entry in explaining)
     alike = [entry for entry in explaining if entry.comparable <= ALIKE * least]
-    simplest: dict[tuple[Family, ...], Tried] = {}
+    simplest: list[Tried] = []
     for families in dict.fromkeys(_families(entry) for entry in alike):
         own = [entry for entry in alike if _families(entry) == families]
         lowest = min(entry.comparable for entry in own)
         same = [entry for entry in own if entry.comparable <= SAME * lowest]
-        simplest[families] = min(same, key=lambda entry: (mistakes(entry.trial), entry.residuals))
-    fewest = min(mistakes(entry.trial) for entry in simplest.values())
-    plain = [entry for entry in simplest.values() if mistakes(entry.trial) < fewest + SIMPLER]
-    return tuple(sorted(plain, key=lambda entry: (mistakes(entry.trial), entry.residuals)))
+        one = min(same, key=lambda entry: (mistakes(entry.trial), entry.residuals))
+        simplest += [entry for entry in same if entry is one or _equal(entry, one)]
+    fewest = min(mistakes(entry.trial) for entry in simplest)
+    plain = [entry for entry in simplest if mistakes(entry.trial) < fewest + SIMPLER]
+    return tuple(sorted(plain, key=lambda entry: (mistakes(entry.trial), FAMILIES.index(entry.trial[0].family))))
+
+
+def _equal(one: Tried, other: Tried) -> bool:
+    """Whether two trials are two words for one thing, as far as anybody can see."""
+    equal = abs(one.residuals - other.residuals) <= ROUNDING * other.residuals
+    return equal and mistakes(one.trial) == mistakes(other.trial)
 
 
 def _families(entry: Tried) -> tuple[Family, ...]:
@@ -177,6 +189,22 @@ def _of_reading(reading: Hypothesis, recording: Recording, case: Case, model: Mo
 def _alone(instants: Instants, trial: Trial) -> Tried:
     outcome = tried(instants, [trial], [AS_RECORDED])
     return Tried(trial, instants, float(outcome.residuals[0, 0]), float(outcome.delays[0, 0]))
+
+
+def _leaps(instants: Instants, recorded: Tried, recording: Recording, case: Case, model: Model) -> list[Tried]:
+    """What leaps within the run, where both parts of it, alone, leave what noise makes."""
+    if instants.drives is None and instants.step is not None:  # streams of several clocks are not cut
+        return []
+    leaps = list(leaps_of(instants, recorded.delay, recording, case))
+    best = min((leap.residuals for leap, _ in leaps), default=np.inf)
+    found = []
+    for leap, hypothesis in leaps:
+        if leap.residuals <= ALIKE * best and leap.residuals < NEAR:
+            parts = [instants.cut(part) for part in (slice(0, leap.at), slice(leap.at, None))]
+            left = [_alone(part, AS_RECORDED).residuals for part in parts]
+            longer = max(parts, key=lambda part: len(part.rows))
+            found.append(Tried((hypothesis,), longer, max(leap.residuals, *left), recorded.delay))
+    return found
 
 
 class Tables(NamedTuple):

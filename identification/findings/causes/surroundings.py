@@ -13,7 +13,6 @@ DIRECTIONS = tuple(
     for axis, (low, high) in enumerate((("-x", "+x"), ("-y", "+y"), ("-z", "+z")))
     for sign, word in ((-1.0, low), (1.0, high))
 )
-UNIT_RATIOS = {"ms": 1e-3, "us": 1e-6, "s": 1.0, "min": 60.0, "h": 3600.0, "ns": 1e-9}
 
 
 def of_gravity(case: Case, direction: Array, mistakes: float = 1.0, words: str = "") -> Hypothesis:
@@ -52,7 +51,7 @@ def of_axes() -> Hypothesis:
     """A wrench in the axes of the base."""
     return Hypothesis(
         family=Family.AXES, words="the wrench is in the axes of the base, not of the sensor", in_base=True,
-        remedy="record it in the axes of the sensor, as the sensor itself reads it",
+        remedy="record it raw, in the axes of the sensor itself",
     )  # fmt: skip
 
 
@@ -71,4 +70,4 @@ def of_pace(step: float, pace: float) -> Hypothesis:
         return case.model_copy(update={"recording": case.recording.model_copy(update={"clock": clock})})
 
     words = f"samples are {period:g} ms apart, not {step * 1e3:.4g} ms"
-    return Hypothesis(family=Family.CLOCK, words=words, pace=pace, edit=edit, mistakes=1.3)
+    return Hypothesis(family=Family.CLOCK, words=words, pace=pace, edit=edit, mistakes=1.8)
