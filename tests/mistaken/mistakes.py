@@ -322,7 +322,7 @@ def _clock() -> Iterator[Mistake]:
     for unit, factor in (("ms", 1e3), ("us", 1e6)):
         yield Mistake(
             f"time in {unit}", "clock", lambda run, r, c, k=factor: (replace(r, t=r.t * k), c),
-            rf"time stamps are in {unit}, not in s",
+            rf"time stamps are in {unit}",
         )  # fmt: skip
     yield Mistake(
         "time twice too slow",

@@ -124,16 +124,19 @@ def _cycles(case: Case) -> Iterator[Hypothesis]:
 
 def _signs(case: Case) -> Iterator[Hypothesis]:
     """Channels with the other sign, any number of them; all of them are the sense of the sensor."""
+    frame = case.sensor_frame
     for signs in product((1.0, -1.0), repeat=6):
         turned_ones = [k for k in ORDER if signs[k] < 0.0]
         if not turned_ones:
             continue
         every = len(turned_ones) == 6
+        in_frame = frame.bars is not None or (every and frame.transducer is not None)  # which have a sense
         numbers = ", ".join(str(k + 1) for k in turned_ones)
-        names = [case.sensor_frame.channels[k] for k in turned_ones]
+        names = [frame.channels[k] for k in turned_ones]
         yield Hypothesis(
             family=Family.CHANNELS, words=f"the signs of force channels {numbers} are turned", channels=np.diag(signs),
-            edit=other_sense if every else scaled(dict.fromkeys(names, -1.0)), place="either" if every else "recording",
+            edit=other_sense(turned_ones) if in_frame else scaled(dict.fromkeys(names, -1.0)),
+            place="either" if in_frame else "recording",
             mistakes=1.0 if every else len(turned_ones), single=1 < len(turned_ones) < 6,
         )  # fmt: skip
 
@@ -151,16 +154,23 @@ def scaled(factors: Mapping[str, float]) -> Edit:
     return edit
 
 
-def other_sense(case: Case) -> Case:
-    """The case whose sensors read the other way: the sense of a force/torque sensor, the ends of bars."""
-    frame = case.sensor_frame
-    if frame.transducer is not None:
-        sense = "sensor_on_load" if frame.transducer.sense == "load_on_sensor" else "load_on_sensor"
-        frame = frame.model_copy(update={"transducer": Transducer(sense=sense)})
-    elif frame.bars is not None:
-        bars = frame.bars
-        frame = frame.model_copy(update={"bars": bars.model_copy(update={"lower": bars.upper, "upper": bars.lower})})
-    return case.model_copy(update={"sensor_frame": frame})
+def other_sense(channels: Sequence[int]) -> Edit:
+    """The edit that takes channels the other way, by the sense of bars or of a force/torque sensor."""
+
+    def edit(case: Case) -> Case:
+        frame = case.sensor_frame
+        if frame.transducer is not None:
+            sense = "sensor_on_load" if frame.transducer.sense == "load_on_sensor" else "load_on_sensor"
+            frame = frame.model_copy(update={"transducer": Transducer(sense=sense)})
+        elif frame.bars is not None:
+            senses = [frame.bars.sense] * 6 if isinstance(frame.bars.sense, str) else list(frame.bars.sense)
+            for k in channels:
+                senses[k] = "tension" if senses[k] == "compression" else "compression"
+            alike = senses[0] if len({*senses}) == 1 else tuple(senses)
+            frame = frame.model_copy(update={"bars": frame.bars.model_copy(update={"sense": alike})})
+        return case.model_copy(update={"sensor_frame": frame})
+
+    return edit
 
 
 def _moment_units(case: Case) -> Iterator[Hypothesis]:

@@ -1,6 +1,6 @@
 """Hypotheses about the drawing of a hexapod: its two rings and home, and the ends of the bars of its sensor frame."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -111,18 +111,21 @@ def _exchanged(of: _Set, exchange: Exchange) -> Edit:
     return edit
 
 
-def _of_ring(change: Callable[[Ring], Ring | None]) -> Change:
-    """A change of a ring, for joints that are drawn as one."""
+def _half_angle(value: Callable[[float], float]) -> Change:
+    """Another half-angle of joints that are drawn in pairs."""
 
     def changed(joints: Joints) -> Joints | None:
-        ring = None if joints.ring is None else change(joints.ring)
-        return None if ring is None or not 0.0 < ring.half_angle_deg < 2.0 * BETWEEN else Joints(ring=ring)
+        ring = joints.ring
+        if ring is None or ring.angles_deg is not None:
+            return None
+        if ring.half_angle_deg is not None:
+            key, angle = "half_angle_deg", value(ring.half_angle_deg)
+        else:
+            assert ring.included_angle_deg is not None  # one of the two
+            key, angle = "included_angle_deg", 2.0 * value(ring.included_angle_deg / 2.0)
+        return Joints(ring=ring.model_copy(update={key: angle})) if 0.0 < angle < 2.0 * BETWEEN else None
 
     return changed
-
-
-def _half_angle(value: Callable[[float], float]) -> Change:
-    return _of_ring(lambda ring: ring.model_copy(update={"half_angle_deg": value(ring.half_angle_deg)}))
 
 
 def _scaled(factor: float) -> Change:
@@ -147,9 +150,17 @@ def _on_the_other_side(joints: Joints) -> Joints | None:
 
 def _turned(angle: float) -> Change:
     """Joints turned about z by an angle [deg]."""
-    return _of_ring(
-        lambda ring: ring.model_copy(update={"pair_centres_deg": tuple(c + angle for c in ring.pair_centres_deg)})
-    )
+
+    def changed(joints: Joints) -> Joints:
+        ring = joints.ring
+        if ring is None:
+            cosine, sine = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+            return _of_points(joints.points @ np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]]))
+        key = "pair_centres_deg" if ring.angles_deg is None else "angles_deg"
+        directions = tuple(float(round(d + angle, 3)) for d in getattr(ring, key))
+        return Joints(ring=ring.model_copy(update={key: directions}))
+
+    return changed
 
 
 def _of_points(points: np.ndarray) -> Joints:
@@ -158,26 +169,35 @@ def _of_points(points: np.ndarray) -> Joints:
     return Joints(points_mm=rows)
 
 
+def _in_order(joints: Joints, order: Sequence[int]) -> Joints:
+    """The same joints in another order, on a ring by their directions."""
+    if joints.ring is None:
+        return _of_points(joints.points[list(order)])
+    ring = joints.ring
+    directions = tuple(float(f"{d:.9g}") for d in np.degrees(ring.angles)[list(order)])
+    return Joints(ring=Ring(radius_mm=ring.radius_mm, angles_deg=directions, z_mm=ring.z_mm))
+
+
 def _swapped(one: int, other: int) -> Change:
     order = list(range(6))
     order[one], order[other] = other, one
-    return lambda joints: _of_points(joints.points[order])
+    return lambda joints: _in_order(joints, order)
 
 
 def _shifted(shift: int) -> Change:
-    """Joints counted from another one, as a ring where they were drawn as one."""
+    """Joints counted from another one, in pairs where they were drawn so."""
 
     def changed(joints: Joints) -> Joints:
-        points = np.roll(joints.points, -shift, axis=0)
-        if joints.ring is not None:
-            ring, (pairs, odd) = joints.ring, divmod(shift, 2)
+        ring = joints.ring
+        if ring is not None and ring.pair_centres_deg is not None:
+            points, (pairs, odd) = np.roll(joints.points, -shift, axis=0), divmod(shift, 2)
             centres = np.roll(ring.pair_centres_deg, -pairs)
             update = {"pair_centres_deg": tuple(float(c) + BETWEEN * odd for c in centres)}
-            angle = BETWEEN - ring.half_angle_deg if odd else ring.half_angle_deg
-            other = ring.model_copy(update={**update, "half_angle_deg": angle})
-            if angle > 0.0 and np.abs(other.points - points).max() < TOLERANCE_MM * MM:
-                return Joints(ring=other)
-        return _of_points(points)
+            other = Joints(ring=ring.model_copy(update=update))
+            turned = _half_angle(lambda angle: BETWEEN - angle)(other) if odd else other
+            if turned is not None and np.abs(turned.points - points).max() < TOLERANCE_MM * MM:
+                return turned
+        return _in_order(joints, [(k + shift) % 6 for k in range(6)])
 
     return changed
 
@@ -206,7 +226,9 @@ def _of_two(*keys: str) -> Exchange:
 
     def exchanged(first: Joints, second: Joints) -> tuple[Joints, Joints] | None:
         one, other = first.ring, second.ring
-        if one is None or other is None or all(getattr(one, key) == getattr(other, key) for key in keys):
+        if one is None or other is None or any(getattr(ring, key) is None for key in keys for ring in (one, other)):
+            return None
+        if all(getattr(one, key) == getattr(other, key) for key in keys):
             return None
         swapped = (
             own.model_copy(update={key: getattr(foreign, key) for key in keys})
@@ -251,14 +273,5 @@ def _home_below(case: Case) -> Case:
 
 def of_turned_bars(angle: float, mistakes: float) -> Hypothesis:
     """All bars are turned about z by an angle [deg]."""
-    cosine, sine = np.cos(np.radians(angle)), np.sin(np.radians(angle))
-    turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
-
-    def change(joints: Joints) -> Joints:
-        if joints.ring is not None:
-            centres = tuple(float(round(c + angle, 3)) for c in joints.ring.pair_centres_deg)
-            return Joints(ring=joints.ring.model_copy(update={"pair_centres_deg": centres}))
-        return _of_points(joints.points @ turn.T)
-
     words = f"the bars are turned by {angle:.4g} deg about z"
-    return _hypothesis(_BARS, words, _changed(_BARS, _BARS.keys, change), mistakes)
+    return _hypothesis(_BARS, words, _changed(_BARS, _BARS.keys, _turned(angle)), mistakes)

@@ -51,7 +51,7 @@ def _clocks(recording: Recording, case: Case) -> Iterator[Hypothesis]:
         if tick in seen or not SHORTEST <= step * ratio <= LONGEST:
             continue
         seen.add(tick)
-        words = f"time stamps are in {unit}, not in {case.recording.clock_unit}"
+        words = f"time stamps are in {unit}"
         edit = _with_clock(unit, step * ratio, ratio)
         yield Hypothesis(family=Family.CLOCK, words=words, edit=edit, recorded=_at_pace(ratio))
 

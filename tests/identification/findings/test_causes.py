@@ -71,7 +71,7 @@ def test_all_signs_turned_at_once_are_named_with_the_remedy() -> None:
     whole = run(1)
     with pytest.raises(IdentificationError, match=r"force channels 1, 2, 3, 4, 5, 6 are turned") as caught:
         estimate_parameters(replace(whole, forces=-whole.forces), CASE)
-    assert tells(one_line(caught.value), "sensor_frame.bars", "radius_mm = 171.0")
+    assert tells(one_line(caught.value), 'sensor_frame.bars.sense = "tension"')
 
 
 @pytest.mark.parametrize("channel", range(6))
