@@ -143,7 +143,7 @@ def _surroundings(moments: bool) -> Iterator[Mistake]:
         rf"gravity points (({_near(25.0)}) deg away|along -z of)",
     )  # fmt: skip
     yield Mistake(
-        "compensated", "compensated", lambda run, r, c: (replace(r, forces=r.forces - _weight_as(run, r)), c),
+        "compensated", "gravity", lambda run, r, c: (replace(r, forces=r.forces - _weight_as(run, r)), c),
         r"the forces are compensated",
     )  # fmt: skip
     if moments:

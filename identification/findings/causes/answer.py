@@ -152,4 +152,5 @@ def _tried(found: Search, case: Case) -> str:
     least = ""
     if found.best is not None and found.best.trial:
         least = f"; least is left, {found.best.left().newtons:.2g} N, if {words_of(found.best.trial)}"
-    return f"none of these alone, nor two of them, explains{left or ' the run'}: {families}{least}"
+    alone = " alone, nor two of them," if found.pairs else ""
+    return f"none of these{alone} explains{left or ' the run'}: {families}{least}"

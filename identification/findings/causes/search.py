@@ -41,6 +41,8 @@ ALIKE = 1.15  # ratio of residuals up to which trials predict the same forces
 SAME = 1.03  # the same within a family, of which the simplest is named
 WORSE = 1.5  # ratio of residuals by which two mistakes must explain a run better than one
 CLEAN = 1.3  # times the noise, above which a second mistake is looked for beside one that explains a run
+MODERATE = 8.0  # times the noise, up to which residuals are often noise with memory, or of the structure
+LOWERED = 0.7  # share of such residuals that a hypothesis leaves which may be one of two mistakes
 SIMPLER = 0.75  # mistakes fewer, by which one of those that are alike is named alone
 COARSE = 40  # instants by which most trials are left out
 COARSE_PAIRS = 24  # the same of two hypotheses at once
@@ -80,6 +82,7 @@ class Search:
     explanations: tuple[Tried, ...]  # that leave what noise makes, the best first; none where no trial explains the run
     best: Tried | None  # what leaves least of all that was tried
     families: tuple[Family, ...]  # what was tried
+    pairs: bool = False  # whether two hypotheses at once were tried too
 
     @property
     def sound(self) -> bool:
@@ -96,6 +99,8 @@ def search(recording: Recording, case: Case, model: Model, fit: Fit | None = Non
         model: model that its forces are compared with.
         fit: the fit to it, where there is one; a run whose residuals are near its noise needs no explanation.
     """
+    if case.setup == "1a":  # nothing moves: offsets explain every run
+        return None
     base = _instants(recording, case, model)
     recorded = None if base is None else _alone(base, AS_RECORDED)
     if base is not None and recorded is not None:
@@ -119,7 +124,8 @@ def search(recording: Recording, case: Case, model: Model, fit: Fit | None = Non
         found += _leaps(base, recorded, recording, case, model)
         families |= {hypothesis.family for entry in found for hypothesis in entry.trial}
     explained = explanations(found, recorded)
-    if not explained or explained[0].residuals > CLEAN * np.hypot(1.0, explained[0].left().shaking):
+    pairs = _unclean(explained[0]) if explained else _worth_pairs(found, recorded)
+    if pairs:
         for trial, instants in readings[:READINGS]:
             found += _singles(instants, trial)
         if base is not None:
@@ -127,7 +133,19 @@ def search(recording: Recording, case: Case, model: Model, fit: Fit | None = Non
         explained = explanations(found, recorded)
     finite = [entry for entry in found if np.isfinite(entry.residuals)]
     best = min(finite, key=lambda entry: (entry.residuals, mistakes(entry.trial)), default=None)
-    return Search(recorded, explained, best, tuple(sorted(families, key=FAMILIES.index)))
+    return Search(recorded, explained, best, tuple(sorted(families, key=FAMILIES.index)), pairs)
+
+
+def _unclean(explanation: Tried) -> bool:
+    """Whether a single hypothesis leaves more than what noise makes, so that there may be a second mistake."""
+    return bool(explanation.residuals > CLEAN * np.hypot(1.0, explanation.left().shaking))
+
+
+def _worth_pairs(found: Sequence[Tried], recorded: Tried | None) -> bool:
+    """Whether residuals are so large, or one hypothesis lowers them so much, that two mistakes may have made them."""
+    if recorded is None or recorded.residuals > MODERATE:
+        return True
+    return min((entry.residuals for entry in found), default=np.inf) < LOWERED * recorded.residuals
 
 
 def explanations(found: Sequence[Tried], recorded: Tried | None) -> tuple[Tried, ...]:
