@@ -65,7 +65,12 @@ def identify(
     if case is None:
         raise RecordingError(recording.source, "does not say which machine it is from", "give its case")
     whole = on_one_clock(recording, case)
-    run, standing = standing_of(whole, case, poses, average_standstills)
+    try:
+        run, standing = standing_of(whole, case, poses, average_standstills)
+    except (IdentificationError, RecordingError) as error:
+        if not error.doubtful:
+            raise
+        raise _explained(error, _cause_of_standstills(whole, case)).at(recording.source) from error
     number = default_model(run, case) if model is None else model
     own = recording.record.get("case")
     method = how if isinstance(how, Method) else how(identification_model(case, number))
@@ -132,8 +137,7 @@ def standing_of(
         raise RecordingError(recording.source, "its rows are averaged already", "leave --poses and --standstills out")
     if expected is None and not asked and not stands_only(recording):
         return recording, None
-    settle = case.poses.settle_s if case.poses is not None else 0.5
-    averages = average(recording, find_standstills(recording, settle))
+    averages = average(recording, find_standstills(recording, _settling(case)))
     if expected is not None:
         averages, _ = match(averages, case, expected, recording.source)
     entries = {
@@ -154,10 +158,7 @@ def estimate_parameters(
     `identify`.
     """
     model = identification_model(case, default_model(recording, case) if number is None else number)
-
-    def evaluate(run: Recording, of: Case) -> Fit:
-        return _estimated(run, of, identification_model(of, model.number), how).fit
-
+    evaluate = _fits(model.number, how)
     try:
         with threadpool_limits(limits=1, user_api="blas"):
             try:
@@ -176,6 +177,24 @@ def estimate_parameters(
         return replace(estimate, findings=(*estimate.findings, warning(Kind.MODEL, said.sentence)))
     except (IdentificationError, RecordingError) as error:
         raise error.at(recording.source).beside(sentences(recording.findings, "warning")) from error
+
+
+def _settling(case: Case) -> float:
+    """Time after a movement that is not averaged [s]."""
+    return case.poses.settle_s if case.poses is not None else 0.5
+
+
+def _fits(number: int, how: Method) -> Callable[[Recording, Case], Fit]:
+    """What fits a model to a run with another case."""
+    return lambda run, case: _estimated(run, case, identification_model(case, number), how).fit
+
+
+def _cause_of_standstills(recording: Recording, case: Case) -> Answer | None:
+    """Why a run's standstills are not those of its poses, by their forces."""
+    averages = average(recording, find_standstills(recording, _settling(case)))
+    number = default_model(averages, case)
+    with threadpool_limits(limits=1, user_api="blas"):
+        return answer(averages, case, identification_model(case, number), _fits(number, GAUSS_MARKOV))
 
 
 def _explained(

@@ -139,7 +139,7 @@ def match(averages: Recording, case: Case, expected: Array, names: str) -> tuple
                 names,
                 f"standstill {k + 1}: {found}; pose {k + 1} of the program's {len(expected)}: {wanted}",
                 "record the whole program and nothing else, or name the right plan",
-            )
+            ).in_doubt()
     part = slice(first, end)
     struts, forces, weights = averages.struts[part], averages.forces[part], averages.weights[part]
     return replace(averages, struts=struts, forces=forces, weights=weights), part

@@ -213,6 +213,8 @@ def _leaps(instants: Instants, recorded: Tried, recording: Recording, case: Case
     """What leaps within the run, where both parts of it, alone, leave what noise makes."""
     if instants.drives is None and instants.step is not None:  # streams of several clocks are not cut
         return []
+    if not np.isfinite(recorded.residuals):
+        return []
     leaps = list(leaps_of(instants, recorded.delay, recording, case))
     best = min((leap.residuals for leap, _ in leaps), default=np.inf)
     found = []

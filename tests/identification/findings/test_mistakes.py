@@ -1,0 +1,199 @@
+"""Mistakes that people make are named with a remedy that works; what is none of them, and sound runs, are not."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cases.errors import IdentificationError
+from cases.schema import Case, load_case
+from identification.findings.causes.answer import words_of
+from identification.findings.causes.hypothesis import case_of
+from identification.findings.causes.search import Search, search
+from identification.identify import default_model, estimate_parameters
+from identification.model import identification_model
+from identification.recording import Recording, read, write_recording
+from tests.helpers import few, one_line
+from tests.mistaken.machines import NAMES, WRIST, run
+from tests.mistaken.mistakes import Mistake, mistakes_of, others_of
+
+MASSES = {"hexapod": 31.83, "foreign": 36.48, "ur10_wrist": 2.61, "panda": 1.7, "five_axis_table": 17.4, WRIST: 1.7}
+
+
+def searched(recording: Recording, case: Case) -> Search:
+    found = search(recording, case, identification_model(case, default_model(recording, case)))
+    assert found is not None
+    return found
+
+
+def mistake(machine: str, name: str) -> Mistake:
+    return next(m for m in mistakes_of(machine) if m.name == name)
+
+
+def said(machine: str, *names: str, seed: int = 0) -> str:
+    """What is said of a run with some mistakes."""
+    sound = run(machine, seed)
+    recording, case = sound.recording, sound.case
+    for name in names:
+        recording, case = mistake(machine, name).make(sound, recording, case)
+    with pytest.raises(IdentificationError) as caught:
+        estimate_parameters(recording, case)
+    return one_line(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("machine", "name"),
+    few(
+        ("foreign", "machine platform: half-angle the other way"),
+        ("foreign", "machine platform: other side"),
+        ("foreign", "home upside down"),
+        ("ur10_wrist", "axes of the base"),
+        ("ur10_wrist", "joints in rad"),
+        ("ur10_wrist", "slope of 25 deg"),
+        ("five_axis_table", "all joints that turn, the other way"),
+        (WRIST, "orientation as rotation vector"),
+        *((machine, m.name) for machine in NAMES for m in mistakes_of(machine)),
+        kept=8,
+    ),
+)
+def test_a_mistake_is_named(machine: str, name: str) -> None:
+    sound = run(machine, 0)
+    found = searched(*mistake(machine, name).make(sound, sound.recording, sound.case))
+    if found.sound:  # too small to be seen
+        assert found.recorded is not None
+        assert found.recorded.residuals < 3.0
+        return
+    words = [words_of(entry.trial) for entry in found.explanations]
+    assert any(mistake(machine, name).named_in(text) for text in words), words
+    assert all(entry.residuals < 1.3 for entry in found.explanations)
+
+
+@pytest.mark.parametrize(
+    ("machine", "names"),
+    few(
+        ("foreign", ("machine base: full angle", "channels 1-4 exchanged")),
+        ("ur10_wrist", ("joint 4 turns the other way", "channels 2-3 exchanged")),
+        ("five_axis_table", ("gravity +z in the case", "sensor turned 90 about z")),
+        kept=2,
+    ),
+)
+def test_two_mistakes_at_once_are_named_together(machine: str, names: tuple[str, str]) -> None:
+    text = said(machine, *names)
+    for name in names:
+        assert mistake(machine, name).named_in(text), text
+
+
+@pytest.mark.parametrize(
+    ("machine", "name"),
+    few(
+        ("hexapod", "vibration of 9 Hz"),
+        ("foreign", "a joint 12 mm off"),
+        ("ur10_wrist", "sensor 60 mm off"),
+        *((machine, m.name) for machine in NAMES for m in others_of(machine)),
+        kept=3,
+    ),
+)
+def test_what_is_no_known_mistake_has_no_cause(machine: str, name: str) -> None:
+    sound = run(machine, 0)
+    other = next(m for m in others_of(machine) if m.name == name)
+    found = searched(*other.make(sound, sound.recording, sound.case))
+    assert [words_of(entry.trial) for entry in found.explanations] == []
+
+
+def test_what_was_tried_is_said_with_what_it_left() -> None:
+    sound = run("foreign", 0)
+    other = next(m for m in others_of("foreign") if m.name == "vibration of 9 Hz")
+    recording, case = other.make(sound, sound.recording, sound.case)
+    (tried,) = [w for w in estimate_parameters(recording, case).warnings if w.startswith("none of these")]
+    assert "where noise makes 0." in tried
+    assert "rings" in tried
+    assert "struts" in tried
+
+
+@pytest.mark.parametrize("machine", NAMES)
+@pytest.mark.parametrize("seeds", few(range(1, 4), range(4, 60)))
+def test_sound_runs_need_no_cause(machine: str, seeds: range) -> None:
+    for seed in seeds:
+        sound = run(machine, seed)
+        assert searched(sound.recording, sound.case).sound
+
+
+def written(folder: Path, recording: Recording, case: Case) -> tuple[Path, Case]:
+    """A recording as a file, and its case as it was written and read again."""
+    file = folder / "run.csv"
+    write_recording(file, recording, case)
+    return file, load_case(str(case.save(folder / "case.toml", overwrite=True)))
+
+
+@pytest.mark.parametrize(
+    ("machine", "name"),
+    few(
+        ("foreign", "sign of channel 2"),
+        ("ur10_wrist", "joints 1-2 exchanged"),
+        ("foreign", "upper ends 3-4 exchanged"),
+        ("foreign", "struts shifted"),
+        ("hexapod", "all signs"),
+        ("ur10_wrist", "sign of channel 3"),
+        ("ur10_wrist", "sensor turned 30 about z"),
+        ("ur10_wrist", "joint 6 off by 180"),
+        ("ur10_wrist", "time in ms"),
+        ("ur10_wrist", "gravity -x in the case"),
+        ("five_axis_table", "joints in rad"),
+        ("five_axis_table", "time twice too slow"),
+        kept=3,
+    ),
+)
+def test_the_keys_of_a_remedy_mend_the_run_when_it_is_read_again(machine: str, name: str, tmp_path: Path) -> None:
+    sound = run(machine, 1)
+    recording, wrong = mistake(machine, name).make(sound, sound.recording, sound.case)
+    file, case = written(tmp_path, replace(recording, case=wrong), wrong)
+    found = searched(read(file, case), case)
+    for entry in found.explanations:
+        _, mended = written(tmp_path, recording, case_of(entry.trial, case))
+        write_recording(file, recording, case)  # the file stays as it was
+        estimate = estimate_parameters(read(file, mended), mended)
+        mass = estimate.physical["m"]
+        assert abs(mass.value - MASSES[machine]) < 5.0 * mass.reported + 1e-3 * MASSES[machine]
+
+
+def test_a_load_that_is_lost_is_named_with_its_place_and_size() -> None:
+    sound = run("ur10_wrist", 3)
+    forces = sound.recording.forces.copy()
+    forces[1700:] -= 0.25 / 2.61 * (sound.weight[1700:] + 0.0)
+    text = said_of(replace(sound.recording, forces=forces), sound.case)
+    assert "the load changes by -0.2" in text
+    line = int(text.split("at about line ")[1].split()[0])
+    assert abs(line - 1702) < 40
+    assert "cut the run there" in text
+
+
+def test_offsets_that_leap_are_named_with_channels_place_and_size() -> None:
+    sound = run("five_axis_table", 3)
+    forces = sound.recording.forces.copy()
+    forces[900:, 2] += 12.0
+    text = said_of(replace(sound.recording, forces=forces), sound.case)
+    assert "fz_N by +1" in text
+    assert abs(int(text.split("at about line ")[1].split()[0]) - 902) < 40
+
+
+def said_of(recording: Recording, case: Case) -> str:
+    with pytest.raises(IdentificationError) as caught:
+        estimate_parameters(recording, case)
+    return one_line(caught.value)
+
+
+def test_the_words_are_those_of_the_machine() -> None:
+    """A robot has no struts, a hexapod no joints that turn."""
+    draw = np.random.default_rng(0)
+    for machine, foreign in (("ur10_wrist", "strut"), ("foreign", "joints that turn")):
+        sound = run(machine, 0)
+        noise = 30.0 * draw.normal(size=sound.recording.forces.shape)
+        smooth = np.apply_along_axis(lambda f: np.convolve(f, np.ones(40) / 40, "same"), 0, noise)
+        recording = replace(sound.recording, forces=sound.recording.forces + smooth)
+        try:
+            text = " ".join(estimate_parameters(recording, sound.case).warnings)
+        except IdentificationError as error:
+            text = str(error)
+        assert "none of these" in text
+        assert foreign not in text.split("none of these")[1]
