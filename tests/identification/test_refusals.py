@@ -108,7 +108,7 @@ REFUSALS: dict[str, tuple[Recording, Case, int | None, type[HexciteError], str]]
     "a force channel that is stuck": (stuck(2, RUN), CASE, None, UNFIT, "channel 3 reads"),
     "the same at standstill": (stuck(4, STILL), CASE, None, UNFIT, "channel 5 reads"),
     "struts in metres": (with_struts(metres, RUN), CASE, None, UNFIT, 'struts are in m: .*units.struts = "m"'),
-    "standstills in metres": (with_struts(metres, STILL), CASE, None, UNFIT, 'struts are in m: .*units.struts = "m"'),
+    "standstills in metres": (with_struts(metres, STILL), CASE, None, UNFIT, "no pose has the strut lengths.*unit"),
     "no filter": (RUN, without_filter(), None, UNREADABLE, "set recording.filter_cutoff_Hz"),
     "a filter too fast": (RUN, filtered_at(300.0), None, UNREADABLE, "too high for 1000 samples a second; at most 200"),
 }  # fmt: skip

@@ -4,6 +4,8 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -11,10 +13,11 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from cases.schema import Case
-from identification.recording import Recording
+from identification.recording import Recording, read
 from tests.mistaken.machines import WRIST, Run, machine, run, wrist_case
 
 Array = NDArray[np.float64]
+FILES = TemporaryDirectory()  # of the recordings that are read from a file
 Wrong = tuple[Recording, Case]
 
 
@@ -178,9 +181,11 @@ def _wrist() -> Iterator[Mistake]:
 
         def make(run: Run, recording: Recording, case: Case, sequence: str = sequence) -> Wrong:
             true = Rotation.from_matrix(run.turns)
-            values = true.as_euler(sequence) if sequence else true.as_rotvec()
-            read = Rotation.from_euler("xyz", values).as_matrix()
-            return replace(recording, rotations=read), case
+            values = np.degrees(true.as_euler(sequence) if sequence else true.as_rotvec())
+            file = Path(FILES.name) / f"{sequence or 'vector'}.csv"
+            rows, names = np.hstack([values, recording.forces]), ("A", "B", "C", *case.sensor_frame.channels)
+            np.savetxt(file, rows, delimiter=",", header=",".join(names), comments="", fmt="%.9g")
+            return read(file, case), case
 
         yield Mistake(f"orientation as {name}", "orientation", make, rf"orientations are written as '{name}'")
     yield Mistake(

@@ -47,7 +47,7 @@ SIMPLER = 0.75  # mistakes fewer, by which one of those that are alike is named 
 COARSE = 40  # instants by which most trials are left out
 COARSE_PAIRS = 24  # the same of two hypotheses at once
 KEPT = 60  # trials of each kind that are tried on all instants
-GREEDY = 6  # hypotheses that leave least, to which every other one is added
+GREEDY = 4  # hypotheses that leave least, to which every other one is added
 READINGS = 4  # of a recording that leave least, to which every other hypothesis is added
 ROUNDING = 1e-9  # of residuals that are the same
 LEVEL = 0.3  # of the measured noise: differences between smaller residuals say nothing
@@ -292,10 +292,13 @@ def _pairs(instants: Instants, singles: Sequence[Tried]) -> list[Tried]:
     best += _best(coarse, closing(coarse, pairs), [AS_RECORDED])
     both = [together(*pair) for pair in combinations(columns, 2) if _compatible(*pair)]
     best += _best(coarse, [AS_RECORDED], both)
-    greedy = [entry.trial for entry in sorted(singles, key=lambda entry: entry.residuals) if entry.instants is instants]
-    for trial in greedy[:GREEDY]:
-        best += _sized(instants, coarse, trial)
-    return _on_all(instants, best)
+    found = _on_all(instants, best)
+    if min((entry.residuals for entry in found), default=np.inf) <= CLEAN:
+        return found
+    own = [entry for entry in singles if entry.instants is instants]
+    for entry in sorted(own, key=lambda entry: entry.residuals)[:GREEDY]:
+        found += _on_all(instants, _sized(instants, coarse, entry.trial))
+    return found
 
 
 def _compatible(*hypotheses: Hypothesis) -> bool:

@@ -14,8 +14,9 @@ from identification.findings.causes.search import Search, search
 from identification.identify import default_model, estimate_parameters
 from identification.model import identification_model
 from identification.recording import Recording, read, write_recording
+from tests.damaged.plants import Body
 from tests.helpers import few, one_line
-from tests.mistaken.machines import NAMES, WRIST, run
+from tests.mistaken.machines import NAMES, WRIST, machine, run
 from tests.mistaken.mistakes import Mistake, mistakes_of, others_of
 
 MASSES = {"hexapod": 31.83, "foreign": 36.48, "ur10_wrist": 2.61, "panda": 1.7, "five_axis_table": 17.4, WRIST: 1.7}
@@ -27,23 +28,23 @@ def searched(recording: Recording, case: Case) -> Search:
     return found
 
 
-def mistake(machine: str, name: str) -> Mistake:
-    return next(m for m in mistakes_of(machine) if m.name == name)
+def mistake(of: str, name: str) -> Mistake:
+    return next(m for m in mistakes_of(of) if m.name == name)
 
 
-def said(machine: str, *names: str, seed: int = 0) -> str:
+def said(of: str, *names: str, seed: int = 0) -> str:
     """What is said of a run with some mistakes."""
-    sound = run(machine, seed)
+    sound = run(of, seed)
     recording, case = sound.recording, sound.case
     for name in names:
-        recording, case = mistake(machine, name).make(sound, recording, case)
+        recording, case = mistake(of, name).make(sound, recording, case)
     with pytest.raises(IdentificationError) as caught:
         estimate_parameters(recording, case)
     return one_line(caught.value)
 
 
 @pytest.mark.parametrize(
-    ("machine", "name"),
+    ("of", "name"),
     few(
         ("foreign", "machine platform: half-angle the other way"),
         ("foreign", "machine platform: other side"),
@@ -53,24 +54,24 @@ def said(machine: str, *names: str, seed: int = 0) -> str:
         ("ur10_wrist", "slope of 25 deg"),
         ("five_axis_table", "all joints that turn, the other way"),
         (WRIST, "orientation as rotation vector"),
-        *((machine, m.name) for machine in NAMES for m in mistakes_of(machine)),
+        *((of, m.name) for of in NAMES for m in mistakes_of(of)),
         kept=8,
     ),
 )
-def test_a_mistake_is_named(machine: str, name: str) -> None:
-    sound = run(machine, 0)
-    found = searched(*mistake(machine, name).make(sound, sound.recording, sound.case))
+def test_a_mistake_is_named(of: str, name: str) -> None:
+    sound = run(of, 0)
+    found = searched(*mistake(of, name).make(sound, sound.recording, sound.case))
     if found.sound:  # too small to be seen
         assert found.recorded is not None
         assert found.recorded.residuals < 3.0
         return
     words = [words_of(entry.trial) for entry in found.explanations]
-    assert any(mistake(machine, name).named_in(text) for text in words), words
+    assert any(mistake(of, name).named_in(text) for text in words), words
     assert all(entry.residuals < 1.3 for entry in found.explanations)
 
 
 @pytest.mark.parametrize(
-    ("machine", "names"),
+    ("of", "names"),
     few(
         ("foreign", ("machine base: full angle", "channels 1-4 exchanged")),
         ("ur10_wrist", ("joint 4 turns the other way", "channels 2-3 exchanged")),
@@ -78,25 +79,25 @@ def test_a_mistake_is_named(machine: str, name: str) -> None:
         kept=2,
     ),
 )
-def test_two_mistakes_at_once_are_named_together(machine: str, names: tuple[str, str]) -> None:
-    text = said(machine, *names)
+def test_two_mistakes_at_once_are_named_together(of: str, names: tuple[str, str]) -> None:
+    text = said(of, *names)
     for name in names:
-        assert mistake(machine, name).named_in(text), text
+        assert mistake(of, name).named_in(text), text
 
 
 @pytest.mark.parametrize(
-    ("machine", "name"),
+    ("of", "name"),
     few(
         ("hexapod", "vibration of 9 Hz"),
         ("foreign", "a joint 12 mm off"),
         ("ur10_wrist", "sensor 60 mm off"),
-        *((machine, m.name) for machine in NAMES for m in others_of(machine)),
+        *((of, m.name) for of in NAMES for m in others_of(of)),
         kept=3,
     ),
 )
-def test_what_is_no_known_mistake_has_no_cause(machine: str, name: str) -> None:
-    sound = run(machine, 0)
-    other = next(m for m in others_of(machine) if m.name == name)
+def test_what_is_no_known_mistake_has_no_cause(of: str, name: str) -> None:
+    sound = run(of, 0)
+    other = next(m for m in others_of(of) if m.name == name)
     found = searched(*other.make(sound, sound.recording, sound.case))
     assert [words_of(entry.trial) for entry in found.explanations] == []
 
@@ -111,11 +112,11 @@ def test_what_was_tried_is_said_with_what_it_left() -> None:
     assert "struts" in tried
 
 
-@pytest.mark.parametrize("machine", NAMES)
+@pytest.mark.parametrize("of", NAMES)
 @pytest.mark.parametrize("seeds", few(range(1, 4), range(4, 60)))
-def test_sound_runs_need_no_cause(machine: str, seeds: range) -> None:
+def test_sound_runs_need_no_cause(of: str, seeds: range) -> None:
     for seed in seeds:
-        sound = run(machine, seed)
+        sound = run(of, seed)
         assert searched(sound.recording, sound.case).sound
 
 
@@ -127,7 +128,7 @@ def written(folder: Path, recording: Recording, case: Case) -> tuple[Path, Case]
 
 
 @pytest.mark.parametrize(
-    ("machine", "name"),
+    ("of", "name"),
     few(
         ("foreign", "sign of channel 2"),
         ("ur10_wrist", "joints 1-2 exchanged"),
@@ -144,9 +145,9 @@ def written(folder: Path, recording: Recording, case: Case) -> tuple[Path, Case]
         kept=3,
     ),
 )
-def test_the_keys_of_a_remedy_mend_the_run_when_it_is_read_again(machine: str, name: str, tmp_path: Path) -> None:
-    sound = run(machine, 1)
-    recording, wrong = mistake(machine, name).make(sound, sound.recording, sound.case)
+def test_the_keys_of_a_remedy_mend_the_run_when_it_is_read_again(of: str, name: str, tmp_path: Path) -> None:
+    sound = run(of, 1)
+    recording, wrong = mistake(of, name).make(sound, sound.recording, sound.case)
     file, case = written(tmp_path, replace(recording, case=wrong), wrong)
     found = searched(read(file, case), case)
     for entry in found.explanations:
@@ -154,13 +155,15 @@ def test_the_keys_of_a_remedy_mend_the_run_when_it_is_read_again(machine: str, n
         write_recording(file, recording, case)  # the file stays as it was
         estimate = estimate_parameters(read(file, mended), mended)
         mass = estimate.physical["m"]
-        assert abs(mass.value - MASSES[machine]) < 5.0 * mass.reported + 1e-3 * MASSES[machine]
+        assert abs(mass.value - MASSES[of]) < 5.0 * mass.reported + 1e-3 * MASSES[of]
 
 
 def test_a_load_that_is_lost_is_named_with_its_place_and_size() -> None:
-    sound = run("ur10_wrist", 3)
+    sound, plant = run("ur10_wrist", 3), machine("ur10_wrist").plant
+    assert sound.motion is not None
+    lost = Body(0.25, np.array([0.02, 0.0, 0.12]), 1e-4 * np.eye(3))
     forces = sound.recording.forces.copy()
-    forces[1700:] -= 0.25 / 2.61 * (sound.weight[1700:] + 0.0)
+    forces[1700:] -= plant.channels(plant.wrench(sound.motion, lost))[1700:]
     text = said_of(replace(sound.recording, forces=forces), sound.case)
     assert "the load changes by -0.2" in text
     line = int(text.split("at about line ")[1].split()[0])
@@ -186,8 +189,8 @@ def said_of(recording: Recording, case: Case) -> str:
 def test_the_words_are_those_of_the_machine() -> None:
     """A robot has no struts, a hexapod no joints that turn."""
     draw = np.random.default_rng(0)
-    for machine, foreign in (("ur10_wrist", "strut"), ("foreign", "joints that turn")):
-        sound = run(machine, 0)
+    for of, foreign in (("ur10_wrist", "strut"), ("foreign", "joints that turn")):
+        sound = run(of, 0)
         noise = 30.0 * draw.normal(size=sound.recording.forces.shape)
         smooth = np.apply_along_axis(lambda f: np.convolve(f, np.ones(40) / 40, "same"), 0, noise)
         recording = replace(sound.recording, forces=sound.recording.forces + smooth)
