@@ -19,7 +19,7 @@ from cases.schema import Case
 from cases.units import Array
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, require_alive
-from identification.finding import Kind, changed_cases, sentences, warning
+from identification.finding import Kind, changed_cases, note, sentences, warning
 from identification.findings.causes.answer import Answer, answer
 from identification.findings.contact import contact_findings, free_of_contact, touched
 from identification.findings.fit_checks import fit_findings
@@ -174,7 +174,8 @@ def estimate_parameters(
                 return estimate
             if said.named:
                 raise IdentificationError(said.sentence)
-        return replace(estimate, findings=(*estimate.findings, warning(Kind.MODEL, said.sentence)))
+        tried = warning(Kind.MODEL, said.sentence) if said.large else note(Kind.MODEL, said.sentence)
+        return replace(estimate, findings=(*estimate.findings, tried))
     except (IdentificationError, RecordingError) as error:
         raise error.at(recording.source).beside(sentences(recording.findings, "warning")) from error
 

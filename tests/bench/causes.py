@@ -74,7 +74,7 @@ def tally(title: str, trials: Iterator[tuple[str, Sequence[Mistake], int]], name
             continue
         counts[kind] += 1
         seconds.append(took)
-        if kind != RIGHT and (verbose or kind == WRONG):
+        if kind not in (RIGHT, NONE, QUIET if not mistakes else RIGHT) and (verbose or kind == WRONG):
             print(f"  {name}, seed {seed}: {label}: {kind} {said}", flush=True)
     figures = ", ".join(f"{kind} {counts[kind]}" for kind in KINDS if counts[kind])
     took = f"; {np.mean(seconds):.2f} s, at most {np.max(seconds):.2f} s" if seconds else ""

@@ -16,7 +16,7 @@ from identification.estimation.fit import Fit
 from identification.findings.causes.hypothesis import Trial, case_of, channels_of, drives_of, pace_of
 from identification.findings.causes.instants import instants_of
 from identification.findings.causes.remedies import keys_to_write
-from identification.findings.causes.search import NEAR, Search, Tried, search
+from identification.findings.causes.search import MODERATE, NEAR, Search, Tried, search
 from identification.hexapod import Hexapod
 from identification.model import Model, identification_model, machine_of
 from identification.recording import Recording
@@ -36,6 +36,8 @@ class Answer:
 
     named: bool  # whether the cause is known; else the sentence says what was tried
     sentence: str
+    # whether residuals are so large that there is a mistake; smaller ones a machine makes itself, by its structure
+    large: bool = True
 
 
 def answer(recording: Recording, case: Case, model: Model, evaluate: Evaluate, fit: Fit | None = None) -> Answer | None:
@@ -57,7 +59,10 @@ def answer(recording: Recording, case: Case, model: Model, evaluate: Evaluate, f
     confirmed = [entry for entry in found.explanations if _confirmed(entry, recording, case, model, evaluate)]
     if confirmed:
         return Answer(True, _cause(confirmed, found, case))
-    return Answer(False, _tried(found, case)) if found.families else None
+    if not found.families:
+        return None
+    large = found.recorded is None or found.recorded.residuals > MODERATE
+    return Answer(False, _tried(found, case), large)
 
 
 def mended(trial: Trial, recording: Recording, case: Case) -> tuple[Recording, Case]:

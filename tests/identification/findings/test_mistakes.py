@@ -186,17 +186,16 @@ def said_of(recording: Recording, case: Case) -> str:
     return one_line(caught.value)
 
 
-def test_the_words_are_those_of_the_machine() -> None:
+@pytest.mark.parametrize(("of", "foreign"), few(("ur10_wrist", "strut"), ("foreign", "joints that turn")))
+def test_the_words_are_those_of_the_machine(of: str, foreign: str) -> None:
     """A robot has no struts, a hexapod no joints that turn."""
-    draw = np.random.default_rng(0)
-    for of, foreign in (("ur10_wrist", "strut"), ("foreign", "joints that turn")):
-        sound = run(of, 0)
-        noise = 30.0 * draw.normal(size=sound.recording.forces.shape)
-        smooth = np.apply_along_axis(lambda f: np.convolve(f, np.ones(40) / 40, "same"), 0, noise)
-        recording = replace(sound.recording, forces=sound.recording.forces + smooth)
-        try:
-            text = " ".join(estimate_parameters(recording, sound.case).warnings)
-        except IdentificationError as error:
-            text = str(error)
-        assert "none of these" in text
-        assert foreign not in text.split("none of these")[1]
+    sound = run(of, 0)
+    noise = 30.0 * np.random.default_rng(0).normal(size=sound.recording.forces.shape)
+    smooth = np.apply_along_axis(lambda f: np.convolve(f, np.ones(40) / 40, "same"), 0, noise)
+    recording = replace(sound.recording, forces=sound.recording.forces + smooth)
+    try:
+        text = " ".join(estimate_parameters(recording, sound.case).warnings)
+    except IdentificationError as error:
+        text = str(error)
+    assert "none of these" in text
+    assert foreign not in text.split("none of these")[1]
