@@ -92,7 +92,7 @@ REFUSALS: dict[str, tuple[Recording, Case, int | None, type[HexciteError], str]]
     "a motion of rotations only": (replace(ROTATIONS, t=np.arange(24.0)), WRIST, None, UNREADABLE, "and an acceler"),
     "a standstill with trigger": (standing(True), CASE, None, UNFIT, "the pose is constant"),
     "a standstill without trigger": (standing(False), CASE, None, UNFIT, "the pose is constant"),
-    "a machine that trembles": (with_struts(tremble, standing(True)), CASE, None, UNFIT, "constant .*at least 0.1 mm"),
+    "a machine that trembles": (with_struts(tremble, standing(True)), CASE, None, UNFIT, "constant .*at least 0.1"),
     "a motion without clock": (replace(RUN, t=None), CASE, None, UNREADABLE, "no t_s column.*smooth like samples"),
     "one pose many times": (with_struts(same_pose, STILL), CASE, None, UNFIT, "rank 6 of 14: m, "),
     "one sample": (first(1), CASE, None, UNREADABLE, "."),

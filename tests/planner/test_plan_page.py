@@ -29,7 +29,7 @@ def test_a_plan_has_its_page(tab: Opened, planned: dict[str, Any]):
     shown = set(page.evaluate("[...document.querySelectorAll('.plot')].map(e => e.id)"))
     assert {f"plot-{name}" for name in PLOTS} <= shown
     bars = page.locator(".bars .value").all_inner_texts()
-    assert any("1 m/s" in bar and "proven" in bar for bar in bars)  # the case's limit of the struts' velocity
+    assert any("m/s, limit ±1; proven" in bar for bar in bars)  # the case's limit of the struts' velocity
     assert "0.00 of 12.00 s" in page.locator("#instant").inner_text()
     assert f"{planned['d_efficiency']:.3f}" in page.locator(".tiles").first.inner_text()
     assert (errors, requests) == ([], [])

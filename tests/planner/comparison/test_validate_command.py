@@ -32,7 +32,7 @@ def test_the_command_prints_table_7_and_says_what_machine_it_was(weights: str, t
         assert row["duration_s"] == pytest.approx(70.0, abs=2.0)
         assert abs(row["relative_deviation"]["m"]) < 0.02
     held = {p.name for p in (tmp_path / "v").iterdir()}
-    assert held == {"report.html", "validation.json", "plans", "programs"}
+    assert held == {".hexcite", "report.html", "validation.json", "plans", "programs"}
     assert (tmp_path / "v" / "programs" / "Q5N.mpf").is_file()
     with opened(browser, Path(answer["report"]), 400) as tab:
         assert (tab.errors, tab.requests) == ([], [])
