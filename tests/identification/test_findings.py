@@ -318,5 +318,5 @@ def test_a_model_without_inertia_is_warned_of_in_a_motion() -> None:
 def test_a_clock_in_another_unit_is_named() -> None:
     recorded = run()
     assert recorded.t is not None
-    with pytest.raises(IdentificationError, match=r"time stamps are in ms: .*recording\.clock\.unit = \"ms\""):
+    with pytest.raises(RecordingError, match=r"time stamps .* in ms: .*recording\.clock\.unit = 'ms'"):
         estimate_parameters(replace(recorded, t=1e3 * recorded.t), CASE)
