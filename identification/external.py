@@ -14,7 +14,8 @@ from cases.recording_format import CLOCK, WRENCH
 from cases.schema import Case
 from cases.units import Array, as_html
 from identification.finding import Finding, Kind, changed_cases, note, sentences, warning
-from identification.findings.fit_checks import WARM_UP, channel_words
+from identification.findings.drift import WARM_UP
+from identification.findings.noise_level import channel_words
 from identification.outcome import Result
 from identification.parameters import offset_columns
 from identification.recording import Recording

@@ -7,7 +7,7 @@ the parameters. What speaks against a run is looked for before the estimate (`sa
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from pydantic import ValidationError
@@ -19,11 +19,14 @@ from cases.schema import Case
 from cases.units import Array
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, require_alive
-from identification.finding import Kind, changed_cases, note, sentences, warning
+from identification.finding import Finding, Kind, changed_cases, note, sentences, warning
 from identification.findings.causes.answer import Answer, answer
-from identification.findings.contact import contact_findings, free_of_contact, touched
+from identification.findings.clock import clock_findings, odd_clock
+from identification.findings.contact import Contact, contact_findings, free_of_contact, touched
+from identification.findings.drift import drift_findings, drift_of
 from identification.findings.fit_checks import fit_findings
-from identification.findings.noise_level import doubtful
+from identification.findings.noise_level import doubtful, louder_than_stated
+from identification.findings.systematic import allowed_for, noisy_drives, systematic_findings, systematic_of
 from identification.formats.reading import files_of
 from identification.model import Model, full_model, identification_model
 from identification.outcome import RUN_ENTRIES, Result
@@ -34,7 +37,7 @@ from identification.runs.preparation import delimited, moving_run, on_one_clock,
 from identification.runs.sample_checks import scan
 from identification.runs.standstills import average, find_standstills, match, standstills
 from identification.runs.wrist import widest_band, wrist_run
-from identification.samples import GAUSS_MARKOV, Samples, fit_samples
+from identification.samples import GAUSS_MARKOV, Fitted, Samples, fit_samples
 
 
 def identify(
@@ -187,7 +190,7 @@ def _settling(case: Case) -> float:
 
 def _fits(number: int, how: Method) -> Callable[[Recording, Case], Fit]:
     """What fits a model to a run with another case."""
-    return lambda run, case: _estimated(run, case, identification_model(case, number), how).fit
+    return lambda run, case: _fitted(run, case, identification_model(case, number), how).fitted.fit
 
 
 def _cause_of_standstills(recording: Recording, case: Case) -> Answer | None:
@@ -223,7 +226,17 @@ def _samples(recording: Recording, case: Case, model: Model) -> Samples:
     return moving_run(recording, case, model)
 
 
-def _estimated(recording: Recording, case: Case, model: Model, method: Method) -> Estimate:
+class _Fitted(NamedTuple):
+    """A fit, with what was seen on the way to it."""
+
+    recording: Recording  # without the samples that no estimate may use
+    fitted: Fitted
+    contacts: tuple[Contact, ...]
+    findings: tuple[Finding, ...]  # about the recording
+
+
+def _fitted(recording: Recording, case: Case, model: Model, method: Method) -> _Fitted:
+    """The fit of a model to a recording; errors as of `identify`."""
     if len(recording.forces) > 1:
         require_alive(recording.forces)
     moves = recording.t is not None and case.setup != "1a"
@@ -245,7 +258,21 @@ def _estimated(recording: Recording, case: Case, model: Model, method: Method) -
         rich = fitted.samples.refined(fitted.fit, method.selection(model).basis, fitted.w, fitted.at)
         if rich is not fitted.samples:
             fitted = fitted.again(rich)
-    findings = [*scanned, *fitted.samples.findings(fitted.fit)]
+    return _Fitted(recording, fitted, contacts, scanned)
+
+
+def _estimated(recording: Recording, case: Case, model: Model, method: Method) -> Estimate:
+    """The estimate with all that its residuals say; errors as of `identify`."""
+    recording, fitted, contacts, scanned = _fitted(recording, case, model, method)
+    odd = odd_clock(recording, case) if fitted.samples.nuisances else None
+    systematic = systematic_of(fitted, case, odd)
+    drift = drift_of(fitted) if systematic is None else systematic.drift
+    findings = louder_than_stated(recording, case, fitted)
+    findings += systematic_findings(case, fitted, systematic)
+    findings += noisy_drives(case, fitted, systematic)
+    findings += clock_findings(odd)
+    findings += drift_findings(recording, case, fitted, drift)
+    findings += [*scanned, *fitted.samples.findings(fitted.fit)]
     findings += contact_findings(recording, contacts)
     findings += fit_findings(recording, case, fitted)
-    return estimate_of(fitted, recording.source, case, tuple(findings))
+    return estimate_of(allowed_for(fitted, systematic), recording.source, case, tuple(findings))

@@ -164,27 +164,36 @@ class Result:
 
     def __repr__(self) -> str:
         """A few lines: model, warnings, residuals, the body."""
+        about, *rest = self._summary()
+        return "\n".join([about, *self._warned(), *rest])
+
+    def _warned(self) -> list[str]:
+        """A line for each warning."""
+        return [f"warning: {warning}" for warning in self.warnings]
+
+    def _summary(self) -> list[str]:
+        """The lines of `repr` without warnings."""
         record, parameters = self.record, self.parameters
         unit = " N" if record.weights == "equal" else ""
         residuals = f"s0 {record.s0:.3g}{unit}, recorded forces less the model {record.s0_N:.3g} N rms"
         samples = "averaged standstills" if record.delay_s is None else "samples"
         lines = [f"Result for {self.case.name}: model {record.model}, {record.samples} {samples}"]
-        lines += [f"warning: {warning}" for warning in self.warnings]
         lines.append(f"weights {record.weights}, {residuals}")
         lines.append(f"{len(parameters)} parameters, rank {record.rank}, condition {record.condition:.3g}")
         for name in [name for name in PROMINENT if name in parameters] or list(parameters)[:4]:
             words, value, deviation, *_, unit = value_cells(name, parameters[name], carries_rods(parameters))
             lines.append(f"{words} = {value} +- {deviation} {unit}")
-        return "\n".join(lines)
+        return lines
 
     def __str__(self) -> str:
-        """The same below a table of all parameters and the notes."""
+        """The warnings, a table of all parameters, the notes, and a few lines on model, residuals and body."""
         which = (
             "+- is the larger of std (28), right for white noise, and of std robust, which allows for noise that is not"
         )
         lag = self.record.delay_s
         lines = [] if lag is None else [f"forces lag the motion by {lag.value * 1e3:.3f} +- {lag.std * 1e3:.3f} ms"]
-        return "\n".join([*parameter_lines(self.parameters), which, *lines, *self._tared(), *self.notes, repr(self)])
+        table = [*parameter_lines(self.parameters), which, *lines, *self._tared(), *self.notes]
+        return "\n".join([*self._warned(), *table, *self._summary()])
 
     def _tared(self) -> list[str]:
         """A table of the offsets before and after a tare."""

@@ -22,6 +22,7 @@ from identification.finding import Finding
 from identification.model import Model, noise_covariance, whitening_of
 from identification.parameters import MASS
 from identification.signals import Filter, Residuals
+from identification.symbolic import Kinematics, Machine
 
 MOST_DELAY = 0.04  # [s] between forces and motion that is looked for, either way
 DELAY_STEPS = 8
@@ -29,6 +30,29 @@ DELAY_TOLERANCE = 1e-9  # [s]; what remains of the delay is in the nuisance of t
 CLOSE = 1e-5  # [s] the same where the search began close to it: the square is a hundredth of the noise of the samples
 EXCERPTS = (1, 8)  # parts of a long run by which the search begins, see `fair_part`
 GAUSS_MARKOV = Method()
+
+
+class MotionOfSamples(NamedTuple):
+    """How the load's frame moves at the samples, and the drives that say so."""
+
+    known: Flags  # samples at which it is known, shape (n,); at others it means nothing
+    load: Kinematics  # motion of {P}; its position is zero where only orientations are known
+    drives: tuple[Array, Array, Array] | None = None  # place, speed, acceleration, shapes (n, k) [m or rad]
+    machine: Machine | None = None  # machine of these drives
+    noise: Array | None = None  # white noise of the drives, shape (k,) [m or rad]
+    heard: Array | None = None  # noise of their accelerations behind the filter of the fit, shape (k,)
+    calm: bool = True  # whether next to nothing of the motion is such noise
+
+    def moved(self, place: Array, speed: Array, acceleration: Array) -> Kinematics:
+        """The motion of {P} where drives say something else, but near it."""
+        assert self.machine is not None
+        near = self.load.pose if self.machine.of_pose else None
+        return self.machine.kinematics(place, speed, acceleration, near)
+
+    @property
+    def of_pose(self) -> bool:
+        """Whether its machine is one whose coordinates are the pose."""
+        return self.machine is not None and self.machine.of_pose
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,6 +103,11 @@ class Samples(ABC):
     @abstractmethod
     def series(self, delay: float, values: Array) -> Residuals:
         """Recorded forces beside the model's, at most the first `MOST_SAMPLES`."""
+
+    def motion(self, delay: float) -> MotionOfSamples | None:
+        """How the load moves at the samples; None where that is not known."""
+        del delay
+        return None
 
     def without(self, left_out: Flags) -> Self:
         """The same without the samples that are marked, shape (n,)."""
@@ -145,12 +174,18 @@ class Standstills(Samples):
     matrices: Array  # A, shape (n, 6, u)
     scale: Array  # what forces and A of each are multiplied by in a fit, shape (n,)
     clocked: bool = False  # whether they have a clock, so that noise may have memory
+    standing: MotionOfSamples | None = None  # how the load stands at each
     each: ClassVar[tuple[str, ...]] = (*Samples.each, "matrices", "scale")
 
     def regressors(self, delay: float) -> Array:
         """Weighted A, shape (n, 6, u)."""
         del delay
         return self.matrices * self.scale[:, None, None]
+
+    def motion(self, delay: float) -> MotionOfSamples | None:
+        """How the load stands at each."""
+        del delay
+        return self.standing
 
     def linearised(self, delay: float, values: Array) -> Array:
         """Weighted A: there are no nuisances."""

@@ -207,9 +207,9 @@ def stretches(on: Flags) -> list[slice]:
     return [slice(first, end) for first, end in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def fair_part(count: int, times: int = 1) -> Indices:
+def fair_part(count: int, times: float = 1) -> Indices:
     """Indices of a part of so many samples that stands for all of them: stretches at equal distances, or all."""
-    most = times * FAIR_PART
+    most = int(times * FAIR_PART)
     if count <= most:
         return np.arange(count)
     size = most // STRETCHES

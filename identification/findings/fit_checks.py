@@ -8,60 +8,37 @@ in time, which is judged by deviations that allow for noise with memory.
 from collections.abc import Callable
 
 import numpy as np
-from scipy.linalg import block_diag
-from scipy.special import stdtrit
 
 from cases.errors import IdentificationError
 from cases.schema import Case
-from cases.units import Array, Indices
-from identification.estimation.fit import Fit, Regression, inverse_root, joint_triangle
+from identification.estimation.fit import Fit
 from identification.finding import Finding, Kind, note, warning
 from identification.model import Model
 from identification.parameters import INERTIA, INERTIA_INDEX, MASS, physical_form
 from identification.recording import Recording
 from identification.runs.sample_checks import cut_off, places
 from identification.samples import Fitted
-from identification.signals import fair_part
 
-SUSPICIOUS_RATIO = 1.5  # of robust to white standard deviations: the residuals are far from white
-SYSTEMATIC = 0.35  # lag-one autocorrelation of residuals beyond that of filtered white noise
-LEAST_SERIES = 50  # samples from which on an autocorrelation is estimated
+REMEMBERED = 1.5  # of robust to white standard deviations, from which noise with memory is worth a note
 LEAST_EXPLAINED = 0.5  # of the forces' variance; a model that explains less does not belong to the run
 SUSPICIOUS_DELAY = 0.02  # [s]; more than any filter of a force channel, and a sign of unrelated streams
 
 
-def following(fitted: Fitted) -> float | None:
-    """Correlation of neighbouring residuals, where they are more alike than the filter makes those of white noise."""
-    residuals = fitted.fit.residuals
-    squares = np.maximum(np.sum(residuals**2, axis=0), np.finfo(float).tiny)
-    alike = float(np.median(np.sum(residuals[1:] * residuals[:-1], axis=0) / squares))
-    return None if len(residuals) < LEAST_SERIES or alike < fitted.samples.noise_correlation + SYSTEMATIC else alike
-
-
-def systematic(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
-    """Neighbouring residuals of a run that moves are too much alike."""
-    alike = following(fitted) if fitted.samples.nuisances else None
-    if alike is None:
+def remembering(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
+    """How much wider deviations are for noise that remembers: the parameter of which they are widest."""
+    white, robust = (
+        np.diag(c)[: len(fitted.samples.model.names)] for c in (fitted.fit.covariance, fitted.fit.covariance_robust)
+    )
+    free = white > 0.0
+    ratio = np.sqrt(np.where(free, robust, 0.0) / np.where(free, white, 1.0))
+    worst = int(np.argmax(ratio))
+    if not ratio[worst] > REMEMBERED:
         return []
     sentence = (
-        f"residuals follow each other (correlation {alike:.2f}, of noise {fitted.samples.noise_correlation:.2f}): "
-        "a long contact, a dimension in the case that is not the machine's, a model without what moves the forces, "
-        "a compensated wrench, or coloured noise; look at their figure in the report"
+        f"noise is not white: the deviation of {fitted.samples.model.names[worst]} is {ratio[worst]:.2g} times that of "
+        "(28); +- counts it"
     )
-    return [warning(Kind.MODEL, sentence)]
-
-
-def far_from_white(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
-    """Findings of an estimate against its own standard deviations."""
-    white, robust = (np.diag(c) for c in (fitted.fit.covariance, fitted.fit.covariance_robust))
-    ratio = float(np.sqrt(np.median(robust[white > 0.0] / white[white > 0.0])))
-    if not ratio > SUSPICIOUS_RATIO:
-        return []
-    sentence = (
-        f"robust standard deviations are {ratio:.1f} times those of (28): residuals are not white, the model or "
-        "the evaluation leaves something systematic: report the robust ones, and take them for a lower bound"
-    )
-    return [warning(Kind.NOISE, sentence)]
+    return [note(Kind.NOISE, sentence, noise_memory=float(ratio[worst]))]
 
 
 def unexplained(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
@@ -192,74 +169,8 @@ def _no_body(model: Model, fit: Fit) -> list[Finding]:
     return [warning(Kind.MODEL, f"{sentence}moment channels, and the dimensions of the machine")]
 
 
-WARM_UP = "let the sensor warm up, and run hexcite tare shortly before its readings count"
-CHANCE = 1e-6  # probability of a false drift, in each channel
-LEAST_FREEDOM = 4.0  # degrees of freedom of a channel, from which on a drift can be judged
-
-
-def drifting(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
-    """The channel whose offset changes most within a run, with the change over the run."""
-    samples, method = fitted.samples, fitted.method
-    freedom = len(fitted.fit.residuals) - len(fitted.regression.names) / 6 - 1
-    if method.priors or freedom < LEAST_FREEDOM:
-        return []
-    span = float(np.ptp(samples.t))
-    if span == 0.0:
-        return []
-    line = (samples.t - samples.t.mean()) / span * samples.scale
-    part = fair_part(len(line))
-    weights = fitted.fit.weights if fitted.whitening is None else np.ones(6)
-    free = freedom * len(part) / len(line)
-    change, white = _solved(_with_lines(fitted, line, part), weights, free)
-    if not np.any(np.abs(change[-6:]) > -stdtrit(free, CHANCE / 2.0) * np.sqrt(white)):
-        return []  # no more than white noise makes; noise with memory makes deviations larger, and takes time
-    lines = _with_lines(fitted, line, np.arange(len(line)))
-    change, white = _solved(lines, weights, freedom)
-    robust = samples.robust_covariance(lines.regressors, lines.residuals(change), weights, fitted.whitening)
-    spread = white if robust is None else np.maximum(white, np.diag(robust.covariance)[-6:])
-    # noise with a long memory has so few independent samples that a straight line is likely
-    most = -stdtrit(np.maximum(freedom * white / spread, 1.0), CHANCE / 2.0)
-    sure = np.abs(change[-6:]) / np.sqrt(spread)
-    if not np.any(sure > most):
-        return []
-    worst = int(np.argmax(sure / most))
-    channel, unit = channel_words(case, worst)
-    by = float(change[-6:][worst])
-    over = f"these {round(span) + 1} standstills" if recording.t is None else f"the {span:.3g} s of this run"
-    others = [channel_words(case, k)[0] for k in np.flatnonzero(sure > most).tolist() if k != worst]
-    more = f"; {', '.join(others)} too" if others else ""
-    sentence = (
-        f"the offset of {channel} drifts by {by:+.2g} {unit} over {over} ({sure[worst]:.0f} standard "
-        f"deviations){more}: the result has the mean; {WARM_UP}"
-    )
-    drift = {"channel": channel, "change": by, "standard_deviations": float(sure[worst]), "span": span, "unit": unit}
-    return [warning(Kind.OFFSETS, sentence, offset_drift=drift)]
-
-
-def channel_words(case: Case, k: int) -> tuple[str, str]:
-    """Name of a channel in the file, and its unit."""
-    name, _, unit = case.sensor_frame.channels[k].rpartition("_")
-    return case.recording.file_name(f"{name}_{unit}"), {"Nm": "N m"}.get(unit, unit)
-
-
-def _with_lines(fitted: Fitted, line: Array, rows: Indices) -> Regression:
-    """Residuals of some samples by A with a line in each channel, as an estimator takes them."""
-    basis = fitted.method.selection(fitted.samples.model).basis
-    free = fitted.regression.regressors[rows] @ block_diag(basis, np.eye(fitted.regression.nuisance))
-    columns = np.dstack([free, line[rows, None, None] * np.eye(6)])
-    return Regression(columns, fitted.fit.residuals[rows], ()).whitened(fitted.whitening)
-
-
-def _solved(lines: Regression, weights: Array, freedom: float) -> tuple[Array, Array]:
-    """How far the values of a fit move with the lines, and the variance of these six by white noise."""
-    top = joint_triangle(lines.regressors, lines.forces, np.sqrt(weights))
-    half, change = inverse_root(top[:-1, :-1]), np.linalg.lstsq(top[:-1, :-1], top[:-1, -1], rcond=None)[0]
-    covariance = half @ half.T * top[-1, -1] ** 2 / (6.0 * freedom)
-    return np.asarray(change), np.diag(covariance)[-6:]
-
-
 CHECKS: tuple[Callable[[Recording, Case, Fitted], list[Finding]], ...] = (
-    placed, late, far_from_white, unexplained, systematic, other_feed, averaged, drifting, doubtful_body,
+    unexplained, placed, late, remembering, other_feed, averaged, doubtful_body,
 )  # fmt: skip
 """The checks of every fit, in the order of their findings."""
 

@@ -8,14 +8,23 @@ from scipy.special import chdtri
 from cases.schema import Case
 from cases.units import Array
 from identification.estimation.fit import Fit
-from identification.finding import Finding
+from identification.estimation.force_noise import products
+from identification.finding import Finding, Kind, note, warning
 from identification.model import noise_covariance
-from identification.samples import Samples
+from identification.recording import Recording
+from identification.samples import Fitted, Samples
+from identification.signals import white_noise
 
 LOUD = 1.5  # times the stated noise: more than what a statement is usually wrong by, a fifth
 FAR_ABOVE = 3.0  # times the stated noise: no statement is so wrong, the residuals have another cause
 CHANCE = 1e-7  # probability of that excess in a channel by chance: standstills and short runs have few residuals
 MUCH = 0.1  # rms of the residuals over that of what varies
+
+
+def channel_words(case: Case, k: int) -> tuple[str, str]:
+    """Name of a channel in the file, and its unit."""
+    name, _, unit = case.sensor_frame.channels[k].rpartition("_")
+    return case.recording.file_name(f"{name}_{unit}"), {"Nm": "N m"}.get(unit, unit)
 
 
 def stated_noise(samples: Samples, fit: Fit, case: Case) -> Array | None:
@@ -55,6 +64,37 @@ def clear_excess(fit: Fit, least: float) -> float:
     return least * float(np.sqrt(chdtri(freedom, CHANCE) / freedom))
 
 
+ALL_BELOW = 1.1  # times the stated noise, that residuals behind the filter have where all of it lies below the cut-off
+TOGETHER = 0.1  # mean square of the correlations of channels, from which they are disturbed together
+
+
+def disturbed_together(residuals: Array) -> bool:
+    """Whether residuals, shape (n, 6), are alike in several channels, as sensors with noise of their own never are.
+
+    What moves the machine, pulls at it, or makes its motion uncertain reaches the channels together.
+    """
+    count = len(residuals)
+    scaled = residuals / np.maximum(np.sqrt(np.mean(residuals**2, axis=0)), np.finfo(float).tiny)
+    squares = ((scaled.T @ scaled / count) ** 2)[np.triu_indices(6, 1)]
+    memory = np.mean([products(channel) for channel in scaled.T], axis=0) / count
+    independent = count / (1.0 + 2.0 * float(np.sum(memory[1:] ** 2)))  # Bartlett 1946, of two series
+    return bool(squares.mean() > TOGETHER and independent * squares.sum() > chdtri(len(squares), CHANCE))
+
+
+def may_remember(samples: Samples, fit: Fit, recorded: Array, stated: Array) -> bool:
+    """Whether sensors of the stated noise, which remembers, could leave such residuals.
+
+    The noise of a recorded sample may all lie below the cut-off: then residuals behind the filter are as large as it.
+
+    Args:
+        recorded: forces as recorded, shape (m, 6).
+        stated: standard deviation of a recorded force, shape (6,).
+    """
+    if not samples.nuisances or np.any(np.mean(fit.residuals**2, axis=0) > (ALL_BELOW * stated) ** 2):
+        return False
+    return not np.any(white_noise(recorded) > LOUD * stated) and not disturbed_together(fit.residuals)
+
+
 def leaves_much(fit: Fit, forces: Array, case: Case) -> bool:
     """Whether a fit leaves a tenth or more of what varies in the forces, shape (n, 6), or in the moments among them."""
     units = (slice(0, 3), slice(3, 6)) if case.sensor_frame.has_moments else (slice(0, 6),)
@@ -64,12 +104,48 @@ def leaves_much(fit: Fit, forces: Array, case: Case) -> bool:
 def doubtful(samples: Samples, fit: Fit, case: Case, findings: Iterable[Finding]) -> bool:
     """Whether something speaks against a fit, so that other explanations of its run are worth a trial.
 
-    That is a warning, a channel whose residuals are clearly noisier than the case states, or a share of the forces that
-    the model leaves.
+    That is a warning, as of residuals far above the stated noise, or a share of the forces that the model leaves.
     """
     if any(finding.severity == "warning" for finding in findings):
         return True
-    excess = noise_excess(samples, fit, case)
-    if excess is not None and float(excess.max()) > clear_excess(fit, LOUD):
-        return True
     return leaves_much(fit, samples.forces, case)
+
+
+def louder_than_stated(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
+    """Channels whose residuals are clearly noisier than the case states, the worst with its figures."""
+    fit, stated = fitted.fit, stated_noise(fitted.samples, fitted.fit, case)
+    if stated is None:
+        return []
+    noise = noise_of_channels(fitted.samples, fit)
+    excess, limit = noise / stated, clear_excess(fit, LOUD)
+    worst = int(np.argmax(excess))
+    if excess[worst] <= limit:
+        return []
+    channel, unit = channel_words(case, worst)
+    key = "sensors" if case.sensors.force_noise is not None else "simulation"
+    key += ".moment_noise_Nm" if unit == "N m" else ".force_noise_N"
+    others = [channel_words(case, k)[0] for k in np.argsort(-excess).tolist() if k != worst and excess[k] > limit]
+    more = f" (also {', '.join(others)})" if others else ""
+    ratio = float(excess[worst])
+    sentence = (
+        f"residuals of {channel}{more} are {ratio:.2g} times the white noise that the case states: {noise[worst]:.2g} "
+        f"{unit} where {key} makes {stated[worst]:.2g} {unit}"
+    )
+    entry = {"ratios": excess.tolist(), "channel": channel, "noise": float(noise[worst]), "unit": unit}
+    entry["stated"] = float(stated[worst])
+    if may_remember(fitted.samples, fit, recording.forces[~recording.bad], stated):
+        return [
+            note(
+                Kind.NOISE,
+                f"{sentence}; no more than such noise with memory makes, which +- counts",
+                noise_excess=entry,
+            )
+        ]
+    if ratio > FAR_ABOVE:
+        sentence += (
+            ". Do not use the result before the cause is known (a dimension that is not the machine's, a long contact, "
+            "a compensated wrench, a mode of the frame ..): look at residuals and spectrum in the report"
+        )
+    else:
+        sentence += ". Correct the stated noise, or look for the cause in the residuals in the report"
+    return [warning(Kind.NOISE, sentence, noise_excess=entry)]

@@ -26,7 +26,7 @@ from identification.finding import Finding, Kind, note
 from identification.hexapod import StrutsDoNotClose
 from identification.model import expected_forces, regressors
 from identification.recording import Recording
-from identification.samples import MOST_DELAY, Moving
+from identification.samples import MOST_DELAY, MotionOfSamples, Moving
 from identification.signals import MOST_SAMPLES, Filter, Residuals, decimated, fair_part, white_noise
 from identification.symbolic import Kinematics, Machine
 
@@ -62,6 +62,33 @@ class Run(Moving):
         """Motion of the platform at the instants t_k - delay, of n samples."""
         pieces = [motions[0] for _, motions in self._motions(delay)]
         return Kinematics(*(np.concatenate([getattr(p, f) for p in pieces]) for f in ("pose", "twist", "twist_rate")))
+
+    def motion(self, delay: float) -> MotionOfSamples:
+        """How the load moves at the samples, in a band in which next to nothing of it is noise of the drives.
+
+        It is at most half of that of the fit, for residuals have that noise too. The motion is known where its longer
+        filter reaches neither an end nor a gap of the recording.
+        """
+        struts = self.recording.struts
+        assert struts is not None
+        first, last = self.filter.margin + self.rows[[0, -1]]
+        noise, used, calm = white_noise(struts[first : last + 1][:BLOCK]), self.filter, False
+        for factor in BANDS:
+            narrow = self.filter._replace(cutoff=self.filter.cutoff / factor)
+            if len(struts) - 2 * narrow.margin < MOST_OF_IT * (len(struts) - 2 * self.filter.margin):
+                break
+            used, calm = narrow, _calm(narrow, struts[:BLOCK], noise, self.machine.turns)
+            if calm:
+                break
+        rows = self.rows - (used.margin - self.filter.margin)
+        inside, lost = np.clip(rows, 0, len(struts) - 2 * used.margin - 1), np.r_[0, np.cumsum(self.recording.lost > 0)]
+        known = (rows == inside) & (lost[inside] == lost[inside + 2 * used.margin])
+        at, back = np.unique(inside, return_inverse=True)
+        drives = decimated(used, struts, at, [(order, delay) for order in range(3)])
+        place, speed, acceleration = (values[back] for values in drives)
+        load = self.machine.kinematics(place, speed, acceleration)
+        heard = noise * float(np.linalg.norm(self.filter.kernel(2, 0.0)))
+        return MotionOfSamples(known, load, (place, speed, acceleration), self.machine, noise, heard, calm)
 
     def linearised(self, delay: float, values: Array) -> Array:
         """A and the columns of the nuisances at values u, shape (n, 6, u + nuisances).
@@ -179,6 +206,20 @@ def signals_at(recording: Recording, low_pass: Filter, rows: Indices) -> tuple[A
 SAMPLED = 1.0 / 12.0  # of T^2: the largest b that sampling alone makes
 CLEAR = 3.0  # standard deviations of b from which it is reported
 BLOCK = 100_000  # rows that are looked at for that noise, and to which it is added at a time: limits the memory
+BANDS = (2.0, 4.0, 8.0)  # by which the band of `Run.motion` is narrower than that of the fit
+CALM = 0.05  # of the second derivatives of accelerations, that may be noise of the drives
+MOST_OF_IT = 0.6  # of a run, that a longer filter has to leave
+
+
+def _calm(low_pass: Filter, drives: Array, noise: Array, turns: Flags) -> bool:
+    """Whether noise of drives, shape (k,), is small behind a filter, in accelerations bent as often as is looked at."""
+    count, step = len(drives) - 2 * low_pass.margin, low_pass.stride
+    bends = decimated(low_pass, drives, np.arange(0, count, step), [(2, 0.0)])[0]
+    snaps = np.sqrt(np.mean(np.diff(bends, 2, axis=0) ** 2, axis=0))
+    kernel = np.pad(low_pass.kernel(2, 0.0), step)
+    heard = noise * np.linalg.norm(np.roll(kernel, step) + np.roll(kernel, -step) - 2.0 * kernel)
+    kinds = [turns == kind for kind in (True, False) if np.any(turns == kind)]
+    return all(heard[kind].max() <= CALM * snaps[kind].max() for kind in kinds)
 
 
 def _worth_smoothing(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> bool:

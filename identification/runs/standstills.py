@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from cases.errors import RecordingError
 from cases.schema import Case
@@ -13,8 +14,9 @@ from identification.hexapod import StrutsDoNotClose
 from identification.model import Model, machine_of, regressors
 from identification.recording import Recording
 from identification.runs.preparation import MOVING, SURE, delimited, encoder_noise, require_position
-from identification.samples import Standstills
+from identification.samples import MotionOfSamples, Standstills
 from identification.signals import stretches
+from identification.symbolic import Kinematics
 
 SPEED_SPAN = 0.02  # [s] over which strut speeds are taken: encoder steps of 1 um then look like 0.05 mm/s
 LEAVING = 0.04  # [s] of the beginning of a movement that is too slow to be seen
@@ -154,23 +156,29 @@ def standstills(recording: Recording, case: Case, model: Model) -> Standstills:
     require_position(recording, model)
     valid = ~recording.bad
     still = np.zeros((int(valid.sum()), 6))
+    known, standing = np.ones(len(still), dtype=bool), None
     if recording.struts is not None:
         none = np.zeros_like(recording.struts[valid])
         try:
-            standing = machine_of(case).kinematics(recording.struts[valid], none, none)
+            machine = machine_of(case)
+            poses = machine.kinematics(recording.struts[valid], none, none)
         except StrutsDoNotClose as error:
             row = int(np.flatnonzero(valid)[error.sample])
             raise StrutsDoNotClose(row, error.lengths, recording.lines.place(row)) from error
-        matrices = regressors(model, standing)
+        matrices = regressors(model, poses)
+        if case.setup != "1a":
+            standing = MotionOfSamples(known, poses, (recording.struts[valid], none, none), machine)
     else:
         assert recording.rotations is not None  # the reader admits no recording without a pose
         matrices = model.matrices(np.zeros((len(still), 3)), recording.rotations[valid], still, still)
+        angles = Rotation.from_matrix(recording.rotations[valid]).as_euler("xyz")
+        standing = MotionOfSamples(known, Kinematics(np.hstack([0.0 * angles, angles]), still, still))
     t = np.arange(1.0, len(valid) + 1.0) if recording.t is None else recording.t
     scale = np.ones(len(valid)) if recording.weights is None else recording.weights
     forces, scale = recording.forces[valid], scale[valid]
     return Standstills(
         model=model, t=t[valid], recorded=forces, forces=forces * scale[:, None], samples=len(forces),
-        matrices=matrices, scale=scale, clocked=recording.t is not None,
+        matrices=matrices, scale=scale, clocked=recording.t is not None, standing=standing,
     )  # fmt: skip
 
 

@@ -8,6 +8,7 @@ from markupsafe import Markup
 
 from cases.schema import Case
 from cases.units import Array
+from identification.findings.noise_level import noise_of_channels, stated_noise
 from identification.outcome import RUN_ENTRIES, Result
 from identification.precision import carries_rods, legible, value_cells, value_text, with_deviation
 from identification.signals import Residuals
@@ -29,7 +30,7 @@ def identify_page(result: Result) -> str:
     origin += tuple(record.versions.items())
     sections = [section("Parameters with standard deviations", _headline(result), *parameter_blocks(result))]
     if residuals is not None:
-        sections.append(section("Forces and residuals", *residual_blocks(case, residuals)))
+        sections.append(section("Forces and residuals", *misfit_blocks(result), *residual_blocks(case, residuals)))
     sections.append(section("Parameters that take each other's part", *correlation_blocks(result)))
     return page(
         f"Identification: {case.title}",
@@ -163,6 +164,26 @@ def residual_charts(case: Case, residuals: Residuals) -> list[Chart]:
     if not standing:
         charts.append(spectrum_chart(residuals, channels, case.recording.filter_cutoff_Hz))
     return charts
+
+
+def misfit_blocks(result: Result) -> tuple[Block, ...]:
+    """What the residuals follow, and the noise of each channel beside what the case states."""
+    blocks: list[Block] = []
+    channels = result.case.sensor_frame.channels
+    for finding in result.findings:
+        if effects := finding.quantity.get("systematic"):
+            rows = [(e["follows"], e["as_with"], f"{100 * e['share']:.2g} %", f"{e['chance']:.0e}") for e in effects]
+            blocks.append(table(("residuals follow", "as with", "share of their power", "chance of it by noise"), rows))
+    made = result.estimate
+    stated = None if made is None else stated_noise(made.evaluated, made.fit, result.case)
+    if made is not None and stated is not None:
+        noise = noise_of_channels(made.evaluated, made.fit)
+        rows = [
+            (name, f"{n:.3g}", f"{s:.3g}", f"{n / s:.2g}") for name, n, s in zip(channels, noise, stated, strict=True)
+        ]
+        columns = ("channel", f"white noise by its residuals [{unit_of(channels)}]", "stated by the case", "ratio")
+        blocks.append(table(columns, rows))
+    return tuple(blocks)
 
 
 def residual_blocks(case: Case, residuals: Residuals) -> tuple[Block, ...]:

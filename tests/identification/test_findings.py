@@ -94,17 +94,19 @@ def test_a_contact_of_up_to_half_the_run_is_warned_of_and_makes_deviations_large
     seed: int, start: float, duration: float
 ) -> None:
     found = estimate_parameters(pushed(run(seed), start, np.array([12.0, 0.0, 16.0]), duration), CASE)
-    assert any("residuals follow each other" in w and "long contact" in w for w in found.warnings)
+    assert tells(found.warnings[0], "f", "times the white noise that the case states", "1 N", "Do not use the result")
+    assert "a long contact" in found.warnings[0]
     mass = found.physical["m"]
     assert abs(mass.value - 31.83) < 4.5 * mass.reported
 
 
 def test_noise_with_memory_is_no_contact() -> None:
-    """It is told for what it is: residuals that follow each other."""
+    """It is told for what it is."""
     noise = lfilter([0.3], [1.0, -0.98], np.random.default_rng(0).normal(size=(len(run().t) + 500, 6)), axis=0)[500:]
-    warnings = estimate_parameters(replace(run(), forces=run().forces + noise), CASE).warnings
-    assert any("residuals follow each other" in w for w in warnings)
-    assert not any("contact from" in w for w in warnings)
+    found = estimate_parameters(replace(run(), forces=run().forces + noise), CASE)
+    assert any(tells(w, "times the white noise", "simulation.force_noise_N makes 1 N") for w in found.warnings)
+    assert any(tells(n, "noise is not white", "+- counts it") for n in found.notes)
+    assert not any("contact from" in w or " follow " in w for w in found.warnings)
 
 
 @pytest.mark.parametrize(("a", "b"), few((0, 1), (0, 3), (1, 4), (2, 5)))
@@ -262,9 +264,10 @@ def test_a_motion_slower_than_anything_that_counts_as_moving_is_still_evaluated(
 
 
 def test_residuals_that_are_not_white_are_told() -> None:
-    """A model without the elastic terms leaves what follows the pose."""
+    """A model without the elastic terms leaves what follows the pose: what is missing is named."""
     warnings = estimate_parameters(run(), CASE, 6).warnings
-    assert any("robust standard deviations are" in w for w in warnings)
+    assert tells(warnings[0], "times the white noise", "simulation.force_noise_N makes 1 N")
+    assert any(tells(w, "follow what model 9 has beside model 6", "k0, k1, k2, k3", "choose model 9") for w in warnings)
 
 
 def test_struts_in_the_wrong_order_are_told() -> None:
@@ -312,7 +315,7 @@ def test_forces_in_another_unit_are_told_by_the_mass(unit: str, factor: float) -
 def test_a_model_without_inertia_is_warned_of_in_a_motion() -> None:
     motion = PoseExecution(Hexapod.of(CASE), Harmonic(seed=1, duration=4.0))
     found = estimate_parameters(simulate_recording(CASE, motion, np.array([[0.2, 3.8]]), 1), CASE, 3)
-    assert any("a model without what moves the forces" in w for w in found.warnings)
+    assert any(tells(w, "model 9 has beside model 3", "I11", "choose model 9") for w in found.warnings)
 
 
 def test_a_clock_in_another_unit_is_named() -> None:

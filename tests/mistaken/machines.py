@@ -15,8 +15,8 @@ from scipy.spatial.transform import Rotation
 from cases.schema import Case
 from identification.recording import Recording
 from tests.bench.machines.description import Hexapod
-from tests.bench.machines.description import _tables as tables_of_hexapod
-from tests.mistaken.plants import ChainPlant, HexapodPlant, Motion, Table, plant_of, tables_of
+from tests.bench.machines.description import case_tables as tables_of_hexapod
+from tests.machines_in_numpy import ChainPlant, HexapodPlant, Motion, Table, plant_of, tables_of
 
 Array = NDArray[np.float64]
 ROBOTS = Path(__file__).parents[1] / "bench" / "robots"

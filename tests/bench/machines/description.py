@@ -87,7 +87,7 @@ def case_of(name: str, hexapod: Hexapod) -> Case:
     return Case.model_validate(tomllib.loads(case_text(name, hexapod)))
 
 
-def _tables(name: str, hexapod: Hexapod) -> dict[str, Any]:
+def case_tables(name: str, hexapod: Hexapod) -> dict[str, Any]:
     """The tables of a hexapod's case file."""
     h = hexapod
     lengths, angles = ("x_mm", "y_mm", "z_mm"), ("a_deg", "b_deg", "c_deg")
@@ -202,7 +202,7 @@ def _simulation(h: Hexapod) -> dict[str, Any]:
 
 def case_text(name: str, hexapod: Hexapod) -> str:
     """The case file of a hexapod."""
-    tables = _tables(name, hexapod)
+    tables = case_tables(name, hexapod)
     lines = [f"{key} = {_toml(value)}" for key, value in tables.items() if not isinstance(value, Mapping)]
     for table, content in tables.items():
         if isinstance(content, Mapping):

@@ -15,9 +15,9 @@ from identification.identify import default_model, estimate_parameters
 from identification.model import identification_model
 from identification.recording import Recording, read, write_recording
 from tests.helpers import few, one_line
+from tests.machines_in_numpy import Body
 from tests.mistaken.machines import NAMES, WRIST, machine, run
 from tests.mistaken.mistakes import Mistake, mistakes_of, others_of
-from tests.mistaken.plants import Body
 
 MASSES = {"hexapod": 31.83, "foreign": 36.48, "ur10_wrist": 2.61, "panda": 1.7, "five_axis_table": 17.4, WRIST: 1.7}
 

@@ -1,0 +1,484 @@
+"""What a model of a run leaves out: its effects on the forces, one by one, to be compared with the residuals."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from cases.machine import MotionLimits
+from cases.schema import Case
+from cases.units import DEG, MM, Array, Indices
+from identification.estimation.alternatives import Alternative
+from identification.hexapod import Hexapod
+from identification.model import (
+    Model,
+    expected_forces,
+    full_model,
+    identification_model,
+    regressors,
+    static_model,
+)
+from identification.samples import Fitted, MotionOfSamples, Moving
+from identification.symbolic import Kinematics
+
+STEP = 1e-6  # [m, rad and their rates, or a share] for derivatives of what is smooth over metres
+FAINT = 1e-4  # of what varies in the forces, below which noise of the drives does not count
+SLOW = 0.05  # of the largest speed, below which friction grows with the speed
+PERCENT, DEGREES, MILLIMETRES, MILLISECONDS = 0.01, DEG, MM, 1e-3
+
+SPRING = "a hose, a cable or a spring between the load and its surroundings"
+BY_PLACE = "a wrong dimension or zero in the case, an elastic frame, or errors of encoders and joints"
+BY_RATE = "friction, channels that are late against each other, or a cable"
+BY_ACCELERATION = "a wrong dimension in the case, a gain, a mode of the frame, or a low-pass in one of the streams"
+
+
+class Names(NamedTuple):
+    """What a case calls channels, coordinates and drives."""
+
+    channels: tuple[str, ...]
+    coordinates: tuple[str, ...]
+    drives: tuple[str, ...]
+    turns: tuple[bool, ...]  # whether drives are angles
+
+    @classmethod
+    def of(cls, case: Case) -> "Names":
+        """Those of a case; channels as the file calls them."""
+        channels = tuple(case.recording.file_name(name) for name in case.sensor_frame.channels)
+        if case.chain is not None:
+            joints = case.chain.names
+            return cls(
+                channels, joints, tuple(f"joint {name}" for name in joints), tuple(j.turns for j in case.chain.joints)
+            )
+        return cls(channels, MotionLimits.labels, tuple(f"strut {k}" for k in range(1, 7)), (False,) * 6)
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """A fit with the motion of its samples: what alternatives are made of."""
+
+    model: Model
+    motion: MotionOfSamples
+    values: Array  # u, shape (u,)
+    t: Array  # shape (n,) [s]
+    late: Array | None  # how the forces change with the delay, shape (n, 6) [1/s]; None where nothing moves
+    step: float  # time between samples [s]
+    even: Indices  # samples whose neighbours are a step before and after, shape (m,)
+    names: Names
+    scale: Array | float = 1.0  # what forces and A of each sample are multiplied by in a fit, shape (n,)
+    larger: Model | None = None  # a model with more parameters that the machine could be identified by
+    bars: tuple[Array, Array] | None = None  # lower and upper ends of bars in {P}, shapes (6, 3) [m]
+
+    @classmethod
+    def of(cls, fitted: Fitted, motion: MotionOfSamples, case: Case) -> "LeftOut":
+        """What alternatives of a fit are made of."""
+        samples = fitted.samples
+        even = np.zeros(0, dtype=np.int64)
+        late, step = None, 1.0
+        if isinstance(samples, Moving):
+            close = np.diff(samples.places) == 1
+            even, step = 1 + np.flatnonzero(close[1:] & close[:-1]), samples.step
+            late = fitted.regression.regressors[:, :, -1]
+        bars = case.sensor_frame.bars
+        ends = None if bars is None else (bars.lower.points, bars.upper.points)
+        values = fitted.fit.values[: len(samples.model.names)]
+        number = full_model(case) if isinstance(samples, Moving) else static_model(case)
+        larger = identification_model(case, number)
+        more = None if set(larger.names) <= set(samples.model.names) else larger
+        names = Names.of(case)
+        return cls(samples.model, motion, values, samples.t, late, step, even, names, samples.scale, more, ends)
+
+    @property
+    def load(self) -> Kinematics:
+        """Motion of {P}."""
+        return self.motion.load
+
+    @cached_property
+    def turn(self) -> Array:
+        """R, shape (n, 3, 3)."""
+        return np.asarray(Rotation.from_euler("xyz", self.load.pose[:, 3:]).as_matrix())
+
+    def forces(self, motion: Kinematics) -> Array:
+        """Forces of the model in a motion, shape (n, 6)."""
+        return expected_forces(self.model, motion, self.values)
+
+    @cached_property
+    def expected(self) -> Array:
+        """Forces of the model, shape (n, 6)."""
+        return self.forces(self.load)
+
+    @cached_property
+    def matrices(self) -> Array:
+        """A, shape (n, 6, u)."""
+        return regressors(self.model, self.load)
+
+    @cached_property
+    def of_load(self) -> Array:
+        """Forces of the model without the offsets, shape (n, 6)."""
+        offsets = [name.startswith("f_q0") for name in self.model.names]
+        return np.asarray(self.matrices @ np.where(offsets, 0.0, self.values))
+
+    def regressors(self, names: Sequence[str]) -> Array:
+        """Columns of the fit in this motion, weighted, shape (n, 6, v); names: those of parameters and nuisances."""
+        count = len(self.model.names)
+        orders = [{"delay": 1, "smoothing": 2}[name] for name in names[count:]]
+        more = [self._derivative(self.expected, order)[:, :, None] for order in orders]
+        weights = (self.motion.known * self.scale)[:, None, None]
+        return np.asarray(np.concatenate([self.matrices, *more], axis=2) * weights)
+
+    def alternatives(self) -> Iterator[Alternative]:
+        """All that this kind of run can show."""
+        weights = (self.motion.known * self.scale)[:, None, None]
+        for alternative in self._all():
+            yield alternative._replace(columns=alternative.columns * weights)
+
+    def _all(self) -> Iterator[Alternative]:
+        if self.larger is not None:
+            yield self._of_larger(self.larger)
+        yield from self._of_channels()
+        yield from self._of_frame()
+        yield from self._of_surroundings()
+        if self.late is not None:
+            yield from self._of_clocks()
+        yield from self._of_drives()
+        yield from self._of_motion()
+
+    def _of_larger(self, larger: Model) -> Alternative:
+        more = [k for k, name in enumerate(larger.names) if name not in self.model.names]
+        names = ", ".join(larger.names[k] for k in more)
+        cause = f"a model that is too small: {names} are not in it; choose model {larger.number}"
+        follow = f"what model {larger.number} has beside model {self.model.number}"
+        return Alternative("model", follow, cause, regressors(larger, self.load)[:, :, more])
+
+    def _of_channels(self) -> Iterator[Alternative]:
+        for k, name in enumerate(self.names.channels):
+            columns = in_channel(self.expected[:, k], k)
+            yield Alternative(
+                "gain", f"the load on {name}", f"a gain of {name} that is {{}} % too high", columns, PERCENT
+            )
+        coupling = in_channels(self.of_load)
+        cause = "cross-talk of the channels, or a wrong dimension of the sensor frame"
+        yield Alternative(
+            "coupling",
+            "the loads on all channels",
+            cause,
+            coupling,
+            each=self._each("the load on {}", self.names.channels),
+        )
+        size = np.abs(self.expected).max(axis=0)
+        bent = own(self.expected**2 / np.where(size > 0.0, size, 1.0))
+        yield Alternative(
+            "bent",
+            "the square of the load",
+            "sensors that are not linear",
+            bent,
+            each=self._own("the square of its load"),
+        )
+        yield from self._of_bars()
+
+    def _each(self, words: str, names: tuple[str, ...]) -> tuple[tuple[str, int], ...]:
+        """What columns of `in_channels` follow."""
+        return tuple((words.format(name), k) for k in range(6) for name in names)
+
+    def _own(self, words: str) -> tuple[tuple[str, int], ...]:
+        """What columns of `own` follow."""
+        return tuple((words, k) for k in range(6))
+
+    def _of_bars(self) -> Iterator[Alternative]:
+        if self.bars is None:
+            return
+        into, (lower, upper) = self._into_channels[0], self.bars
+        for ring, place in (("lower", lower), ("upper", upper)):
+            for what, ways, unit, word in ring_changes(place):
+                if ring == "upper" and what == "height":
+                    continue  # nearly the same as the lower ring's
+                moved = (place + STEP * ways, upper) if ring == "lower" else (lower, place + STEP * ways)
+                change = (structure_of(*moved) - structure_of(lower, upper)) / STEP
+                columns = -(self.of_load @ (into @ change).T)[:, :, None]
+                cause = f"a {what} of the bars' {ring} ring that is {{}} {word} larger than the case says"
+                yield Alternative("bars", "the loads on all channels", cause, columns, unit)
+
+    def _of_frame(self) -> Iterator[Alternative]:
+        m, still = self.load, np.zeros((len(self.t), 3))
+        omega, alpha = m.twist[:, 3:], m.twist_rate[:, 3:]
+        for name, axis in zip("xyz", np.eye(3), strict=True):
+            arm = self.turn @ axis
+            swing = np.cross(alpha, arm) + np.cross(omega, np.cross(omega, arm))
+            moved = replace(
+                m,
+                pose=m.pose + STEP * np.hstack([arm, still]),
+                twist=m.twist + STEP * np.hstack([np.cross(omega, arm), still]),
+                twist_rate=m.twist_rate + STEP * np.hstack([swing, still]),
+            )
+            cause = f"a sensor frame that is {{}} mm further along its {name} than the case says"
+            yield Alternative("frame", "the turning of the load", cause, self._change(moved)[:, :, None], MILLIMETRES)
+        for name, axis in zip("xyz", np.eye(3), strict=True):
+            angles = (Rotation.from_matrix(self.turn) * Rotation.from_rotvec(STEP * axis)).as_euler("xyz")
+            turned = replace(m, pose=np.hstack([m.pose[:, :3], angles]))
+            cause = f"a sensor frame that is turned about its {name} by {{}} deg against the case"
+            yield Alternative("frame", "gravity and acceleration", cause, self._change(turned)[:, :, None], DEGREES)
+        size = float(np.linalg.norm(self.model.gravity))
+        if size > 0.0:
+            for axis in np.linalg.svd(self.model.gravity[None] / size)[2][1:]:
+                leaning = replace(m, twist_rate=m.twist_rate - STEP * size * np.r_[axis, np.zeros(3)])
+                along = ", ".join(f"{v + 0.0:.2g}" for v in axis)
+                cause = f"gravity that leans by {{}} deg towards ({along})"
+                yield Alternative(
+                    "gravity", "the direction of gravity", cause, self._change(leaning)[:, :, None], DEGREES
+                )
+
+    def _change(self, motion: Kinematics) -> Array:
+        """Change of the forces for a unit of what differs by `STEP`, shape (n, 6)."""
+        return np.asarray((self.forces(motion) - self.expected) / STEP)
+
+    @cached_property
+    def _into_channels(self) -> Array:
+        """J^T, force and moment on the load in the axes of {P} -> channels, shape (n or 1, 6, 6)."""
+        poses = self.load.pose if self.model.struts is not None else None
+        rows = 1 if poses is None else len(self.t)
+        columns = [self.model.wrenches(np.tile(axis, (rows, 1)), poses) for axis in np.eye(6)]
+        return np.asarray(np.linalg.inv(np.stack(columns, axis=2)))
+
+    def pulled(self, forces: Array) -> Array:
+        """What channels read of forces on the origin of {P} along x, y and z of {B}, shape (n, 3) -> (n, 6, 3)."""
+        local = self.turn.transpose(0, 2, 1) * forces[:, None, :]
+        return np.asarray(self._into_channels[:, :, :3] @ local)
+
+    def _of_surroundings(self) -> Iterator[Alternative]:
+        position, speed = self.load.pose[:, :3], self.load.twist[:, :3]
+        kinds = [("pull", "a constant force along {} of the base", "a hose or a cable that pulls", np.ones_like(speed))]
+        if np.ptp(position, axis=0).any():
+            kinds.append(("spring", "the position along {}", SPRING, position - position.mean(axis=0)))
+            if self.late is not None:
+                kinds.append(("drag", "the speed along {}", "a damper, or a hose that is dragged along", speed))
+                cause = "friction of a cable chain or a seal"
+                kinds.append(("friction", "the sign of the speed along {}", cause, rubbing(speed)))
+        for key, follow, cause, forces in kinds:
+            columns, each = self.pulled(forces), tuple((follow.format(axis), -1) for axis in "xyz")
+            yield Alternative(key, follow.format("x, y and z"), cause, columns, each=each)
+            for k in range(3):
+                yield Alternative(key, each[k][0], cause, columns[:, :, k : k + 1])
+
+    def _of_clocks(self) -> Iterator[Alternative]:
+        assert self.late is not None
+        m = self.load
+        fast = replace(m, twist=m.twist * (1.0 + STEP), twist_rate=m.twist_rate * (1.0 + 2.0 * STEP))
+        cause = "time stamps that are {} % too far apart"
+        yield Alternative("clock", "the acceleration", cause, self._change(fast)[:, :, None], PERCENT)
+        span = (self.t - self.t.mean()) / max(float(np.ptp(self.t)), self.step)
+        rate = self._derivative(self.expected, 1)
+        cause = "clocks of forces and motion that drift apart by {} ms over the run"
+        yield Alternative(
+            "drift", "a delay that changes with time", cause, -(rate * span[:, None])[:, :, None], MILLISECONDS
+        )
+        yield Alternative(
+            "skew",
+            "the rate of the forces",
+            "channels that are late against each other",
+            own(rate),
+            each=self._own("its own rate"),
+        )
+        cause = "a low-pass in the streams, noise of the drives, or a mode of the frame below the cut-off"
+        for order in (2, 3, 4) if self.motion.calm else ():
+            bend, word = self._derivative(self.expected, order), {2: "second", 3: "third", 4: "fourth"}[order]
+            follow = f"the {word} derivative of the forces"
+            yield Alternative("smoothing", follow, cause, bend[:, :, None])
+            yield Alternative(
+                "smoothing", follow, cause, own(bend), each=self._own(f"the {word} derivative of its own force")
+            )
+        yield Alternative(
+            "hysteresis",
+            "the sign of the rate of the forces",
+            "hysteresis of the sensors",
+            own(rubbing(rate)),
+            each=self._own("the sign of its own rate"),
+        )
+        loads = [k for k, name in enumerate(self.model.names) if name in ("m", "mxC", "myC", "mzC")]
+        if loads:
+            for share, word in ((span, "changes with time"), ((span > 0.0) * 1.0, "changes at once")):
+                columns = self.matrices[:, :, loads] * share[:, None, None]
+                yield Alternative("load", f"a load that {word}", "a payload that was lost, taken up or moved", columns)
+
+    def _derivative(self, values: Array, order: int) -> Array:
+        """Of series between neighbouring samples, zero where they have none, shape (n, 6)."""
+        for _ in range(order // 2):
+            values = self._neighbours(values, 1.0, -2.0, 1.0) / self.step**2
+        return self._neighbours(values, -0.5, 0.0, 0.5) / self.step if order % 2 else values
+
+    def _neighbours(self, values: Array, before: float, here: float, after: float) -> Array:
+        """A weighted sum of each sample and its neighbours, zero where it has none."""
+        new, e = np.zeros_like(values), self.even
+        new[e] = before * values[e - 1] + here * values[e] + after * values[e + 1]
+        return new
+
+    @cached_property
+    def by_drives(self) -> tuple[Array, Array, Array] | None:
+        """How the forces change with place, speed and acceleration of each drive, shapes (n, 6, k)."""
+        drives = self.motion.drives
+        if drives is None:
+            return None
+        still = np.zeros((len(self.t), 6, drives[0].shape[1]))
+        place, speed, acceleration = (
+            np.stack([self._change(self.motion.moved(*_with(drives, order, k))) for k in range(still.shape[2])], 2)
+            if order == 0 or self.late is not None
+            else still
+            for order in range(3)
+        )
+        return place, speed, acceleration
+
+    def attenuation(self, w: Array) -> Array | None:
+        """Sum of E^T W E u over the samples, E what noise of the drives adds to A on average, shape (u,).
+
+        A^T W f = A^T W (A - E) u: noise of the drives pulls parameters down by F^-1 times that. None where it is not
+        known, or too small to count. Noise of their accelerations alone counts, white before the filter.
+        """
+        drives, noise = self.motion.drives, self.motion.heard
+        if drives is None or noise is None or self.by_drives is None:
+            return None
+        total, forces = np.zeros(len(self.values)), np.sqrt(np.mean(self.expected.var(axis=0)))
+        if np.sqrt(np.mean((self.by_drives[2] * noise) ** 2)) < FAINT * forces:
+            return None
+        for k in np.flatnonzero(noise > 0.0).tolist():
+            noisy = self.motion.moved(*_with(drives, 2, k))
+            change = (regressors(self.model, noisy) - self.matrices) / STEP * noise[k]
+            total += np.tensordot(change, (change @ self.values) @ w, ((0, 1), (0, 1)))
+        return total
+
+    def _of_drives(self) -> Iterator[Alternative]:
+        if self.by_drives is None or self.motion.drives is None:
+            return
+        (place, speed, acceleration), (q, v, a) = self.by_drives, self.motion.drives
+        gains = place * (q - q.mean(axis=0))[:, None] + speed * v[:, None] + acceleration * a[:, None]
+        for k, name in enumerate(self.names.drives):
+            unit, word = (DEGREES, "deg") if self.names.turns[k] else (MILLIMETRES, "mm")
+            cause = f"a zero of {name} that is wrong by {{}} {word}"
+            yield Alternative("zero", f"the position of {name}", cause, -place[:, :, k : k + 1], unit)
+            cause = f"a scale of {name} that is wrong by {{}} %"
+            yield Alternative("scale", f"the motion of {name}", cause, -gains[:, :, k : k + 1], PERCENT)
+        if self.motion.of_pose:
+            cause = "zeros of all struts that are wrong by {} mm"
+            yield Alternative("zero", "the pose", cause, -place.sum(axis=2, keepdims=True), MILLIMETRES)
+            cause = "a scale of all struts that is wrong by {} %"
+            yield Alternative("scale", "the pose", cause, -gains.sum(axis=2, keepdims=True), PERCENT)
+            yield from self._of_joints(place, speed, acceleration)
+        if self.late is not None:
+            each = self._each("the sign of the speed of {}", self.names.drives)
+            yield Alternative(
+                "friction",
+                "the signs of the drives' speeds",
+                "friction in joints or drives",
+                in_channels(rubbing(v)),
+                each=each,
+            )
+
+    def _of_joints(self, place: Array, speed: Array, acceleration: Array) -> Iterator[Alternative]:
+        """Rings of joints of a hexapod that are not as the case says: then struts seem to have other lengths."""
+        machine = self.motion.machine
+        if not isinstance(machine, Hexapod):
+            return
+        before = self._strut_motion(machine.base, machine.platform)
+        for ring, points in (("base", machine.base), ("platform", machine.platform)):
+            for what, ways, unit, word in ring_changes(points):
+                if what == "height":
+                    continue  # of the base or of the platform, it moves the pose as a whole
+                moved = points + STEP * ways
+                after = self._strut_motion(*((moved, machine.platform) if ring == "base" else (machine.base, moved)))
+                change = [(b - a) / STEP for a, b in zip(before, after, strict=True)]
+                columns = -sum(
+                    (by * own_change[:, None]).sum(axis=2, keepdims=True)
+                    for by, own_change in zip((place, speed, acceleration), change, strict=True)
+                )
+                cause = f"a {what} of the {ring} joints' ring that is {{}} {word} larger than the case says"
+                yield Alternative("ring", "the pose", cause, np.asarray(columns), unit)
+
+    def _strut_motion(self, base: Array, platform: Array) -> tuple[Array, Array, Array]:
+        """Lengths, speeds and accelerations of struts between joints, shapes (6, 3), in the motion, shapes (n, 6)."""
+        arms = platform @ self.turn.transpose(0, 2, 1)
+        omega, alpha = self.load.twist[:, None, 3:], self.load.twist_rate[:, None, 3:]
+        struts = self.load.pose[:, None, :3] + arms - base
+        rates = self.load.twist[:, None, :3] + np.cross(omega, arms)
+        bends = self.load.twist_rate[:, None, :3] + np.cross(alpha, arms) + np.cross(omega, np.cross(omega, arms))
+        lengths = np.linalg.norm(struts, axis=2)
+        speeds = np.sum(struts * rates, axis=2) / lengths
+        return lengths, speeds, (np.sum(rates**2 + struts * bends, axis=2) - speeds**2) / lengths
+
+    def _of_motion(self) -> Iterator[Alternative]:
+        described = (self.load.pose, self.load.twist, self.load.twist_rate)
+        if self.motion.drives is not None and not self.motion.of_pose:
+            described = self.motion.drives
+        names = self.names.coordinates
+        place, *moving = (scaled(values) for values in described)
+        each = self._each("the position of {}", names)
+        yield Alternative("place", "the position", BY_PLACE, in_channels(place), each=each)
+        first, second = np.triu_indices(place.shape[1])
+        pairs = tuple(names[i] if i == j else f"{names[i]} and {names[j]}" for i, j in zip(first, second, strict=True))
+        each = self._each("products of the position of {}", pairs)
+        yield Alternative(
+            "place", "the position", BY_PLACE, in_channels(scaled(place[:, first] * place[:, second])), each=each
+        )
+        if self.late is not None:
+            for key, values, cause in zip(("speed", "acceleration"), moving, (BY_RATE, BY_ACCELERATION), strict=True):
+                yield Alternative(
+                    key, f"the {key}", cause, in_channels(values), each=self._each(f"the {key} of {{}}", names)
+                )
+
+
+def structure_of(lower: Array, upper: Array) -> Array:
+    """J^-T of bars between points, shape (6, 6)."""
+    along = (upper - lower) / np.linalg.norm(upper - lower, axis=1)[:, None]
+    return np.vstack([along.T, np.cross(lower, along).T])
+
+
+def ring_changes(points: Array) -> Iterator[tuple[str, Array, float, str]]:
+    """How a ring of three pairs of points can be wrong: what, how they move for 1 m or rad, unit, and its word."""
+    centre = points.mean(axis=0)
+    arms = (points - centre) * [1.0, 1.0, 0.0]
+    radius = np.linalg.norm(arms, axis=1)
+    if not radius.all():
+        return
+    around = np.cross([0.0, 0.0, 1.0], arms)
+    angles = np.arctan2(arms[:, 1], arms[:, 0])
+    order = np.argsort(angles)
+    gaps = np.diff(np.r_[angles[order], angles[order[0]] + 2.0 * np.pi])
+    pairs = np.empty(6)
+    pairs[order] = (-1.0, 1.0) * 3 if gaps[0::2].sum() < gaps[1::2].sum() else (1.0, -1.0) * 3
+    yield "radius", arms / radius[:, None], MILLIMETRES, "mm"
+    yield "half-angle", around * pairs[:, None], DEGREES, "deg"
+    yield "height", np.tile([0.0, 0.0, 1.0], (6, 1)), MILLIMETRES, "mm"
+
+
+def _with(drives: tuple[Array, Array, Array], order: int, k: int) -> list[Array]:
+    """Motion of drives with a little more in one derivative of one of them."""
+    changed = list(drives)
+    changed[order] = changed[order] + STEP * np.eye(drives[0].shape[1])[k]
+    return changed
+
+
+def in_channel(series: Array, k: int) -> Array:
+    """A series, shape (n,), as a column in channel k alone, shape (n, 6, 1)."""
+    return np.asarray((series[:, None] * np.eye(6)[k])[:, :, None])
+
+
+def own(series: Array) -> Array:
+    """A series of each channel, shape (n, 6), as columns in that channel alone, shape (n, 6, 6)."""
+    return np.asarray(series[:, :, None] * np.eye(6))
+
+
+def in_channels(series: Array) -> Array:
+    """Series, shape (n, s), each as a column in each channel alone, shape (n, 6, 6 s); channel after channel."""
+    return np.asarray(np.concatenate([series[:, None, :] * np.eye(6)[k][:, None] for k in range(6)], axis=2))
+
+
+def scaled(values: Array) -> Array:
+    """Series about their means, largest size 1, shape (n, s)."""
+    centred = values - values.mean(axis=0)
+    size = np.abs(centred).max(axis=0)
+    return np.asarray(centred / np.where(size > 0.0, size, 1.0))
+
+
+def rubbing(speed: Array) -> Array:
+    """The sign of a speed, smooth where it is slow, shape (n, s)."""
+    size = SLOW * np.abs(speed).max(axis=0)
+    return np.asarray(np.tanh(speed / np.where(size > 0.0, size, 1.0)))

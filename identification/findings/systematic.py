@@ -1,0 +1,234 @@
+"""What the residuals of a fit follow, in words, and how much wider its deviations are for it.
+
+Each thing that the model leaves out (`left_out`) is tested beside the others. The one that explains the residuals best
+is taken in, and the rest is tested again, until nothing is left that noise does not make. Deviations grow by the biases
+of all that is seen, each in the share by which it is likely: from what is merely suspicious on, so that no effect is
+silently below a threshold.
+"""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from cases.schema import Case
+from cases.units import DEG, Array, Indices
+from identification.estimation.alternatives import Effect, Remainder, effects_of
+from identification.finding import Finding, Kind, note, warning
+from identification.findings.clock import OddClock
+from identification.findings.drift import Drift, drift_of
+from identification.findings.left_out import LeftOut
+from identification.findings.noise_level import channel_words
+from identification.parameters import offset_columns
+from identification.precision import with_deviation
+from identification.samples import Fitted, MotionOfSamples, Moving
+from identification.signals import fair_part
+
+CERTAIN = 1e-7  # chance below which an alternative is seen: some seventy are tried in each run
+SUSPICIOUS = 2e-3  # chance from which on it counts in the deviations
+PRIOR = 0.01  # odds of each alternative beforehand
+ROUNDS = 4  # alternatives that are taken in, at most
+EXCERPT = 0.25  # of `fair_part` of a long run, by which it is judged: enough for effects far below what matters
+FORGOTTEN = 100  # samples after which noise counts as independent
+
+
+class Seen(NamedTuple):
+    """An effect that noise does not make."""
+
+    effect: Effect
+    rivals: tuple[Effect, ...]  # others that explain nearly as much
+    explained: Array  # rms of what it explains of the residuals of each channel, shape (6,) [N, or N and N m]
+
+
+class Systematic(NamedTuple):
+    """What a fit leaves that is not noise."""
+
+    seen: tuple[Seen, ...]  # effects that are certain, each beside those before it
+    drift: Drift | None  # of offsets
+    bias: Array  # covariance of the values of the fit by all that is seen or likely, shape (v, v)
+    drives: Array | None  # bias of the values of the fit by noise of the drives, shape (v,), where that is measured
+    residuals: Array  # of each channel, rms, shape (6,) [N, or N and N m]
+    motion: MotionOfSamples
+
+
+def systematic_of(fitted: Fitted, case: Case, odd: OddClock | None = None) -> Systematic | None:
+    """What the residuals of a fit follow; None where nothing is known of the motion, or priors are part of the fit.
+
+    Args:
+        odd: a clock that may be wrong, for which deviations are to allow.
+    """
+    whole, (fitted, part) = fitted, _excerpt(fitted)
+    samples = fitted.samples
+    motion = None if fitted.method.priors else samples.motion(fitted.at)
+    if motion is None:
+        return None
+    basis = block_diag(fitted.method.selection(samples.model).basis, np.eye(fitted.regression.nuisance))
+    regressors, residuals = fitted.regression.regressors @ basis, fitted.fit.residuals
+    coloured = isinstance(samples, Moving)
+    places = np.arange(len(samples.t))
+    if isinstance(samples, Moving):  # stretches between gaps are so far apart that noise is independent
+        places = np.r_[0, np.cumsum(np.minimum(np.diff(samples.places), FORGOTTEN))]
+    left_out = LeftOut.of(fitted, motion, case)
+    smooth = left_out.regressors(fitted.regression.names) @ basis
+    rest = Remainder.of(regressors, smooth, residuals, fitted.w, places, coloured=coloured, freedom=fitted.fit.freedom)
+    half, back = rest.half, np.linalg.inv(rest.root).T
+    drift, bias, seen = drift_of(whole), np.zeros((basis.shape[1],) * 2), list[Seen]()
+    if drift is not None:
+        rest = rest.beside((drift.shape[part] * samples.scale)[:, None, None] * np.eye(6))
+        bias += np.outer(drift.bias, drift.bias)
+    alternatives = list(left_out.alternatives())
+    if odd is not None:
+        for clock in (alternative for alternative in alternatives if alternative.key == "clock"):
+            wrong = half @ rest.without_fit(rest.root @ clock.columns)[1][: len(half), 0] * odd.share
+            bias += np.outer(wrong, wrong)
+    for _ in range(ROUNDS):
+        effects = effects_of(alternatives, rest, SUSPICIOUS)
+        if not effects:
+            break
+        likely = np.exp(np.array([effect.evidence - effects[0].evidence for effect in effects]))
+        odds = PRIOR * sum(_odds(effect.chance) for effect in effects)
+        for effect, share in zip(effects, likely / likely.sum(), strict=True):
+            bias += odds / (1.0 + odds) * share * effect.bias
+        if effects[0].chance > CERTAIN:
+            break
+        explained = np.sqrt(np.mean((effects[0].explained @ back) ** 2, axis=0))
+        seen.append(Seen(effects[0], tuple(effects[1:]), explained))
+        rest = rest.beside(effects[0].alternative.columns)
+    bias = basis @ bias @ basis.T
+    if drift is not None:  # an offset is that of the whole run, and what it is before and after differs by the drift
+        for k, place in enumerate(offset_columns(samples.model)):
+            bias[place, place] += drift.drifts[k] * drift.change[k] ** 2
+    attenuated = left_out.attenuation(fitted.w)
+    drives = None
+    if attenuated is not None:
+        pull = basis.T @ np.r_[attenuated, np.zeros(fitted.regression.nuisance)]
+        drives = -basis @ (half @ (half.T @ pull))
+        bias += np.outer(drives, drives)
+    rms = np.sqrt(np.mean(residuals**2, axis=0))
+    return Systematic(tuple(seen), drift, bias, drives, rms, motion)
+
+
+def _excerpt(fitted: Fitted) -> tuple[Fitted, Indices]:
+    """A fit by a part of a long run that stands for it, and the samples that it is."""
+    count = len(fitted.fit.residuals)
+    part = fair_part(count, EXCERPT)
+    if len(part) == count:
+        return fitted, part
+    left_out = np.ones(count, dtype=bool)
+    left_out[part] = False
+    fit, regression = fitted.fit, fitted.regression
+    regression = regression._replace(regressors=regression.regressors[part], forces=regression.forces[part])
+    fit = replace(fit, residuals=fit.residuals[part], freedom=fit.freedom * len(part) / count)
+    return fitted._replace(samples=fitted.samples.without(left_out), regression=regression, fit=fit), part
+
+
+def _odds(chance: float) -> float:
+    """Largest odds of an effect that would have a probability by chance (Sellke, Bayarri & Berger 2001)."""
+    return float(1.0 / (-np.e * chance * np.log(chance)))
+
+
+def allowed_for(fitted: Fitted, systematic: Systematic | None) -> Fitted:
+    """The fit with deviations that allow for what its residuals show."""
+    if systematic is None:
+        return fitted
+    fit = fitted.fit
+    return fitted._replace(fit=replace(fit, covariance_robust=fit.covariance_robust + systematic.bias))
+
+
+MUCH_NOISE = 0.05  # share of the residuals' squares, from which on an effect is one to act on whatever it does
+HARM = 1.0  # deviations of a parameter, the same
+
+
+def noisy_drives(case: Case, fitted: Fitted, systematic: Systematic | None) -> list[Finding]:
+    """Noise of the drives that biases a parameter by more than its deviation."""
+    if systematic is None or systematic.drives is None or systematic.motion.noise is None:
+        return []
+    fit, names = fitted.fit, fitted.samples.model.names
+    variance = np.maximum(np.diag(fit.covariance), np.diag(fit.covariance_robust))[: len(names)]
+    free = variance > 0.0
+    ratios = np.where(free, systematic.drives[: len(names)] / np.sqrt(np.where(free, variance, 1.0)), 0.0)
+    worst = int(np.argmax(np.abs(ratios)))
+    if abs(ratios[worst]) < HARM:
+        return []
+    noise, machine = systematic.motion.noise, systematic.motion.machine
+    turns = machine.turns if machine is not None else np.zeros(len(noise), dtype=bool)
+    sizes = [
+        f"{noise[kind].max() / unit:.2g} {word}"
+        for kind, unit, word in ((~turns, 1e-6, "um"), (turns, DEG, "deg"))
+        if noise[kind].any()
+    ]
+    sentence = (
+        f"noise of the {case.drive_words[0]} ({' and '.join(sizes)} from sample to sample) makes accelerations noisy, "
+        f"which biases {names[worst]} by about {systematic.drives[worst]:+.2g} ({abs(ratios[worst]):.2g} deviations; "
+        f"they allow for it). Lower recording.filter_cutoff_Hz = {case.recording.filter_cutoff_Hz:g}"
+    )
+    return [warning(Kind.NOISE, sentence, drive_noise={"bias": systematic.drives[: len(names)].tolist()})]
+
+
+def systematic_findings(case: Case, fitted: Fitted, systematic: Systematic | None) -> list[Finding]:
+    """What the residuals follow, the largest first; a warning where it matters, else a note.
+
+    Args:
+        fitted: the fit before its deviations allow for it.
+    """
+    if systematic is None or not systematic.seen:
+        return []
+    fit, names = fitted.fit, fitted.samples.model.names
+    white, robust, bias = (np.diag(c)[: len(names)] for c in (fit.covariance, fit.covariance_robust, systematic.bias))
+    free = white > 0.0
+    before, after = np.maximum(white, robust), np.maximum(white, robust + bias)
+    growth = np.sqrt(np.where(free, after, 1.0) / np.where(free, before, 1.0))
+    first = systematic.seen[0]
+    sentence = _follows(first, systematic, case)
+    if len(systematic.seen) > 1:
+        others = dict.fromkeys(seen.effect.alternative.follow for seen in systematic.seen[1:])
+        sentence += f"; what is left follows {' and '.join(others)}"
+    worst = int(np.argmax(growth))
+    if growth[worst] > GROWN:
+        sentence += (
+            f". Deviations allow for it: that of {names[worst]} is {growth[worst]:.2g} times that of noise alone"
+        )
+    quantity = [
+        {
+            "key": seen.effect.alternative.key,
+            "follows": seen.effect.alternative.follow,
+            "as_with": _cause(seen.effect),
+            "size": float(seen.effect.sizes[0]) if len(seen.effect.sizes) == 1 else None,
+            "std": float(seen.effect.stds[0]) if len(seen.effect.sizes) == 1 else None,
+            "chance": seen.effect.chance,
+            "share": seen.effect.share,
+            "explained_rms": seen.explained.tolist(),
+        }
+        for seen in systematic.seen
+    ]
+    matters = first.effect.share > MUCH_NOISE or growth[worst] > np.sqrt(1.0 + HARM**2)
+    make = warning if matters else note
+    return [make(Kind.MODEL, sentence, systematic=quantity)]
+
+
+GROWN = 1.1  # times a deviation, from which on it is said
+
+
+def _follows(seen: Seen, systematic: Systematic, case: Case) -> str:
+    """What residuals follow, in which channel, how much, and what would make it."""
+    effect, alternative = seen.effect, seen.effect.alternative
+    if alternative.each:
+        strength = np.abs(effect.sizes) / np.where(effect.stds > 0.0, effect.stds, np.inf)
+        follow, channel = alternative.each[int(np.argmax(strength))]
+    else:
+        follow, channel = alternative.follow, -1
+    if channel < 0:
+        channel = int(np.argmax(seen.explained / np.maximum(systematic.residuals, np.finfo(float).tiny)))
+    name, unit = channel_words(case, channel)
+    size = f"{seen.explained[channel]:.2g} of {systematic.residuals[channel]:.2g} {unit} rms"
+    causes = [_cause(effect), *(_cause(rival) for rival in seen.rivals[:1])]
+    return f"residuals of {name} follow {follow} ({size}), as with {', or '.join(dict.fromkeys(causes))}"
+
+
+def _cause(effect: Effect) -> str:
+    """Words for what makes an effect, with its size where it has one."""
+    if "{}" not in effect.alternative.cause:
+        return effect.alternative.cause
+    size, std = effect.sizes[0] / effect.alternative.unit, effect.stds[0] / effect.alternative.unit
+    return effect.alternative.cause.format(with_deviation(float(size), float(std)))
