@@ -24,7 +24,7 @@ SECOND = np.array([2.0, -27.0, 270.0, -490.0, 270.0, -27.0, 2.0]) / 180.0
 
 def tables_of(case: str) -> Table:
     """The tables of a built-in case's file."""
-    path = Path(__file__).parents[2] / "cases" / case / "case.toml"
+    path = Path(__file__).parents[1] / "cases" / case / "case.toml"
     return tomllib.loads(path.read_text(encoding="utf-8"))
 
 
