@@ -2,8 +2,9 @@
 PYTHON ?= python3
 BIN := .venv/bin
 CONSTRAINTS := .ci/constraints.txt
+SEED ?= $(shell expr $$(date +%s) / 86400 \* 100000)
 
-.PHONY: demo test check lint docs bench clean
+.PHONY: demo test check lint docs bench nightly clean
 
 demo: .venv/.runtime ## the whole chain on the built-in hexapod, to hexcite-demo/report.html
 	$(BIN)/hexcite demo --overwrite
@@ -39,6 +40,13 @@ bench: .venv/.dev ## the figures that matter, measured; minutes, not seconds
 .venv/.dev: .venv/.runtime
 	$(BIN)/pip install --quiet --disable-pip-version-check --constraint $(CONSTRAINTS) --group dev
 	touch $@
+
+nightly: .venv/.dev ## hours: all slow tests, all kinds of damaged input and accidents, all figures; SEED=n repeats a night
+	@status=0; \
+	$(BIN)/python -m pytest -m slow -q || status=1; \
+	$(BIN)/python -m tests.bench.reliability.everything --seed $(SEED) || status=1; \
+	$(BIN)/python tests/bench/figures.py || status=1; \
+	exit $$status
 
 clean:
 	rm -rf .venv .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache dist docs/_build hexcite-demo

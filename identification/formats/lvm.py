@@ -14,7 +14,7 @@ from cases.errors import RecordingError
 from cases.recording_format import FileFormat
 from identification.formats.content import Content, Section
 from identification.formats.text import Field, Layout
-from identification.formats.words import is_number, split
+from identification.formats.words import number_of, split
 
 _MARK, _END, _X = b"LabVIEW Measurement", b"***End_of_Header***", "X_Value"
 _SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";"}
@@ -52,7 +52,7 @@ def layout(content: Content, head: Sequence[bytes], form: FileFormat) -> Layout:
         label, step = (_said(first, key, k + shift) for key in ("Y_Unit_Label", "Delta_X"))
         clock = max((c for c in clocks if c < k), default=None)
         if clock is None and name != _X and not clocks and step:
-            fields.append(Field(name, unit=label, step=_number(step)))
+            fields.append(Field(name, unit=label, step=number_of(step)))
         else:
             fields.append(Field(name, unit=label, clock=clock))
     decimal = form.decimal or general.get("Decimal_Separator", "")
@@ -144,12 +144,6 @@ def _said(segment: _Segment, key: str, position: int) -> str:
     return row[position] if position < len(row) else ""
 
 
-def _number(text: str) -> float | None:
-    """A number with either decimal sign; None where text is not one."""
-    plain = text.replace(",", ".", 1)
-    return float(plain) if is_number(plain) else None
-
-
 def _starts(content: Content, segments: Sequence[_Segment], clock: int | None) -> Iterator[float]:
     """What the times of each segment count from [s]: they go on from one to the next, or begin anew at its date.
 
@@ -159,12 +153,12 @@ def _starts(content: Content, segments: Sequence[_Segment], clock: int | None) -
     start, end = 0.0, -1.0
     for segment in segments:
         if clock is None:
-            begin = next((x for x in map(_number, segment.about.get("X0", ())[1:]) if x is not None), 0.0)
-            step = next((x for x in map(_number, segment.about.get("Delta_X", ())[1:]) if x is not None), 0.0)
+            begin = next((x for x in map(number_of, segment.about.get("X0", ())[1:]) if x is not None), 0.0)
+            step = next((x for x in map(number_of, segment.about.get("Delta_X", ())[1:]) if x is not None), 0.0)
             own = begin, begin + step * (segment.section.rows - 1)
         else:
             begin = 0.0
-            found = [_number(row[clock]) if clock < len(row) else None for row in (segment.first, segment.last)]
+            found = [number_of(row[clock]) if clock < len(row) else None for row in (segment.first, segment.last)]
             own = (found[0] or 0.0, found[1] or 0.0)
         if start + own[0] <= end:  # times begin anew
             date, origin = _date(segment), _date(segments[0])

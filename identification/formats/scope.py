@@ -15,7 +15,7 @@ from cases.recording_format import TICKS, FileFormat
 from identification.formats.content import Content, section_of
 from identification.formats.plain import SAMPLE
 from identification.formats.text import Field, Layout, cells
-from identification.formats.words import is_missing, is_number, is_switch, split
+from identification.formats.words import is_missing, is_number, is_switch, number_of, split
 
 _NAME, _UNIT, _END = "Name", "Unit", b"EOF"
 _OTHER_NAMES = ("SymbolName", "SymbolComment")
@@ -100,8 +100,7 @@ def _unit(content: Content, stamp: str, form: FileFormat) -> str:
     """The unit of time stamps, by the first of them and by the case; raises RecordingError where they differ."""
     if _DATED.match(stamp):  # Full Timestamp, which is read in ns
         return "ns"
-    number = stamp.replace(",", ".", 1)
-    counted = is_number(number) and float(number) >= _LEAST_FILETIME
+    counted = (number_of(stamp) or 0.0) >= _LEAST_FILETIME
     stated = form.clock.unit or ("filetime" if counted else "ms")
     if counted != (stated == "filetime"):
         problem = f"its time stamps, such as {stamp.strip()}, are not in {stated}"

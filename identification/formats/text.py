@@ -155,11 +155,16 @@ def tables(
     stamps = {k: _stamps(content, layout, k, columns[k], counts, lines) for k in clocks}
     own_of = {ours: _own_clock(layout, k, clock_of[ours], stamps, columns[k], counts) for ours, k in positions.items()}
     units = {ours: layout.fields[k].unit for ours, k in chosen.items() if layout.fields[k].unit}
+    recorded = False
     for group in _groups(own_of):
         shared = min((own_of[ours] for ours in group), key=lambda own: np.inf if own[0] is None else len(own[0]))
         if shared[0] is None or len(shared[0]):  # else it is a channel that was not recorded
+            recorded = True
             table = _table(content, layout, {ours: positions[ours] for ours in group}, columns, shared, lines)
             yield replace(table, unit_cells=units, header=layout.header)
+    if not recorded:
+        empty = "has time stamps in no row" if clocks else "has values in no row"
+        raise RecordingError(content.file, empty, "record or export it again, with the time of each row")
 
 
 class _Wanted(NamedTuple):

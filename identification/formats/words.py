@@ -2,6 +2,7 @@
 
 import csv
 import re
+from math import isfinite, nan
 
 from cases.recording_format import FileFormat
 
@@ -52,6 +53,15 @@ def is_switch(text: str) -> bool:
 def is_number(text: str) -> bool:
     """Whether text is a number with a decimal point."""
     return _NUMBER.fullmatch(text) is not None
+
+
+def number_of(text: str) -> float | None:
+    """The number that text writes with either decimal sign; None where it is none, or not finite."""
+    plain = text.replace(",", ".", 1)
+    value = (
+        float(plain.lower().translate(_FORTRAN) if plain.strip()[-1:].isdigit() else plain) if is_number(plain) else nan
+    )
+    return value if isfinite(value) else None
 
 
 def is_value(text: str, form: FileFormat) -> bool:

@@ -33,8 +33,6 @@ from tests.bench.portfolio import portfolio
 from tests.bench.pose_errors import pose_error_rows
 from tests.bench.poses import pose_figures, pose_tables
 from tests.bench.programs import programs
-from tests.bench.reliability.everything import reliability_rows
-from tests.bench.reliability.interrupted import interrupted_rows
 from tests.bench.robot import robot_figures
 from tests.bench.single_moves import single_moves_rows
 from tests.bench.size import sizes
@@ -125,7 +123,7 @@ def sections() -> Iterator[tuple[str, list[list[str]]]]:
         yield "Errors of the pose", pose_error_rows(Path(name), command)
     yield "Studies", study_rows()
     yield "Poses", pose_figures()
-    yield "Reliability", [*reliability_rows(), *interrupted_rows(), *([] if linuxcnc_missing() else under_load_rows())]
+    yield "Reliability", [] if linuxcnc_missing() else under_load_rows()
     yield "Limits of information", [*limits_of_information(), *single_moves_rows()]
 
 

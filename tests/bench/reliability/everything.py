@@ -1,66 +1,88 @@
-"""All kinds of damaged input, with counts and a first seed: nothing breaks, hangs, or is wrong unnoticed.
+"""All kinds of damaged input and of accidents, by seeds: nothing breaks, hangs, is lost, or is wrong unnoticed.
 
-python -m tests.bench.reliability.everything --seed 1 --recordings 1000 --programs 3000
+python -m tests.bench.reliability.everything --seed 1                  all of `make nightly`, hours
+python -m tests.bench.reliability.everything texts cases --count 100   some kinds
 """
 
 import argparse
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 from tests.bench.reliability.folders import tally_of_cases, tally_of_plans, tally_of_results
+from tests.bench.reliability.interrupted import tally_of_full_disks, tally_of_kills
 from tests.bench.reliability.programs import DIALECTS
 from tests.bench.reliability.rearranged import tally_of_rearranged
 from tests.bench.reliability.recordings import tally_of_other_files, tally_of_runs
 from tests.bench.reliability.tally import Tally
 from tests.bench.reliability.texts import tally_of_texts
 
-COUNTS = {"recordings": 20_000, "texts": 5_000, "programs": 20_000, "cases": 5_000, "folders": 2_000}
-"""How many of each kind `make bench` tries; programs are of each dialect."""
 
-
-def tallies(counts: dict[str, int], first: int = 0) -> Iterator[Tally]:
-    """The tallies of all kinds, one after the other.
+@dataclass(frozen=True)
+class Part:
+    """A kind of input.
 
     Args:
-        counts: inputs of each kind; none of the kinds that are left out.
-        first: seed.
+        name: what the command line calls it.
+        count: how many seeds `make nightly` tries.
+        tally_of: tries them; the folder is empty at first and may be written to.
     """
 
-    def seeds(kind: str, share: float = 1.0) -> range:
-        return range(first, first + round(share * counts.get(kind, 0)))
-
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        for tally_of in DIALECTS.values():
-            yield tally_of(seeds("programs"))
-        yield tally_of_cases(seeds("cases"), folder)
-        yield tally_of_plans(seeds("folders", 0.5), folder)
-        yield tally_of_results(seeds("folders", 0.5), folder)
-        yield tally_of_texts(seeds("texts"), folder)
-        yield tally_of_rearranged(seeds("recordings", 0.5), folder)
-        yield tally_of_other_files(seeds("recordings", 0.25), folder)
-        yield tally_of_runs(seeds("recordings", 0.25), folder)
+    name: str
+    count: int
+    tally_of: Callable[[range, Path], Tally]
 
 
-def reliability_rows(counts: dict[str, int] = COUNTS) -> list[list[str]]:
-    """Defects among damaged inputs."""
-    return [tally.row() for tally in tallies(counts)]
+def _of_programs(dialect: str) -> Callable[[range, Path], Tally]:
+    return lambda seeds, _: DIALECTS[dialect](seeds)
+
+
+PARTS = (
+    *(Part(f"programs of {dialect}", 20_000, _of_programs(dialect)) for dialect in DIALECTS),
+    Part("cases", 5_000, tally_of_cases),
+    Part("plans", 1_000, tally_of_plans),
+    Part("results", 1_000, tally_of_results),
+    Part("texts", 5_000, tally_of_texts),
+    Part("rearranged", 10_000, tally_of_rearranged),
+    Part("other files", 5_000, tally_of_other_files),
+    Part("runs", 5_000, tally_of_runs),
+    Part("kills", 200, tally_of_kills),
+    Part("full disks", 6, tally_of_full_disks),
+)
+"""What is tried, one after the other; a new kind is a line here."""
+
+
+def tallies(parts: tuple[Part, ...], first: int, count: int | None = None) -> Iterator[Tally]:
+    """The tallies of some kinds, one after the other.
+
+    Args:
+        parts: kinds.
+        first: seed of the first input of each kind.
+        count: inputs of each kind; None: as many as `make nightly` tries.
+    """
+    for part in parts:
+        with tempfile.TemporaryDirectory() as name:
+            yield part.tally_of(range(first, first + (part.count if count is None else count)), Path(name))
 
 
 def main() -> None:
     """Prints the tallies; exit code 1 where there are defects."""
+    names = {part.name: part for part in PARTS}
     parser = argparse.ArgumentParser()
-    parser.add_argument("--seed", type=int, default=0)
-    for kind in COUNTS:
-        parser.add_argument(f"--{kind}", type=int, default=0)
-    asked = vars(parser.parse_args())
+    parser.add_argument("parts", nargs="*", metavar="PART", help=f"all where none is named: {', '.join(names)}")
+    parser.add_argument("--seed", type=int, default=0, help="the first one")
+    parser.add_argument("--count", type=int, help="inputs of each part; as many as `make nightly` tries")
+    asked = parser.parse_args()
+    if unknown := [name for name in asked.parts if name not in names]:
+        parser.error(f"there is no {', '.join(unknown)}; choose from {', '.join(names)}")
+    chosen = tuple(names[name] for name in asked.parts) or PARTS
+    print(f"seeds from {asked.seed} on", flush=True)
     found = 0
-    for tally in tallies(asked, asked["seed"]):
-        if tally.tried:
-            print(*tally.row(), flush=True)
-            found += len(tally.defects)
+    for tally in tallies(chosen, asked.seed, asked.count):
+        print(*tally.row(), flush=True)
+        found += len(tally.defects)
     sys.exit(found > 0)
 
 

@@ -1,7 +1,4 @@
-"""Commands killed at random instants, and computers that let nobody write: artefacts are whole or absent.
-
-python -m tests.bench.reliability.interrupted KILLS [SEED]
-"""
+"""Commands killed at random instants, and computers that let nobody write: artefacts are whole or absent."""
 
 import json
 import os
@@ -11,7 +8,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -20,7 +16,6 @@ from typing import NamedTuple
 from tests.bench.reliability.tally import Tally
 from tests.planner.command_line import ACCEPT, PROGRAM, hexcite
 
-KILLS = 200
 LIMIT = 900.0  # [s] on the wall for a command on a busy computer
 
 
@@ -54,7 +49,8 @@ STUDY = 'schema_version = 1\nname = "small"\n[grid]\nfamily = "fourier"\norder =
 
 
 def prepared(folder: Path) -> None:
-    """What the commands begin with: a plan, its program, a run of it."""
+    """What the commands begin with: a plan, its program, a run of it, and a cache of their own."""
+    os.environ["XDG_CACHE_HOME"] = str(folder / "cache")
     assert hexcite("plan", "hexapod", "--family", "manual", "-o", folder / "plan").code == 0
     assert hexcite("post", folder / "plan", *ACCEPT, "-o", folder / "p.ngc").code == 0
     assert hexcite("run", folder / "p.ngc", "--case", "hexapod", "-o", folder / "run").code == 0
@@ -89,26 +85,19 @@ def _ended(process: subprocess.Popen[str]) -> tuple[int, str]:
     return process.returncode, said
 
 
-def tally_of_kills(names: list[str], count: int, seed: int, folder: Path) -> Tally:
-    """Commands that are killed at random instants of their work; what they left is repeated to its end.
-
-    Args:
-        names: of the commands, taken in turn.
-        count: of kills.
-        seed: of the instants.
-        folder: where they work; see `prepared`.
-    """
-    tally, draw = Tally("commands by kill -9"), random.Random(seed)
-    lasted = dict.fromkeys(names, 0.0)
-    for k in range(count):
-        name = names[k % len(names)]
+def tally_of_kills(seeds: range, folder: Path) -> Tally:
+    """Commands that are killed at random instants of their work, one a seed, in turn; each is then repeated."""
+    tally, lasted = Tally("commands by kill -9"), dict.fromkeys(WORKS, 0.0)
+    prepared(folder)
+    for seed in seeds:
+        name, draw = list(WORKS)[seed % len(WORKS)], random.Random(seed)
         work = WORKS[name]
         if not lasted[name]:  # how long it takes, undisturbed
             began = time.monotonic()
             code, said = _ended(_started(work, folder))
             lasted[name] = time.monotonic() - began
             if code:
-                tally.defect(k, f"{name} fails undisturbed: {said}")
+                tally.defect(seed, f"{name} fails undisturbed: {said}")
                 return tally
         if draw.random() < 0.5:
             _removed(folder / work.output)
@@ -118,11 +107,11 @@ def tally_of_kills(names: list[str], count: int, seed: int, folder: Path) -> Tal
         code, said = _ended(process)
         tally.counts["killed" if code < 0 else "over before"] += 1
         if problem := whole_or_absent(folder / work.output, work.parts):
-            tally.defect(k, f"{name} killed: {problem}")
+            tally.defect(seed, f"{name} killed: {problem}")
         code, said = _ended(_started(work, folder))
         problem = whole_or_absent(folder / work.output, work.parts)
         if code or problem or not (folder / work.output).exists():
-            tally.defect(k, f"{name} repeated after a kill: exit code {code}, {said}, {problem}")
+            tally.defect(seed, f"{name} repeated after a kill: exit code {code}, {said}, {problem}")
         print(tally.row(), file=sys.stderr, flush=True)
     return tally
 
@@ -136,11 +125,16 @@ def _removed(place: Path) -> None:
         shutil.rmtree(path, ignore_errors=True)
 
 
-def tally_of_full_disks(names: list[str], folder: Path) -> Tally:
-    """Commands whose files may not grow beyond sizes that are reached early and late, as on a disk that is full."""
+SIZES = (0, 100, 4_000, 60_000, 400_000, 50_000_000)  # bytes of a file, reached early and late
+
+
+def tally_of_full_disks(seeds: range, folder: Path) -> Tally:
+    """Commands whose files may not grow beyond a size, one a seed, in turn, as on a disk that is full."""
     tally = Tally("commands on a full disk")
-    for k, size in enumerate((0, 100, 4_000, 60_000, 400_000, 50_000_000)):
-        for name in names:
+    prepared(folder)
+    for k in seeds:
+        size = SIZES[k % len(SIZES)]
+        for name in ("plan", "run", "identify"):
             work = WORKS[name]
             _removed(folder / work.output)
             before = _parts(folder)  # of commands that were killed
@@ -159,29 +153,3 @@ def tally_of_full_disks(names: list[str], folder: Path) -> Tally:
             if left := _parts(folder) - before:
                 tally.defect(k, f"{name} with files of {size} bytes at most leaves {left}")
     return tally
-
-
-def interrupted_rows(kills: int = KILLS) -> list[list[str]]:
-    """Defects among commands that were killed, and among commands on a full disk."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        os.environ["XDG_CACHE_HOME"] = str(folder / "cache")
-        prepared(folder)
-        names = list(WORKS)
-        return [tally_of_kills(names, kills, 0, folder).row(), tally_of_full_disks(names[:3], folder).row()]
-
-
-def main() -> None:
-    """Prints both tallies."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        prepared(folder)
-        kills = tally_of_kills(list(WORKS), int(sys.argv[1]), int((*sys.argv, "0")[2]), folder)
-        disks = tally_of_full_disks(["plan", "run", "identify"], folder)
-        for tally in (kills, disks):
-            print(*tally.row())
-            print(*tally.defects, sep="\n")
-
-
-if __name__ == "__main__":
-    main()

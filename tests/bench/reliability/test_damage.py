@@ -1,4 +1,4 @@
-"""A share of the damaged inputs that `make bench` tries: answered, or refused in one line; nothing wrong unnoticed."""
+"""A share of what `make nightly` tries: damaged input is answered or refused in a line; nothing is wrong unnoticed."""
 
 from collections.abc import Callable
 from pathlib import Path

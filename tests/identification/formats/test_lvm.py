@@ -159,3 +159,22 @@ def test_channels_that_end_earlier_are_a_stream_of_their_own(tmp_path: Path) -> 
     (other,) = recording.others
     np.testing.assert_allclose(other.struts, RUN.struts[::2], rtol=1e-8)
     np.testing.assert_allclose(other.t, RUN.t[::2], atol=1e-9)
+
+
+def test_time_columns_without_a_time_are_refused(tmp_path: Path) -> None:
+    """The header lost the line that says there are no time columns."""
+    lines = [line for line in Written(columns="No").text().split("\n") if not line.startswith("X_Columns")]
+    file = written(tmp_path, "\n".join(lines))
+    for call in (read, look):
+        with pytest.raises(RecordingError) as refused:
+            call(file, CASE)
+        assert "time stamps in no row" in one_line(refused.value)
+
+
+def test_times_with_exponents_of_fortran_are_read(tmp_path: Path) -> None:
+    text = Written().text()
+    first = number(RUN.t[0], ".")
+    head, _, rows = text.partition("X_Value\t")
+    assert f"\n{first}\t" in rows
+    file = written(tmp_path, head + "X_Value\t" + rows.replace(f"\n{first}\t", f"\n{first}D+00\t", 1))
+    assert len(read(file, CASE).forces) == RUN.count
