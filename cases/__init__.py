@@ -55,6 +55,7 @@ WIDER: dict[type, tuple[type, ...]] = {
 SOURCES = {
     "Case": "hx.load_case loads one",
     "Plan": "hx.plan makes one, hx.Plan.load reads one",
+    "Planned": "hx.plan makes a plan, hx.Plan.load reads one",
     "Program": "hx.write makes one, hx.read_program reads one",
     "Recording": "hx.read reads one",
     "Result": "hx.identify makes one, hx.Result.load reads one",

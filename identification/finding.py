@@ -17,6 +17,7 @@ class Kind(StrEnum):
     CLOCK = "clock"  # rates, delays, lost time
     CONTACT = "contact"
     FEED = "feed"
+    PROGRAM = "program"  # what was different from the plan
     NOISE = "noise"  # what the residuals look like, beside what is stated
     MODEL = "model"  # what the model does not explain, or what is impossible
     ESTIMATOR = "estimator"  # what an estimator did, constraints and priors included

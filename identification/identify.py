@@ -5,7 +5,7 @@ the parameters. What speaks against a run is looked for before the estimate (`sa
 (`contact`, `fit_checks`); then its cause is looked for (`causes`).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -20,6 +20,7 @@ from cases.units import Array
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, require_alive
 from identification.finding import Finding, Kind, changed_cases, note, sentences, warning
+from identification.findings.as_planned import Planned, as_planned
 from identification.findings.causes.answer import Answer, answer
 from identification.findings.clock import clock_findings, odd_clock
 from identification.findings.contact import Contact, contact_findings, free_of_contact, touched
@@ -48,6 +49,7 @@ def identify(
     how: Method | Callable[[Model], Method] = GAUSS_MARKOV,
     average_standstills: bool = False,
     poses: Array | None = None,
+    plan: Planned | Sequence[Planned] | None = None,
 ) -> Result:
     """Parameters with standard deviations from a recorded run.
 
@@ -58,6 +60,7 @@ def identify(
         how: what is known beforehand, and how channels are weighted; or what gives it for a model.
         average_standstills: average the run's standstills, wherever they are.
         poses: poses whose standstills the run holds, shape (n, k) [m or rad]; a run of hexcite knows its own.
+        plan: plan of the run, or plans of which one may be that of the run; what was different is a finding.
 
     Raises:
         IdentificationError: the run does not determine the parameters; the message names them.
@@ -68,6 +71,8 @@ def identify(
     if case is None:
         raise RecordingError(recording.source, "does not say which machine it is from", "give its case")
     whole = on_one_clock(recording, case)
+    if plan is not None:
+        whole = replace(whole, findings=(*whole.findings, *as_planned(whole, case, plan)))
     try:
         run, standing = standing_of(whole, case, poses, average_standstills)
     except (IdentificationError, RecordingError) as error:

@@ -30,6 +30,13 @@ def identify(
     fix: Annotated[list[str] | None, option("A known value, taken as exact: m=93.1kg, xC=0mm. Repeatable.")] = None,
     drop: Annotated[list[str] | None, option("A parameter to leave out, as if it were zero: k3. Repeatable.")] = None,
     prior: Annotated[list[str] | None, option("An uncertain value: m=33+-0.5kg. Repeatable.")] = None,
+    plan: Annotated[
+        Path | None,
+        option(
+            "The plan of this run: what was different from it is reported. By default the one that the run names, or "
+            "that lies beside the recording."
+        ),
+    ] = None,
     poses: Annotated[
         Path | None, option("Plan of poses: average the run's standstills, which must be those of this plan.")
     ] = None,
@@ -47,22 +54,26 @@ def identify(
     """
     from identification.formats.reading import files_of
     from identification.formats.table import require_file
+    from identification.recording import record_of
     from planner.cli.identification import answer_of_result, method_of
+    from planner.plan_at_hand import plans_at_hand
 
     if verify is not None:
         require_file(files_of([verify])[0])  # before a result is written
     folder = output_place(output, Path(f"{recordings[0].resolve().stem}-result"), overwrite)
     check_folder(folder, RESULT, recordings, overwrite)
     with console.status("identifying", json):
-        run = hx.Recording.load(recordings, None if case is None else hx.load_case(case), stale)
+        named = None if plan is None else hx.Plan.load(plan, None if case is None else hx.load_case(case), stale=True)
+        own = named.case if named is not None and not record_of(recordings[0]) else None
+        run = hx.Recording.load(recordings, own if case is None else hx.load_case(case), stale)
         assert run.case is not None  # it was read with one
         planned = None
         if poses is not None:
-            plan = hx.Plan.load(poses, run.case, stale=True)  # of a plan of poses only these are wanted
-            planned = plan.poses
+            posed = hx.Plan.load(poses, run.case, stale=True)  # of a plan of poses only these are wanted
+            planned = posed.poses
             if not len(planned):
                 raise hx.HexciteError(
-                    poses, f"is a plan of family {plan.family}, not of poses; name one of hexcite poses"
+                    poses, f"is a plan of family {posed.family}, not of poses; name one of hexcite poses"
                 )
         result = hx.identify(
             run,
@@ -70,6 +81,7 @@ def identify(
             how=lambda m: method_of(m, fix, drop, prior, weights),
             average_standstills=standstills,
             poses=planned,
+            plan=plans_at_hand(run) if named is None else named,
         )
         console.save_with_page(result, RESULT, folder, overwrite)
     answer = answer_of_result(result, folder)

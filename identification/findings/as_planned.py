@@ -1,0 +1,539 @@
+"""Whether a run is the motion of its plan, and what was different: path and pace of both are compared.
+
+Paths are compared without regard to time, so that dwells, the law of a controller and the way from home and back do
+not count. Both become points at equal distances along the drives, which are aligned in order; points that have no
+partner are parts of the plan that the run left out or did otherwise. Partners then say how much slower the run was.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, NamedTuple, Protocol, runtime_checkable
+
+import numpy as np
+
+from cases.errors import HexciteError
+from cases.schema import Case
+from cases.units import DEG, MM, Array, Flags, Indices
+from identification.finding import Finding, Kind, note, warning
+from identification.model import machine_of
+from identification.motion import Joined, Standstill, Trajectory
+from identification.recording import Recording
+from identification.signals import stretches
+
+PLAN_RATE = 500.0  # [1/s] at which the plan is sampled
+MOST_SAMPLES = 200_000  # of plan or recording
+STEP = 0.01  # distance of the points along a path, as a share of the plan's range of lengths or of angles
+MOST_POINTS = 1500  # of the plan's path
+# below which the range of a drive is not what distances are compared with; also as a share of that of its like
+LEAST_RANGE, LEAST_SHARE = (5.0 * MM, 0.5 * DEG), 0.2
+NEAR = 1.5  # distances of points, within which a point of the run is the plan's
+LEFT_OUT, ADDED, FAR = 1.0, 0.2, 2.0  # cost of a point of the plan, of the run, and of a pair that is too far apart
+COARSE = 3  # points of which one is taken where a shift is first looked for
+FEWEST = 4  # points in a row that are no coincidence
+WHOLE = 0.98  # share of the plan's path from which a run holds all of it: recorders begin and end a little late
+ANOTHER = 0.3  # share of it below which the run is another motion
+SHIFTED = 0.01  # of a coordinate's planned range; beside it the least shifts that are worth a word
+LEAST_SHIFT = 0.3 * MM, 0.03 * DEG
+SLOWER = 0.05  # difference of pace that is worth a word: controllers need some percent more than planned
+ACT = 0.1  # and from which on one should act
+FASTEST = 0.7  # share of the points that are slower than those at which the pace is taken
+UNEVEN = 0.15  # difference of the pace of a part from the plan's, where others have the plan's
+LEAST_PART = 0.25  # [s] of a part whose pace is worth a word
+EVEN = 0.06  # spread of the pace at the fastest places, up to which it is one
+BESIDE = 3  # points beside a pose, between which a run may stand there
+PARTS = 20  # of a motion that has none of its own, in which the pace is looked at
+SAME_PLACE = 1e-6  # share of the range
+AT_AN_END = 0.02  # of the distance of two points: what is nearer to the end of a move is there
+MISSED_STAY = 0.5  # share of the planned stay at a pose
+
+
+@runtime_checkable
+class Planned(Protocol):
+    """What a run is compared with; a `Plan` is one."""
+
+    @property
+    def name(self) -> str:
+        """What it is called in messages."""
+
+    @property
+    def motion(self) -> Trajectory:
+        """The motion, in the coordinates of the machine."""
+
+    @property
+    def poses(self) -> Array:
+        """Poses at which it stands, shape (n, k) [m or rad]; empty for motions."""
+
+
+class _Path(NamedTuple):
+    """A motion as points at equal distances of its drives."""
+
+    t: Array  # when each is reached, shape (n,) [s]
+    drives: Array  # shape (n, k) [m or rad]
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """A run beside its plan."""
+
+    plan: Planned
+    case: Case
+    planned: _Path
+    run: _Path
+    raw: _Path  # the run as recorded
+    scale: Array  # of the drives, shape (k,) [m or rad]: what distances are shares of
+    shift: Array  # of the run's drives against the plan's, shape (k,) [m or rad]
+    pairs: Indices  # points of plan and run that are one, in order, shape (p, 2)
+    step: float  # distance of the points as a share of the scale
+
+    @property
+    def matched(self) -> Flags:
+        """Which points of the plan are in the run, shape (n,)."""
+        flags = np.zeros(len(self.planned.t), dtype=bool)
+        flags[self.pairs[:, 0]] = True
+        return flags
+
+    @property
+    def share(self) -> float:
+        """Share of the plan's path that is in the run."""
+        return float(self.matched.mean())
+
+
+def compared(recording: Recording, case: Case, plan: Planned) -> Comparison | None:
+    """A run beside a plan; None where the recording has no clock or no drives, or one of them does not move.
+
+    Args:
+        recording: a run on one clock.
+        case: machine of both.
+        plan: plan for this machine.
+    """
+    if recording.t is None or recording.struts is None:
+        return None
+    good = np.flatnonzero(~recording.bad)[:: max(1, recording.rows // MOST_SAMPLES)]
+    if len(good) < FEWEST:
+        return None
+    machine, motion = machine_of(case), plan.motion
+    count = int(min(MOST_SAMPLES, max(FEWEST, motion.duration * PLAN_RATE)))
+    t = np.linspace(0.0, motion.duration, count)
+    drives = machine.drives(motion.at(t).pose)
+    if drives.shape[1] != recording.struts.shape[1]:
+        return None
+    scale = np.empty(drives.shape[1])
+    for turns, least in zip((False, True), LEAST_RANGE, strict=True):
+        own = machine.turns == turns
+        ranges = np.ptp(drives[:, own], axis=0)
+        scale[own] = np.maximum(ranges, max(least, LEAST_SHARE * ranges.max(initial=0.0)))
+    length = float(np.linalg.norm(np.diff(drives / scale, axis=0), axis=1).sum())
+    step = max(STEP, length / MOST_POINTS)
+    planned = _walked(t, drives, scale, step)
+    struts = _without_glitches(recording.struts[good])
+    run = _walked(recording.t[good], struts, scale, step)
+    if min(len(planned.t), len(run.t)) < FEWEST:
+        return None
+    shift, pairs = _best(planned.drives / scale, run.drives / scale, step)
+    return Comparison(plan, case, planned, run, _Path(recording.t[good], struts), scale, shift * scale, pairs, step)
+
+
+def as_planned(recording: Recording, case: Case, plan: Planned | Sequence[Planned]) -> tuple[Finding, ...]:
+    """What was different from the plan, as findings with numbers; figures alone where nothing was.
+
+    Args:
+        recording: a run on one clock.
+        case: machine of both.
+        plan: plan of the run; or plans that lie beside it, of which one may be that of the run.
+    """
+    plans = [plan] if isinstance(plan, Planned) else list(plan)
+    comparisons = [found for one in plans if (found := compared(recording, case, one)) is not None]
+    if not comparisons:
+        return ()
+    best = max(comparisons, key=lambda comparison: comparison.share)
+    if isinstance(plan, Planned) or best.share >= ANOTHER:
+        return findings_of(best)
+    names = ", ".join(one.name for one in plans)
+    which = f"the plan beside it, {names}" if len(plans) == 1 else f"one of the plans beside it, {names}"
+    figures = {"plan": best.plan.name, "share_of_path": round(best.share, 4)}
+    return (note(Kind.PROGRAM, f"the run is not the motion of {which}; name its own with --plan", as_planned=figures),)
+
+
+def findings_of(comparison: Comparison) -> tuple[Finding, ...]:
+    """Findings of a comparison; figures alone where nothing was different."""
+    name, share = comparison.plan.name, comparison.share
+    figures: dict[str, Any] = {"plan": name, "share_of_path": round(share, 4)}
+    if share < ANOTHER:
+        text = f"the run is not the motion of the plan {name}: {100 * share:.0f} % of its path is in the recording; "
+        text += "another program ran, or it was changed after planning"
+        return (warning(Kind.PROGRAM, text, as_planned=figures),)
+    said = [*_shifts(comparison, figures), *_differences(comparison, figures), *_paces(comparison, figures)]
+    if not said:
+        return (note(Kind.PROGRAM, as_planned=figures),)
+    first, *others = said
+    return (_of(first, name, as_planned=figures), *(_of(text, name) for text in others))
+
+
+class _Said(NamedTuple):
+    text: str
+    act: bool = True
+
+
+def _of(said: _Said, name: str, **quantity: Any) -> Finding:
+    sentence = f"compared with the plan {name}, {said.text}"
+    make = warning if said.act else note
+    return make(Kind.PROGRAM, sentence, **quantity)
+
+
+def _walked(t: Array, drives: Array, scale: Array, step: float) -> _Path:
+    """Points of a sampled motion, each at a distance from the one before it.
+
+    Args:
+        t: times, shape (n,) [s].
+        drives: shape (n, k) [m or rad].
+        scale: what distances are shares of, shape (k,) [m or rad].
+        step: distance of the points.
+    """
+    places = drives / scale
+    at, when = [places[0]], [float(t[0])]
+    row, ahead = 1, 64
+    while row < len(places):
+        part = places[row : row + ahead]
+        away = np.linalg.norm(part - at[-1], axis=1)
+        beyond = np.flatnonzero(away >= step)
+        if not len(beyond):
+            row, ahead = row + len(part), min(2 * ahead, 4096)
+            continue
+        row, ahead = row + int(beyond[0]), 64
+        before = places[row - 1]
+        share = _crossing(before - at[-1], places[row] - before, step)
+        at.append(before + share * (places[row] - before))
+        when.append(float(t[row - 1] + share * (t[row] - t[row - 1])))
+    return _Path(np.array(when), np.array(at) * scale)
+
+
+def _crossing(offset: Array, way: Array, step: float) -> float:
+    """Where on a way, from 0 to 1, the distance from a point reaches a step.
+
+    Args:
+        offset: start of the way less the point, shape (k,).
+        way: the way, shape (k,).
+    """
+    a, b, c = float(way @ way), float(offset @ way), float(offset @ offset) - step**2
+    root = max(b * b - a * c, 0.0) ** 0.5
+    return float(np.clip((root - b) / a, 0.0, 1.0)) if a > 0.0 else 1.0
+
+
+def _without_glitches(drives: Array) -> Array:
+    """Drives of which single readings that leave both neighbours are taken out, shape (n, k)."""
+    if len(drives) < 3:
+        return drives
+    middle = np.median(np.stack([drives[:-2], drives[1:-1], drives[2:]]), axis=0)
+    return np.vstack([drives[:1], middle, drives[-1:]])
+
+
+def _best(planned: Array, run: Array, step: float) -> tuple[Array, Indices]:
+    """The shift of a run, shape (k,), and its pairs with the plan: of several first guesses the one with most pairs."""
+    none = np.zeros(planned.shape[1])
+    best = none, _aligned(planned, run, NEAR * step)
+    if len(best[1]) < WHOLE * len(planned):
+        middles = [(path.max(axis=0) + path.min(axis=0)) / 2.0 for path in (planned, run)]
+        for guess in (none, middles[1] - middles[0], run[0] - planned[0], run[-1] - planned[-1]):
+            shift = guess
+            for near, every in ((12.0, COARSE), (4.0, COARSE), (2.0, 1)):
+                pairs = every * _aligned(planned[::every], run[::every] - shift, near * NEAR * step)
+                if len(pairs) < FEWEST:
+                    break
+                shift = np.median(run[pairs[:, 1]] - planned[pairs[:, 0]], axis=0)
+            pairs = _aligned(planned, run - shift, NEAR * step) if len(pairs) >= FEWEST else pairs
+            if len(pairs) > 1.02 * len(best[1]) + FEWEST:
+                best = shift, pairs
+            if len(best[1]) >= WHOLE * len(planned):
+                break
+    shift, pairs = best
+    if len(pairs):
+        shift = np.median(run[pairs[:, 1]] - planned[pairs[:, 0]], axis=0)
+    return shift, pairs
+
+
+MATCH, DELETE, INSERT = range(3)
+
+
+def _aligned(planned: Array, run: Array, near: float) -> Indices:
+    """Pairs of points of plan and run that are within a distance, in the order of both, shape (p, 2).
+
+    The alignment of least cost: points before the first pair and behind the last one cost nothing in the run.
+    """
+    rows, columns = len(planned), len(run)
+    choice = np.empty((rows + 1, columns + 1), dtype=np.int8)
+    steps = ADDED * np.arange(columns + 1)
+    cost = np.zeros(columns + 1)
+    choice[0] = INSERT
+    for i in range(rows):
+        far = ((run - planned[i]) ** 2).sum(axis=1) / near**2
+        matched = np.concatenate([[np.inf], cost[:-1] + np.where(far > 1.0, FAR, far)])
+        deleted = cost + LEFT_OUT
+        taken = np.minimum(matched, deleted)
+        least = np.minimum.accumulate(taken - steps) + steps
+        choice[i + 1] = np.where(least < taken - 1e-12, INSERT, np.where(matched <= deleted, MATCH, DELETE))
+        cost = least
+    i, j = rows, int(np.argmin(cost))
+    pairs = []
+    while i > 0:
+        if choice[i, j] == MATCH:
+            i, j = i - 1, j - 1
+            if ((run[j] - planned[i]) ** 2).sum() <= near**2:
+                pairs.append((i, j))
+        elif choice[i, j] == DELETE:
+            i -= 1
+        else:
+            j -= 1
+    found: Indices = np.array(pairs[::-1], dtype=np.int64).reshape(-1, 2)
+    if not len(found):
+        return found
+    groups = np.split(found, 1 + np.flatnonzero(np.diff(found[:, 0]) > 2))
+    return np.concatenate([found[:0], *(group for group in groups if len(group) >= FEWEST)])
+
+
+def _in_coordinates(comparison: Comparison, points: Indices) -> Array | None:
+    """Coordinates of points of the run, shape (n, k) [m or rad]; None where no pose has such drives."""
+    try:
+        return np.asarray(machine_of(comparison.case).coordinates(comparison.run.drives[points]))
+    except HexciteError:
+        return None
+
+
+def _shifts(comparison: Comparison, figures: dict[str, Any]) -> list[_Said]:
+    """What to say of a run whose path is the plan's at another place."""
+    _, limits = comparison.case.need_motion("the comparison with a plan")
+    poses = comparison.plan.motion.at(comparison.planned.t[comparison.pairs[:, 0]]).pose
+    measured = _in_coordinates(comparison, comparison.pairs[:, 1])
+    if measured is None:
+        return []
+    apart = np.median(measured - poses, axis=0)
+    ranges = np.ptp(comparison.plan.motion.at(comparison.planned.t).pose, axis=0)
+    least = np.maximum(SHIFTED * ranges, np.where(limits.turns, LEAST_SHIFT[1], LEAST_SHIFT[0]))
+    far = np.flatnonzero(np.abs(apart) > least)
+    if not len(far):
+        return []
+    words = ", ".join(_amount(limits.columns[k], apart[k], bool(limits.turns[k]), "+") for k in far)
+    figures["shift"] = {limits.columns[k]: _in_units(apart[k], bool(limits.turns[k])) for k in far}
+    return [_Said(f"the run is shifted by {words}: home stood elsewhere, or an offset was active")]
+
+
+def _in_units(value: float, turns: bool) -> float:
+    return round(float(value) / (DEG if turns else MM), 4)
+
+
+def _amount(column: str, value: float, turns: bool, sign: str = "") -> str:
+    """A length or angle of a coordinate for people: `x +5 mm`."""
+    name, unit = column.rpartition("_")[0], "deg" if turns else "mm"
+    return f"{name} {value / (DEG if turns else MM):{sign}.3g} {unit}"
+
+
+def _differences(comparison: Comparison, figures: dict[str, Any]) -> list[_Said]:
+    """What to say of parts of the plan that the run does not hold."""
+    planned, pairs, matched = comparison.planned, comparison.pairs, comparison.matched
+    total, count = comparison.plan.motion.duration, len(matched)
+    said: list[_Said] = []
+    figures["not_run"] = missing = []
+    missed = _missed_poses(comparison)
+    if missed:
+        figures["poses_not_visited"] = missed
+        which = f"pose {missed[0]} was" if len(missed) == 1 else f"poses {_listed(missed)} were"
+        said.append(_Said(f"{which} not visited, or not stayed at as planned (of {len(comparison.plan.poses)})"))
+    of_poses = len(comparison.plan.poses) > 0
+    first, last = int(pairs[0, 0]), int(pairs[-1, 0])
+    least = max(FEWEST, round((1.0 - WHOLE) * count))
+    if first >= least and (missed or not of_poses):
+        missing.append([0.0, round(float(planned.t[first]), 3)])
+        said.append(
+            _Said(
+                f"the recording begins {planned.t[first]:.3g} s into its {total:.3g} s: "
+                f"{100 * first / count:.2g} % of the path is missing at its start"
+            )
+        )
+    if count - 1 - last >= least and (missed or not of_poses):
+        missing.append([round(float(planned.t[last]), 3), round(total, 3)])
+        rest = 100 * (count - 1 - last) / count
+        said.append(
+            _Said(f"the run ends at {planned.t[last]:.3g} s of its {total:.3g} s: {rest:.2g} % of the path is missing")
+        )
+    parts = []
+    for k in np.flatnonzero(np.diff(pairs[:, 0]) > FEWEST):
+        (i, j), (i_next, j_next) = pairs[k], pairs[k + 1]
+        missing.append([round(float(planned.t[i]), 3), round(float(planned.t[i_next]), 3)])
+        parts.append((planned.t[i], planned.t[i_next], _astray(comparison, i, i_next, j, j_next)))
+    if parts and not missed:
+        start, end, how = max(parts, key=lambda part: part[1] - part[0])
+        more = f" ({len(parts) - 1} more places)" if len(parts) > 1 else ""
+        moves = _moves(comparison.plan.motion, start, end)
+        said.append(
+            _Said(
+                f"the run went elsewhere from {start:.3g} to {end:.3g} s of the plan{moves}{how}{more}: the program "
+                "was changed after planning, or is another one"
+            )
+        )
+    return said
+
+
+def _moves(motion: Trajectory, start: float, end: float) -> str:
+    """Which moves of a plan lie between two of its times."""
+    if not isinstance(motion, Joined):
+        return ""
+    edge = 0.02 * (end - start)
+    a, b = (
+        int(np.clip(np.searchsorted(motion.starts, t, side="right"), 1, len(motion.parts)))
+        for t in (start + edge, end - edge)
+    )
+    which = f"move {a}" if a == b else f"moves {a} to {b}"
+    return f" ({which} of {len(motion.parts)})"
+
+
+def _astray(comparison: Comparison, i: int, i_next: int, j: int, j_next: int) -> str:
+    """How far points j .. j_next of the run leave the plan's points i .. i_next, in the coordinate where it is most."""
+    _, limits = comparison.case.need_motion("the comparison with a plan")
+    own = comparison.planned.drives[i : i_next + 1] + comparison.shift
+    its = comparison.run.drives[j : j_next + 1]
+    distance = (((own[:, None] - its[None]) / comparison.scale) ** 2).sum(axis=2)
+    worst = int(distance.min(axis=1).argmax())
+    nearest = int(distance[worst].argmin())
+    measured = _in_coordinates(comparison, np.array([j + nearest]))
+    if measured is None:
+        return ""
+    pose = comparison.plan.motion.at(comparison.planned.t[[i + worst]]).pose[0]
+    apart = measured[0] - pose
+    size = np.abs(apart) / np.where(limits.turns, DEG, MM)
+    k = int(size.argmax())
+    return f", by {_amount(limits.columns[k], abs(apart[k]), bool(limits.turns[k]))}"
+
+
+def _missed_poses(comparison: Comparison) -> list[int]:
+    """Numbers of the poses, counted from 1, at which the run did not stand half as long as planned."""
+    motion, pairs, raw = comparison.plan.motion, comparison.pairs, comparison.raw
+    if not len(comparison.plan.poses) or not isinstance(motion, Joined):
+        return []
+    stays = [k for k, part in enumerate(motion.parts) if isinstance(part, Standstill) and part.average]
+    places = machine_of(comparison.case).drives(comparison.plan.poses)
+    times, missed = comparison.planned.t[pairs[:, 0]], []
+    near = NEAR * comparison.step
+    for number, (k, place) in enumerate(zip(stays, places, strict=True), 1):
+        begins, ends = motion.starts[k : k + 2]
+        before = int(np.searchsorted(times, begins - (ends - begins) / 2.0)) - BESIDE
+        behind = int(np.searchsorted(times, ends + (ends - begins) / 2.0)) + BESIDE
+        first = comparison.run.t[pairs[before, 1]] if before >= 0 else raw.t[0]
+        last = comparison.run.t[pairs[behind, 1]] if behind < len(pairs) else raw.t[-1]
+        rows = slice(*np.searchsorted(raw.t, [first, last]))
+        away = np.linalg.norm((raw.drives[rows] - comparison.shift - place) / comparison.scale, axis=1)
+        stayed = float(np.diff(raw.t[rows])[away[1:] <= near].sum())
+        if stayed < MISSED_STAY * (ends - begins):
+            missed.append(number)
+    return missed
+
+
+def _listed(numbers: Sequence[int]) -> str:
+    shown = ", ".join(map(str, numbers[:6]))
+    return f"{shown} and {len(numbers) - 6} more" if len(numbers) > 6 else shown
+
+
+def _paces(comparison: Comparison, figures: dict[str, Any]) -> list[_Said]:
+    """What to say of a run that is slower or faster than planned.
+
+    How long parts take is compared. Where all of them are slower, and by one factor where they are fastest, that is the
+    override: accelerations, and so the ends of moves, do not follow it on every controller.
+    """
+    parts = _passed(comparison)
+    if not parts:
+        return []
+    planned, run = sum(part.planned for part in parts), sum(part.run for part in parts)
+    ratios = np.array([part.ratio for part in parts])
+    longer = run / planned
+    figures["times_longer"] = round(longer, 4)
+    pace = _pace_where_fastest(comparison)
+    if len(comparison.plan.poses):  # standing counts: moves between the poses may be slower
+        pace = min(longer, longer if pace is None else pace, key=lambda ratio: abs(np.log(ratio)))
+        if abs(pace - 1.0) <= SLOWER:
+            return []
+        return [_Said(f"the moves between the poses were {_slower(pace)}: override {100.0 / pace:.0f} %", False)]
+    odd = (np.abs(ratios - 1.0) > UNEVEN) & (np.array([part.planned for part in parts]) > LEAST_PART)
+    if odd.any() and (np.abs(ratios - 1.0) <= SLOWER).sum() >= 2:
+        several = max((parts[rows] for rows in stretches(odd)), key=lambda some: sum(part.planned for part in some))
+        ratio = sum(part.run for part in several) / sum(part.planned for part in several)
+        start, end = several[0].span[0], several[-1].span[1]
+        figures["times_longer_of_a_part"] = round(ratio, 4)
+        text = f"the run was {_slower(ratio)} from {start:.3g} to {end:.3g} s of the plan, and as fast as planned "
+        return [_Said(f"{text}elsewhere: the override was changed meanwhile, or feeds of the program were")]
+    if abs(longer - 1.0) <= SLOWER:
+        return []
+    overrides = sorted(100.0 / ratio for ratio in (longer, longer if pace is None else pace))
+    figures["override_percent"] = [round(percent, 1) for percent in overrides]
+    one = overrides[1] - overrides[0] <= EVEN * overrides[0]
+    override = f"override {100.0 / longer:.0f} %" if one else "override {:.0f} to {:.0f} %".format(*overrides)
+    text = f"the run was {_slower(longer)} ({run:.3g} s in place of {planned:.3g} s): {override}"
+    return [_Said(f"{text}, or a program written at that speed", abs(longer - 1.0) > ACT)]
+
+
+def _slower(ratio: float) -> str:
+    return f"{ratio:.2f} times slower than planned" if ratio > 1.0 else f"{1.0 / ratio:.2f} times faster than planned"
+
+
+class _Part(NamedTuple):
+    """A part of the plan, from one change of direction to the next, that was run."""
+
+    span: tuple[float, float]  # start and end in the plan [s]
+    planned: float  # time in motion [s]
+    run: float  # the same in the run, if it stayed as long as planned [s]
+
+    @property
+    def ratio(self) -> float:
+        """How many times slower it was run."""
+        return self.run / self.planned
+
+
+def _passed(comparison: Comparison) -> list[_Part]:
+    """The parts of the plan that were run, or, of a motion that has none, parts of equal duration."""
+    motion, pairs, raw = comparison.plan.motion, comparison.pairs, comparison.raw
+    edges = motion.starts if isinstance(motion, Joined) else np.linspace(0.0, motion.duration, PARTS + 1)
+    poses = motion.at(edges).pose
+    places = machine_of(comparison.case).drives(poses) / comparison.scale
+    groups = np.split(
+        np.arange(len(edges)), 1 + np.flatnonzero(np.linalg.norm(np.diff(places, axis=0), axis=1) > SAME_PLACE)
+    )
+    when: list[tuple[int, float, float]] = []
+    for number, group in enumerate(groups):
+        at = (edges[group[0]] + edges[group[-1]]) / 2.0
+        k = int(np.searchsorted(comparison.planned.t[pairs[:, 0]], at))
+        if not 0 < k < len(pairs) or pairs[k, 0] - pairs[k - 1, 0] > FEWEST:
+            continue
+        before, behind = max(k - 2, 0), min(k + 1, len(pairs) - 1)
+        start, stop = np.searchsorted(raw.t, comparison.run.t[pairs[[before, behind], 1]])
+        away = np.linalg.norm(
+            (raw.drives[start : stop + 1] - comparison.shift) / comparison.scale - places[group[0]], axis=1
+        )
+        if not len(away):
+            continue
+        there = np.flatnonzero(away <= away.min() + AT_AN_END * comparison.step)
+        when.append((number, float(at), float((raw.t[start + there[0]] + raw.t[start + there[-1]]) / 2.0)))
+    parts = []
+    for (one, at, begin), (other, then, end) in pairwise(when):
+        stay = _stay(edges, groups[one]) / 2.0 + _stay(edges, groups[other]) / 2.0
+        if other == one + 1 and end - begin > stay and then - at > stay:
+            parts.append(_Part((at, then), then - at - stay, end - begin - stay))
+    return parts
+
+
+def _stay(edges: Array, group: Indices) -> float:
+    """Time between the first and the last end of a group [s]."""
+    return float(edges[group[-1]] - edges[group[0]])
+
+
+def _pace_where_fastest(comparison: Comparison) -> float | None:
+    """How many times slower a run was where the plan is fastest; None where that differs from place to place."""
+    pairs, planned, run = comparison.pairs, comparison.planned, comparison.run
+    both = np.flatnonzero((np.diff(pairs, axis=0) == 1).all(axis=1))
+    if len(both) < FEWEST:
+        return None
+    start = planned.t[pairs[both, 0]]
+    own, its = np.maximum(np.diff(planned.t)[pairs[both, 0]], 1e-9), np.diff(run.t)[pairs[both, 1]]
+    fast = own <= np.quantile(own, 1.0 - FASTEST)  # points are at equal distances: the shortest times are the fastest
+    pace, where = (its / own)[fast], start[fast]
+    blocks = np.array_split(pace[np.argsort(where)], max(1, min(PARTS, len(pace) // 5)))
+    paces = np.array([np.median(block) for block in blocks])
+    low, high = np.quantile(paces, [0.1, 0.9])
+    return float(np.median(pace)) if high - low <= EVEN * np.median(pace) else None

@@ -1,0 +1,51 @@
+"""The plan of a run, where it lies beside it: the one that a run of hexcite names, or those for the same machine."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from cases.basis import motion_hash
+from cases.errors import HexciteError
+from identification.recording import Recording
+from planner.plans import Plan
+
+MOST_FOLDERS = 50  # of a place, that are looked into
+MOST_PLANS = 8  # with which a run is compared
+
+
+def plans_at_hand(recording: Recording) -> Plan | tuple[Plan, ...] | None:
+    """The plan of a recorded run among the folders beside its files and its program; None where there is none.
+
+    A run that names its plan is of that one alone. Any other may be of one of the plans for the same machine.
+    """
+    case = recording.case
+    if case is None or case.limits is None:
+        return None
+    named = recording.record.get("plan_hash")
+    found: dict[str, Plan] = {}
+    for folder in _folders(recording):
+        try:
+            plan = Plan.load(folder, stale=True)
+        except (HexciteError, OSError):
+            continue  # nobody asked for it
+        if named is not None and plan.fingerprint == named:
+            return plan
+        if named is None and motion_hash(plan.case) == motion_hash(case) and len(found) < MOST_PLANS:
+            found[plan.fingerprint] = plan
+    return tuple(found.values()) or None
+
+
+def _folders(recording: Recording) -> Iterator[Path]:
+    """Folders that hold a plan: those of the recording's files and of its program, and the folders in them."""
+    places = [path.resolve() if path.is_dir() else path.resolve().parent for path in recording.paths]
+    places += [path.resolve().parent for path in recording.paths if path.is_dir()]
+    program = recording.record.get("program")
+    if isinstance(program, str):
+        places.append(Path(program).parent)
+    for place in dict.fromkeys(places):
+        if (place / "plan.json").is_file():
+            yield place
+        try:
+            inside = sorted(place.glob("*/plan.json"))
+        except OSError:
+            continue
+        yield from (file.parent for file in inside[:MOST_FOLDERS])
