@@ -188,6 +188,19 @@ def estimate_parameters(
         raise error.at(recording.source).beside(sentences(recording.findings, "warning")) from error
 
 
+def require_fit(recording: Recording, case: Case) -> None:
+    """Raises IdentificationError or RecordingError where a run, on one clock, gets no estimate.
+
+    Its causes are not looked for; what an estimate says of itself is not asked.
+    """
+    try:
+        run, _ = standing_of(recording, case)
+        with threadpool_limits(limits=1, user_api="blas"):
+            _fitted(run, case, identification_model(case, default_model(run, case)), GAUSS_MARKOV)
+    except (IdentificationError, RecordingError) as error:
+        raise error.at(recording.source) from error
+
+
 def _settling(case: Case) -> float:
     """Time after a movement that is not averaged [s]."""
     return case.poses.settle_s if case.poses is not None else 0.5

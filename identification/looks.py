@@ -1,6 +1,7 @@
 """A look at a file of unknown format: what its columns are likely to mean, and the table `[recording]` that reads it.
 
-The proposal is tried: the file is read with it as `identify` reads it, up to the estimate.
+The proposal is tried: the file is read with it as `identify` reads it; and fitted, so that what refuses there is said
+here too.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -37,9 +38,13 @@ from identification.formats.proposal import (
 from identification.formats.reading import bag_of, is_bag, is_parquet, read_tables
 from identification.formats.table import listed
 from identification.formats.topics import BagTopic, bag_topics
-from identification.recording import read
+from identification.identify import require_fit
+from identification.recording import Recording, read
 from identification.runs.preparation import checked_filter, on_one_clock
 from identification.runs.sample_checks import scan
+
+MOST_FITTED = 200_000
+"""Samples of a run that `look` fits; a longer one is read only, for that would take long."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,7 +218,8 @@ def _columns(table: TextColumns, proposal: Proposal) -> Iterator[Column]:
     ours_of = {k: ours for ours, k in proposal.places.items()}
     clock = table.numbers.get(proposal.places.get(CLOCK, -1))
     if clock is not None:
-        clock = (clock - clock[0]) * TICKS[proposal.units[CLOCK]]
+        with np.errstate(all="ignore"):  # stamps that are infinite are said to be
+            clock = (clock - clock[0]) * TICKS[proposal.units[CLOCK]]
     for k, name in enumerate(proposal.names):
         if name:
             ours, values = ours_of.get(k), table.numbers.get(k, np.zeros(0))
@@ -378,9 +384,9 @@ def _trial(
 def _refusal(
     files: Sequence[Path], form: RecordingFormat, case: Case | None, said: list[str] | None = None
 ) -> str | None:
-    """Why `identify` would not begin to estimate from files that are written so; None: it would.
+    """Why files that are written so are not read; None: they are.
 
-    `said` takes the warnings of what was read.
+    `said` takes the warnings of what was read, and why `identify` refuses a run that is read: others may take it.
     """
     try:
         if case is None:
@@ -390,9 +396,12 @@ def _refusal(
             own = case.model_copy(update={"recording": form})
             read_run = read(files, own)
             findings = [*read_run.findings]
-            _, recording = scan(on_one_clock(read_run, own), own)
+            whole = on_one_clock(read_run, own)
+            _, recording = scan(whole, own)
             if recording.t is not None:
                 checked_filter(recording, own)
+            if said is not None:
+                said += _refused_by_identify(whole, own, files[0])
     except HexciteError as error:
         if isinstance(error, CaseError):
             raise
@@ -400,6 +409,18 @@ def _refusal(
     if said is not None:
         said += [_without_file(finding, files[0]) for finding in findings if finding.severity == "warning"]
     return None
+
+
+def _refused_by_identify(recording: Recording, case: Case, file: Path) -> list[str]:
+    """What to say of a run that is read and gets no estimate."""
+    if len(recording.forces) > MOST_FITTED:
+        return []
+    try:
+        require_fit(recording, case)
+    except HexciteError as error:
+        why = _without_file(error, file)
+        return [f"it is read, but identify refuses it (tare and force may take it, as a standstill): {why}"]
+    return []
 
 
 def _without_file(sentence: object, file: Path) -> str:

@@ -353,7 +353,7 @@ def _line(marks: _Marks, numbers: Indices, section: Indices, clear: bool) -> _Li
 def _unsteady(marks: _Marks, numbers: Indices, line: _Line) -> Unsteady | None:
     """Why samples are not at equal steps although they were numbered; None: they are."""
     usual, cut = marks.usual, "export the run at one rate, or cut it there"
-    changed = crowded(np.diff(numbers) > np.diff(marks.rows))
+    changed = _slowed(np.diff(numbers) - np.diff(marks.rows), line)
     if changed is not None:
         step = (marks.t[changed + 1] - marks.t[changed]) / (marks.rows[changed + 1] - marks.rows[changed])
         problem = f"step of {step * 1e3:.4g} ms that is not a gap, where the run has {usual * 1e3:.4g} ms"
@@ -391,11 +391,29 @@ def _rate_changes(numbers: Indices, line: _Line) -> bool:
     return False
 
 
-def crowded(gaps: Flags) -> int | None:
-    """The first of gaps between samples, shape (n - 1,), so close together that the rate has changed; None: none is."""
-    total = np.r_[0, np.cumsum(gaps)]
-    width = min(2 * _FEW_STEPS, len(gaps))
-    many = total[width:] - total[:-width] >= _FEW_STEPS
+def _slowed(lost: Indices, line: _Line) -> int | None:
+    """The first of steps from which on the rate has changed, by the samples that each lost, shape (n - 1,); None: none.
+
+    A recorder that is busy loses a third of its samples for a while, now one and now two. One at another rate loses as
+    many in each step, or some in all of many steps, or its samples lie between those of the first rate.
+    """
+    off = np.abs(line.strays) > max(UNIFORMITY * line.step, 4.0 * 1.4826 * float(np.median(np.abs(line.strays))))
+    alike = np.r_[np.diff(lost) == 0, False] & (lost > 0)  # as the next one
+    between = (lost > 0) & (off[1:] | off[:-1])
+    width = 2 * _FEW_STEPS
+    found = (
+        _crowded(alike, width - 1, width - 1),
+        _crowded(lost > 0, 2 * width, 2 * width),
+        _crowded(between, width, _FEW_STEPS),
+    )
+    return min((first for first in found if first is not None), default=None)
+
+
+def _crowded(there: Flags, width: int, least: int) -> int | None:
+    """The first of flags, shape (n,), of which at least so many are set among `width` in a row; None: nowhere."""
+    total = np.r_[0, np.cumsum(there)]
+    width = min(width, len(there))
+    many = total[width:] - total[:-width] >= least
     if not many.any():
         return None
-    return int(np.argmax(many) + np.argmax(gaps[np.argmax(many) :]))
+    return int(np.argmax(many) + np.argmax(there[np.argmax(many) :]))

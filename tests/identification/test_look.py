@@ -17,6 +17,7 @@ from identification.hexapod import Hexapod
 from identification.looks import look
 from identification.recording import read
 from identification.runs.preparation import checked_filter
+from tests.bench.reliability.recordings import file_of, simulated
 
 ROWS = 1200
 KEYS = ("t", *(f"l{k}" for k in range(1, 7)), *(f"f{k}" for k in range(1, 7)), "trigger")
@@ -358,3 +359,23 @@ def test_a_bit_that_alone_changes_is_the_trigger(hexapod_case: Case, tmp_path: P
     recording = read([file], hexapod_case.model_copy(update={"recording": form}))
     assert np.array_equal(recording.trigger, table[:, -1] > 256.0)
     assert look(file, hexapod_case.model_copy(update={"recording": form})).unchanged
+
+
+def test_a_run_that_identify_refuses_is_said_to_be(hexapod_case: Case, tmp_path: Path) -> None:
+    """A standstill is read, for tare and force; a run that moves is not doubted."""
+    moving = tmp_path / "moving.csv"
+    moving.write_bytes(file_of(simulated().rows))
+    assert not any("identify refuses" in odd for odd in look(moving, hexapod_case).odd)
+    table = run(hexapod_case)
+    table[:, 1:7] = table[0, 1:7]
+    found = look(RECORDERS[0].write(table, tmp_path), hexapod_case)
+    assert found.reads, found.odd
+    assert any("identify refuses" in odd and "constant" in odd for odd in found.odd)
+
+
+def test_time_stamps_that_are_infinite_are_one_line(hexapod_case: Case, tmp_path: Path) -> None:
+    table = run(hexapod_case)
+    table[0, 0] = np.inf
+    found = look(RECORDERS[0].write(table, tmp_path), hexapod_case)
+    assert not found.reads
+    assert "inf" in str(found.problem)

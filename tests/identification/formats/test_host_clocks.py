@@ -239,3 +239,17 @@ def test_samples_that_were_taken_when_their_stamps_say_are_interpolated(tmp_path
     struts = run(recording.t + true.t[0]).struts  # time begins with the first sample
     assert np.abs(recording.struts - struts)[5:-5].max() < 2e-6
     identified(recording)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_recorder_that_loses_many_samples_for_a_while_keeps_its_rate(seed: int) -> None:
+    """As many as four of ten in each of several stretches; no two rates."""
+    draw, numbers = np.random.default_rng(seed), np.arange(3000)
+    kept = draw.random(len(numbers)) > 0.01
+    for first in draw.integers(0, 2700, 3):
+        kept[first : first + 300] &= draw.random(300) > draw.uniform(0.05, 0.4)
+    kept[0] = True
+    even = evened(STEP * numbers[kept])
+    assert isinstance(even, Even), even
+    np.testing.assert_array_equal(even.numbers, numbers[kept])
+    np.testing.assert_allclose(even.t, STEP * numbers[kept], atol=1e-9)
