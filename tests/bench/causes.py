@@ -3,7 +3,8 @@
 For each machine every mistake is made alone, then a sample of pairs, then what is no cause that hexcite knows, then
 nothing. Recordings are made once for each seed, by plants that share no code with hexcite; mistakes change them or the
 case. A cause counts as named right where its words are in what is said; as one of several where others are said beside
-it, joined by "or"; as wrong where only others are.
+it, joined by "or"; as the same forces where only others are, that leave to the last digit what the sound run leaves;
+as wrong where only others are, that leave anything else.
 
 Usage: python tests/bench/causes.py [--seeds 20] [--pairs 20] [--sound 170] [machine ..]
 """
@@ -28,8 +29,10 @@ from identification.model import identification_model
 from tests.mistaken.machines import NAMES, Run, run
 from tests.mistaken.mistakes import Mistake, mistakes_of, others_of
 
-RIGHT, AMONG, NONE, QUIET, WRONG = "right", "among others", "none named", "near the noise", "WRONG"
-KINDS = (RIGHT, AMONG, NONE, QUIET, WRONG)
+RIGHT, AMONG, SAME, NONE = "right", "among others", "the same forces", "none named"
+QUIET, WRONG = "near the noise", "WRONG"
+KINDS = (RIGHT, AMONG, SAME, NONE, QUIET, WRONG)
+EQUAL = 1e-6  # of residuals
 
 
 def named(run: Run, mistakes: Sequence[Mistake]) -> tuple[str, float, str]:
@@ -45,7 +48,19 @@ def named(run: Run, mistakes: Sequence[Mistake]) -> tuple[str, float, str]:
     said = [words_of(entry.trial) for entry in found.explanations]
     good = [bool(mistakes) and all(mistake.named_in(words) for mistake in mistakes) for words in said]
     kind = NONE if not said else RIGHT if all(good) else AMONG if any(good) else WRONG
+    if kind == WRONG and mistakes and all(mistake.of != "other" for mistake in mistakes):
+        left = sound(run)
+        if all(abs(entry.residuals / left - 1.0) < EQUAL for entry in found.explanations):
+            kind = SAME
     return kind, seconds, " OR ".join(said)
+
+
+def sound(run: Run) -> float:
+    """What the run leaves as it was recorded, over the noise."""
+    found = search(run.recording, run.case, identification_model(run.case, default_model(run.recording, run.case)))
+    assert found is not None
+    assert found.recorded is not None
+    return found.recorded.residuals
 
 
 def alone(name: str, seeds: int) -> Iterator[tuple[str, Sequence[Mistake], int]]:
@@ -59,7 +74,9 @@ def in_pairs(name: str, pairs: int, seeds: int) -> Iterator[tuple[str, Sequence[
     draw = np.random.default_rng(36)
     possible = [pair for pair in combinations(mistakes_of(name), 2) if pair[0].of != pair[1].of]
     for k in draw.permutation(len(possible))[:pairs]:
-        one, other = possible[int(k)]
+        one, other = sorted(
+            possible[int(k)], key=lambda mistake: mistake.of != "sensor"
+        )  # turned before it is recorded
         yield from ((f"{one.name} + {other.name}", (one, other), seed) for seed in range(seeds))
 
 
@@ -74,7 +91,7 @@ def tally(title: str, trials: Iterator[tuple[str, Sequence[Mistake], int]], name
             continue
         counts[kind] += 1
         seconds.append(took)
-        if kind not in (RIGHT, NONE, QUIET if not mistakes else RIGHT) and (verbose or kind == WRONG):
+        if kind != (RIGHT if mistakes else QUIET) and (verbose or kind == WRONG):
             print(f"  {name}, seed {seed}: {label}: {kind} {said}", flush=True)
     figures = ", ".join(f"{kind} {counts[kind]}" for kind in KINDS if counts[kind])
     took = f"; {np.mean(seconds):.2f} s, at most {np.max(seconds):.2f} s" if seconds else ""

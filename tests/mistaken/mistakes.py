@@ -118,10 +118,8 @@ def _channels(moments: bool) -> Iterator[Mistake]:
 def _sensor() -> Iterator[Mistake]:
     for axis, angle in (("z", 90.0), ("z", 180.0), ("z", 30.0), ("z", -72.0), ("x", 180.0), ("y", -90.0)):
         turn = np.kron(np.eye(2), Rotation.from_euler(axis, angle, degrees=True).as_matrix())
-        sign = "-" if angle < 0 and abs(angle) < 180 else ""
-        close = (
-            rf"{sign}{abs(angle):.0f}(\.0\d?)?" if angle in (90.0, 180.0, -90.0) else rf"{sign}({_near(abs(angle))})"
-        )
+        sign = "-" if angle < 0 else "-?" if angle == 180.0 else ""
+        close = rf"{sign}({_near(abs(angle))})"
         yield Mistake(
             f"sensor turned {angle:g} about {axis}", "sensor", _forces(lambda f, m=turn: f @ m),
             rf"the sensor is turned by {close} deg about its {axis} axis",
@@ -154,6 +152,19 @@ def _surroundings(moments: bool) -> Iterator[Mistake]:
             "axes of the base", "axes", lambda run, r, c: (replace(r, forces=_in_base(run, r.forces)), c),
             r"in the axes of the base",
         )  # fmt: skip
+        yield Mistake(
+            "40 % compensated", "gravity", lambda run, r, c: (replace(r, forces=r.forces - 0.4 * run.weight), c),
+            r"they lack (39|40)(\.\d)? % of the weight",
+        )  # fmt: skip
+        yield Mistake(
+            "moments about the tool", "point", _forces(lambda f: _about(f, np.array([0.02, -0.03, 0.14]))),
+            r"about a point \((1[6-9]|2[0-4])(\.\d)?, -(2[6-9]|3[0-4])(\.\d)?, 1(3[5-9]|4[0-5])(\.\d)?\) mm",
+        )  # fmt: skip
+
+
+def _about(forces: Array, point: Array) -> Array:
+    """Moments about a point that is fixed in the sensor."""
+    return np.hstack([forces[:, :3], forces[:, 3:] - np.cross(point, forces[:, :3])])
 
 
 def _weight_as(run: Run, recording: Recording) -> Array:
@@ -204,6 +215,12 @@ def _by_matrix() -> Case:
 def _joints(case: Case) -> Iterator[Mistake]:
     chain = case.chain
     assert chain is not None
+    yield Mistake(
+        "sensor 70 mm off",
+        "point",
+        _in_case(_moved_sensor),
+        r"about a point \(-[56]\d(\.\d)?, -?\d(\.\d)?, [34]\d(\.\d)?\) mm",
+    )
     count, turning = len(chain.joints), [k for k, joint in enumerate(chain.joints) if joint.turns]
     names = {k: rf"{k + 1} \({chain.joints[k].name}\)" for k in range(count)}
     alike = [(a, b) for a in turning for b in turning if a < b]
@@ -357,7 +374,6 @@ def others_of(name: str) -> list[Mistake]:
     if of.case.chain is not None:
         found += [
             Mistake("third link 15 % longer", "other", _in_case(_longer_link), nothing),
-            Mistake("sensor 60 mm off", "other", _in_case(_moved_sensor), nothing),
         ]
         return found
     return [

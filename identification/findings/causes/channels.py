@@ -232,6 +232,35 @@ def _sensor_turned(turn: Rotation) -> Edit:
     return edit
 
 
+def of_point(case: Case, point: Array, mistakes: float) -> Hypothesis:
+    """Moments are about another point than the sensor's origin; point: from there, in the sensor's axes, (3,) [m]."""
+    x, y, z = (float(round(value, 1)) + 0.0 for value in np.asarray(point) * 1e3)
+    matrix = np.eye(6)
+    matrix[3:, :3] = np.cross(np.eye(3), point)  # M about the origin = M about the point + point x F
+    edit: Edit | None = None
+    remedy = "record moments about the origin of the sensor"
+    if case.chain is not None:
+        edit, remedy = _sensor_moved(point), ""
+    return Hypothesis(
+        family=Family.POINT, channels=matrix, edit=edit, place="either" if edit is not None else "recording",
+        words=f"moments are about a point ({x:g}, {y:g}, {z:g}) mm from the sensor's origin, in its axes",
+        remedy=remedy, mistakes=mistakes,
+    )  # fmt: skip
+
+
+def _sensor_moved(point: Array) -> Edit:
+    def edit(case: Case) -> Case:
+        assert case.chain is not None
+        assert case.machine is not None
+        sensor = case.chain.sensor
+        moved = turned(sensor.rpy) @ point * 1e3 + np.array(sensor.origin_mm)
+        origin = tuple(float(round(v, 2)) + 0.0 for v in moved)
+        chain = case.chain.model_copy(update={"sensor": sensor.model_copy(update={"origin_mm": origin})})
+        return case.model_copy(update={"machine": case.machine.model_copy(update={"chain": chain})})
+
+    return edit
+
+
 def rpy_of(matrix: Array) -> Array:
     """Roll, pitch, yaw of a rotation matrix, shape (3,) [rad]."""
     level = float(np.hypot(matrix[2, 1], matrix[2, 2]))

@@ -8,13 +8,13 @@ from scipy.spatial.transform import Rotation
 
 from cases.schema import Case
 from cases.units import DEG, Array
-from identification.findings.causes.channels import of_gain, of_turn
+from identification.findings.causes.channels import of_gain, of_point, of_turn
 from identification.findings.causes.drives import of_offset
 from identification.findings.causes.geometry import of_turned_bars
 from identification.findings.causes.hypothesis import AS_RECORDED, Family, Hypothesis, Trial, together
 from identification.findings.causes.instants import Instants
-from identification.findings.causes.surroundings import of_gravity, of_pace
-from identification.findings.causes.trials import tried
+from identification.findings.causes.surroundings import of_gravity, of_pace, of_share
+from identification.findings.causes.trials import point_of_moments, tried
 
 SIZED = 1.3  # mistakes that a hypothesis with a size counts for: round values are preferred to it
 FREE = 1.6  # the same of a turn about any axis
@@ -24,6 +24,9 @@ COARSELY = 4  # rounds on the coarse instants
 SHRINKING = 0.55  # of the steps from round to round
 PACE = 5.5  # factor by which seconds of a recording may be longer or shorter, unless their unit is another
 LEAST_ANGLE = 0.3  # [deg] below which an angle is no mistake that people make
+LEAST_OFFSET = 2e-3  # [m], the same of an offset
+FARTHEST = 5.0  # [m] from the sensor that anybody has moments about
+LEAST_SHARE = 0.02  # of a weight, the same
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,11 +45,14 @@ class Sized:
         return [(size, hypothesis) for size, hypothesis in made if hypothesis is not None]
 
 
-def sized_of(instants: Instants) -> Iterator[Sized]:
-    """The hypotheses with a size of a run."""
+def sized_of(instants: Instants, prefix: Trial) -> Iterator[Sized]:
+    """The hypotheses with a size of a run, beside others that are taken for granted."""
     case = instants.case
     if case.sensor_frame.has_moments:
         yield from _turns(case)
+        if instants.step is not None and instants.turning is None:
+            yield _share(case)
+            yield from _point(instants, prefix)
         if instants.turning is None or instants.turning.specific is None:
             yield _slopes(case)
     elif case.sensor_frame.bars is not None:
@@ -103,6 +109,26 @@ def _slopes(case: Case) -> Sized:
         return of_gravity(case, direction, SIZED) if away > LEAST_ANGLE else None
 
     return Sized(Family.GRAVITY, make, tuple(starts), (0.0, 0.2, 0.2), False)
+
+
+def _share(case: Case) -> Sized:
+    def make(size: Array) -> Hypothesis | None:
+        share = float(size[0])
+        known = min(abs(share), abs(share - 1.0)) < LEAST_SHARE  # raw, or without all of the weight
+        return None if known else of_share(case, share, SIZED)
+
+    return Sized(Family.COMPENSATED, make, tuple((float(s),) for s in np.arange(-0.5, 2.0, 0.25)), (0.1,), False)
+
+
+def _point(instants: Instants, prefix: Trial) -> Iterator[Sized]:
+    point = point_of_moments(instants, prefix)
+    if point is None or np.linalg.norm(point) > FARTHEST:
+        return
+
+    def make(size: Array) -> Hypothesis | None:
+        return of_point(instants.case, size, SIZED) if np.linalg.norm(size) > LEAST_OFFSET else None
+
+    yield Sized(Family.POINT, make, (tuple(point),), (2e-3,) * 3, True)
 
 
 def _gain(case: Case, channel: int) -> Sized:

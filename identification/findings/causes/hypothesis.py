@@ -26,6 +26,7 @@ class Family(StrEnum):
     GAINS = "scales of single channels"
     DRIVES = "exchanged and shifted {drives}"
     AXES = "a wrench in the axes of the base"
+    POINT = "moments about another point"
     COMPENSATED = "a compensated wrench"
     SENSOR = "a sensor that is turned"
     SIGNS = "signs of {drives}"

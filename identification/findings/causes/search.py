@@ -48,7 +48,7 @@ COARSE = 40  # instants by which most trials are left out
 COARSE_PAIRS = 24  # the same of two hypotheses at once
 KEPT = 60  # trials of each kind that are tried on all instants
 GREEDY = 4  # hypotheses that leave least, to which every other one is added
-READINGS = 4  # of a recording that leave least, to which every other hypothesis is added
+READINGS = 4  # of a recording that leave least with any other hypothesis, to which those with a size are added too
 ROUNDING = 1e-9  # of residuals that are the same
 LEVEL = 0.3  # of the measured noise: differences between smaller residuals say nothing
 SIMILAR = 0.1  # by which noise of channels may be changed by what a column of trials does
@@ -118,7 +118,6 @@ def search(recording: Recording, case: Case, model: Model, fit: Fit | None = Non
         return None
     families = {reading.family for (reading,), _ in readings}
     found = [_alone(instants, trial) for trial, instants in readings]
-    readings = [readings[int(k)] for k in np.argsort([entry.residuals for entry in found], kind="stable")]
     if base is not None and recorded is not None:
         found += _singles(base, AS_RECORDED)
         found += _leaps(base, recorded, recording, case, model)
@@ -126,7 +125,7 @@ def search(recording: Recording, case: Case, model: Model, fit: Fit | None = Non
     explained = explanations(found, recorded)
     pairs = _unclean(explained[0]) if explained else _worth_pairs(found, recorded)
     if pairs:
-        for trial, instants in readings[:READINGS]:
+        for trial, instants in sorted(readings, key=lambda reading: _promise(reading[1], reading[0]))[:READINGS]:
             found += _singles(instants, trial)
         if base is not None:
             found += _pairs(base, found)
@@ -275,10 +274,19 @@ def _singles(instants: Instants, prefix: Trial) -> list[Tried]:
     return _on_all(instants, [*best, *_sized(instants, coarse, prefix)])
 
 
+def _promise(instants: Instants, prefix: Trial) -> float:
+    """What some hypotheses leave at some instants with the best of all others that have no size, or alone."""
+    tables, coarse = hypotheses_of(instants), instants.part(COARSE)
+    rows = [together(*prefix, hypothesis) for hypothesis in (*tables.changes, *tables.bars)]
+    beside = tried(coarse, [prefix, *rows], [AS_RECORDED]).residuals
+    forces = tried(coarse, [prefix], [(hypothesis,) for hypothesis in tables.forces]).residuals
+    return float(min(beside.min(), forces.min(initial=np.inf)))
+
+
 def _sized(instants: Instants, coarse: Instants, prefix: Trial) -> list[Trial]:
     """The hypotheses with a size beside others of other families."""
     taken = {hypothesis.family for hypothesis in prefix}
-    return refined(instants, coarse, [sized for sized in sized_of(instants) if sized.family not in taken], prefix)
+    return refined(instants, coarse, [sized for sized in sized_of(coarse, prefix) if sized.family not in taken], prefix)
 
 
 def _pairs(instants: Instants, singles: Sequence[Tried]) -> list[Tried]:

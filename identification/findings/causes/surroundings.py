@@ -47,6 +47,16 @@ def of_compensation() -> Hypothesis:
     )  # fmt: skip
 
 
+def of_share(case: Case, share: float, mistakes: float) -> Hypothesis:
+    """A wrench without a share of the weight: compensated for a load of another mass, at the same centre of gravity."""
+    left = tuple(float(f"{(1.0 - share) * value:.5g}") for value in case.gravity)
+    return Hypothesis(
+        family=Family.COMPENSATED, edit=_gravity(left), place="case", mistakes=mistakes,
+        words=f"the forces are compensated: they lack {100.0 * share:.3g} % of the weight of what the sensor carries",
+        remedy="record them raw, with every compensation of the tool or payload switched off",
+    )  # fmt: skip
+
+
 def of_axes() -> Hypothesis:
     """A wrench in the axes of the base."""
     return Hypothesis(

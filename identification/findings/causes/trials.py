@@ -150,6 +150,32 @@ class _Mass(NamedTuple):
     negative: Flags  # for certain
 
 
+def point_of_moments(instants: Instants, trial: Trial) -> Array | None:
+    """Where moments must be about for a trial to leave least, from the sensor's origin in its axes, shape (3,) [m].
+
+    The forces depend on it linearly. None where the machine cannot have such drives.
+    """
+    regressors, motion = regressors_of(instants, [trial])
+    if not motion.closed[0]:
+        return None
+    own = channels_of(trial)
+    root = (instants.weights[:, None] / np.sqrt(own**2 @ instants.noise**2))[:, :, None]
+    rows = (regressors[0] * root).reshape(-1, regressors.shape[3])
+    basis = np.linalg.qr(rows * column_scale(rows))[0]
+    best, least = np.zeros(3), np.inf
+    for forces in _forces(instants, [trial], own[None], motion.rotations)[0]:
+        columns = np.zeros((len(forces), 6, 4))  # the forces, and what a metre along each axis does to the moments
+        columns[:, :, 0] = forces
+        columns[:, 3:, 1:] = np.cross(np.eye(3), forces[:, None, :3]).transpose(0, 2, 1)
+        weighted = (columns * root).reshape(-1, 4)
+        weighted = weighted - basis @ (basis.T @ weighted)
+        point = np.linalg.lstsq(weighted[:, 1:], -weighted[:, 0], rcond=SINGULAR)[0]
+        left = float(np.sum((weighted[:, 0] + weighted[:, 1:] @ point) ** 2))
+        if left < least:
+            best, least = point, left
+    return best
+
+
 def _mass(instants: Instants, triangle: Array, scale: Array, explained: Array, place: Array, least: Array) -> _Mass:
     """Fitted mass of each trial."""
     names = instants.model.names
