@@ -162,14 +162,17 @@ def point_of_moments(instants: Instants, trial: Trial) -> Array | None:
     root = (instants.weights[:, None] / np.sqrt(own**2 @ instants.noise**2))[:, :, None]
     rows = (regressors[0] * root).reshape(-1, regressors.shape[3])
     basis = np.linalg.qr(rows * column_scale(rows))[0]
-    best, least = np.zeros(3), np.inf
+    best: Array = np.zeros(3)
+    least = np.inf
     for forces in _forces(instants, [trial], own[None], motion.rotations)[0]:
-        columns = np.zeros((len(forces), 6, 4))  # the forces, and what a metre along each axis does to the moments
+        columns: Array = np.zeros(
+            (len(forces), 6, 4)
+        )  # the forces, and what a metre along each axis does to the moments
         columns[:, :, 0] = forces
         columns[:, 3:, 1:] = np.cross(np.eye(3), forces[:, None, :3]).transpose(0, 2, 1)
-        weighted = (columns * root).reshape(-1, 4)
-        weighted = weighted - basis @ (basis.T @ weighted)
-        point = np.linalg.lstsq(weighted[:, 1:], -weighted[:, 0], rcond=SINGULAR)[0]
+        whole: Array = (columns * root).reshape(-1, 4)
+        weighted = whole - basis @ (basis.T @ whole)
+        point = np.asarray(np.linalg.lstsq(weighted[:, 1:], -weighted[:, 0], rcond=SINGULAR)[0], dtype=float)
         left = float(np.sum((weighted[:, 0] + weighted[:, 1:] @ point) ** 2))
         if left < least:
             best, least = point, left

@@ -8,7 +8,7 @@ import pytest
 
 from cases.errors import IdentificationError
 from cases.schema import Case, load_case
-from identification.findings.causes.answer import words_of
+from identification.findings.causes.answer import mended, words_of
 from identification.findings.causes.hypothesis import case_of
 from identification.findings.causes.search import Search, search
 from identification.identify import default_model, estimate_parameters
@@ -52,10 +52,11 @@ def said(of: str, *names: str, seed: int = 0) -> str:
         ("ur10_wrist", "axes of the base"),
         ("ur10_wrist", "joints in rad"),
         ("ur10_wrist", "slope of 25 deg"),
+        ("ur10_wrist", "moments about the tool"),
         ("five_axis_table", "all joints that turn, the other way"),
         (WRIST, "orientation as rotation vector"),
         *((of, m.name) for of in NAMES for m in mistakes_of(of)),
-        kept=8,
+        kept=9,
     ),
 )
 def test_a_mistake_is_named(of: str, name: str) -> None:
@@ -90,7 +91,7 @@ def test_two_mistakes_at_once_are_named_together(of: str, names: tuple[str, str]
     few(
         ("hexapod", "vibration of 9 Hz"),
         ("foreign", "a joint 12 mm off"),
-        ("ur10_wrist", "sensor 60 mm off"),
+        ("ur10_wrist", "crosstalk"),
         *((of, m.name) for of in NAMES for m in others_of(of)),
         kept=3,
     ),
@@ -100,6 +101,21 @@ def test_what_is_no_known_mistake_has_no_cause(of: str, name: str) -> None:
     other = next(m for m in others_of(of) if m.name == name)
     found = searched(*other.make(sound, sound.recording, sound.case))
     assert [words_of(entry.trial) for entry in found.explanations] == []
+
+
+def test_moments_about_another_point_are_mended_by_the_sensor_s_origin() -> None:
+    """The remedy moves the sensor to where moments are about: centre of gravity and inertia are those from there."""
+    sound = run("ur10_wrist", 0)
+    recording, case = mistake("ur10_wrist", "moments about the tool").make(sound, sound.recording, sound.case)
+    found = searched(recording, case)
+    mended_run, mended_case = mended(found.explanations[0].trial, recording, case)
+    assert mended_case.chain is not None
+    assert mended_case.chain.sensor.origin_mm != case.chain.sensor.origin_mm  # type: ignore[union-attr]
+    of_tool = estimate_parameters(mended_run, mended_case).physical
+    of_sensor = estimate_parameters(sound.recording, sound.case).physical
+    moved = [1e3 * (of_sensor[name].value - of_tool[name].value) for name in ("xC", "yC", "zC")]
+    np.testing.assert_allclose(moved, [20.0, -30.0, 140.0], atol=6.0)
+    assert abs(of_tool["m"].value - of_sensor["m"].value) < 4.0 * of_tool["m"].reported
 
 
 def test_what_was_tried_is_said_with_what_it_left() -> None:
@@ -151,9 +167,9 @@ def test_the_keys_of_a_remedy_mend_the_run_when_it_is_read_again(of: str, name: 
     file, case = written(tmp_path, replace(recording, case=wrong), wrong)
     found = searched(read(file, case), case)
     for entry in found.explanations:
-        _, mended = written(tmp_path, recording, case_of(entry.trial, case))
+        _, edited = written(tmp_path, recording, case_of(entry.trial, case))
         write_recording(file, recording, case)  # the file stays as it was
-        estimate = estimate_parameters(read(file, mended), mended)
+        estimate = estimate_parameters(read(file, edited), edited)
         mass = estimate.physical["m"]
         assert abs(mass.value - MASSES[of]) < 5.0 * mass.reported + 1e-3 * MASSES[of]
 
