@@ -202,9 +202,10 @@ class Controller(Part):
     block_ms: Positive
     """Duration of the blocks that a dense path is written in."""
     safe_feed_mm_min: Positive | None = None
-    """Feed of the first move of a hexapod, from wherever the machine stands to home."""
+    """Feed of the first move of a hexapod, at most, where a program does not check that the machine stands at home."""
     safe_speed_percent: Annotated[Positive, Field(le=100.0)] = 10.0
-    """Share of the speeds and accelerations of `[limits.motion]` for a chain's first move, from wherever it stands."""
+    """Share of the speeds and accelerations of `[limits.motion]` for a chain's first move, where a program does not
+    check that the machine stands at home."""
     settle_s: Positive
     """Stood still before the trigger goes on and after it went off."""
     cycle_ms: Positive = 1.0
@@ -229,7 +230,7 @@ class Controller(Part):
 
     @property
     def safe_feed(self) -> float:
-        """Feed of the first move of a hexapod to home [m/s]; its case states one."""
+        """Most for the feed of a first move of a hexapod from anywhere [m/s]; its case states one."""
         assert self.safe_feed_mm_min is not None
         return self.safe_feed_mm_min * MM / MINUTE
 

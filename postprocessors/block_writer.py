@@ -27,6 +27,9 @@ FEED_DECIMALS, FEED_DIGITS = 6, 10
 # would count a way that rounding made
 RESOLUTION = 1e-4
 COMMENT_WIDTH = 120
+# of mm and degrees, for the check that the machine stands at home: ten times the least step of a hand wheel, as far as
+# axes at rest stand off their command, and far too little to matter to the way that follows
+HOME_WITHIN = 0.01
 PLANE_WORDS = {Plane.XY: "G17", Plane.ZX: "G18", Plane.YZ: "G19"}
 
 
@@ -82,6 +85,7 @@ class BlockWriter(ABC):
     dwell: ClassVar[str]  # word before the seconds of a pause
     full_ends: ClassVar[bool] = True  # whether a full circle has its end in its plane; LinuxCNC would not move with it
     grouping: ClassVar[str] = ""  # command that names the axes whose way F counts, with {} for them; empty: none
+    before_checks: ClassVar[tuple[str, ...]] = ()  # lines without which checks of places would not see the present one
     # reason why there are no paths in a machine's own axes
     no_paths: ClassVar[str] = "programs in the machine's own axes are made of moves from rest to rest"
 
@@ -96,9 +100,36 @@ class BlockWriter(ABC):
         """Comment lines behind a semicolon, without what may mean something there: quotes, `$PATH=`, backslashes."""
         return [f"; {line}" for line in comment_lines(re.sub(r'["$\\]', "?", text))]
 
-    def to_home(self, move: list[str]) -> list[str]:
-        """The lines of the first move, announced."""
-        return [*self.comments("to home"), *move]
+    def to_home(self, block: ToHome) -> list[str]:
+        """The lines that stop the program unless the machine stands at home, and those that take out what is left.
+
+        Those that slide go first, alone: what F counts is then known, however short the way.
+        """
+        words = self.coordinates(block.pose)
+        home = " ".join(axis + value for axis, value in zip(self.axes, words, strict=True))
+        lines = self.comments(f"stop unless the machine stands at home, within {HOME_WITHIN:g} mm and degrees")
+        lines += self.before_checks
+        for axis, value in zip(self.axes, words, strict=True):
+            difference = f"-{value}" if not value.startswith("-") else f"+{value[1:]}"
+            lines += self.stop_unless(axis, difference, home)
+        lines += self.comments("what is left, at a crawl")
+        for turning in (False, True):
+            own = self.limits.turns == turning
+            if own.any():
+                ends = " ".join(w + v for w, v, mine in zip(self.words, words, own, strict=True) if mine)
+                lines += [*self.group(turning), f"{self.straight} {ends} F{self.home_feed(block, turning)}"]
+        self.standing = words
+        return lines
+
+    @abstractmethod
+    def stop_unless(self, axis: str, difference: str, home: str) -> list[str]:
+        """Lines that stop the program with a message unless an axis stands within `HOME_WITHIN` of its place.
+
+        Args:
+            axis: its name.
+            difference: minus that place, with its sign.
+            home: places of all axes, for the message.
+        """
 
     @abstractmethod
     def trigger(self, on: bool, moves_next: bool) -> str:
@@ -119,12 +150,17 @@ class BlockWriter(ABC):
             lines.append(f"G1 {self.pose(pose)} F{number(feed, FEED_DECIMALS)}")
         return [*lines, *after]
 
-    def home_feed(self, block: ToHome) -> str:
-        """F of the first move; in a machine's own axes one that is safe in mm and in degrees, whichever F counts."""
-        if not self.own_axes:
-            return feed(block.feed, linear=True)
-        limits = self.limits
-        return digits(block.feed * float((limits.rate / np.where(limits.turns, DEG, MM)).min()) * MINUTE)
+    def home_feed(self, block: ToHome, turning: bool) -> str:
+        """F of the last hundredths to home of the axes that slide or turn, which may reach it within a cycle."""
+        own = self.limits.turns == turning
+        speed = float(self.guarantees.crawl[own].min())
+        if self.own_axes:
+            speed = min(speed, block.feed * float(self.limits.rate[own].min()))
+        elif not turning:
+            speed = min(speed, block.feed)
+        per_minute = speed * MINUTE / (DEG if turning else MM)
+        step = 10.0 ** (floor(log10(per_minute)) - 1)  # two digits
+        return digits(floor(per_minute / step * (1.0 + NO_SLOWER)) * step)
 
     def move_feed(self, move: StraightMove, words: Sequence[str]) -> tuple[bool, str]:
         """Whether F counts X, Y, Z, and F, for the way as written: where these hardly move, rounding matters.
@@ -225,10 +261,7 @@ class BlockWriter(ABC):
             case str():
                 return self.comments(block)
             case ToHome():
-                self.standing = self.coordinates(block.pose)
-                group = self.group(False, True) if self.own_axes else self.group(False)
-                move = f"{self.straight} {self.pose(block.pose)} F{self.home_feed(block)}"
-                return self.to_home([*group, move])
+                return self.to_home(block)
             case StraightMove():
                 words = self._to(block.end)
                 linear, value = self.move_feed(block, words)

@@ -15,10 +15,15 @@ from identification.trajectories.moves import CircularMove, StraightMove
 
 @dataclass(frozen=True, slots=True)
 class ToHome:
-    """A straight move to home at a safe feed from wherever the machine stands."""
+    """The start, at home: the program stops with a message unless the machine stands there within a tolerance.
+
+    What is left of the tolerance is taken out at a crawl. A language that cannot ask where the machine stands has no
+    words for this block; its operator must see to it.
+    """
 
     pose: Array  # coordinates at home, shape (k,) [m or rad]
-    feed: float  # along the path of the origin [m/s]; of a chain the share of the limits of its joints
+    # most that the crawl may use: along the path of the origin [m/s]; of a chain the share of the limits of its joints
+    feed: float
 
 
 @dataclass(frozen=True, slots=True)

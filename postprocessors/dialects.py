@@ -61,7 +61,7 @@ class Dialect:
     # program and case -> the program in the blocks that this dialect is set up to use
     prepare: Callable[[Blocks, Case], Blocks] = _as_it_is
     # first motion of the machine, for the program's header
-    start: str = "first to home at a safe feed from wherever the machine stands: keep that way clear"
+    start: str = "the program stops unless the machine stands at home"
 
     @property
     def suffix(self) -> str:

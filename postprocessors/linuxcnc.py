@@ -11,14 +11,20 @@ import numpy as np
 from cases.schema import Case
 from identification.motion import Slowed
 from identification.trajectories.curves import PolynomialMotion
-from postprocessors.block_writer import BlockWriter, comment_lines
-from postprocessors.blocks import Blocks, TimedPath, timed_path
+from postprocessors.block_writer import HOME_WITHIN, BlockWriter, comment_lines
+from postprocessors.blocks import Blocks, TimedPath, ToHome, timed_path
 from postprocessors.proving.guarantees import SERVO_PERIOD, guarantees_of_linuxcnc
 from postprocessors.reading import axis_letters
 
 _PLAIN = str.maketrans("();", "[],")
 EQUAL = 1e-9  # [s] tolerance of durations for rounding
-OFFSETS = "coordinate system G54 must be zero: all poses are the machine's own"
+FIRST_CHECK = 101  # number of the first conditional stop
+# Axes that a machine lacks have offsets of zero.
+ZERO_OFFSETS = (
+    "o100 if [[abs[#5221]+abs[#5222]+abs[#5223]+abs[#5224]+abs[#5225]+abs[#5226]+abs[#5230]] gt 0]",
+    "(abort,The coordinate system G54 is not zero: places are those of the machine. Set it to zero, then start again)",
+    "o100 endif",
+)
 
 
 class _LinuxCncWriter(BlockWriter):
@@ -37,8 +43,16 @@ class _LinuxCncWriter(BlockWriter):
         """
         return [f"(- {line})" for line in comment_lines(text.translate(_PLAIN))]
 
-    def to_home(self, move: list[str]) -> list[str]:
-        return super().to_home(["G61.1", *(f"G94 {line}" for line in move)])
+    def to_home(self, block: ToHome) -> list[str]:
+        return [*ZERO_OFFSETS, *super().to_home(block)]
+
+    def stop_unless(self, axis: str, difference: str, home: str) -> list[str]:
+        number, name = FIRST_CHECK + self.axes.index(axis), f"#<_{axis.lower()}>"
+        return [
+            f"o{number} if [abs[{name}{difference}] gt {HOME_WITHIN:g}]",
+            f"(abort,Not at home: {axis} is at {name}. Go to {home} first, then start again)",
+            f"o{number} endif",
+        ]
 
     def trigger(self, on: bool, moves_next: bool) -> str:
         """Block that switches on with the first cycle of a motion that follows at once (M62); else, and off, at once.
@@ -90,6 +104,6 @@ def write_linuxcnc(program: Blocks, case: Case) -> bytes:
     """The program's text, plain ASCII, with feeds for the limits of the controller's set-up; see `Dialect.write`."""
     of_pose = case.need_motion("a program")[1].of_pose
     writer = _LinuxCncWriter(case, of_pose and any(isinstance(block, TimedPath) for block in program))
-    # G92.1 cancels offsets of an operator; G54 itself must be zero, which a program cannot check.
-    start = [*writer.comments(OFFSETS), "G8 G17 G21 G40 G49 G54 G80 G90 G91.1 G94", "G92.1"]
+    # G92.1 cancels offsets of an operator; whether G54 itself is zero is checked.
+    start = ["G8 G17 G21 G40 G49 G54 G80 G90 G91.1 G94", "G92.1", "G61.1"]
     return writer.text(program, [], start, ["M2"])

@@ -13,7 +13,7 @@ from cases.schema import Case
 from cases.units import DEG, MINUTE, MM, MS
 from identification.motion import Trajectory
 from identification.trajectories.curves import PolynomialMotion
-from postprocessors.block_writer import FEED_DECIMALS, BlockWriter, number
+from postprocessors.block_writer import FEED_DECIMALS, HOME_WITHIN, BlockWriter, number
 from postprocessors.blocks import (
     Blocks,
     TimedPath,
@@ -29,6 +29,7 @@ MM_A_DEGREE = 180.0 / np.pi  # [mm] radius at which a degree is a way of 1 mm: F
 POLY_LENGTH_DECIMALS = 7  # decimals of a coefficient: rates must agree from piece to piece
 POLY_ANGLE_DECIMALS = 8
 AXES_OF_A_POSE = 6
+ALARM = 65000  # a user's cycle alarm
 
 
 class _SinumerikWriter(BlockWriter):
@@ -55,6 +56,17 @@ class _SinumerikWriter(BlockWriter):
         start += ["TRAFOOF", "SOFT FFWON DYNNORM", "COMPOF G60"]
         start += [f"FGREF[{a}]={number(MM_A_DEGREE, 6)}" for a in turning]
         return self.text(program, title, start, ["M30"])
+
+    before_checks = ("STOPRE",)  # for what follows is computed while the machine still moves
+
+    def stop_unless(self, axis: str, difference: str, home: str) -> list[str]:
+        return [
+            f"IF ABS($AA_IW[{axis}]{difference})>{HOME_WITHIN:g}",
+            f'MSG("NOT AT HOME: GO TO {home} FIRST, THEN START AGAIN")',
+            f'SETAL({ALARM},"{axis}: NOT AT HOME")',
+            "M30",
+            "ENDIF",
+        ]
 
     def trigger(self, on: bool, moves_next: bool) -> str:
         return f"DO $A_OUT[{self.settings.trigger_output}]={int(on)}"

@@ -10,12 +10,13 @@ import numpy as np
 from cases.controller import TwinCat, TwinCatAxes
 from cases.schema import Case
 from identification.motion import Array
-from postprocessors.block_writer import BlockWriter, number
+from postprocessors.block_writer import HOME_WITHIN, BlockWriter, number
 from postprocessors.blocks import Blocks, TimedPath
 from postprocessors.proving.guarantees import twincat_guarantees
 from postprocessors.reading import Reading, axis_letters
 
 TIME_DECIMALS = 9  # decimals of a second
+ERROR = 900  # number of a user's error message
 
 
 class _TwinCatWriter(BlockWriter):
@@ -45,8 +46,15 @@ class _TwinCatWriter(BlockWriter):
         meant = super()._as_meant(written)
         return meant * [1, 1, 1, 1, self.settings.angle_sign_b, 1] if isinstance(self.settings, TwinCat) else meant
 
-    def to_home(self, move: list[str]) -> list[str]:
-        return super().to_home(move) if self.own_axes else ['#MSG ["TO HOME: KEEP THE WAY CLEAR"]', *move]
+    before_checks = ("#CHANNEL INIT [CMDPOS]",)  # V.A.ABS then is the present place
+
+    def stop_unless(self, axis: str, difference: str, home: str) -> list[str]:
+        return [
+            f"$IF ABS[V.A.ABS.{axis}{difference}] > {HOME_WITHIN:g}",
+            f'#MSG ["{axis} IS NOT AT HOME: GO TO {home} FIRST, THEN START AGAIN"]',
+            f"#ERROR [ID={ERROR} RC=2]",
+            "$ENDIF",
+        ]
 
     def trigger(self, on: bool, moves_next: bool) -> str:
         return f"M{self.settings.trigger_on_m if on else self.settings.trigger_off_m}"

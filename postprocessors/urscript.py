@@ -4,19 +4,25 @@ The controller covers a way D of the joint that moves most, the others in propor
 D / v + v / a, or 2 sqrt(D / a) where v is not reached. The ramps of a move with a stated time are not documented.
 """
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from cases.chain import Chain
 from cases.controller import UrScript
 from cases.errors import HexciteError
 from cases.schema import Case
+from cases.units import DEG
 from identification.motion import Array, Standstill
 from identification.trajectories.moves import StraightMove
 from postprocessors.block_writer import comment_lines, digits, number
 from postprocessors.blocks import Blocks, ToHome, Trigger
 
 DECIMALS = 9  # decimals of angles [rad]
+HOME_WITHIN = (
+    0.1 * DEG
+)  # for the check that the robot stands at home: its actual angles are off by some hundredths [rad]
 INDENT = "  "  # to the interpreter, lines in the first column begin and end the program
 
 
@@ -29,21 +35,26 @@ def write_urscript(program: Blocks, case: Case) -> bytes:
             f"joint {endless} turns without end: movej counts turns, and nobody knows on which one the robot stands; "
             'state it as kind = "revolute" with position_deg'
         )
-    speeds = float(limits.rate.min()), float(limits.acceleration.min())  # smallest limits of any joint
-    lines = _statements(program, chain.home, settings.trigger_output, speeds)
+    cycle = case.need_controller("a URScript program").cycle
+    # of any joint: accelerations that step within a cycle, and reverse in the next, and a speed that is a crawl
+    acceleration = float(np.minimum(limits.acceleration, limits.jerk * cycle / 2).min())
+    crawl = acceleration, min(HOME_WITHIN, float(limits.rate.min()))
+    lines = _statements(program, chain, settings.trigger_output, crawl)
     body = "".join(f"{INDENT}{line}\n" for line in lines)
     return f"def {settings.program_name}():\n{body}end\n".encode("ascii")
 
 
-def _statements(program: Blocks, at: Array, output: int, speeds: tuple[float, float]) -> Iterator[str]:
-    """Statements of the blocks from where the robot stands; the first move uses its share of speed and acceleration."""
+def _statements(program: Blocks, chain: Chain, output: int, crawl: tuple[float, float]) -> Iterator[str]:
+    """Statements of the blocks; `crawl` are acceleration and speed of the last tenth of a degree to home."""
+    at = chain.home
     for block in program:
         match block:
             case str():
                 yield from _comments(block)
             case ToHome():
-                yield from _comments("to home")
-                yield _move(block.pose, block.feed * speeds[1], block.feed * speeds[0])
+                yield from _stop_unless_at(block.pose, chain.names)
+                yield from _comments("what is left, at a crawl")
+                yield _move(block.pose, *crawl)
                 at = block.pose
             case StraightMove():  # a trapezoid of the planned duration and speed, no steeper than planned
                 law, end = block.profile, block.end
@@ -60,6 +71,21 @@ def _statements(program: Blocks, at: Array, output: int, speeds: tuple[float, fl
                     "URScript programs are made of moves from rest to rest, for what servoj makes of a path cannot be "
                     "proven; plan with --family ptp"
                 )
+
+
+def _stop_unless_at(home: Array, joints: Sequence[str]) -> Iterator[str]:
+    """Statements that stop the program with a message unless each joint stands at its place, within `HOME_WITHIN`."""
+    yield from _comments(f"stop unless the robot stands at home, within {HOME_WITHIN / DEG:g} deg")
+    yield "standing = get_actual_joint_positions()"
+    for k, (joint, angle) in enumerate(zip(joints, home, strict=True)):
+        value = number(angle, DECIMALS)
+        difference = f"-{value}" if not value.startswith("-") else f"+{value[1:]}"
+        name = re.sub(r"[^A-Za-z0-9_]", "?", joint)
+        text = f"joint {k + 1}, {name}, does not stand at home, {angle / DEG:.3f} deg: move it there, then start again"
+        yield f"if norm(standing[{k}]{difference}) > {number(HOME_WITHIN, DECIMALS)}:"
+        yield f'{INDENT}popup("{text}", "not at home", error=True, blocking=True)'
+        yield f"{INDENT}halt"
+        yield "end"
 
 
 def _move(end: Array, acceleration: float, speed: float) -> str:

@@ -94,8 +94,13 @@ def _require_same(program: Blocks, reading: Reading, tolerance: Array) -> None:
     Polynomials may deviate from other motions by `tolerance`, shape (6,) [m, rad].
     """
     written = [b for b in program if isinstance(b, TimedPath | StraightMove | CircularMove)]
-    # The first move of all goes home; it has no counterpart with a known start.
-    read = [s for s in reading.stretches if isinstance(s, Timed | Untimed)][1:]
+    # The moves that take out what is left of the way home have no counterpart.
+    moves = [s for s in reading.stretches if isinstance(s, Timed | Untimed)]
+    read = [s for s in moves if isinstance(s, Timed) or s.within is None]
+    if len(read) == len(moves) or reading.checked is None:
+        raise ProgramError(reading.file, 0, 0, "the check that the machine stands at home is missing; report this")
+    if not np.all(np.abs(reading.checked[0] - _home_of(program)) <= ROUNDING):
+        raise ProgramError(reading.file, 0, 0, "the program checks for another place than home; report this")
     if len(read) != len(written):
         raise ProgramError(reading.file, 0, 0, f"{len(read)} moves where {len(written)} were written; report this")
     for block, stretch in zip(written, read, strict=True):
@@ -109,6 +114,10 @@ def _require_same(program: Blocks, reading: Reading, tolerance: Array) -> None:
             )
         if not same:
             raise ProgramError(reading.file, stretch.line, 0, "the motion reads back differently; report this")
+
+
+def _home_of(program: Blocks) -> Array:
+    return next(block.pose for block in program if isinstance(block, ToHome))
 
 
 def _same_path(path: TimedPath, stretch: Timed, tolerance: Array) -> bool:

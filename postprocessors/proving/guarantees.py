@@ -62,6 +62,17 @@ class Guarantees:
         turning = math.sqrt(across * acceleration / angle)  # v^2 / r over the length r angle
         return self.law(min(velocity, turning), along * acceleration, along * jerk)
 
+    @property
+    def cycle(self) -> float:
+        """The time in which its set points change, at least [s]."""
+        return self.jerk_time or self.case.need_controller("the check of a program").cycle
+
+    @property
+    def crawl(self) -> Array:
+        """Speeds of the coordinates that may step within a cycle and reverse in the next, shape (k,) [m/s, rad/s]."""
+        limits, cycle = self.limits, self.cycle
+        return np.minimum(limits.rate, np.minimum(limits.acceleration * cycle, limits.jerk * cycle**2 / 2))
+
     @cached_property
     def loads(self) -> Loads | None:
         """What the sensors carry; None where the case has no range or body."""

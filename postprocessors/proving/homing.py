@@ -1,6 +1,7 @@
-"""Moves that a controller times itself: predicted by its own law, and the first one, from an unknown pose, bounded.
+"""Moves that a controller times itself: predicted by its own law, and the first one bounded.
 
-For the first move, feed and end are proven; all other limits are bounds.
+Where it begins within a checked distance of home, all its limits are proven. From an unknown pose feed and end are; all
+other limits are bounds.
 """
 
 from collections.abc import Iterable, Iterator
@@ -120,6 +121,37 @@ def way_home(part: Untimed, by: Guarantees) -> Iterable[LimitCheck]:
     for force in by.force_bounds(share, stated):
         of = force.of._replace(move=OwnMove.WAY_HOME)
         yield replace(force, of=of, binding=force.status is Status.PROVEN)
+
+
+def at_a_crawl(part: Untimed, by: Guarantees) -> Iterable[LimitCheck]:
+    """Limits of a move to home from a place so near it, as the program has checked, that its path does not matter.
+
+    Its speeds are at most the feed, reached within a cycle, for set points do not change faster. These bounds are
+    reported where they exceed a limit: they would hide what the motion uses. Geometry and forces are those of the
+    standstill at its end.
+    """
+    assert part.within is not None
+    assert part.feed is not None
+    limits, cycle = by.limits, by.cycle
+    rates = np.where((part.within > 0.0) & np.isin(np.arange(len(part.within)), part.counted), part.feed, 0.0)
+    peaks = np.minimum(rates / cycle, np.inf if part.acceleration is None else part.acceleration)
+    bounds: list[tuple[LimitKind, float, float]] = []
+    most = limits.rate, limits.acceleration, limits.jerk
+    for kinds, found, limit in zip(_OF_COORDINATES, (rates, peaks, 2.0 * peaks / cycle), most, strict=True):
+        for kind, own in zip(kinds, (~limits.turns, limits.turns), strict=True):
+            if own.any():
+                k = int(np.argmax(np.where(own, found / limit, -1.0)))
+                bounds.append((kind, float(found[k]), float(limit[k])))
+    speed = float(np.linalg.norm(rates[:3])) if limits.of_pose else 0.0
+    bounds += limited_machine(by.case).from_anywhere(speed, rates, peaks)
+    for kind, worst, bound in bounds:
+        if worst > bound:
+            values = worst * kind.scale, bound * kind.scale, kind.unit, worst / bound
+            yield LimitCheck(Limit(kind), "to home, at most", *values, 0.0, Status.PROVEN)
+    bounded = {kind for kind, *_ in bounds}
+    for check in prove(Standstill(part.end, 0.0), by.case, 1.0, part.trigger).checks:
+        if check.kind not in bounded:
+            yield check
 
 
 def _row(kind: LimitKind, worst: float, limit: float, by: Guarantees, status: Status | None = None) -> LimitCheck:

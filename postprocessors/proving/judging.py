@@ -25,7 +25,7 @@ from identification.motion import Array, Standstill, TimedPoints, Trajectory
 from identification.trajectories.curves import PolynomialMotion, Tabulated
 from identification.trajectories.moves import CircularMove, StraightMove
 from postprocessors.proving.guarantees import Guarantees
-from postprocessors.proving.homing import predicted, way_home
+from postprocessors.proving.homing import at_a_crawl, predicted, way_home
 from postprocessors.reading import Still, Stretch, Timed, Untimed
 
 FEWEST, MOST = 64, 1000  # samples of a move that the controller times: smooth, whatever its duration
@@ -46,6 +46,8 @@ def judge(part: Stretch, by: Guarantees) -> tuple[LimitReport, float]:
         return LimitReport(()), part.duration
     if part.start is None:
         return LimitReport(tuple(way_home(part, by))), 0.0
+    if part.within is not None:
+        return LimitReport(tuple(at_a_crawl(part, by))), 0.0
     motion = predicted(part, by)
     if motion is None:
         return prove(Standstill(part.end, 0.0), by.case, 1.0, part.trigger), 0.0

@@ -153,6 +153,8 @@ def remarks(reading: Reading, case: Case) -> Iterator[str]:
         )
         if distance := _away(first.end, home, limits):
             yield f"line {first.line}: the first move does not go home, {distance}"
+    elif reading.checked is not None:
+        yield _stops_elsewhere(*reading.checked, home, limits)
     elif reading.start is not None and reading.start_time > 0.0:
         yield _taken_home(reading.start_time, case)
     elif reading.start is not None:
@@ -195,6 +197,18 @@ def _taken_home(time: float, case: Case) -> str:
         f"the machine must stand at home when it starts: from where it stands it is taken there in {time:.3g} s, at no "
         f"more than {100 * share:.3g} % of its limits only if no joint is further than {ways} from home"
     )
+
+
+def _stops_elsewhere(pose: Array, within: Array, home: Array, limits: Box) -> str:
+    """The remark on a program that checks where the machine stands."""
+    near = " and ".join(
+        f"{within[own].max() / unit:.2g} {name}"
+        for own, unit, name in ((~limits.turns, MM, "mm"), (limits.turns, DEG, "deg"))
+        if own.any()
+    )
+    if distance := _away(pose, home, limits):
+        return f"the program stops unless it starts within {near} of its own first place, not of home, {distance}"
+    return f"the program stops unless the machine stands at home, within {near}"
 
 
 def _away(pose: Array, home: Array, limits: Box) -> str:

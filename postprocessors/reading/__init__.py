@@ -59,6 +59,9 @@ class Untimed:
     counted: tuple[int, ...] = ()  # indices of the coordinates whose way the feed counts; of an arc it counts the arc
     # acceleration of that way, where the text states it: its time law is then the text's [m/s^2 or rad/s^2]
     acceleration: float | None = None
+    # largest distance of each coordinate from `start`, where the program has checked that the machine stands near it,
+    # and of those that this move takes to its end, shape (k,) [m, rad]; None where it stands at `start`
+    within: Array | None = None
 
     @property
     def length(self) -> float:
@@ -97,6 +100,7 @@ class Reading:
     stretches: tuple[Stretch, ...]  # stretches in order
     blocks: int  # number of lines that hold words
     start: Array | None = None  # where the machine must stand, of programs that do not bring it there, shape (6,)
+    checked: tuple[Array, Array] | None = None  # pose near which the program checks that it stands, and how near, (k,)
     start_time: float = 0.0  # time in which the controller takes it there from where it stands; 0 where it does not [s]
     left_on: int = 0  # line that switches the trigger on for good; 0 where it is off in the end
     stops: tuple[int, ...] = ()  # lines at which the machine waits for its operator
@@ -148,6 +152,7 @@ class Grouping:
         self.switched = 0  # line that switched the trigger last
         self.waiting: tuple[int, bool] | None = None  # line of a switch with the next motion, and whether on
         self.timed: list[TimedBlock] = []  # blocks since the last standstill
+        self.checked: tuple[Array, Array] | None = None  # as in `Reading`
 
     def error(self, line: int, problem: str) -> ProgramError:
         """An error at a line."""
@@ -156,6 +161,10 @@ class Grouping:
     def stand(self, pose: Array) -> None:
         """Sets the pose before the start, to which the program itself does not bring the machine."""
         self.start = self.pose = pose
+
+    def stand_near(self, pose: Array, within: Array) -> None:
+        """Sets the pose before the start, from which the machine is no further away than `within`, shape (k,)."""
+        self.pose, self.checked = pose, (pose, within)
 
     def pause(self, line: int, duration: float, switches: bool = False) -> None:
         """Adds a standstill [s]; `switches`: whether the trigger waits for no longer than this."""
@@ -193,14 +202,18 @@ class Grouping:
         exact: bool,
         arc: Arc | None = None,
         law: tuple[tuple[int, ...], float | None] = ((), None),
+        within: Array | None = None,
     ) -> None:
-        """Adds a move that the controller times itself; `law` is `counted` and `acceleration` of `Untimed`."""
+        """Adds a move that the controller times itself.
+
+        `law` is `counted` and `acceleration` of `Untimed`, `within` as there.
+        """
         self._finish_path()
         self._settle_trigger()
         if not exact:
             problem = "a move at a feed without exact stop is blended into the next, its path is not known"
             raise self.error(line, f"{problem}; write {self.exact_stop}")
-        self.stretches.append(Untimed(line, self.pose, end, feed, linear, arc, self.trigger, *law))
+        self.stretches.append(Untimed(line, self.pose, end, feed, linear, arc, self.trigger, *law, within))
         self.pose = end
 
     def rows(self, line: int, cycle: float, poses: Array, rates: Array, accelerations: Array) -> None:
@@ -218,7 +231,7 @@ class Grouping:
             problem = "the trigger waits for a next motion that never comes; "
             raise self.error(self.waiting[0], f"{problem}write {self.switch_at_rest}")
         left_on = self.switched if self.trigger else 0
-        return Reading(self.file, tuple(self.stretches), blocks, self.start, left_on=left_on)
+        return Reading(self.file, tuple(self.stretches), blocks, self.start, self.checked, left_on=left_on)
 
     def _settle_trigger(self) -> None:
         if self.waiting is not None:
@@ -243,6 +256,9 @@ class Grouping:
 
 NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
 """Pattern of a plain decimal number."""
+
+PLAIN = r"\d+(?:\.\d+)?"
+"""Pattern of a plain decimal number without a sign."""
 
 FLOAT = rf"((?>{NUMBER})(?:[eE][+-]?\d+)?)"
 """Pattern of a number that may have an exponent, as one group."""

@@ -14,7 +14,7 @@ import numpy as np
 from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import Array
-from postprocessors.reading import NUMBER, Reading, axis_letters, program_lines
+from postprocessors.reading import NUMBER, PLAIN, Reading, axis_letters, program_lines
 from postprocessors.reading.modal import ROUND, ModalState, Word
 
 LONGEST_LINE = 252  # measured with rs274: 253 characters are "Command too long"
@@ -32,16 +32,26 @@ _SWITCHES = {"M62": (True, False), "M63": (False, False), "M64": (True, True), "
 _EXECUTED = re.compile(  # comments that begin with a name and a comma, whatever the name, and those without a comma
     r"\s*(?:(?!msg\s*,)[a-z_]\w*\s*,|log(?:open|append|close)|probe(?:open|close)|py(?:run|reload))", re.IGNORECASE
 )
+# Text that stops the program unless G54 is zero, as hexcite post writes it
+_ZERO_OFFSETS = re.compile(
+    r"o(?P<number>\d+) if \[\[abs\[#5221\]\+abs\[#5222\]\+abs\[#5223\]\+abs\[#5224\]\+abs\[#5225\]\+abs\[#5226\]"
+    r"\+abs\[#5230\]\] gt 0\]\n\(abort,[A-Za-z0-9 .:,]*\)\no(?P=number) endif"
+)
 _OF_A_POSE = {"G2", "G3", "G64", "G93"}  # no proof covers arcs and paths where rotary axes move
 
 
 class _LinuxCncInterpreter(ModalState):
-    """Meaning of the words."""
+    """Meaning of the words, and of the conditional stops at the start (o101 if .. endif) in one form each."""
 
     name, last, reads, fractions = "LinuxCNC", ("M2", "M30"), _READS, True
     stops, exact_stop, switch_at_rest = ("M0", "M1", "M60"), "G61.1", "M64 P0 or M65 P0"
     number = re.compile(r"\s*N\s*\d+(?:\.\d+)?", re.IGNORECASE)
     word = re.compile(rf"(?P<comment>\([^()]*\)|;.*)|(?P<letter>[A-Za-z])\s*(?P<number>{NUMBER})")
+    home_check = re.compile(
+        rf"o(?P<number>\d+) if \[abs\[#<_(?P<axis>[xyzabc])>(?P<place>[+-]{PLAIN})\] gt (?P<within>{PLAIN})\]\n"
+        r"\(abort,[A-Za-z0-9 .:,+-]*(?:#<_[xyzabc]>)?[A-Za-z0-9 .:,+-]*\)\no(?P=number) endif"
+    )
+    home_check_lines = 3
     # those of groups of one change nothing that a program here relies on: no compensation, no offset; relative centres
     groups = (
         *("G0 G1 G2 G3 G80", "G17 G18 G19", "G93 G94", "G61 G61.1 G64", "M62 M63 M64 M65", "M0 M1 M2 M30 M60"),
@@ -53,6 +63,7 @@ class _LinuxCncInterpreter(ModalState):
         super().__init__(file, axes, not case.need_motion("a program")[1].of_pose)
         self.needed = {name: (name,) for name in _SETTINGS}
         self.activate("G94")
+        self.numbers: set[str] = set()  # of statements of several lines
         self.way: Array | None = None  # direction of the last move, where the machine need not stand at its end
         self.loose: ProgramError | None = None
 
@@ -70,6 +81,18 @@ class _LinuxCncInterpreter(ModalState):
 
     def read_program(self, lines: Iterable[str]) -> Reading:
         return super().read_program(self._within_percent_signs(list(lines)))
+
+    def statement(self, lines: list[str], number: int) -> int:
+        """Reads a check of home, or that G54 is zero, whose number no other statement has."""
+        texts = "\n".join(text.rstrip() for text in lines[number - 1 : number - 1 + self.home_check_lines])
+        match = _ZERO_OFFSETS.fullmatch(texts) or self.home_check.fullmatch(texts)
+        if match is None or not np.isnan(self.pose).any():
+            return 0
+        self.line = number
+        if match["number"] in self.numbers:
+            self.fail(Word("o", 1), f"a second statement o{match['number']}; give each a number of its own")
+        self.numbers.add(match["number"])
+        return self.home_check_lines if match.re is _ZERO_OFFSETS else super().statement(lines, number)
 
     def _within_percent_signs(self, lines: list[str]) -> list[str]:
         """The lines of a program without a percent sign above and one below, which also ends it; in their places."""

@@ -19,6 +19,7 @@ STILL = 1e-7  # [mm] distance below which places are the same
 
 LARGEST = 1e6  # mm, degrees, seconds: no machine has such numbers
 LARGEST_FEED = 1e9  # per minute; 60 over a microsecond is 6e7
+LOOSEST_CHECK = 0.1  # [mm, deg] within which a program may check that the machine stands at a place
 _INK = re.compile(r"\S")
 PLANES = {"G17": Plane.XY, "G18": Plane.ZX, "G19": Plane.YZ}
 
@@ -61,6 +62,11 @@ class ModalState(ABC):
     switch_at_rest: ClassVar[str] = "a dwell after it"  # what switches the trigger without a motion, for messages
     fractions: ClassVar[bool] = False  # whether G and M functions may have decimals
     inverse_time: ClassVar[bool] = True  # whether that F is one over minutes; else seconds
+    # lines, each without blanks at its end, that stop the program unless an axis stands at a place, with the groups
+    # `axis`, `place` (minus the place, with its sign) and `within`; and their number
+    home_check: ClassVar[re.Pattern[str]]
+    home_check_lines: ClassVar[int]
+    asks_where: ClassVar[str] = ""  # command before it, without which it would not see the present place; empty: none
     feed_group: ClassVar[str] = ""  # command that names the axes whose path F counts, with {} for them; empty: none
 
     def __init__(self, file: str, axes: Sequence[str], own_axes: bool) -> None:
@@ -77,6 +83,11 @@ class ModalState(ABC):
         # what a move needs before it, for messages -> modal words or settings of which any one is it
         self.needed: dict[str, tuple[str, ...]] = {}
         self.pose = np.full(len(axes), np.nan)  # as written; unknown until the first move has stated all
+        # places that the program has checked, by axis, each with its tolerance; and the largest distance of each
+        # coordinate from `pose` since then, until a move has stated it
+        self.places: dict[str, tuple[float, float]] = {}
+        self.unsure = np.zeros(len(axes))
+        self.stated = np.zeros(len(axes), dtype=bool)  # coordinates that the block states
         self.modal: dict[int, str] = {}  # the active word of each group
         self.feed: float | None = None
         self.feed_axes: tuple[str, ...] | None = None
@@ -127,9 +138,13 @@ class ModalState(ABC):
 
     def read_program(self, lines: Iterable[str]) -> Reading:
         """Reads all lines; errors as `Dialect.read`."""
-        blocks = 0
+        blocks, read_up_to, lines = 0, 0, [*lines]
         for number, text in enumerate(lines, start=1):
-            if words := self.words(text, number, self.file):
+            if number <= read_up_to:
+                continue
+            if count := self.statement(lines, number):
+                blocks, read_up_to = blocks + count, number - 1 + count
+            elif words := self.words(text, number, self.file):
                 self.line = number
                 if self.ended:
                     self.fail(words[0], f"a word after the end of the program; {self.last[0]} must be last")
@@ -139,6 +154,42 @@ class ModalState(ABC):
             problem = f"no {self.last[0]} at the end; the file is truncated or not a {self.name} program"
             raise ProgramError(self.file, 0, 0, problem)
         return replace(self.motions.reading(blocks), stops=tuple(self.stopped))
+
+    def statement(self, lines: list[str], number: int) -> int:
+        """Reads the statement of several lines that begins in a line, if there is one: here a check of a place.
+
+        Returns the number of its lines, else 0.
+        """
+        texts = [text.rstrip() for text in lines[number - 1 : number - 1 + self.home_check_lines]]
+        match = self.home_check.fullmatch("\n".join(texts)) if np.isnan(self.pose).any() and not self.ended else None
+        if match is None:
+            return 0
+        self.line, word, axis = number, Word(match["axis"], 1), match["axis"].upper()
+        self.require_said(word)
+        if self.asks_where and self.asks_where.partition(" [")[0] not in self.said:
+            self.fail(word, f"a check of a place before {self.asks_where}, which says where the machine is; add it")
+        names = self.axes_of_places()
+        if axis not in names or axis in self.places:
+            self.fail(word, f"a second check of {axis}, or {axis} is not an axis here; remove it")
+        within = float(match["within"])
+        if not 0.0 < within <= LOOSEST_CHECK:
+            self.fail(word, f"a check within {within:g} mm or degrees is none; check within {LOOSEST_CHECK:g}")
+        self.places[axis] = -float(match["place"]), within
+        if len(self.places) == len(names):
+            self.pose, self.unsure = np.array([self.places[name] for name in names]).T
+            self.motions.stand_near(self.pose * self.scale, np.abs(self.unsure * self.scale))
+        return len(texts)
+
+    def axes_of_places(self) -> Sequence[str]:
+        """Names of the axes in checks of their places, in the order of the coordinates."""
+        return self.axes
+
+    def require_home(self, word: Word) -> None:
+        """Refuses a motion while the machine stands near a checked place, but not there for certain."""
+        if self.unsure.any():
+            which = " ".join(np.array([*self.axes])[self.unsure > 0.0]).replace("=", "")
+            problem = f"the machine stands near the checked place, but not there for certain in {which}"
+            self.fail(word, f"{problem}; first write G1 to it at a feed, those that slide first, alone")
 
     def execute(self, block: dict[str, Word]) -> None:
         """Executes a block: here one in which the machine waits for its operator, which stands alone."""
@@ -233,6 +284,7 @@ class ModalState(ABC):
     def _end_of(self, block: dict[str, Word], first: Word) -> Array:
         """The coordinates in which a block ends, as written, shape (k,)."""
         written = np.array([block[name].value if name in block else None for name in self.axes], dtype=float)
+        self.stated = ~np.isnan(written)
         end = np.where(np.isnan(written), self.pose, written)
         if np.isnan(end).any():
             missing = self.axes[int(np.flatnonzero(np.isnan(end))[0])].rstrip("=")
@@ -241,7 +293,7 @@ class ModalState(ABC):
 
     def _moves_origin(self, end: Array) -> bool:
         """Whether X, Y or Z moves on the way to coordinates, shape (k,) as written; from unknown ones they do."""
-        moves = np.isnan(self.pose) | (np.abs(end - self.pose) > STILL)
+        moves = np.isnan(self.pose) | (np.abs(end - self.pose) > STILL) | (self.stated & (self.unsure > 0.0))
         return bool(np.any(moves & self.linear))
 
     def _require_counted(self, first: Word, linear: bool) -> None:
@@ -257,15 +309,31 @@ class ModalState(ABC):
         """Adds a straight move to coordinates, shape (k,) as written, and sets them as the pose."""
         linear = self._moves_origin(end)
         counted = tuple(map(int, np.flatnonzero(self.linear if linear else ~self.linear)))
+        within = self._taken_home(end, feed, counted) if self.unsure.any() else None
         self.pose = end
         if duration is not None:
             self.motions.block((self.line, duration, end * self.scale, None), exact)
             return
-        self.motions.move(self.line, end * self.scale, feed, linear, exact, law=(counted, None))
+        self.motions.move(self.line, end * self.scale, feed, linear, exact, None, (counted, None), within)
+
+    def _taken_home(self, end: Array, feed: float | None, counted: tuple[int, ...]) -> Array:
+        """Largest way of each coordinate of a move to the checked place, shape (k,) [m, rad]; then it is there.
+
+        Refuses another move: one elsewhere, in rapid, in a time, or in which coordinates move that the feed does not
+        count.
+        """
+        moving = self.stated & (self.unsure > 0.0)
+        beside = np.abs(end - self.pose) > np.where(moving, self.unsure, 0.0) + STILL
+        if feed is None or beside.any() or not set(map(int, np.flatnonzero(moving))) <= set(counted):
+            self.require_home(Word("", 1))
+        within = np.where(moving, self.unsure, 0.0)
+        self.unsure = self.unsure - within
+        return np.asarray(np.abs(within * self.scale))
 
     def arc(self, block: dict[str, Word], first: Word, exact: bool) -> None:
         """Adds an arc at a feed; centre words are relative to its start. Without end words it is a full circle."""
         plane = next((plane for name, plane in PLANES.items() if self.active(name)), None)
+        self.require_home(first)
         if np.isnan(self.pose).any() or plane is None or self.feed is None or not self.active("G94"):
             self.fail(first, "an arc needs a known start, a plane (G17, G18, G19), G94 and F; add what is missing")
         self._require_counted(first, linear=True)

@@ -5,13 +5,14 @@ of the case. In a machine's own axes no transformation is active, and moves go f
 """
 
 import re
+from collections.abc import Sequence
 
 import numpy as np
 
 from cases.controller import SINUMERIK_NAME, Sinumerik, SinumerikAxes
 from cases.schema import Case
 from cases.units import MINUTE
-from postprocessors.reading import NUMBER, Reading, TimedBlock, axis_letters, program_lines
+from postprocessors.reading import NUMBER, PLAIN, Reading, TimedBlock, axis_letters, program_lines
 from postprocessors.reading.modal import LARGEST, ModalState, Word
 
 LONGEST_LINE = 512
@@ -42,6 +43,11 @@ class SinumerikInterpreter(ModalState):
         | (?P<letter>[A-Z])(?P<number>{NUMBER})""",
         re.IGNORECASE | re.VERBOSE,
     )
+    home_check = re.compile(
+        rf"IF ABS\(\$AA_IW\[(?P<axis>[A-Z]+\d*)\](?P<place>[+-]{PLAIN})\)>(?P<within>{PLAIN})\n"
+        rf'MSG\("[^"\n]*"\)\nSETAL\(65\d\d\d,"[^"\n]*"\)\nM30\nENDIF'
+    )
+    home_check_lines, asks_where = 5, "STOPRE"
     groups = (
         *("G0 G1 G2 G3 POLY", "G17 G18 G19", "G93 G94", "G60 G64 G642", "COMPOF COMPCAD"),
         *("G90", "G710", "G40", "G500", "SOFT", "FFWON", "DYNNORM", "ORIWKS", "ORIRPY", "ORIAXES", "M0 M1 M2 M30"),
@@ -63,6 +69,10 @@ class SinumerikInterpreter(ModalState):
         if self.of_pose is not None:
             self.angles = self.of_pose.orientation_axes
         self.needed |= {"G60": ("G60",)} if self.own_axes else {"G60 or G64": ("G60", "G64", "G642")}
+
+    def axes_of_places(self) -> Sequence[str]:
+        """Names of the axes, also of those behind words of angles."""
+        return self.axes if self.of_pose is None else ("X", "Y", "Z", *self.of_pose.orientation_axes)
 
     @classmethod
     def comment_problem(cls, text: str, match: re.Match[str]) -> str:
@@ -116,7 +126,7 @@ class SinumerikInterpreter(ModalState):
         elif (called := word.written) in (s.transformation, s.transformation_off):
             self.require_alone(word, block)
             self.transformed = called == s.transformation
-            self.said = self.said - {s.transformation} | {called}
+            self.said = self.said - {s.transformation, "STOPRE"} | {called}
         elif name in ("CTOL=", "OTOL="):
             limit = s.contour_tolerance_mm if name == "CTOL=" else s.orientation_tolerance_deg
             if not 0.0 < float(word.value or 0.0) <= limit:
@@ -129,6 +139,7 @@ class SinumerikInterpreter(ModalState):
         self.require_alone(word, block)
         if word.value not in (None, 1.0, 2.0):
             self.fail(word, f"{word.written} is neither the start nor the end of a trace; write =1 or =2")
+        self.said.add(word.name)
         if self.flowing:
             self.fail(word, f"{word.written} while the machine moves on; let it stop first, write G4 F0.1")
 
@@ -164,6 +175,7 @@ class SinumerikInterpreter(ModalState):
 
         Refuses what the controller does not accept, or what would not last its time.
         """
+        self.require_home(first)
         axes = {f"PO[{axis}]": k for k, axis in enumerate(("X", "Y", "Z", *settings.orientation_axes))}
         pieces = {name: np.array(block[name].arguments, dtype=float) for name in axes if name in block}
         length = float(block["PL="].value or 0.0) if "PL=" in block else 1.0

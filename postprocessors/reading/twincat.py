@@ -10,7 +10,7 @@ import numpy as np
 
 from cases.controller import TWINCAT_NAME, TwinCat, TwinCatAxes
 from cases.schema import Case
-from postprocessors.reading import NUMBER, Reading, axis_letters, program_lines
+from postprocessors.reading import NUMBER, PLAIN, Reading, axis_letters, program_lines
 from postprocessors.reading.modal import ModalState, Word
 
 LONGEST_LINE = 4096  # beyond it: error 20301
@@ -42,6 +42,11 @@ class TwinCatInterpreter(ModalState):
         | (?P<bare>{NUMBER})""",
         re.IGNORECASE | re.VERBOSE,
     )
+    home_check = re.compile(
+        rf"\$IF ABS\[V\.A\.ABS\.(?P<axis>[A-Z])(?P<place>[+-]{PLAIN})\] > (?P<within>{PLAIN})\n"
+        r'#MSG \["[^"%\n]*"\]\n#ERROR \[ID=\d{1,4} RC=2\]\n\$ENDIF'
+    )
+    home_check_lines, asks_where = 4, "#CHANNEL INIT [CMDPOS]"
     block_time, inverse_time = "F, the block's time in seconds", False
     groups = (
         *("G0 G1 G2 G3", "G17 G18 G19", "G93 G94", "G260 G261", "G359 G360"),
@@ -53,13 +58,17 @@ class TwinCatInterpreter(ModalState):
         super().__init__(file, letters, not isinstance(settings, TwinCat))
         self.trigger = {f"M{settings.trigger_on_m}": True, f"M{settings.trigger_off_m}": False}
         # commands that state what the case says, with the text behind them
-        self.stated = {"#SLOPE": f"TYPE={settings.slope}", "#TRAFO OFF": ""}
+        self.to_state = {"#SLOPE": f"TYPE={settings.slope}", "#TRAFO OFF": "", "#CHANNEL INIT": "CMDPOS"}
         needed = ["G90", "G71", "#SLOPE", "G94", "#TRAFO OFF"]
         if isinstance(settings, TwinCat):
             self.scale[4] *= settings.angle_sign_b
             deviations = f"PATH_DEV={settings.path_deviation_mm:g} TRACK_DEV={settings.track_deviation_deg:g}"
-            self.stated |= {"#KIN ID": str(settings.kinematic_id), "#TRAFO ON": "", "#SPLINE TYPE AKIMA": ""}
-            self.stated |= {"#HSC ON": f"BSPLINE {deviations}", "#CONTOUR MODE": f"DEV {deviations}", "#SPLINE ON": ""}
+            self.to_state |= {"#KIN ID": str(settings.kinematic_id), "#TRAFO ON": "", "#SPLINE TYPE AKIMA": ""}
+            self.to_state |= {
+                "#HSC ON": f"BSPLINE {deviations}",
+                "#CONTOUR MODE": f"DEV {deviations}",
+                "#SPLINE ON": "",
+            }
             needed[3:] = ["#KIN ID", "#TRAFO ON"]
         self.needed = {self._stated(name): (name,) for name in needed}
         self.curve = ""  # the word that closes the open path of points
@@ -76,7 +85,7 @@ class TwinCatInterpreter(ModalState):
 
     def _stated(self, name: str) -> str:
         """A command with what it must state."""
-        return f"{name} [{self.stated[name]}]" if self.stated.get(name) else name
+        return f"{name} [{self.to_state[name]}]" if self.to_state.get(name) else name
 
     @classmethod
     def comment_problem(cls, text: str, match: re.Match[str]) -> str:
@@ -122,14 +131,14 @@ class TwinCatInterpreter(ModalState):
             if self.flowing:
                 self.fail(word, f"{name} while the machine moves on; let it stop first, write G60 in the block before")
             self.motions.switch(self.line, self.trigger[name], at_once=True)
-        elif name in self.stated:
-            if " ".join(word.arguments) != self.stated[name]:
+        elif name in self.to_state:
+            if " ".join(word.arguments) != self.to_state[name]:
                 self.fail(word, f"{name} is not what the case says; write {self._stated(name)}")
             if name == "#KIN ID" and self.transformed:
                 self.fail(word, "the kinematics cannot change while the transformation is on; write #TRAFO OFF")
             if name.startswith("#TRAFO"):
                 self.transformed = name == "#TRAFO ON"
-                self.said -= {"#TRAFO ON", "#TRAFO OFF"}
+                self.said -= {"#TRAFO ON", "#TRAFO OFF", "#CHANNEL INIT"}
             self.said.add(name)
         elif name == "#FGROUP":
             self.feed_axes = word.arguments

@@ -26,7 +26,8 @@ def missing_interpreter() -> str | None:
 
 def canonical(content: bytes, folder: Path) -> Canonical | str:
     """The machine commands of a program, or what the interpreter says against it."""
-    (folder / "program.ngc").write_bytes(content)
+    asks = re.search(rb"Go to (.*) first", content)  # where the machine stands; the interpreter alone stands at zero
+    (folder / "program.ngc").write_bytes((b"G0 %s\nG80\n" % asks[1] if asks else b"") + content)
     run = subprocess.run(
         ["rs274", "-g", "program.ngc"], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True,
         errors="replace", timeout=300, env=os.environ | {"HOME": str(folder)},  # its table of tools is a file there
@@ -34,6 +35,8 @@ def canonical(content: bytes, folder: Path) -> Canonical | str:
     if run.returncode != 0:
         return run.stderr.replace("executing\n", "").strip() or f"exit code {run.returncode}"
     calls = [match for line in run.stdout.splitlines() if (match := _CALL.search(line.strip()))]
+    if asks:
+        calls = calls[[m["name"] for m in calls].index("STRAIGHT_TRAVERSE") + 1 :]
     return [(m["name"] + _plane(m["arguments"]), [float(n) for n in _NUMBER.findall(m["arguments"])]) for m in calls]
 
 

@@ -117,9 +117,8 @@ def program_of(text: str, typed: Typed, case: Case = CASE) -> Blocks:
     guarantees = typed.language.guarantees(reading, case)
     home, *others = reports(typed.read, text, case)
     blocks: list[Block] = [ToHome(home.end, home.feed)]
-    read = iter(reading.stretches)
-    next(read)
-    for event in _each_path_once(others):
+    read = (part for part in reading.stretches if getattr(part, "within", None) is None)
+    for event in _each_path_once([e for e in others if not (isinstance(e, Move) and e.crawl)]):
         if isinstance(event, Switch):
             blocks.append(Trigger(event.on))
         elif isinstance(event, Pause):

@@ -17,6 +17,7 @@ class Move(NamedTuple):
     feed: float | None
     exact: bool
     arc: Arc | None = None
+    crawl: bool = False  # to home, from within the tolerance of its check
 
 
 class Pause(NamedTuple):
@@ -41,8 +42,10 @@ class _Log(Grouping):
         _, duration, end, _ = block
         self.reports.append(Move(end, duration, None, exact))
 
-    def move(self, line: int, end: np.ndarray, feed: float | None, linear: bool, exact: bool, arc=None, law=()) -> None:
-        self.reports.append(Move(end, None, feed, exact, arc))
+    def move(
+        self, line: int, end: np.ndarray, feed: float | None, linear: bool, exact: bool, arc=None, law=(), within=None
+    ) -> None:
+        self.reports.append(Move(end, None, feed, exact, arc, within is not None))
 
     def pause(self, line: int, duration: float, switches: bool = False) -> None:
         self.reports.append(Pause(duration))

@@ -99,7 +99,7 @@ def test_blocks_read_back_as_they_were_meant(typed: Typed, case: Case, program: 
     text = text_of(typed, program, case)
     reading = typed.read(text, case)
     meant = [b for b in program[1:] if isinstance(b, StraightMove | CircularMove | TimedPath)]
-    read = [s for s in reading.stretches if isinstance(s, Timed | Untimed)][1:]
+    read = [s for s in reading.stretches if isinstance(s, Timed) or (isinstance(s, Untimed) and s.within is None)]
     assert len(read) == len(meant)
     for block, stretch in zip(meant, read, strict=True):
         if isinstance(block, TimedPath):
@@ -155,7 +155,7 @@ def test_text_read_and_written_again_is_the_same_text(typed: Typed, case: Case, 
 def test_lines_and_characters_are_those_that_the_controller_takes(typed: Typed, case: Case, program: Blocks):
     text = text_of(typed, program, case)
     assert text.isascii()
-    assert '"' not in re.sub(r'#MSG \["[^"]*"\]', "", text)
+    assert '"' not in re.sub(r'#MSG \["[^"]*"\]|MSG\("[^"]*"\)|SETAL\(65000,"[^"]*"\)', "", text)
     assert max(map(len, text.splitlines())) <= LONGEST_LINE
 
 
@@ -206,6 +206,6 @@ def test_the_times_of_many_blocks_add_up_to_that_of_the_path():
     times = np.linspace(0.0, 9.570850467829537, 1191)
     path = path_through("slow", times, HOME + np.sin(times / times[-1] * np.pi)[:, None] ** 4 * 1e-3)
     text = text_of(TWINCAT, (ToHome(HOME, 0.05), path))
-    steps = [float(found) for found in re.findall(r"^G01 .* F([0-9.]+)$", text, re.MULTILINE)][1:]
+    steps = [float(found) for found in re.findall(r"^G01 .* F([0-9.]+)$", text, re.MULTILINE)][2:]  # behind home
     assert len(steps) == 1190
     assert sum(steps) == pytest.approx(times[-1], abs=1e-9)

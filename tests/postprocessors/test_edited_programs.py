@@ -17,13 +17,13 @@ TEXT = small_excitation(CASE, period=0.6)
 LINES = TEXT.splitlines()
 FIRST, LAST = min(timed_lines(TEXT)), max(timed_lines(TEXT))
 WORD = re.compile(r"([XYZABCF])(-?\d+(?:\.\d+)?)")
-HOME_LINE = next(line for line in LINES if line.startswith("G94 G1"))
+CRAWL = LINES.index("(- what is left, at a crawl)")
+START = [float(number) for line in LINES[CRAWL + 1 : CRAWL + 3] for _, number in WORD.findall(line)[:3]]
 
 
 def excitation_share(text: str) -> float:
     """Share of the limits that the excitation uses whatever the controller does between its points."""
-    start = [float(n) for _, n in WORD.findall(HOME_LINE)[:6]]
-    return share_of_limits(*points(timed_lines(text), np.array(start)), CASE)
+    return share_of_limits(*points(timed_lines(text), np.array(START)), CASE)
 
 
 def with_digit(line: int, position: int, digit: str) -> str:

@@ -15,8 +15,9 @@ PLAIN = re.compile(r"-?(0|[1-9]\d*)(\.\d*[1-9])?")
 
 
 def words(text: str) -> list[tuple[str, str]]:
-    """Letter and number of every word outside comments."""
-    return [(w[0], w[1:]) for line in re.sub(r"\(.*?\)", "", text).splitlines() for w in line.split()]
+    """Letter and number of every word outside comments and checks of home."""
+    lines = [line for line in re.sub(r"\(.*?\)", "", text).splitlines() if not line.startswith("o1")]
+    return [(w[0], w[1:]) for line in lines for w in line.split()]
 
 
 @given(program=programs())

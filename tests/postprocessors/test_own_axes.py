@@ -35,6 +35,7 @@ def durations(text: str) -> list[float]:
     reading = LANGUAGE.read(text.encode(), "walk.ngc", CASE)
     guarantees = LANGUAGE.guarantees(reading, CASE)
     moves = [part for part in reading.stretches if isinstance(part, Untimed) and part.start is not None]
+    moves = [part for part in moves if part.within is None]
     return [predicted(part, guarantees).duration for part in moves]
 
 
@@ -90,7 +91,13 @@ REFUSED = {
     "a time": ("G61.1", "G61.1\nG93", "G93 is not read here"),
     "an arc": ("G1 X", "G2 I5 X", "G2 is not read here"),
     "an axis that is not there": ("A-", "B-", "is not read here"),
-    "an axis left open": (" C0 F", " F", "leaves C open; name all 5 coordinates"),
+    "an axis that is not taken home": (" C0 F", " F", "not there for certain in C"),
+    "all axes home at once": ("G1 X0 Y0 Z0 F", "G1 X0 Y0 Z0 A0 C0 F", "not there for certain in X Y Z A C"),
+    "no check of an axis": (
+        "o105 if [abs[#<_c>",
+        "o105 if [abs[#<_b>",
+        "a second check of B, or B is not an axis here",
+    ),
 }
 
 
@@ -115,10 +122,19 @@ def test_a_move_beyond_the_box_is_a_violation(pattern: str, new: str, limit: str
     assert any(limit in v.name and v.line in (last + 1, last + 2) for v in proof.violations)
 
 
-def test_a_first_move_that_is_too_fast_whatever_its_feed_counts() -> None:
-    feed = float(re.search(r"C0 F([\d.]+)", TEXT)[1])
-    proof = judged(TEXT.replace(f"C0 F{feed:g}", f"C0 F{1.1 * feed:g}", 1))
-    assert any("feed to home" in v.name for v in proof.violations)
+@pytest.mark.parametrize(("words", "limit"), [("X0 Y0 Z0", "jerk"), ("A0 C0", "angular jerk")])
+def test_a_move_home_that_is_too_fast_for_a_step_within_a_cycle_is_a_violation(words: str, limit: str) -> None:
+    feed = float(re.search(rf"{words} F([\d.]+)", TEXT)[1])
+    proof = judged(TEXT.replace(f"{words} F{feed:g}", f"{words} F{1.2 * feed:g}", 1))
+    assert [v.name for v in proof.violations] == [f"{limit} (to home, at most)"]
+
+
+def test_a_first_move_from_anywhere_that_is_too_fast_whatever_its_feed_counts() -> None:
+    _, limits = CASE.need_motion("a test")
+    body = "G21 G90 G94 G40 G49 G54\nG92.1 G61.1\nG1 X0 Y0 Z0 A0 C0 F{}\nM2\n"
+    most = CASE.controller.safe_share * float((limits.rate / np.where(limits.turns, np.pi / 180, 1e-3)).min()) * 60
+    assert judged(body.format(most)).ok
+    assert any("feed to home" in v.name for v in judged(body.format(1.1 * most)).violations)
 
 
 def test_paths_are_refused_by_the_writer() -> None:
@@ -139,7 +155,7 @@ def test_linuxcnc_executes_the_law_within_two_cycles_a_move(tmp_path: Path) -> N
     home, limits = CASE.need_motion("a test")
     np.testing.assert_allclose(log.poses[[0, -1]], [home, home], atol=1e-9)
     for part in reading.stretches:
-        if not isinstance(part, Untimed) or part.start is None:
+        if not isinstance(part, Untimed) or part.within is not None:
             continue
         rows = np.flatnonzero(moved & (log.lines == part.line))
         first = int(rows[0]) - 1  # the first cycle of a motion shows the line before it

@@ -1,6 +1,7 @@
 """What is written reads back as what was meant: poses, times, dwells and the trigger."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 
 from cases.schema import Case, load_case
@@ -45,13 +46,20 @@ def test_dwells_and_trigger_read_back_in_their_order(program: Blocks):
 
 
 @given(program=programs())
-def test_the_move_home_comes_first_stops_exactly_and_keeps_its_feed(program: Blocks):
-    first = read_linuxcnc(linuxcnc_text(program), "p.ngc").stretches[0]
-    home = next(block for block in program if not isinstance(block, str))
-    assert isinstance(first, Untimed)
+def test_home_is_checked_first_and_what_is_left_taken_out_at_a_crawl(program: Blocks):
+    """No faster than a step up and down within a cycle of 1 ms may be, first what slides, then what turns."""
+    reading = read_linuxcnc(linuxcnc_text(program), "p.ngc")
+    home, limits = next(block for block in program if not isinstance(block, str)), CASE.limits.motion
     assert isinstance(home, ToHome)
-    assert np.all(np.abs(first.end - HOME) <= HALF_A_STEP)
-    assert abs(first.feed - home.feed) <= 1e-6 * MM / MINUTE
+    assert np.all(np.abs(reading.checked[0] - HOME) <= HALF_A_STEP)
+    assert reading.checked[1] == pytest.approx(np.r_[np.full(3, 0.01 * MM), np.full(3, 0.01 * DEG)])
+    slide, turn = reading.stretches[:2]
+    for move, own, most in ((slide, slice(3), home.feed), (turn, slice(3, 6), np.inf)):
+        assert isinstance(move, Untimed)
+        assert np.all(np.abs(move.end - HOME) <= HALF_A_STEP)
+        assert np.flatnonzero(move.within).tolist() == list(range(6)[own])
+        most = min(most, float(limits.jerk[own].min()) * 1e-6 / 2)
+        assert 0.89 * most < move.feed <= most * (1 + 1e-9)
 
 
 @given(program=programs())

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
-from postprocessors.blocks import Blocks
-from tests.postprocessors.programs import HEAD, linuxcnc_text, programs, read_linuxcnc, small_excitation, typed
+from postprocessors.blocks import Blocks, ToHome
+from tests.postprocessors.programs import HEAD, HOME, linuxcnc_text, programs, read_linuxcnc, small_excitation, typed
 from tests.postprocessors.reported import Move, Pause, Switch, reports
 
 pytestmark = pytest.mark.linuxcnc
@@ -108,3 +108,21 @@ def test_what_is_said_here_of_the_interpreter_is_what_it_says(rs274: Callable):
     """The judge itself: a program that is wrong is refused with the line."""
     assert "Cannot do g1 with zero feed rate" in rs274(typed("G94\nG1 X1"))
     assert interpreted(rs274(f"{HEAD}M2\n")) == [("FEED", True, 3000.0, 0.0, 0.0, 900.0, 0.0, 0.0, 0.0)]
+
+
+@pytest.mark.parametrize(
+    ("before", "said"),
+    [("G0 X0.02", "X is at 0.02"), ("G0 C-360", "C is at -360"), ("G92 Z5\nG0 Z900\nG20", "Z is at 895"),
+     ("G10 L2 P1 Y1", "G54 is not zero"), ("G10 L2 P1 R5", "G54 is not zero")],
+)  # fmt: skip
+def test_its_interpreter_stops_our_programs_where_the_machine_does_not_stand_at_home(
+    before: str, said: str, rs274: Callable
+):
+    text = linuxcnc_text(("a header", ToHome(HOME, 0.05)))
+    assert not isinstance(rs274(text), str)
+    assert said in rs274(f"{before}\n{text}")
+
+
+def test_its_interpreter_goes_on_within_the_tolerance(rs274: Callable):
+    text = linuxcnc_text(("a header", ToHome(HOME, 0.05)))
+    assert rs274(f"G0 X0.009 B-0.009\n{text}")[-1][0] == rs274(text)[-1][0]

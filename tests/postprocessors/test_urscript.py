@@ -40,8 +40,8 @@ def judged(text: str, case=CASE):
 def test_moves_last_as_long_as_planned_by_the_trapezoid_of_the_text(jerk: bool, speed: float) -> None:
     """D / v + v / a for the joint that moves most, 2 sqrt(D / a) where v is not reached."""
     program = written(jerk, speed)
-    text = program.content.decode().partition("True)")[2].partition("set_standard")[0]
-    before = program.content.decode().partition("True)")[0]
+    before, _, text = program.content.decode().partition("digital_out(3, True)")
+    text = text.partition("set_standard")[0]
     at = np.array([float(v) for v in MOVEJ.findall(before)[-1][0].split(",")])
     total = 0.0
     for q, a, v in MOVEJ.findall(text):
@@ -74,12 +74,15 @@ def test_only_the_jerk_of_the_ramps_is_nobodys() -> None:
     one_line(caught.value)
 
 
-def test_the_first_move_is_slow_whichever_joint_leads() -> None:
+def test_home_is_checked_first_and_what_is_left_taken_out_at_a_crawl() -> None:
     _, a, v = MOVEJ.findall(TEXT)[0]
-    share = CASE.controller.safe_share
-    _, limits = CASE.need_motion("a test")
-    assert float(v) == pytest.approx(share * limits.rate.min())
-    assert float(a) == pytest.approx(share * limits.acceleration.min())
+    home, limits = CASE.need_motion("a test")
+    assert float(v) == pytest.approx(np.radians(0.1))
+    assert float(a) == pytest.approx((limits.jerk * CASE.controller.cycle / 2).min())
+    place, within = written().reading.checked
+    np.testing.assert_allclose(place, home, atol=1e-9)
+    assert within == pytest.approx(np.full(6, np.radians(0.1)), rel=1e-6)
+    assert TEXT.index("get_actual_joint_positions") < TEXT.index("movej")
 
 
 FIRST, SECOND = (m.group() for m in list(MOVEJ.finditer(TEXT))[2:4])
@@ -138,8 +141,38 @@ def test_an_edit_beyond_a_limit_is_a_violation_in_its_line(what: str) -> None:
     assert any(v.line in (line, line + 1) and limit in v.name for v in proof.violations)
 
 
-def test_a_fast_first_move_is_a_violation() -> None:
-    assert any("feed to home" in v.name for v in judged(TEXT.replace("v=0.2094395102", "v=0.5")).violations)
+CHECKED = {
+    "another place": (r"standing\[1\][+-][\d.]+", "standing[1]-3.1", "does not go to the checked place"),
+    "a loose check": (r"> 0\.0017\d+:", "> 0.5:", "a check within 0.5 rad is none"),
+    "a joint twice": (r"standing\[2\]", "standing[1]", "no check of joint 2"),
+    "the other way round": (r"\) > ", ") < ", "no check of joint 0"),
+    "no stop": (r" +halt\n", "", "no check of joint 0"),
+    "a target in place of the angle": ("get_actual_joint", "get_target_joint", "is not read here"),
+    "a check that is not asked for": (r" +standing = .*\n", "", "is not read here"),
+}
+
+
+@pytest.mark.parametrize("what", CHECKED)
+def test_a_check_of_home_in_another_form_is_refused(what: str) -> None:
+    pattern, new, words = CHECKED[what]
+    text = re.sub(pattern, new, TEXT, count=1)
+    assert text != TEXT
+    with pytest.raises(ProgramError, match=words) as caught:
+        judged(text)
+    one_line(caught.value)
+
+
+def without_check(text: str) -> str:
+    """The same program, to home from wherever the robot stands."""
+    return re.sub(r"(?s)  standing = .*\n  end\n", "", text)
+
+
+def test_from_anywhere_a_fast_first_move_is_a_violation() -> None:
+    text = without_check(TEXT)
+    share, (_, limits) = CASE.controller.safe_share, CASE.need_motion("a test")
+    assert not any("feed to home" in v.name for v in judged(text).violations)
+    fast = text.replace("v=0.001745329252", f"v={1.1 * share * limits.rate.min()}")
+    assert any("feed to home" in v.name for v in judged(fast).violations)
 
 
 def test_blanks_and_the_blend_of_none_may_be_left_out() -> None:
