@@ -202,10 +202,10 @@ class Controller(Part):
     block_ms: Positive
     """Duration of the blocks that a dense path is written in."""
     safe_feed_mm_min: Positive | None = None
-    """Feed of the first move of a hexapod, at most, where a program does not check that the machine stands at home."""
+    """Feed of the first move of a hexapod, at most, in a program that checks no place."""
     safe_speed_percent: Annotated[Positive, Field(le=100.0)] = 10.0
-    """Share of the speeds and accelerations of `[limits.motion]` for a chain's first move, where a program does not
-    check that the machine stands at home."""
+    """Share of the speeds and accelerations of `[limits.motion]` for a chain's first move in a program that checks no
+    place."""
     settle_s: Positive
     """Stood still before the trigger goes on and after it went off."""
     cycle_ms: Positive = 1.0

@@ -135,8 +135,8 @@ def test_without_json_a_command_tells_people_what_it_did(command: str, chain: Ch
     answer = call(command, *arguments[command])
     assert (answer.code, answer.err) == (0, "")
     said = {
-        "post": "nobody enforces: acceleration (more than ten times), jerk (more than ten times)",
-        "check": "nobody enforces: acceleration (more",
+        "post": "nobody enforces: sensor force, acceleration, jerk, strut acceleration",
+        "check": "nobody enforces: sensor force, acceleration",
         "run": "simulated",
         "identify": "result written",
     }

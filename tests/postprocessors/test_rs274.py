@@ -112,7 +112,7 @@ def test_what_is_said_here_of_the_interpreter_is_what_it_says(rs274: Callable):
 
 @pytest.mark.parametrize(
     ("before", "said"),
-    [("G0 X0.02", "X is at 0.02"), ("G0 C-360", "C is at -360"), ("G92 Z5\nG0 Z900\nG20", "Z is at 895"),
+    [("G0 X0.02", "X is at 0.02"), ("G0 C-360", "C is at -360"), ("G92 Z5\nG0 Z900\nG20", "Z is at 1795"),
      ("G10 L2 P1 Y1", "G54 is not zero"), ("G10 L2 P1 R5", "G54 is not zero")],
 )  # fmt: skip
 def test_its_interpreter_stops_our_programs_where_the_machine_does_not_stand_at_home(
