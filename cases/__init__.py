@@ -77,13 +77,13 @@ def _checked(function: FunctionType, package: str) -> Callable[..., Any]:
 
     @wraps(function)
     def call(*args: Any, **kwargs: Any) -> Any:
-        from cases.errors import HexciteError
+        from cases.errors import HexciteError, choice
 
         args, kwargs = tuple(map(_plain, args)), {name: _plain(value) for name, value in kwargs.items()}
         place = function.__qualname__.removesuffix(".__init__")
         for name in kwargs:
             if name not in annotations:
-                raise HexciteError(f"{place}: {name}", "is not an argument", f"choose from {', '.join(annotations)}")
+                raise HexciteError(f"{place}: {name}", "is not an argument", choice(name, annotations, "choose from"))
         for name, value in {**signature.bind(*args, **kwargs).arguments, **kwargs}.items():
             if not _fits(value, wanted := annotations.get(name, object)):
                 text = repr(value) if len(repr(value)) < 60 else f"a {type(value).__name__}"

@@ -1,5 +1,6 @@
 """The one family of errors that hexcite raises on purpose: one line with place, value, limit and remedy."""
 
+import difflib
 import re
 from collections.abc import Iterable, Sequence
 from copy import copy
@@ -76,6 +77,14 @@ _OPTION = re.compile(r"hexcite [a-z][^,;:)]*|(?<![\w-])--(?P<name>[a-z]+(-[a-z]+
 def _of_arguments(text: str) -> str:
     """A text with options as arguments: time_limit for --time-limit."""
     return _OPTION.sub(lambda m: m[0] if m[0].startswith("hexcite") else (m["name"] or "").replace("-", "_"), text)
+
+
+def choice(typed: str, known: Iterable[str], words: str = "choose") -> str:
+    """The remedy for a name that is not known: the nearest one, where one is near, and all."""
+    names = [*known]
+    folded = {name.lower(): name for name in names}
+    near = difflib.get_close_matches(typed.lower(), folded, n=1)
+    return f"did you mean {folded[near[0]]}? {words} {', '.join(names)}" if near else f"{words} {', '.join(names)}"
 
 
 def printable(text: str) -> str:

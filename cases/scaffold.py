@@ -148,11 +148,22 @@ def explanations(part: type[Part]) -> Mapping[str, str]:
     return words
 
 
+class AnyOf(tuple[str, ...]):
+    """Tables of a case of which a command needs one."""
+
+    def __new__(cls, *keys: str) -> "AnyOf":
+        """Of their keys."""
+        return super().__new__(cls, keys)
+
+    def __str__(self) -> str:
+        return " or ".join(self)
+
+
 _MACHINE = ("machine", "workspace", "limits.motion")
 _PLAN = (*_MACHINE, "nominal")
 _PROGRAM = (*_MACHINE, "controller")
 _RUN = (*_PROGRAM, "simulation", "recording.filter_cutoff_Hz")
-NEEDS: Mapping[str, tuple[str, ...]] = {
+NEEDS: Mapping[str, tuple[str | AnyOf, ...]] = {
     "plan": (*_PLAN, "controller"),
     "plan --family fourier": _PLAN,
     "poses": (*_PLAN, "poses"),
@@ -167,10 +178,10 @@ NEEDS: Mapping[str, tuple[str, ...]] = {
     "run": _RUN,
     "identify a motion": ("recording.filter_cutoff_Hz",),
     "identify standstills, force, tare": (),
-    "validate": (*_RUN, "controller.sinumerik", "nominal", "poses", "payloads"),  # on the virtual controller
+    "validate": (*_RUN, AnyOf("controller.sinumerik", "controller.twincat"), "nominal", "poses", "payloads"),
     "demo": (*_RUN, "nominal"),
 }
-"""Command -> the tables and keys of a case that it needs; a table that is named needs those around it too."""
+"""Command -> tables and keys of a case that it needs, or one of several; what is named needs the tables around it."""
 _NOT_OF_A_CHAIN = frozenset({"workspace", "controller.linuxcnc"})  # what chains do not need
 _OF_A_MOVING_FRAME = frozenset(NEEDS) - {"identify standstills, force, tare"}
 
@@ -183,12 +194,19 @@ def readiness(case: Case) -> dict[str, tuple[str, ...]]:
     return {name: _lacks(case, name, keys) for name, keys in NEEDS.items()}
 
 
-def _lacks(case: Case, command: str, keys: tuple[str, ...]) -> tuple[str, ...]:
+def _lacks(case: Case, command: str, keys: tuple[str | AnyOf, ...]) -> tuple[str, ...]:
     """Keys that a command misses, of a table that is missing its own name only, or the machine that it is for."""
     if wanted := _other_machine(case, command.removeprefix("post --dialect ")):
         return (wanted,)
-    missing = [key for key in keys if not _has(case, key) and (case.chain is None or key not in _NOT_OF_A_CHAIN)]
-    return tuple(key for key in missing if key.rpartition(".")[0] not in missing)
+    missing = []
+    for key in keys:
+        ways = key if isinstance(key, AnyOf) else (key,)
+        needed = case.chain is None or not _NOT_OF_A_CHAIN.issuperset(ways)
+        if needed and not any(_has(case, way) for way in ways):
+            missing.append(key)
+    whole = [str(key) for key in missing]
+    tables = ({way.rpartition(".")[0] for way in (key if isinstance(key, AnyOf) else (key,))} for key in missing)
+    return tuple(key for key, around in zip(whole, tables, strict=True) if not around & {*whole})
 
 
 def _other_machine(case: Case, name: str) -> str | None:

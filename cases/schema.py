@@ -425,10 +425,12 @@ class Case(Heading):
         settings: Settings | None = getattr(self.need_controller(purpose), kind.table)
         if settings is None:
             example = "ur10_wrist" if kind.table == ControllerName.URSCRIPT else "hexapod"
+            others = [name for name in ControllerName if getattr(self.controller, name, None) is not None]
+            own = f"for the case's own controller write --dialect {' or '.join(others)}, or " if others else ""
             raise CaseError(
                 f"case {self.name}",
                 f"controller.{kind.table}",
-                f"is missing; the dialect {kind.table} needs it: add the table to the case file, see "
+                f"is missing; the dialect {kind.table} needs it: {own}add the table to the case file, see "
                 f"cases/{example}/case.toml",
             )
         return settings

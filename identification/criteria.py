@@ -13,7 +13,7 @@ from typing import NoReturn
 
 import numpy as np
 
-from cases.errors import HexciteError, IdentificationError
+from cases.errors import HexciteError, IdentificationError, choice
 from cases.schema import Case
 from cases.units import Array
 from identification.model import Model
@@ -31,7 +31,7 @@ class Criterion(StrEnum):
     @classmethod
     def _missing_(cls, value: object) -> NoReturn:
         """Refuses what is not a letter of Table 4."""
-        raise HexciteError(f"criterion {value!r} is unknown; choose {', '.join(cls)}")
+        raise HexciteError(f"criterion {value!r} is unknown; {choice(str(value), cls)}")
 
 
 CRITERIA: dict[str, Callable[[Array], float]] = {

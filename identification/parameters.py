@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cases.errors import IdentificationError
+from cases.errors import IdentificationError, choice
 from cases.sensors import RigidBody, Truth
 from cases.units import Array
 
@@ -235,7 +235,7 @@ def require_names(given: Iterable[str], valid: Sequence[str]) -> None:
     """Raises IdentificationError, listing the valid names, where a given name is not among them."""
     for name in given:
         if name not in valid:
-            raise IdentificationError(f"{name!r} is not a parameter here; choose from {', '.join(valid)}")
+            raise IdentificationError(f"{name!r} is not a parameter here; {choice(name, valid, 'choose from')}")
 
 
 def select(model: "Model", known: Mapping[str, float], dropped: Iterable[str] = ()) -> Selection:

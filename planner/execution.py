@@ -10,7 +10,7 @@ import numpy as np
 
 from cases.basis import motion_hash
 from cases.controller import ControllerName
-from cases.errors import HexciteError, ProgramError
+from cases.errors import HexciteError, ProgramError, choice
 from cases.schema import Case
 from cases.units import MM
 from identification.criteria import reference_scaling
@@ -50,7 +50,7 @@ def best_controller(dialect: str = ControllerName.LINUXCNC) -> tuple[ControllerN
 def require_controller(on: str) -> None:
     """Raises HexciteError unless `on` names a controller that can run here."""
     if on not in CONTROLLERS:
-        raise HexciteError(f"controller {on!r} is unknown; choose {', '.join(CONTROLLERS)}")
+        raise HexciteError(f"controller {on!r} is unknown; {choice(on, CONTROLLERS)}")
     if on == ControllerName.LINUXCNC and (missing := linuxcnc_missing()) is not None:
         raise HexciteError(missing)
 

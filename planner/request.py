@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any, ClassVar, Literal, NamedTuple
 
-from cases.errors import HexciteError
+from cases.errors import HexciteError, choice
 from cases.sensors import payload_words
 from identification.criteria import Criterion
 from identification.precision import legible
@@ -129,7 +129,7 @@ def read_value(text: str, units: Mapping[str, str], option: str, example: str, m
         raise HexciteError(f"{option} {text}", f"is not understood; write {option} {example}")
     name, unit = match["name"], (match["unit"] or "").replace("^", "").replace(" ", "")
     if name not in units:
-        words = f"{name} is not a parameter of model {model}; choose from {', '.join(units)}"
+        words = f"{name} is not a parameter of model {model}; {choice(name, units, 'choose from')}"
         raise HexciteError(f"{option} {text}", words)
     factor, for_people = legible(units[name])
     scales = {re.sub(r"[ ^]", "", own): scale for own, scale in ((units[name], 1.0), (for_people, 1.0 / factor))}

@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 
 from cases.controller import ControllerName
-from cases.errors import FileProblem, HexciteError, ProgramError
+from cases.errors import FileProblem, HexciteError, ProgramError, choice
 from cases.files import atomic_file, check_file, read_whole
 from cases.schema import Case
 from cases.units import as_html
@@ -116,7 +116,7 @@ DIALECTS: dict[str, Dialect] = {
 def dialect(name: str) -> Dialect:
     """The dialect of a name; raises HexciteError, which lists the known ones, where there is none."""
     if name not in DIALECTS:
-        raise HexciteError(f"dialect {name!r} is unknown; choose {', '.join(DIALECTS)}")
+        raise HexciteError(f"dialect {name!r} is unknown; {choice(name, DIALECTS)}")
     return DIALECTS[name]
 
 

@@ -32,10 +32,12 @@ LEFT_OUT, ADDED, FAR = 1.0, 0.2, 2.0  # cost of a point of the plan, of the run,
 COARSE = 3  # points of which one is taken where a shift is first looked for
 FEWEST = 4  # points in a row that are no coincidence
 WHOLE = 0.98  # share of the plan's path from which a run holds all of it: recorders begin and end a little late
+LATE = 0.25  # [s] that recorders may miss at either end
 ANOTHER = 0.3  # share of it below which the run is another motion
 SHIFTED = 0.01  # of a coordinate's planned range; beside it the least shifts that are worth a word
 LEAST_SHIFT = 0.3 * MM, 0.03 * DEG
 SLOWER = 0.05  # difference of pace that is worth a word: controllers need some percent more than planned
+OF_A_LAW = 0.3  # difference that other accelerations than planned can make
 ACT = 0.1  # and from which on one should act
 FASTEST = 0.7  # share of the points that are slower than those at which the pace is taken
 UNEVEN = 0.15  # difference of the pace of a part from the plan's, where others have the plan's
@@ -341,7 +343,7 @@ def _differences(comparison: Comparison, figures: dict[str, Any]) -> list[_Said]
     of_poses = len(comparison.plan.poses) > 0
     first, last = int(pairs[0, 0]), int(pairs[-1, 0])
     least = max(FEWEST, round((1.0 - WHOLE) * count))
-    if first >= least and (missed or not of_poses):
+    if first >= least and planned.t[first] > LATE and (missed or not of_poses):
         missing.append([0.0, round(float(planned.t[first]), 3)])
         said.append(
             _Said(
@@ -349,7 +351,7 @@ def _differences(comparison: Comparison, figures: dict[str, Any]) -> list[_Said]
                 f"{100 * first / count:.2g} % of the path is missing at its start"
             )
         )
-    if count - 1 - last >= least and (missed or not of_poses):
+    if count - 1 - last >= least and total - planned.t[last] > LATE and (missed or not of_poses):
         missing.append([round(float(planned.t[last]), 3), round(total, 3)])
         rest = 100 * (count - 1 - last) / count
         said.append(
@@ -465,8 +467,12 @@ def _paces(comparison: Comparison, figures: dict[str, Any]) -> list[_Said]:
     figures["override_percent"] = [round(percent, 1) for percent in overrides]
     one = overrides[1] - overrides[0] <= EVEN * overrides[0]
     override = f"override {100.0 / longer:.0f} %" if one else "override {:.0f} to {:.0f} %".format(*overrides)
-    text = f"the run was {_slower(longer)} ({run:.3g} s in place of {planned:.3g} s): {override}"
-    return [_Said(f"{text}, or a program written at that speed", abs(longer - 1.0) > ACT)]
+    text = f"the run was {_slower(longer)} ({run:.3g} s in place of {planned:.3g} s)"
+    if pace is None and abs(longer - 1.0) <= OF_A_LAW:  # not by one factor, and not by much
+        return [
+            _Said(f"{text}: the controller accelerates otherwise than planned, or the override was not 100 %", False)
+        ]
+    return [_Said(f"{text}: {override}, or a program written at that speed", abs(longer - 1.0) > ACT)]
 
 
 def _slower(ratio: float) -> str:

@@ -16,7 +16,8 @@ import numpy as np
 from pydantic import Field
 
 from cases.controller import ControllerName
-from cases.errors import CaseError, HexciteError, Interrupted
+from cases.errors import CaseError, HexciteError, Interrupted, choice
+from cases.scaffold import readiness
 from cases.schema import Case, fingerprint
 from cases.sensors import Disturbances, RigidBody
 from cases.tables import Part
@@ -33,12 +34,14 @@ from identification.simulate import Circumstances, loaded_truth, simulate_record
 from identification.trajectories.executed import Execution
 from planner.comparison import METHOD_TABLES
 from planner.execution import carried_out
+from planner.families.ptp import controlled
 from planner.families.settings import family_class
 from planner.library import planned
 from planner.plan_program import write
 from planner.plans import Plan
 from planner.poses.planned_poses import poses_planned
 from planner.request import PoseRequest, Request
+from postprocessors.dialects import DIALECTS
 from postprocessors.execute import stood
 
 SHOWN = ("m", "zC", "IC33", "f_q0_3", "k0", "k1")  # parameters of Table 7
@@ -209,13 +212,15 @@ class ValidationSettings:
 
 
 USUAL = ValidationSettings()
+OF_JERK_LIMITS = ControllerName.SINUMERIK, ControllerName.TWINCAT
+"""Languages of controllers that limit the jerk of a hexapod's moves by themselves."""
 
 
 def require_methods(names: Sequence[str]) -> None:
     """Raises HexciteError where a name is none of `METHODS` or given twice, or there is none."""
     for name in names:
         if name not in METHODS:
-            raise HexciteError(f"method {name!r} is unknown; choose {', '.join(METHODS)}")
+            raise HexciteError(f"method {name!r} is unknown; {choice(name, METHODS)}")
     if not names or len(set(names)) < len(names):
         raise HexciteError(f"methods {', '.join(names)!r}: name each once, of {', '.join(METHODS)}")
 
@@ -237,14 +242,30 @@ def unfinished(output: Path, case: Case, settings: ValidationSettings) -> Iterat
     shutil.rmtree(folder, ignore_errors=True)
 
 
+def language_of_method(case: Case, method: str, on: str) -> str:
+    """The language of a method's program: the one that its table names, else one that limits jerk alike.
+
+    Raises:
+        CaseError: the case has the settings of none of them.
+    """
+    wanted = METHODS[method].program
+    if on != ControllerName.VIRTUAL or wanted == ControllerName.LINUXCNC:
+        return ControllerName.LINUXCNC
+    ready = [name for name in OF_JERK_LIMITS if not readiness(case)[f"post --dialect {name}"]]
+    for name in (wanted, *OF_JERK_LIMITS):
+        if name in ready and not controlled(case, name)[1]:
+            return name
+    return case.missing(" or ".join(f"controller.{name}" for name in OF_JERK_LIMITS), f"the method {method}")
+
+
 def executed(case: Case, method: str, settings: ValidationSettings, folder: Path, remark: Remark) -> Excitation:
     """A method planned, written as a proven program and executed; a plan that `folder` holds is not made again."""
     remark(f"{method}: planning")
     plan = _planned(case, method, settings, folder)
-    dialect = METHODS[method].program if settings.on == ControllerName.VIRTUAL else ControllerName.LINUXCNC
-    suffix, accepted = ("ngc", KINETIC) if dialect == ControllerName.LINUXCNC else ("mpf", ())
-    file = folder / "programs" / f"{method}.{suffix}"
-    program = write(plan, dialect, accept=accepted, file=file)
+    language = DIALECTS[language_of_method(case, method, settings.on)]
+    accepted = KINETIC if language.name == ControllerName.LINUXCNC else ()
+    file = folder / "programs" / f"{method}{language.suffix}"
+    program = write(plan, language.name, accept=accepted, file=file)
     program.save(file, overwrite=True)
     remark(f"{method}: on {settings.on}")
     run = carried_out(program, program.case, settings.on)

@@ -9,7 +9,7 @@ import numpy as np
 
 from cases import checks_arguments
 from cases.controller import ControllerName
-from cases.errors import HexciteError
+from cases.errors import HexciteError, choice
 from cases.schema import Case
 from identification.criteria import Criterion, box_middle
 from identification.motion import Trajectory
@@ -200,7 +200,9 @@ class PointToPoint(FamilySettings):
     def __post_init__(self) -> None:
         _require(self.moves, "moves", ptp.FEWEST, ptp.MOST, "about 40")
         if self.controller not in (None, *ControllerName):
-            raise HexciteError(f"controller {self.controller!r} is unknown; choose {', '.join(ControllerName)}")
+            raise HexciteError(
+                f"controller {self.controller!r} is unknown; {choice(str(self.controller), ControllerName)}"
+            )
 
     def made_for(self, case: Case) -> str | None:
         """The controller that is named here, else the one that the case plans for."""
@@ -330,5 +332,5 @@ FAMILIES: Mapping[str, FamilyKind] = {kind.name: kind for kind in (Manual, Fouri
 def family_class(name: str) -> FamilyKind:
     """The family of a name, for the command line and for files; raises HexciteError where it is unknown."""
     if name not in FAMILIES:
-        raise HexciteError(f"family {name!r} is unknown; choose {', '.join(FAMILIES)}")
+        raise HexciteError(f"family {name!r} is unknown; {choice(name, FAMILIES)}")
     return FAMILIES[name]

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cases.errors import FileProblem, HexciteError, IdentificationError
+from cases.errors import FileProblem, HexciteError, IdentificationError, choice
 from cases.files import FolderKind, atomic_folder, check_file, check_folder, output_place, write_text
 from cases.units import DEG, MM, Array
 from identification.outcome import Result
@@ -59,7 +59,7 @@ def export(
     if target == "c":
         return _c_folder(result, place, overwrite)
     if target not in SINGLE_FILES:
-        raise HexciteError(f"target {target!r} is unknown; choose {', '.join(TARGETS)}")
+        raise HexciteError(f"target {target!r} is unknown; {choice(target, TARGETS)}")
     suffix, text, named = SINGLE_FILES[target]
     usual = Path(f"{default_name(result.case)}{suffix}")
     file = output_place(place, usual, overwrite, "_" if named else "-")  # no name of a model holds "-"

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cases.chain import Box
-from cases.errors import NotProven, ProgramError, Violation
+from cases.errors import NotProven, ProgramError, Violation, choice
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limit import KINETIC, LimitCheck, LimitKind, LimitReport, Status, worst_of
@@ -78,7 +78,7 @@ class ProgramProof:
         self.require()
         names = {name.strip().lower().replace("-", " ") for name in accepted}
         if unknown := sorted(names - set(KINETIC)):
-            problem = f"--accept {unknown[0]!r} names no such limit; choose from {', '.join(KINETIC)}"
+            problem = f"--accept {unknown[0]!r} names no such limit; {choice(unknown[0], KINETIC, 'choose from')}"
             raise ProgramError(self.file, 0, 0, problem)
         open_ = [name for name in self.relies_on if name not in names]
         if open_:

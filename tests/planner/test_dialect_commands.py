@@ -7,6 +7,7 @@ import pytest
 
 from identification.limit import LimitKind
 from planner.execution import exceeded
+from planner.plans import Plan
 from postprocessors.proving.guarantees import twincat_guarantees
 from postprocessors.reading import Reading
 from postprocessors.setpoints import write_setpoints
@@ -67,6 +68,24 @@ def test_a_case_without_settings_names_the_missing_table(tmp_path: Path):
     case.write_text(text[:start] + text[end:], encoding="utf-8")
     line = refused("check", written(TWINCAT, tmp_path, "nc"), "--case", case)
     assert tells(line, "controller.twincat: ", "missing", "add the table")
+    assert tells(line, "--dialect linuxcnc or sinumerik or setpoints")  # what the case has
+
+
+@pytest.mark.parametrize(
+    ("words", "meant"),
+    [
+        (("post", "plan", "--dialect", "twincatt"), "did you mean twincat?"),
+        (("plan", "hexapod", "--family", "splin"), "did you mean spline?"),
+        (("plan", "hexapod", "--criterion", "d"), "did you mean D?"),
+        (("validate", "hexapod", "--methods", "D9n"), "did you mean D9N?"),
+        (("case", "check", "hexpod"), "did you mean 'hexapod'?"),
+        (("run", "p.ngc", "--case", "hexapod", "--on", "virtal"), "did you mean virtual?"),
+    ],
+)
+def test_what_does_not_exist_proposes_the_nearest(words: tuple[str, ...], meant: str, saved_plan: Plan):
+    assert tells(
+        refused(*(str(saved_plan.folder) if word == "plan" and words[0] == "post" else word for word in words)), meant
+    )
 
 
 @pytest.mark.parametrize("real", [False, True])

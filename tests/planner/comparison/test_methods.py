@@ -1,11 +1,14 @@
 """Methods of a validation are data: what the file states is what is planned, and a table more is a method more."""
 
+from pathlib import Path
+
 import pytest
 from pydantic import ValidationError
 
-from cases.errors import HexciteError
+from cases.errors import CaseError, HexciteError
+from cases.schema import load_case
 from identification.criteria import Criterion
-from planner.comparison.trials import METHODS, MethodSpec, require_methods
+from planner.comparison.trials import METHODS, MethodSpec, language_of_method, require_methods
 from planner.families.settings import Fourier, Manual, PointToPoint, Spline
 from planner.request import PoseRequest, Request
 
@@ -42,3 +45,16 @@ def test_a_table_more_is_a_method_more(monkeypatch: pytest.MonkeyPatch):
 def test_a_table_that_says_something_else_is_refused_with_its_key(entries: dict[str, object], words: str):
     with pytest.raises(ValidationError, match=words):
         MethodSpec.model_validate(entries)
+
+
+def test_a_method_is_run_in_a_language_that_the_case_has(hexapod_file: Path):
+    """A user of TwinCAT is not asked for the settings of SINUMERIK."""
+    case = load_case(str(hexapod_file))
+    assert [language_of_method(case, method, "virtual") for method in ("D9M", "ptp-steps")] == ["sinumerik", "linuxcnc"]
+    assert language_of_method(case, "D9M", "linuxcnc") == "linuxcnc"
+    controller = case.need_controller("a test")
+    only = case.model_copy(update={"controller": controller.model_copy(update={"sinumerik": None})})
+    assert language_of_method(only, "D9M", "virtual") == "twincat"
+    none = case.model_copy(update={"controller": controller.model_copy(update={"sinumerik": None, "twincat": None})})
+    with pytest.raises(CaseError, match=r"controller\.sinumerik or controller\.twincat: is missing; the method D9M"):
+        language_of_method(none, "D9M", "virtual")

@@ -88,8 +88,11 @@ def test_movej_needs_six_joints_that_turn_between_ends() -> None:
 
 
 def test_a_validation_needs_the_language_of_its_programs() -> None:
-    case = own(lambda d: d["controller"].pop("sinumerik"))
-    assert readiness(case)["validate"] == ("controller.sinumerik",)
+    """Any that limits jerk: a user of TwinCAT is not asked for the settings of SINUMERIK."""
+    assert readiness(own(lambda d: d["controller"].pop("sinumerik")))["validate"] == ()
+    neither = own(lambda d: [d["controller"].pop(name) for name in ("sinumerik", "twincat")])
+    assert readiness(neither)["validate"] == ("controller.sinumerik or controller.twincat",)
+    assert readiness(own(lambda d: d.pop("controller")))["validate"] == ("controller",)
 
 
 def test_case_check_prints_both(tmp_path: Path) -> None:
