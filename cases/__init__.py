@@ -8,14 +8,14 @@ import ast
 import inspect
 import re
 import sys
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from functools import wraps
 from importlib import import_module
 from numbers import Integral, Real
 from os import PathLike
 from pathlib import Path
 from types import FunctionType, UnionType
-from typing import TYPE_CHECKING, Any, TypeVar, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar, get_args, get_origin, get_type_hints
 
 if TYPE_CHECKING:
     from cases.errors import HexciteError as HexciteError
@@ -65,6 +65,8 @@ SOURCES = {
 
 
 Settings = TypeVar("Settings")
+Value = TypeVar("Value")
+Arguments = ParamSpec("Arguments")
 
 
 def _checked(function: FunctionType, package: str) -> Callable[..., Any]:
@@ -77,7 +79,7 @@ def _checked(function: FunctionType, package: str) -> Callable[..., Any]:
 
     @wraps(function)
     def call(*args: Any, **kwargs: Any) -> Any:
-        from cases.errors import HexciteError, choice
+        from cases.errors import FileProblem, HexciteError, choice
 
         args, kwargs = tuple(map(_plain, args)), {name: _plain(value) for name, value in kwargs.items()}
         place = function.__qualname__.removesuffix(".__init__")
@@ -90,7 +92,12 @@ def _checked(function: FunctionType, package: str) -> Callable[..., Any]:
                 kinds = re.sub(r"\b\w+\.", "", inspect.formatannotation(wanted)).replace("'", "")
                 sources = "; ".join(source for kind, source in SOURCES.items() if re.search(rf"\b{kind}\b", kinds))
                 raise HexciteError(f"{place}: {name} = {text}", f"is not {kinds}", sources or "give such a value")
-        return function(*args, **kwargs)
+            if isinstance(value, str | PathLike) and "\0" in str(value):
+                raise HexciteError(f"{place}: {name}", "holds a null character", "no file, name or choice has one")
+        try:
+            return function(*args, **kwargs)
+        except OSError as error:
+            raise FileProblem.of(error) from error
 
     call.__module__ = package  # where it is found again by other processes
     return call
@@ -100,6 +107,11 @@ def _plain(value: Any) -> Any:
     """A number of NumPy as Python's own, which goes into files; anything else as it is."""
     own = isinstance(value, bool | int | float) or not isinstance(value, Integral | Real)
     return value if own else int(value) if isinstance(value, Integral) else float(value)
+
+
+def checks(function: Callable[Arguments, Value]) -> Callable[Arguments, Value]:
+    """A public method whose arguments of another type than it states are refused as above."""
+    return _checked(function, function.__module__)  # type: ignore[arg-type]
 
 
 def checks_arguments(settings: type[Settings]) -> type[Settings]:
@@ -123,15 +135,25 @@ def _fits(value: object, annotation: Any) -> bool:
         return any(_fits(value, part) for part in get_args(annotation))
     if isinstance(annotation, str):
         return any(kind.__name__ in annotation.split(" | ") for kind in type(value).__mro__)
-    if get_origin(annotation) in (Sequence, Collection, tuple):
-        entries = value if isinstance(value, list | tuple) else ()
-        listed = isinstance(value, Iterable) and not isinstance(value, str)
-        return listed and all(_fits(entry, get_args(annotation)[0]) for entry in entries)
+    if (kind := get_origin(annotation)) in (Sequence, Collection, tuple):
+        kinds = (list, tuple) if kind is not Collection else (list, tuple, set, frozenset)
+        return isinstance(value, kinds) and all(_fits(entry, get_args(annotation)[0]) for entry in value)
+    if getattr(kind, "__name__", "") == "ndarray":  # of NumPy, which this door does not import
+        return _holds_numbers(value)
+    if kind is Mapping:
+        return isinstance(value, Mapping)
     if get_origin(annotation) is Callable:
         return callable(value)
     if not isinstance(annotation, type) or get_origin(annotation) is not None:
         return True
     return isinstance(value, WIDER.get(annotation, (annotation,)))
+
+
+def _holds_numbers(value: object) -> bool:
+    """Whether a value is an array of real numbers, or lists of them."""
+    if isinstance(value, list | tuple):
+        return all(isinstance(entry, Real) or _holds_numbers(entry) for entry in value)
+    return getattr(getattr(value, "dtype", None), "kind", "") in tuple("biuf") and hasattr(value, "shape")
 
 
 __getattr__, __dir__ = door(__name__)

@@ -58,7 +58,7 @@ class HexciteError(Exception):
     @property
     def typed(self) -> str:
         """The same line with options as they are typed on the command line."""
-        return printable(super().__str__())
+        return _LONG.sub(lambda word: f"{word[0][:_SHOWN]}..{word[0][-_SHOWN:]}", printable(super().__str__()))
 
     @property
     def lines(self) -> tuple[str, ...]:
@@ -72,6 +72,11 @@ class HexciteError(Exception):
 
 _OPTION = re.compile(r"hexcite [a-z][^,;:)]*|(?<![\w-])--(?P<name>[a-z]+(-[a-z]+)*)| with -o\b")
 """A command of ours, which stays, or an option."""
+
+
+_SHOWN = 200  # characters at either end of a word that is shown in part
+_LONG = re.compile(r"\S{1000,}")
+"""A word that no reader wants whole, such as a number of a million digits."""
 
 
 def _of_arguments(text: str) -> str:
@@ -147,6 +152,15 @@ class NotProven(ProgramError):
 
 class FileProblem(HexciteError, OSError):
     """A file or folder cannot be read or written."""
+
+    @classmethod
+    def of(cls, error: OSError) -> HexciteError:
+        """What the system says of a file, as such an error; one that is of hexcite already stays as it is."""
+        if isinstance(error, HexciteError):
+            return error
+        place = "the system" if error.filename is None else str(error.filename)
+        reason = error.strerror or str(error) or type(error).__name__
+        return cls(place, f"cannot be used ({reason})", "name another file or place")
 
 
 class Interrupted(BaseException):

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
+from cases import checks
 from cases.basis import CONTENT, case_of, content_of, require_unchanged, result_basis
 from cases.errors import FileProblem, HexciteError
 from cases.files import RESULT, atomic_folder, check_folder, json_text, read_json
@@ -145,6 +146,7 @@ class Result:
             self.write(part)
 
     @classmethod
+    @checks
     def load(cls, folder: Path | str, case: Case | None = None, stale: bool = False) -> "Result":
         """The result of a folder.
 

@@ -10,11 +10,14 @@ come as several files with their own clocks.
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
+from numbers import Real
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from cases import checks
 from cases.basis import KEPT, case_of, recording_basis, require_unchanged
 from cases.errors import FileProblem, RecordingError
 from cases.files import RUN, atomic_folder, check_folder, json_text, read_json
@@ -24,7 +27,7 @@ from cases.schema import Case
 from cases.tables import own_units
 from cases.units import Array, Indices, as_html
 from identification.formats.clocks import lost_samples
-from identification.formats.table import Channel, Stream, unreadable
+from identification.formats.table import Channel, Stream, told, unreadable
 from identification.precision import share_text
 
 
@@ -41,6 +44,24 @@ class Recording(Stream):
     paths: tuple[Path, ...] = ()  # paths of the files that it was read from
     record: Mapping[str, Any] = field(default_factory=dict)  # what `recording.json` says; empty where there is none
     remarks: tuple[str, ...] = ()  # what has changed in the case since, where it is evaluated nevertheless
+
+    def __post_init__(self) -> None:
+        """Checks what is given, as of a stream; RecordingError names what is wrong."""
+        if self.forces is None:
+            raise RecordingError("Recording: forces", "is None", "give numbers of shape (n, 6), one row a sample")
+        object.__setattr__(self, "paths", _paths(self.paths))
+        for name, right, remedy in (
+            ("case", isinstance(self.case, Case | None), "hx.load_case loads one"),
+            ("record", isinstance(self.record, Mapping), "leave it out"),
+            ("averaged", isinstance(self.averaged, Real) and float(self.averaged) >= 1.0, "give 1 or more samples"),
+        ):
+            if not right:
+                raise RecordingError(f"Recording: {name}", f"is {told(getattr(self, name))}", remedy)
+        others = tuple(self.others) if isinstance(self.others, list | tuple) else (self.others,)
+        if odd := [told(other) for other in others if not isinstance(other, Stream)]:
+            raise RecordingError("Recording: others", f"holds {odd[0]}", "give streams of other clocks")
+        object.__setattr__(self, "others", others)
+        Stream.__post_init__(self)
 
     def save(self, folder: Path | str, overwrite: bool = False) -> None:
         """Makes a folder with recording.csv and recording.json.
@@ -61,6 +82,7 @@ class Recording(Stream):
             (part / "recording.json").write_text(json_text(dict(record)), encoding="utf-8")
 
     @classmethod
+    @checks
     def load(
         cls, paths: Path | str | Sequence[Path | str], case: Case | None = None, stale: bool = False
     ) -> "Recording":
@@ -106,6 +128,14 @@ class Recording(Stream):
     def stream_with(self, channel: Channel) -> Stream | None:
         """The stream that has a channel; None where the run has no such channel."""
         return next((s for s in (self, *self.others) if channel in s.channels), None)
+
+
+def _paths(paths: object) -> tuple[Path, ...]:
+    """Paths of files; raises RecordingError where they are none."""
+    given = paths if isinstance(paths, list | tuple) else (paths,)
+    if not all(isinstance(path, str | PathLike) for path in given):
+        raise RecordingError("Recording: paths", f"is {told(paths)}", "give the paths of its files, or none")
+    return tuple(Path(path) for path in given)
 
 
 def _of_run(record: Mapping[str, Any]) -> list[str]:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from cases import checks
 from cases.basis import CONTENT, KEPT, content_of, plan_basis
 from cases.errors import HexciteError
 from cases.files import PLAN, atomic_folder, check_folder, json_text
@@ -140,6 +141,7 @@ class Plan:
         (folder / name).write_text(text, encoding="utf-8")
 
     @classmethod
+    @checks
     def load(cls, folder: Path | str, case: Case | None = None, stale: bool = False) -> "Plan":
         """The plan of a folder; see `planner.plan_folder.load_plan`."""
         return load_plan(cls, Path(folder), case, stale)

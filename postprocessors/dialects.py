@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from cases import checks
 from cases.controller import ControllerName
 from cases.errors import FileProblem, HexciteError, ProgramError, choice
 from cases.files import atomic_file, check_file, read_whole
@@ -164,6 +165,7 @@ class Program:
             part.write_bytes(self.content)
 
     @classmethod
+    @checks
     def load(cls, file: Path | str, case: Case) -> "Program":
         """The program of a file; see `read_program`."""
         return read_program(file, case)

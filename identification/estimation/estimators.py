@@ -3,12 +3,15 @@
 W (24) is 1, stated, or follows from the residuals of each channel in turns with the fit.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from numbers import Real
 
 import numpy as np
 from scipy.linalg import block_diag
 
+from cases import checks_arguments
 from cases.errors import IdentificationError
 from cases.sensors import Sensors
 from cases.units import Array
@@ -29,6 +32,7 @@ ALIKE = {"equal": None, "per_channel": EACH, "per_unit": (0, 0, 0, 1, 1, 1), "st
 """Weights by name -> channels with the same noise, see `Regression`; stated noise is made white before."""
 
 
+@checks_arguments
 @dataclass(frozen=True, slots=True)
 class Method:
     """What is known beforehand, and how channels are weighted; IdentificationError where there are no such weights."""
@@ -42,6 +46,10 @@ class Method:
     def __post_init__(self) -> None:
         if self.weights is not None and self.weights not in ALIKE:
             raise IdentificationError(f"weights {self.weights!r} are unknown; choose {', '.join(ALIKE)}")
+        given = [*self.known.items(), *((p.name, number) for p in self.priors for number in (p.value, p.std))]
+        for name, value in given:
+            if not (isinstance(name, str) and isinstance(value, Real) and math.isfinite(value)):
+                raise IdentificationError(f"Method: {name} = {value!r}", "is not a finite number", "give one in SI")
         if self.priors and (self.known or self.dropped):
             raise IdentificationError(
                 "priors go with all parameters free; give what is known exactly as a prior with a small standard "

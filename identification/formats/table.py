@@ -4,6 +4,7 @@ import stat
 from bisect import bisect_right
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from os import PathLike
 from pathlib import Path
 from typing import Any, Literal, get_args
 
@@ -109,6 +110,34 @@ class Stream:
     missing_in: tuple[str, ...] = ()  # the columns in which they are, as the file calls them
     findings: tuple[Finding, ...] = ()  # what reading made known: how it was read, and doubts about that
 
+    def __post_init__(self) -> None:
+        """Makes arrays of what is given as such, of floats or flags; RecordingError names what cannot be."""
+        kind = type(self).__name__
+        if not isinstance(self.source, str | PathLike):
+            raise RecordingError(f"{kind}: source", f"is {told(self.source)}", "name the file or place it is from")
+        object.__setattr__(self, "source", str(self.source))
+        for name, shape in SHAPES.items():
+            if (value := getattr(self, name, None)) is not None:
+                object.__setattr__(self, name, _array(value, shape, name in FLAGS, f"{kind}: {name}"))
+        self._require_alike(kind)
+
+    def _require_alike(self, kind: str) -> None:
+        """Raises RecordingError where arrays differ in length, or have no value in a row that is not missing."""
+        own = {name: array for name in SHAPES if (array := getattr(self, name, None)) is not None}
+        first = next((name for name in ("forces", "t", *own) if name in own), None)
+        for name, array in own.items():
+            if first is not None and len(array) != (rows := len(own[first])):
+                problem = f"has {len(array)} rows where {first} has {rows}"
+                raise RecordingError(f"{kind}: {name}", problem, "give one row a sample of one clock")
+            if name in FLAGS or np.isfinite(array).all():
+                continue
+            odd = ~np.isfinite(array.reshape(len(array), -1)).all(axis=1)
+            odd = odd if name == "t" or self.missing is None else odd & ~self.missing
+            if odd.any():
+                remedy = "leave the row out" if name == "t" else "mark such rows in missing, or leave them out"
+                problem = f"row {int(np.argmax(odd))} of {len(array)}, counted from 0, is not finite"
+                raise RecordingError(f"{kind}: {name}", problem, remedy)
+
     @property
     def channels(self) -> dict[Channel, Any]:
         """The arrays that are there, by name."""
@@ -140,6 +169,55 @@ class Stream:
         if isinstance(even, Unsteady):
             raise RecordingError(f"{self.source}, {self.lines.place(even.row)}, t_s", even.problem, even.remedy)
         return even.step
+
+
+SHAPES: dict[str, tuple[int | None, ...]] = {
+    "t": (None,), "struts": (None, None), "rotations": (None, 3, 3), "forces": (None, 6), "trigger": (None,),
+    "poses": (None, None), "specific_forces": (None, 3), "override": (None,), "missing": (None,), "weights": (None,),
+}  # fmt: skip
+"""Shapes of the arrays of a stream; None: any number."""
+FLAGS = ("trigger", "missing")
+
+
+def told(value: object) -> str:
+    """A value as a message can show it."""
+    text = repr(value)
+    return shown(text) if len(text) <= _SHOWN_CHARACTERS else f"a {type(value).__name__}"
+
+
+def _array(value: Any, shape: tuple[int | None, ...], flags: bool, place: str) -> Any:
+    """A value as an array of floats or flags; raises RecordingError where it is none, or of another shape."""
+    wanted = "flags" if flags else "numbers"
+    if isinstance(value, np.ma.MaskedArray):
+        if np.any(np.ma.getmaskarray(value)):
+            count = int(np.count_nonzero(np.ma.getmaskarray(value)))
+            problem = f"is a masked array that hides {count} of its {value.size} values"
+            raise RecordingError(place, problem, "give a plain array, and mark such rows in missing")
+        value = value.data
+    try:
+        array = np.asarray(value)
+    except ValueError:  # rows of unequal length
+        raise RecordingError(
+            place, "is not an array of equal rows", f"give {wanted} of shape {_shape(shape)}"
+        ) from None
+    if array.dtype.kind not in "bifu":
+        kind = told(value) if array.ndim == 0 else f"an array of {array.dtype}"
+        raise RecordingError(place, f"is {kind}", f"give {wanted} of shape {_shape(shape)}")
+    if array.ndim != len(shape) or any(want not in (None, have) for want, have in zip(shape, array.shape, strict=True)):
+        problem = f"has the shape {_shape(array.shape)}"
+        raise RecordingError(place, problem, f"give {wanted} of shape {_shape(shape)}, one row a sample")
+    if not flags:
+        return np.asarray(array, dtype=float)
+    if array.dtype.kind != "b" and not np.isin(array, (0, 1)).all():
+        raise RecordingError(place, "holds more than 0 and 1", "give flags, such as trigger > 0.5")
+    return np.asarray(array, dtype=bool)
+
+
+def _shape(shape: Sequence[int | None]) -> str:
+    """A shape in words: (n, 6)."""
+    letters = iter("nk")
+    words = [str(next(letters, "m") if size is None else size) for size in shape]
+    return f"({', '.join(words)}{',' * (len(words) == 1)})"
 
 
 def require_file(file: Path) -> None:

@@ -11,6 +11,7 @@ from identification.formats.table import ColumnTable
 LEVELS = 0.2  # of the way between two levels that a switch may be off either: noise of a voltage
 OFF = 0.3  # share of the level on, up to which the level off of a voltage may be
 _BETWEEN = 0.2  # share of values far from both ends of their range, from which on they are noise about one level
+_RIPPLE = 0.1  # share of a voltage's level that it may change by without being switched
 _NOISY = 20  # different values from which on they may be noise
 _WHOLE = 2.0**53  # largest whole number whose bits a double holds
 
@@ -62,7 +63,7 @@ def switched(values: Array) -> Flags | None:
 def _never_switches(values: Array) -> bool:
     """Whether values are about one level: the same, or those of a voltage with its noise, whose range has a middle."""
     low, high = float(np.min(values)), float(np.max(values))
-    if low == high:
+    if low == high or (low > 0.0 and high - low <= _RIPPLE * high and not _is_whole(values)):
         return True
     between = np.minimum(values - low, high - values) > LEVELS * (high - low)
     return bool(between.mean() > _BETWEEN) and len(np.unique(values)) > _NOISY

@@ -44,8 +44,8 @@ def at_the_motion(recording: Recording, motion: Stream, interval: float, step: f
     # The neighbours' averages are in the curvature.
     hidden = _reach_a_gap(t, max(GAP, 0.5 * interval / step) * step, at, 1.5 * interval)
     means = _at_full_range(means, t, forces, at, half, case)
-    run = _at_clock(recording, motion, inside, hidden, "the forces averaged there")
-    return replace(run, struts=motion.struts[inside], forces=means, averaged=interval / step)
+    run = _at_clock(recording, motion, inside, hidden, "the forces averaged there", motion.struts[inside], means)
+    return replace(run, averaged=interval / step)
 
 
 def _reach_a_gap(t: Array, most: float, centres: Array, reach: float) -> Flags:
@@ -113,18 +113,20 @@ def at_the_forces(recording: Recording, motion: Stream) -> Recording:
     if not len(inside):
         return recording
     t = recording.t[inside]
-    run = _at_clock(recording, recording, inside, _reach_a_gap(at, GAP * usual, t, usual), "the struts there")
-    return replace(run, struts=CubicSpline(at, struts)(t), forces=recording.forces[inside])
+    hidden, struts = _reach_a_gap(at, GAP * usual, t, usual), CubicSpline(at, struts)(t)
+    return _at_clock(recording, recording, inside, hidden, "the struts there", struts, recording.forces[inside])
 
 
-def _at_clock(recording: Recording, clock: Stream, inside: Indices, hidden: Flags, what: str) -> Recording:
-    """The run at samples of a clock, without forces and struts; `what` is missing where a gap would hide it."""
+def _at_clock(
+    recording: Recording, clock: Stream, inside: Indices, hidden: Flags, what: str, struts: Array, forces: Array
+) -> Recording:
+    """The run at samples of a clock, with struts and forces there; `what` is missing where a gap would hide it."""
     assert clock.t is not None
     t = clock.t[inside]
     override = _latest(recording, "override", t)
     trigger = _latest(recording, "trigger", t) if clock.trigger is None else clock.trigger[inside]
     return replace(
-        recording, source=clock.source, t=t, trigger=trigger, override=override,
+        recording, source=clock.source, t=t, struts=struts, forces=forces, trigger=trigger, override=override,
         rotations=None, poses=None, specific_forces=None, others=(), lines=clock.lines.later(int(inside[0])),
         missing=hidden | clock.bad[inside], missing_in=(*clock.missing_in, *((what,) if hidden.any() else ())),
     )  # fmt: skip

@@ -96,7 +96,7 @@ def average(recording: Recording, windows: Sequence[slice]) -> Recording:
     scatter = np.sqrt(np.maximum(np.mean(variance / usual, axis=1), 1e-6))
     return replace(
         recording, t=None, struts=struts, forces=forces, trigger=None, poses=None,
-        rotations=None, specific_forces=None, others=(), lines=_COUNTED,
+        rotations=None, specific_forces=None, override=None, others=(), lines=_COUNTED,
         weights=1.0 / scatter, missing=None, missing_in=(),
     )  # fmt: skip
 

@@ -21,7 +21,7 @@ import typer
 # not, and its worker processes take the setting from here.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from cases.errors import HexciteError, Interrupted
+from cases.errors import FileProblem, HexciteError, Interrupted
 from planner.cli import cases, compare, demo, force, identify, limits, plan, poses, programs, study
 
 app = typer.Typer(
@@ -56,6 +56,8 @@ def main() -> None:
     except Interrupted as error:
         print(f"hexcite: interrupted; {str(error) or 'nothing was written'}", file=sys.stderr)
         sys.exit(130)
+    except OSError as error:
+        _stop(*FileProblem.of(error).lines)
     except Exception as error:  # a bug of ours: still no traceback unless asked for
         if os.environ.get("HEXCITE_TRACEBACK"):
             traceback.print_exc()

@@ -15,6 +15,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
+from cases import checks_arguments
 from cases.controller import ControllerName
 from cases.errors import CaseError, HexciteError, Interrupted, choice
 from cases.scaffold import readiness
@@ -198,6 +199,7 @@ Remark = Callable[[str], None]
 """Function that is called with the present step in words."""
 
 
+@checks_arguments
 @dataclass(frozen=True, slots=True)
 class ValidationSettings:
     """How `hx.validate` carries out its methods."""

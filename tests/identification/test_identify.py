@@ -140,7 +140,7 @@ def test_standstills_give_the_static_parameters(number: int) -> None:
 def test_by_default_the_model_is_what_the_recording_can_carry() -> None:
     recording = run(CASE)
     assert estimate_parameters(recording, CASE).model.number == 9
-    standing = replace(recording, t=None, struts=recording.struts[::50], forces=recording.forces[::50])
+    standing = replace(recording, t=None, trigger=None, struts=recording.struts[::50], forces=recording.forces[::50])
     assert estimate_parameters(standing, CASE).model.number == 5
 
 

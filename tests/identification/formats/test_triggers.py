@@ -34,6 +34,10 @@ def test_the_noise_of_a_voltage_is_no_switch(level: float, tmp_path: Path) -> No
     np.testing.assert_array_equal(recorded(24.0 * ON + noise, tmp_path).trigger, ON)
 
 
+def test_a_voltage_of_two_steps_of_its_converter_that_stays_high_is_no_switch(tmp_path: Path) -> None:
+    assert recorded(np.where(np.arange(RUN.count) % 2, 24.02, 23.97), tmp_path).trigger is None
+
+
 def test_a_bit_of_a_bit_field_is_a_trigger(tmp_path: Path) -> None:
     """Bit 0 is the program's, bit 8 a gripper's that is on, bit 3 something else that switches."""
     other = 8.0 * (np.arange(RUN.count) % 7 == 3)

@@ -1,7 +1,5 @@
 """Ranges, digits and noise of sensors and encoders: what is an end of a range, stuck, or motion."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -57,6 +55,6 @@ def test_standstills_are_found_by_the_noise_of_the_encoders(noise: float) -> Non
     joints = 0.1 * way[:, None] * np.array([1.0, -0.5, 0.3, 1.0, 0.2, -1.0])
     joints = joints + noise * np.random.default_rng(0).normal(size=joints.shape)
     assert encoder_noise(joints) == pytest.approx(noise, rel=0.1, abs=1e-8)
-    found = find_standstills(replace(recording(np.zeros((6000, 6))), t=t, struts=joints), 0.1)
+    found = find_standstills(Recording("run", t, joints, None, np.zeros((6000, 6)), None), 0.1)
     assert len(found) == 8
     assert all(np.ptp(way[window]) < 1e-3 for window in found)
