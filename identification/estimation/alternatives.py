@@ -3,9 +3,10 @@
 An alternative is a set of columns D beside those of the regression, the effect on the forces of something that the
 model does not know (a gain of a channel, an offset of a strut, a spring, time). What the fit cannot take over of it,
 D_ = D - A A^+ D, is compared with the residuals r: the scores c = U^T r, U an orthonormal basis of D_, are zero but for
-noise where the model is right (Rao's test). Their covariance is that of noise with the spectrum of what r leaves beside
-this alternative, channel by channel, the channels turned to be independent: a large effect so never hides in the noise
-by which it is judged, and noise with memory is not taken for one.
+noise where the model is right (Rao's test). Their covariance is that of noise as what r leaves beside this alternative
+shows it (`force_noise.mixtures`): a large effect so never hides in the noise by which it is judged, and noise with
+memory is not taken for one. What is left shows the noise itself by few independent numbers, the fewer the slower it is
+and the more the alternative takes: by that much more must be seen (`small_sample`).
 
 Of an effect that is seen, the size of D in the directions that the fit took is as large as in those that are left: with
 effects of D's columns of variance tau^2 by the scores, the estimate is biased with the covariance tau^2 B B^T, where
@@ -16,23 +17,20 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.fft import next_fast_len, rfft
-from scipy.special import fdtrc
+from scipy.fft import rfft
 
 from cases.units import Array, Indices
 from identification.estimation.fit import orthonormal
-
-Spectra = NDArray[np.complex128]
+from identification.estimation.force_noise import LEAST_SAMPLES, in_turned_channels, mixtures
+from identification.estimation.small_sample import Noise, chance_of
 
 UNSEEN = 1e-8  # of a column's square, below which what the fit leaves of it is rounding
-WIDTHS = (5, 15)  # half widths of the windows of frequencies over which power is averaged, in each channel
-NARROW = 1  # the same of all channels together
-LEAST_BINS = 3.0  # frequencies of a window that the fit leaves, by which its power is known
+WIDTH = 15  # half width of the windows of frequencies over which power is averaged for the quietest of them
+NEXT = 5  # frequencies to either side of one, at which noise is about as large
 SURPRISE = 2.0  # standard deviations of scores, below which an alternative is not looked at
 NEAR = 7.0  # of the logarithm of the odds, within which alternatives explain the residuals alike: one to a thousand
 MOST_TRIED = 12  # alternatives of which the noise is judged
-LEAST_FREEDOM = 20.0  # degrees of freedom that residuals have beside an alternative, to judge noise by
+LEAST_FREEDOM = 20.0  # residuals that an alternative leaves, at least
 
 
 class Alternative(NamedTuple):
@@ -60,6 +58,15 @@ class Effect(NamedTuple):
     explained: Array  # what it explains of the residuals, weighted, shape (n, 6)
     share: float  # share of the residuals' weighted squares that it explains
     bias: Array  # covariance of the parameters by effects of that size, shape (v, v)
+
+
+class Sizes(NamedTuple):
+    """Sizes of effects that residuals show."""
+
+    values: Array  # shape (k,)
+    noise: Noise  # of these
+    answer: Array  # bias of what was fitted by a unit of each, shape (v, k)
+    explained: float  # squares of the weighted residuals that they explain
 
 
 class Remainder(NamedTuple):
@@ -146,9 +153,11 @@ def _floor(noise: Array, places: Indices) -> float:
     series = np.zeros((int(places[-1]) + 1, 6))
     series[places] = noise
     power = np.abs(rfft(series, axis=0)) ** 2 / len(noise)
-    half = min(WIDTHS[1], len(power) - 2)
+    half = min(WIDTH, len(power) - 2)
     passed = max(1, len(power) // 3)
-    return float((_moving(power, half)[half:passed] if passed > half else power).min() / (2 * half + 1))
+    sums = np.vstack([np.zeros((1, power.shape[1])), np.cumsum(power, axis=0)])
+    averages = (sums[2 * half + 1 :] - sums[: -2 * half - 1]) / (2 * half + 1)
+    return float((averages[: passed - half] if passed > half else power).min())
 
 
 class _Scores(NamedTuple):
@@ -167,7 +176,23 @@ class _Scores(NamedTuple):
 
 def _scores_of(alternative: Alternative, rest: Remainder) -> _Scores | None:
     """The scores; None where the fit takes all of it, too few residuals are left, or noise makes as much anyway."""
-    weighted = rest.root @ alternative.columns
+    space = _space_of(alternative.columns, rest)
+    if space is None:
+        return None
+    left, inside, scale, back, strength = space
+    count = back.shape[1]
+    scores = back.T @ np.tensordot(left, rest.residuals, ((0, 1), (0, 1)))
+    explained = float(scores @ scores)
+    if explained < rest.floor * (count + SURPRISE * np.sqrt(2.0 * count)):
+        return None
+    share = explained / float(np.sum(rest.residuals**2))
+    evidence = -0.5 * (rest.independent * float(np.log1p(-min(share, 1.0 - 1e-12))) + count * np.log(rest.independent))
+    return _Scores(alternative, left, inside, scale, back, strength, scores, share, evidence)
+
+
+def _space_of(columns: Array, rest: Remainder) -> tuple[Array, Array, Array, Array, float] | None:
+    """What the fit leaves of columns, as in `_Scores`; None where it takes all of it, or too few residuals are left."""
+    weighted = rest.root @ columns
     norms = np.sqrt(np.sum(weighted**2, axis=(0, 1)))
     some = norms > 0.0
     if not some.any():
@@ -179,112 +204,83 @@ def _scores_of(alternative: Alternative, rest: Remainder) -> _Scores | None:
     count = int(seen.sum())
     if not count or rest.freedom - count < LEAST_FREEDOM:
         return None
-    back = vectors[:, seen] / np.sqrt(values[seen])
-    scores = back.T @ np.tensordot(left, rest.residuals, ((0, 1), (0, 1)))
-    explained = float(scores @ scores)
-    if explained < rest.floor * (count + SURPRISE * np.sqrt(2.0 * count)):
+    return left, inside, scale, vectors[:, seen] / np.sqrt(values[seen]), float(values[seen].sum())
+
+
+def sizes_of(columns: Array, rest: Remainder) -> Sizes | None:
+    """Sizes of effects of columns, shape (n, 6, k); None where the fit takes all of them, or too few are left."""
+    space = _space_of(columns, rest)
+    if space is None:
         return None
-    share = explained / float(np.sum(rest.residuals**2))
-    evidence = -0.5 * (rest.independent * float(np.log1p(-min(share, 1.0 - 1e-12))) + count * np.log(rest.independent))
-    return _Scores(alternative, left, inside, scale, back, float(values[seen].sum()), scores, share, evidence)
+    left, inside, scale, back, _ = space
+    basis = left @ back
+    scores = np.tensordot(basis, rest.residuals, ((0, 1), (0, 1)))
+    noise = _noise(basis, rest, rest.residuals - basis @ scores).along(*(scale[:, None] * back))
+    answer = -rest.half @ inside / np.where(scale > 0.0, scale, 1.0)
+    return Sizes(scale * (back @ scores), noise, answer, float(scores @ scores))
 
 
 def _effect_of(found: _Scores, rest: Remainder) -> Effect:
     """What residuals show of an alternative, judged by what they leave beside it."""
-    count = len(found.scores)
     basis = found.left @ found.back
     explained = basis @ found.scores
-    covariance, freedom = _covariance(basis, rest, rest.residuals - explained)
-    if freedom < max(LEAST_FREEDOM, count):  # beside it, too little is left in its own band to judge noise by
-        covariance, freedom = _covariance(basis, rest, rest.residuals, own=False)
-    statistic = float(found.scores @ np.linalg.lstsq(covariance, found.scores, rcond=1e-12)[0])
-    size = max(float(found.scores @ found.scores - np.trace(covariance)), 0.0) / found.strength  # tau^2, scaled columns
+    noise = _noise(basis, rest, rest.residuals - explained)
+    statistic, chance = chance_of(found.scores, noise)
+    excess = max(float(found.scores @ found.scores - np.trace(noise.covariance)), 0.0)
     answer = rest.half @ found.inside  # how parameters answer to a unit of each
     return Effect(
         found.alternative,
         statistic,
-        count,
-        max(float(fdtrc(count, freedom, statistic / count)), np.finfo(float).tiny),
+        len(found.scores),
+        chance,
         found.evidence,
         found.scale * (found.back @ found.scores),
-        found.scale * np.sqrt(np.maximum(np.sum((found.back @ covariance) * found.back, axis=1), 0.0)),
+        found.scale * np.sqrt(np.maximum(np.sum((found.back @ noise.covariance) * found.back, axis=1), 0.0)),
         explained,
         found.share,
-        size * answer @ answer.T,
+        excess / found.strength * answer @ answer.T,  # tau^2, of scaled columns
     )
 
 
-def _covariance(basis: Array, rest: Remainder, noise: Array, own: bool = True) -> tuple[Array, float]:
-    """Covariance of the scores of a basis under noise, and its degrees of freedom in the basis' own band.
+def _noise(basis: Array, rest: Remainder, noise: Array) -> Noise:
+    """What noise makes of the scores of a basis U, shape (n, 6, k), by what is left beside it, shape (n, 6)."""
+    joint = np.concatenate([rest.basis, basis], axis=2)
+    found = in_turned_channels(joint, np.eye(joint.shape[2]), noise, rest.places)
+    own = slice(rest.basis.shape[2], None)
+    if rest.coloured and len(noise) >= LEAST_SAMPLES:
+        each = mixtures(found)
+        parts = [mixture.covariances[:, own, own] for mixture in each]
+        spreads = [mixture.spread for mixture in each]
+        total = np.sum([np.einsum("c,cij->ij", m.shares, part) for m, part in zip(each, parts, strict=True)], axis=0)
+        # how much slow noise there is in the band of these scores follows from what is left of it in that band alone
+        slow = np.array([np.einsum("c,cij->ij", m.shares[1:], p[1:]) for m, p in zip(each, parts, strict=True)])
+        bands = np.sum(np.abs(rfft(found.series(found.answer[:, :, own]), axis=0)) ** 2, axis=2).T
+        known = [_left_in_band(band, mixture.free) for band, mixture in zip(bands, each, strict=True)]
+        return Noise(total, (*parts, slow), (*spreads, np.diag(2.0 / np.array(known))))
+    through = found.answer[:, :, own].transpose(1, 0, 2)
+    # samples that are independent: of each channel there are as many residuals as fit and effect leave
+    freedom = np.maximum(len(noise) - np.einsum("nkv,nkv->k", found.taken, found.answer), 1.0)
+    size = np.sqrt(np.sum(found.noise**2, axis=0) / freedom)
+    through = through * size[:, None, None]
+    crossed = np.einsum("ani,bnj->abij", through, through)
+    first, second = np.triu_indices(6, 1)
+    diagonal = crossed[np.arange(6), np.arange(6)]
+    mixed = crossed[first, second] + crossed[second, first]
+    spread = np.diag(np.r_[2.0 / freedom, 1.0 / np.sqrt(freedom[first] * freedom[second])])
+    return Noise(diagonal.sum(axis=0), (np.concatenate([diagonal, mixed]),), (spread,))
+
+
+def _left_in_band(band: Array, free: Array) -> float:
+    """Number of independent residuals in a band and next to it, by which noise in it is known.
 
     Args:
-        basis: U, shape (n, 6, k).
-        noise: what is left, by which noise is judged, shape (n, 6).
-        own: whether the alternative is taken out of it.
+        band: weights of frequencies, shape (f,).
+        free: share of their power that is left, of the slow ones; of others all is, shape (<= f,).
     """
-    count, used = noise.size, rest.basis.shape[2] + (basis.shape[2] if own else 0)
-    channels = noise.T @ noise / (len(noise) - used / 6.0)
-    mixing = np.linalg.cholesky(channels + 1e-12 * np.trace(channels) * np.eye(6) + np.finfo(float).tiny * np.eye(6))
-    if not rest.coloured:
-        turned = mixing.T @ basis
-        return np.tensordot(turned, turned, ((0, 1), (0, 1))), float(count - used)
-    unmixing = np.linalg.inv(mixing)
-    length = int(rest.places[-1]) + 1
-    size = next_fast_len(2 * length, real=True)
-
-    def spectra(values: Array) -> Spectra:
-        series = np.zeros((length, *values.shape[1:]))
-        series[rest.places] = values
-        return np.asarray(rfft(series, size, axis=0))
-
-    power = np.abs(spectra(noise @ unmixing.T)) ** 2 / len(noise)  # 1 for white noise
-    ours, fitted = spectra(basis), spectra(rest.basis)
-    taken = np.zeros_like(power)  # power of each frequency that fit and alternative take from white noise
-    for columns in (ours, fitted) if own else (fitted,):
-        taken += np.sum(((unmixing @ columns) * (mixing.T @ columns).conj()).real, axis=2)
-    free = np.clip(1.0 - taken / len(noise), 0.0, 1.0)
-    density = _smoothed(power, free, size / length)
-    through = mixing.T @ ours
-    twice = np.full(len(density), 2.0)
-    twice[0] = 1.0
-    if size % 2 == 0:
-        twice[-1] = 1.0
-    weights = density * twice[:, None] / size
-    covariance = np.einsum("fki,fk,fkj->ij", through.conj(), weights, through, optimize=True).real
-    energy = np.sum(np.abs(through) ** 2, axis=2)
-    width = max(1, int((2 * WIDTHS[0] + 1) * size / length))
-    blocks = np.add.reduceat(energy, np.arange(0, len(energy), width), axis=0)
-    freedom = 2.0 * (2 * WIDTHS[0] + 1) * float(blocks.sum() ** 2 / np.sum(blocks**2))
-    return np.asarray(covariance), max(1.0, freedom * float(np.sum(energy * free) / energy.sum()))
-
-
-def _smoothed(power: Array, free: Array, oversampled: float) -> Array:
-    """Spectral density of noise from the power that a fit leaves, shape (f, 6): the largest over windows.
-
-    The narrowest window is one over all channels together, for slow noise lies in few frequencies.
-    """
-    together = power.mean(axis=1, keepdims=True), free.mean(axis=1, keepdims=True)
-    densities = [_averaged(*together, NARROW, oversampled)]
-    densities += [_averaged(power, free, width, oversampled) for width in WIDTHS]
-    best = np.max(np.broadcast_arrays(*densities), axis=0)
-    everything = power.sum(axis=0) / np.maximum(free.sum(axis=0), 1e-9)
-    return np.asarray(np.where(best > 0.0, best, everything))
-
-
-def _averaged(power: Array, free: Array, width: float, oversampled: float) -> Array:
-    """Power over the share that is free, in windows of a half width; 0 where too little is free."""
-    half = min(max(1, round(width * oversampled)), len(power) - 2)
-    sums, rooms = _moving(power, half), _moving(free, half)
-    return np.where(
-        rooms >= LEAST_BINS * oversampled / (1.0 if free.shape[1] > 1 else 6.0), sums / np.maximum(rooms, 1e-9), 0.0
-    )
-
-
-def _moving(values: Array, half: int) -> Array:
-    """Sums over windows of frequencies, mirrored at both ends, shape (f, 6)."""
-    padded = np.concatenate([values[half:0:-1], values, values[-2 : -half - 2 : -1]])
-    total = np.vstack([np.zeros((1, values.shape[1])), np.cumsum(padded, axis=0)])
-    return np.asarray(total[2 * half + 1 :] - total[: -2 * half - 1])
+    shares = np.convolve(band, np.ones(2 * NEXT + 1), "same")
+    shares = shares / max(float(shares.sum()), np.finfo(float).tiny)
+    left = 1.0 - float(shares[: len(free)] @ (1.0 - free))
+    return max(2.0 * left / max(float(shares @ shares), np.finfo(float).tiny), 1.0)
 
 
 def effects_of(alternatives: Sequence[Alternative], rest: Remainder, chance: float) -> list[Effect]:

@@ -3,10 +3,11 @@
 Where noise has memory, the covariance is the sandwich with an autocovariance from the residuals. Kernel estimates of it
 (`long_run_covariance`) need long runs: at the frequencies of the motion, where it matters, a short run leaves them too
 few residuals. Here noise is described channel by channel, the channels turned to be independent at lag zero, as a
-mixture: an autoregressive model of the residuals (Burg's, its order by Akaike 1974) and first-order noises with
-memories of up to the run's length. How much there is of each, their spectra say below half the cut-off, by Whittle's
-likelihood (1953): the residuals' against those that the mixture would leave behind the same fit, exactly, so that what
-the fit took away is put back. Noise slower than the run looks like a parameter, and no method can show it.
+mixture of white noise and first-order noises with memories of up to the run's length. How much there is of each, their
+spectra say below half the cut-off, by Whittle's likelihood (1953): the residuals' against those that the mixture would
+leave behind the same fit, exactly, so that what the fit took away is put back. An autoregressive model (Burg's) is part
+of it only where there are peaks that the others cannot have: it follows the residuals, and with them the dips that the
+fit made. Noise slower than the run looks like a parameter, and no method can show it.
 
 Shares cannot be negative, so that of 300 samples of white noise deviations are 15 to 20 % too wide in half of the fits;
 without slow noises, 95 % intervals hold the truth in 88 to 92 % of the cases where noise remembers a sixth of the run.
@@ -61,10 +62,14 @@ def turned(regressors: Array, residuals: Array, weights: Array, places: Indices 
         weights: diagonal of W for one sample, shape (6,).
         places: places of the samples in a series of equal steps, ascending, shape (n,); by default one after the other.
     """
-    samples, sensors, unknowns = regressors.shape
     basis, half = orthonormal(regressors, weights)  # F = 1 in these coordinates
+    return in_turned_channels(basis, half, residuals * np.sqrt(weights), places)
+
+
+def in_turned_channels(basis: Array, half: Array, noise: Array, places: Indices | None) -> Turned:
+    """The same from an orthonormal basis of the weighted regressors, shape (n, 6, u), and weighted residuals."""
+    samples, sensors, unknowns = basis.shape
     freedom = samples - unknowns / sensors
-    noise = residuals * np.sqrt(weights)
     channels = noise.T @ noise / freedom
     jitter = 1e-12 * float(np.trace(channels)) + np.finfo(float).tiny
     mixing = np.linalg.cholesky(channels + jitter * np.eye(sensors))
@@ -89,38 +94,91 @@ def coloured_covariance(found: Turned) -> Array | None:
     """Covariance of u, shape (u, u), for noise of any colour that stays the same over the run; None for short runs."""
     if len(found.noise) < LEAST_SAMPLES:
         return None
-    answer, basis, white = (found.series(v) for v in (found.answer, found.taken, found.noise))
-    mask = found.series(np.ones(len(found.noise)))
-    channels = range(found.noise.shape[1])
-    meat = sum(_meat(answer[:, k], basis[:, k], white[:, k], mask, found.freedom) for k in channels)
+    meat = np.sum([np.einsum("c,cij->ij", own.shares, own.covariances) for own in mixtures(found)], axis=0)
     return found.share * found.covariance(np.asarray(meat))
 
 
-def _seen(answer: Array, taken: Spectra, here: Array, pairs: Array, autocovariance: Array) -> tuple[Array, Array]:
-    """Effect of noise: |rfft|^2 of the residuals, B^T Gamma B; by B, rfft of C, samples and pairs so far apart."""
+class Mixture(NamedTuple):
+    """Noise of a channel as a mixture of noises: the autoregressive one, and slow ones."""
+
+    shares: Array  # shape (c,)
+    covariances: Array  # B^T Gamma B by each alone, shape (c, u, u)
+    spread: Array  # covariance of the shares: residuals are few, shape (c, c)
+    free: Array  # share of its power that the fit leaves at each frequency that counts, shape (f,)
+
+
+def _seen(
+    answer: Array, taken: Spectra, here: Array, pairs: Array, autocovariance: Array
+) -> tuple[Array, Array, Array]:
+    """Effect of noise: |rfft|^2 of the residuals, and of the noise; B^T Gamma B.
+
+    Args:
+        answer: B, as in `Turned`, shape (n, u).
+        taken: rfft of C at the frequencies that count, shape (f, u).
+        here: 1 where there is a sample, shape (n,).
+        pairs: number of pairs of samples that are so far apart, shape (n,).
+        autocovariance: of the noise, shape (n,).
+    """
     raw = 2.0 * rfft(pairs * autocovariance).real - pairs[0] * autocovariance[0]
     response = toeplitz(autocovariance, answer)
     meat = answer.T @ response
-    crossed = rfft(response * here[:, None], len(answer), axis=0)
-    return raw + np.sum((taken @ meat - 2.0 * crossed) * taken.conj(), axis=1).real, meat
+    crossed = rfft(response * here[:, None], len(answer), axis=0)[: len(taken)]
+    raw = raw[: len(taken)]
+    return raw + np.sum((taken @ meat - 2.0 * crossed) * taken.conj(), axis=1).real, raw, meat
 
 
-def _meat(answer: Array, basis: Array, noise: Array, mask: Array, freedom: float) -> Array:
-    """B^T Gamma B of a channel with the autocovariance from its residuals, shape (u, u); B and C as in `Turned`."""
-    length = len(noise)
+def mixtures(found: Turned) -> list[Mixture]:
+    """The noise of each channel by its residuals."""
+    answer, basis, white = (found.series(v) for v in (found.answer, found.taken, found.noise))
+    mask = found.series(np.ones(len(found.noise)))
     pairs = np.maximum(np.round(products(mask)), 0.0)
-    near = autoregressive(noise, mask, float(mask.sum()) / freedom)
-    taken = rfft(basis, axis=0)
-    components = [_seen(answer, taken, mask, pairs, c) for c in (near, *slow_noises(length))]
-    slow = max(len(components), int(SLOW * (length // 2)) + 1)
-    spectra = np.array([c[0] for c in components])[:, :slow]
-    shares = _shares(np.abs(rfft(noise)[:slow]) ** 2, spectra)
-    meat = np.einsum("c,cij->ij", shares, np.array([c[1] for c in components]))
-    return np.asarray((meat + meat.T) / 2.0)
+    channels = range(found.noise.shape[1])
+    return [_mixture(answer[:, k], basis[:, k], white[:, k], mask, pairs, found.freedom) for k in channels]
 
 
-def _shares(power: Array, expected: Array) -> Array:
-    """Shares of noises, of which each is expected to make some power, shape (c, f), that make the power likeliest."""
+def _mixture(answer: Array, basis: Array, noise: Array, mask: Array, pairs: Array, freedom: float) -> Mixture:
+    """The noise of a channel; B and C as in `Turned`."""
+    length = len(noise)
+    plain = memories(length)
+    slow = max(1 + len(plain), int(SLOW * (length // 2)) + 1)
+    taken, power = rfft(basis, axis=0)[:slow], np.abs(rfft(noise)[:slow]) ** 2
+    peaked, order = autoregressive(noise, mask, float(mask.sum()) / freedom)
+    components = [_seen(answer, taken, mask, pairs, c) for c in (*plain, peaked)]
+    left, whole, covariances = (np.array(each) for each in zip(*components, strict=True))
+    # Noises that the criterion asks for (Akaike 1974): those of short memories, and peaks, which none of these have.
+    shares, likelihood = np.zeros(len(left)), -np.inf
+    for count, cost in ((1 + MEMORIES, 0), (len(plain), len(plain) - 1 - MEMORIES), (len(left), order + 1)):
+        best, more = _shares(power, left[:count])
+        if more - likelihood > cost:
+            shares, likelihood = np.r_[best, np.zeros(len(left) - count)], more
+    floor = NOTHING * float(left.max())
+    free = np.clip((shares @ left) / np.maximum(shares @ whole, floor), 0.0, 1.0)
+    return Mixture(shares, covariances, _spread(shares, left, free), free)
+
+
+def _spread(shares: Array, expected: Array, free: Array) -> Array:
+    """Covariance of shares, shape (c, c), by Fisher's information.
+
+    None is known worse than by one independent number: of noises that leave no trace, as those slower than the run,
+    there may be as much as is estimated, or none, but not any amount.
+
+    Args:
+        shares: shape (c,).
+        expected: power that each noise leaves in the residuals, shape (c, f).
+        free: as in `Mixture`: where the fit takes all, a frequency says nothing, shape (f,).
+    """
+    left = np.maximum(shares @ expected, NOTHING * float(expected.max()))
+    part = shares[:, None] * np.maximum(expected, 0.0) / left
+    relative = np.linalg.inv((part * free) @ part.T + 0.5 * np.eye(len(shares)))
+    return np.asarray(shares[:, None] * relative * shares)
+
+
+def _shares(power: Array, expected: Array) -> tuple[Array, float]:
+    """Shares of noises, of which each is expected to make some power, shape (c, f), that make the power likeliest.
+
+    Returns:
+        The shares, shape (c,), and the logarithm of the likelihood.
+    """
     # By multiplicative steps that never lose likelihood (Fevotte and Idier 2011, Neural Comput. 23:2421, beta = 0).
     floor = NOTHING * float(expected.max())
     expected, power = np.maximum(expected, floor), np.maximum(power, floor)
@@ -128,14 +186,16 @@ def _shares(power: Array, expected: Array) -> Array:
     for _ in range(ROUNDS):
         total = np.maximum(shares @ expected, floor)
         shares = shares * np.sqrt((expected @ (power / total**2)) / (expected @ (1.0 / total)))
-    return np.asarray(shares)
+    total = np.maximum(shares @ expected, floor)
+    return np.asarray(shares), -float(np.sum(np.log(total) + power / total))
 
 
 MOST_ORDER = 30  # of the autoregressive model; behind the filter samples are a quarter of its shortest period apart
 MOST_ALIKE = 1.0 - 1e-6  # of reflection coefficients, so that no pole lies on the unit circle
 LEAST_SAMPLES = 20  # fewer show no spectrum; here intervals hold already, those of a kernel in four of five cases
 PER_ORDER = 16  # samples for each coefficient, at least: more follow what the fit took, dips of the spectrum
-MEMORIES = 6  # of slow noises: the run's length, a half, .. of it
+MEMORIES = 6  # of slow noises: the run's length, a half, .. of it; those below are short
+SHORTEST = 2.0  # samples that a noise remembers, next to which it is white
 
 
 def slow_noises(length: int) -> list[Array]:
@@ -144,8 +204,14 @@ def slow_noises(length: int) -> list[Array]:
     return [np.exp(-lags * 2.0**k / length) for k in range(MEMORIES)]
 
 
-def autoregressive(noise: Array, here: Array, scale: float) -> Array:
-    """Autocovariance of the autoregressive model of the order that Akaike's criterion chooses, shape (n,).
+def memories(length: int) -> list[Array]:
+    """Autocovariances of white noise, and of first-order noises of all memories up to a run of n steps, shape (n,)."""
+    lags, count = np.arange(length), max(MEMORIES, int(np.log2(max(length / SHORTEST, 1.0))) + 1)
+    return [(lags == 0) * 1.0, *(np.exp(-lags * 2.0**k / length) for k in range(count))]
+
+
+def autoregressive(noise: Array, here: Array, scale: float) -> tuple[Array, int]:
+    """Autocovariance of the autoregressive model whose order Akaike's criterion chooses, shape (n,), and the order.
 
     By Burg's recursion over stretches without gaps (de Waele and Broersen 2000, IEEE Trans. Signal Process. 48:2876),
     which is always stable.
@@ -174,7 +240,7 @@ def autoregressive(noise: Array, here: Array, scale: float) -> Array:
             best = (criterion, phi, variance)
     period = next_fast_len(8 * length, real=True)  # so long that what wraps around is little
     spectrum = scale * best[2] / np.abs(rfft(np.r_[1.0, -best[1]], period)) ** 2
-    return np.asarray(irfft(spectrum, period)[:length])
+    return np.asarray(irfft(spectrum, period)[:length]), len(best[1])
 
 
 def products(series: Array) -> Array:

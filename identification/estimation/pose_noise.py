@@ -109,7 +109,7 @@ def covariance_by_pose(found: Turned, struts: Array, residuals: Array | None = N
         return None
     noise, taken = found.noise[rows], independent(found.taken[rows])
     series, mask, scale = found.series(found.noise), found.series(np.ones(samples)), samples / found.freedom
-    near = np.mean([autoregressive(channel, mask, scale) for channel in series.T], axis=0)
+    near = np.mean([autoregressive(channel, mask, scale)[0] for channel in series.T], axis=0)
     memories = [near, *slow_noises(found.length)]
     lags = np.abs(found.places[rows][:, None] - found.places[rows])
     kernels = np.array([m[lags] for m in memories])

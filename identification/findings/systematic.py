@@ -10,27 +10,24 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from cases.schema import Case
-from cases.units import DEG, Array, Indices
-from identification.estimation.alternatives import Effect, Remainder, effects_of
+from cases.units import DEG, Array
+from identification.estimation.alternatives import Effect, effects_of
 from identification.finding import Finding, Kind, note, warning
 from identification.findings.clock import OddClock
 from identification.findings.drift import Drift, drift_of
 from identification.findings.left_out import LeftOut
 from identification.findings.noise_level import channel_words
+from identification.findings.remains import excerpt_of, free_basis, remainder_of
 from identification.parameters import offset_columns
 from identification.precision import with_deviation
-from identification.samples import Fitted, MotionOfSamples, Moving
-from identification.signals import fair_part
+from identification.samples import Fitted, MotionOfSamples
 
 CERTAIN = 1e-7  # chance below which an alternative is seen: some seventy are tried in each run
 SUSPICIOUS = 2e-3  # chance from which on it counts in the deviations
 PRIOR = 0.01  # odds of each alternative beforehand
 ROUNDS = 4  # alternatives that are taken in, at most
-EXCERPT = 0.25  # of `fair_part` of a long run, by which it is judged: enough for effects far below what matters
-FORGOTTEN = 100  # samples after which noise counts as independent
 
 
 class Seen(NamedTuple):
@@ -58,20 +55,14 @@ def systematic_of(fitted: Fitted, case: Case, odd: OddClock | None = None) -> Sy
     Args:
         odd: a clock that may be wrong, for which deviations are to allow.
     """
-    whole, (fitted, part) = fitted, _excerpt(fitted)
+    whole, (fitted, part) = fitted, excerpt_of(fitted)
     samples = fitted.samples
     motion = None if fitted.method.priors else samples.motion(fitted.at)
     if motion is None:
         return None
-    basis = block_diag(fitted.method.selection(samples.model).basis, np.eye(fitted.regression.nuisance))
-    regressors, residuals = fitted.regression.regressors @ basis, fitted.fit.residuals
-    coloured = isinstance(samples, Moving)
-    places = np.arange(len(samples.t))
-    if isinstance(samples, Moving):  # stretches between gaps are so far apart that noise is independent
-        places = np.r_[0, np.cumsum(np.minimum(np.diff(samples.places), FORGOTTEN))]
+    basis, residuals = free_basis(fitted), fitted.fit.residuals
     left_out = LeftOut.of(fitted, motion, case)
-    smooth = left_out.regressors(fitted.regression.names) @ basis
-    rest = Remainder.of(regressors, smooth, residuals, fitted.w, places, coloured=coloured, freedom=fitted.fit.freedom)
+    rest = remainder_of(fitted, left_out.regressors(fitted.regression.names))
     half, back = rest.half, np.linalg.inv(rest.root).T
     drift, bias, seen = drift_of(whole), np.zeros((basis.shape[1],) * 2), list[Seen]()
     if drift is not None:
@@ -109,23 +100,9 @@ def systematic_of(fitted: Fitted, case: Case, odd: OddClock | None = None) -> Sy
     return Systematic(tuple(seen), drift, bias, drives, rms, motion)
 
 
-def _excerpt(fitted: Fitted) -> tuple[Fitted, Indices]:
-    """A fit by a part of a long run that stands for it, and the samples that it is."""
-    count = len(fitted.fit.residuals)
-    part = fair_part(count, EXCERPT)
-    if len(part) == count:
-        return fitted, part
-    left_out = np.ones(count, dtype=bool)
-    left_out[part] = False
-    fit, regression = fitted.fit, fitted.regression
-    regression = regression._replace(regressors=regression.regressors[part], forces=regression.forces[part])
-    fit = replace(fit, residuals=fit.residuals[part], freedom=fit.freedom * len(part) / count)
-    return fitted._replace(samples=fitted.samples.without(left_out), regression=regression, fit=fit), part
-
-
 def _odds(chance: float) -> float:
     """Largest odds of an effect that would have a probability by chance (Sellke, Bayarri & Berger 2001)."""
-    return float(1.0 / (-np.e * chance * np.log(chance)))
+    return float(1.0 / (-np.e * chance * np.log(chance))) if chance < 1.0 / np.e else 1.0
 
 
 def allowed_for(fitted: Fitted, systematic: Systematic | None) -> Fitted:

@@ -34,6 +34,7 @@ from tests.bench.pose_errors import pose_error_rows
 from tests.bench.poses import pose_figures, pose_tables
 from tests.bench.programs import programs
 from tests.bench.robot import robot_figures
+from tests.bench.silent import silent_rows
 from tests.bench.single_moves import single_moves_rows
 from tests.bench.size import sizes
 from tests.bench.study import study_rows
@@ -124,6 +125,7 @@ def sections() -> Iterator[tuple[str, list[list[str]]]]:
     yield "Studies", study_rows()
     yield "Poses", pose_figures()
     yield "Reliability", [] if linuxcnc_missing() else under_load_rows()
+    yield "Wrong numbers without a word", silent_rows()
     yield "Limits of information", [*limits_of_information(), *single_moves_rows()]
 
 

@@ -1,8 +1,10 @@
 """Recorded runs of machines, sound or damaged, whose truth is known: what findings and deviations are judged by."""
 
+import copy
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import PPoly
@@ -13,6 +15,7 @@ from cases.units import Flags
 from identification.recording import Recording
 from tests.bench.machines.description import case_tables
 from tests.bench.machines.designed import DESIGNED
+from tests.bench.machines.drawn import drawn
 from tests.machines_in_numpy import Array, ChainPlant, HexapodPlant, Motion, Table, plant_of, tables_of
 
 REST = 0.35  # [s] at both ends of a run
@@ -34,9 +37,7 @@ class Machine:
     @property
     def noise(self) -> Array:
         """Standard deviation of each channel, as the case states it, shape (6,) [N, or N and N m]."""
-        simulation = self.tables["simulation"]
-        force = simulation["force_noise_N"]
-        return np.array([force] * 3 + [simulation.get("moment_noise_Nm", force)] * 3)
+        return _noise_of(self.tables["simulation"])
 
     @property
     def limits(self) -> tuple[Array, Array, Array, Array]:
@@ -67,6 +68,11 @@ class Machine:
         return truth_of(self.plant)
 
 
+def _noise_of(simulation: Table) -> Array:
+    force = simulation["force_noise_N"]
+    return np.array([force] * 3 + [simulation.get("moment_noise_Nm", force)] * 3)
+
+
 _SIX = np.array([1e-3] * 3 + [np.pi / 180.0] * 3)
 
 
@@ -90,12 +96,47 @@ def truth_of(plant: HexapodPlant | ChainPlant) -> dict[str, float]:
     return values
 
 
+HEXAPOD, CHAIN = "hexapod_", "chain_"  # before the seeds of drawn machines
+LENGTHS, LOADS, NOISES = (0.6, 1.5), (0.4, 2.5), (0.3, 3.0)  # of what a chain is drawn from, times what it has
+
+
 @cache
 def machine(name: str) -> Machine:
-    """A built-in machine, or one of the bench's hexapods, by name."""
-    tables = tables_of(name) if name in BUILT_IN else case_tables(name, DESIGNED[name])
+    """A built-in machine, one of the bench's hexapods, or a drawn one, by name: `hexapod_SEED`, `chain_SEED`."""
+    if name.startswith(HEXAPOD):
+        tables = case_tables(name, drawn(int(name.removeprefix(HEXAPOD))))
+    elif name.startswith(CHAIN):
+        tables = _drawn_chain(int(name.removeprefix(CHAIN)))
+    else:
+        tables = tables_of(name) if name in BUILT_IN else case_tables(name, DESIGNED[name])
     case = Case.model_validate(tables).found_at(name)
-    return Machine(name, tables, case, plant_of(tables), (BUILT_IN | DRAWN)[name])
+    return Machine(name, tables, case, plant_of(tables), (BUILT_IN | DRAWN).get(name, 500.0))
+
+
+def _drawn_chain(seed: int) -> Table:
+    """A robot or a table like a built-in one, with other links, another sensor, load, and noise."""
+    draw = np.random.default_rng(seed)
+
+    def times(low: float, high: float) -> float:
+        return float(np.exp(draw.uniform(np.log(low), np.log(high))))
+
+    tables: Any = copy.deepcopy(tables_of(str(draw.choice(["ur10_wrist", "five_axis_table"]))))
+    chain, simulation = tables["machine"]["chain"], tables["simulation"]
+    for joint in chain["joints"]:
+        if "origin_mm" in joint:
+            joint["origin_mm"] = [times(*LENGTHS) * v for v in joint["origin_mm"]]
+    chain["sensor"]["origin_mm"] = [times(*LENGTHS) * v for v in chain["sensor"]["origin_mm"]]
+    size, loudness = times(*LOADS), times(*NOISES)
+    body = simulation["parameters"]["body"]
+    body["mass_kg"] *= size
+    tables["nominal"]["mass_kg"] *= size
+    body["inertia_kg_m2"] = [size * v for v in body["inertia_kg_m2"]]
+    body["centre_of_gravity_mm"] = [v + float(draw.uniform(-20.0, 20.0)) for v in body["centre_of_gravity_mm"]]
+    simulation["parameters"]["offsets_N"] = [float(draw.normal(0.0, 10.0 * v)) for v in _noise_of(simulation)]
+    for table in (simulation, tables["sensors"]):
+        for key in ("force_noise_N", "moment_noise_Nm"):
+            table[key] *= loudness
+    return tables
 
 
 @dataclass(frozen=True)
