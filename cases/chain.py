@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
-from cases.machine import Frame, KeepOut, MotionLimits, Tool
+from cases.machine import Frame, KeepOut, MotionLimits, Tool, Workspace
 from cases.sensors import RigidBody
-from cases.tables import Number, Part, Positive, Range, Vector, frozen, kind_of, own_units, spelled
+from cases.tables import NonNegative, Number, Part, Positive, Range, Vector, frozen, kind_of, own_units, spelled
 from cases.units import DEG, MM, Array
 
 MOST_JOINTS = 12
@@ -287,8 +287,51 @@ class JointMotionLimits(Part):
         return JointMotionLimits.model_construct(joints=tuple(free))
 
 
+MOST_MARGIN = 10.0  # percent of a way at each of its ends
+ENDS = frozenset(
+    {f"{axis}_mm" for axis in "xyz"}
+    | {f"{axis}_deg" for axis in "abc"}
+    | {"strut_length_mm", "position_mm", "position_deg", "base_joint_angle_deg", "platform_joint_angle_deg"}
+)
+"""Keys of ends of ways in tables of limits."""
+PartWithEnds = TypeVar("PartWithEnds", MotionLimits, Workspace, JointLimit, Joint)
+
+
 Box = MotionLimits | JointMotionLimits
 """Limits of the coordinates of a machine: of a case, from home, all in SI."""
+
+
+class Margin(Part):
+    """What planned motions leave free before each end of a way: of axes, joints, lengths of struts, and boxes.
+
+    It is a share of the way, but not more than a length or an angle. The proof judges by the limits themselves.
+    """
+
+    travel_percent: Annotated[NonNegative, Field(le=MOST_MARGIN)] = 0.5
+    """Share of the way from one end to the other; 0 for no margin."""
+    most_mm: NonNegative = 1.0
+    """Largest margin of a length."""
+    most_deg: NonNegative = 0.1
+    """Largest margin of an angle: 0.1 degrees move a point at half a metre by 1 mm."""
+
+    def narrowed(self, table: PartWithEnds) -> PartWithEnds:
+        """A table in which all ends of ways have moved inwards."""
+        ends: dict[str, tuple[float, float] | float] = {}
+        for key in ENDS & table.model_fields_set:
+            value = getattr(table, key)
+            most = self.most_deg if key.endswith("_deg") else self.most_mm
+            if isinstance(value, float):  # an angle to any side
+                ends[key] = value - min(2.0 * value * self.share, most)
+            elif value is not None:
+                low, high = value
+                margin = min((high - low) * self.share, most)
+                ends[key] = low + margin, high - margin
+        return table.model_copy(update=ends)
+
+    @property
+    def share(self) -> float:
+        """Share of a way."""
+        return self.travel_percent / 100.0
 
 
 class Limits(Part):
@@ -296,6 +339,8 @@ class Limits(Part):
 
     motion: Annotated[Box, kind_of(JointMotionLimits, MotionLimits)]
     """Limits of moving excitations."""
+    margin: Margin = Margin()
+    """What planned motions leave free before each end of a way."""
 
 
 def joint_problems(chain: Chain, limits: JointMotionLimits) -> Iterator[str]:

@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import PrivateAttr, field_validator, model_validator
 
 from cases import doubts
-from cases.chain import Chain, JointMotionLimits, Limits, SerialMachine, joint_problems
+from cases.chain import Box, Chain, JointMotionLimits, Limits, SerialMachine, joint_problems
 from cases.controller import Controller, ControllerName, Settings, Sinumerik, TwinCat
 from cases.errors import ALSO, CaseError, printable
 from cases.files import check_file, toml_text, write_text
@@ -366,6 +366,24 @@ class Case(Heading):
         assert self.limits is not None  # asked of cases that plan
         limits = self.limits.model_copy(update={"motion": self.limits.motion.without_jerk()})
         return self.model_copy(update={"limits": limits})
+
+    def within_margin(self) -> "Case":
+        """The same with all ends of ways moved inwards by `limits.margin`: what searches keep. Proofs do not ask it."""
+        if self.limits is None:
+            return self
+        margin, motion = self.limits.margin, self.limits.motion
+        parts: dict[str, Part] = {}
+        if isinstance(motion, MotionLimits):
+            own: Box = margin.narrowed(motion)
+        else:
+            own = motion.model_copy(update={"joints": tuple(map(margin.narrowed, motion.joints))})
+        if isinstance(self.machine, SerialMachine):
+            joints = tuple(map(margin.narrowed, self.machine.chain.joints))
+            chain = self.machine.chain.model_copy(update={"joints": joints})
+            parts["machine"] = self.machine.model_copy(update={"chain": chain})
+        if self.workspace is not None:
+            parts["workspace"] = margin.narrowed(self.workspace)
+        return self.model_copy(update={**parts, "limits": self.limits.model_copy(update={"motion": own})})
 
     def need_machine(self, purpose: str) -> tuple[HexapodMachine, Workspace, MotionLimits]:
         """Hexapod, workspace and limits of motion; raises CaseError where the case lacks one, or has a chain."""

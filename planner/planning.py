@@ -85,6 +85,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
     listener(request)
     made_for = request.family.made_for(case)
     own, step_time = controlled(case, made_for)
+    own = own.within_margin()  # the proof of the winner asks the limits themselves
     results, interrupted = _explored(request, own, listener, run)
     explored = _without_failures(results)
     score = max((s.record.criterion_value for s in explored if s.record.refined), default=-np.inf)

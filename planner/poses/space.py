@@ -136,8 +136,17 @@ class JointSpace(Space):
 
 
 def space_of(case: Case) -> Space:
-    """The poses among which refinement searches; raises CaseError where the case lacks machine or poses."""
-    return PoseSpace.of(case) if case.chain is None else JointSpace.of(case)
+    """The poses among which refinement searches; raises CaseError where the case lacks machine or poses.
+
+    They keep `limits.margin`, but for the room of a platform, which the grid of the case may use to its ends.
+    """
+    if case.chain is not None:
+        return JointSpace.of(case.within_margin())
+    _, workspace, _ = case.need_machine("pose candidates")
+    inner = case.within_margin()
+    _, narrowed, _ = inner.need_machine("pose candidates")
+    room = {key: getattr(workspace, key) for key in ("x_mm", "y_mm", "z_mm")}
+    return PoseSpace.of(inner.model_copy(update={"workspace": narrowed.model_copy(update=room)}))
 
 
 def valid_poses(case: Case, poses: Array) -> NDArray[np.bool_]:
