@@ -4,7 +4,7 @@
 
     case = hx.load_case("hexapod")
     plan = hx.plan(case, hx.PointToPoint(moves=40), duration=12.0)
-    program = hx.write(plan, "linuxcnc", accept=("jerk", "strut acceleration"))
+    program = hx.write(plan, "sinumerik")
     recording = hx.run(program, case, on="virtual", seed=0)
     result = hx.identify(recording, case)
     result["m"].value, result["m"].reported

@@ -1,5 +1,6 @@
 """What a case limits, by kind and place, and how close a motion comes to it."""
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -79,6 +80,10 @@ KINETIC = (
 """Families of limits that depend on a motion's time law."""
 
 
+PLANNABLE_WITHOUT = (LimitKind.JERK,)
+"""Families of limits that a plan may leave out by name: some controllers cannot keep them, and machines bear that."""
+
+
 class OwnMove(StrEnum):
     """Moves that a controller times by itself: other names, so that predictions do not hide what is proven."""
 
@@ -149,9 +154,11 @@ class Status(StrEnum):
     """How a limit is ensured."""
 
     PROVEN = "proven"
+    FOLLOWS = "follows from what the controller enforces"
     ENFORCED = "enforced by controller"
     NOT_ENFORCED = "NOT enforced"
-    STEPS = "steps, not limited by controller"
+    LEFT_OUT = "left out, as planned"
+    STEPS = "steps, not limited by controller"  # of plans of versions up to 0.2, which had no such choice
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,9 +190,26 @@ class LimitCheck:
         return self.of.kind
 
     @property
-    def closeness(self) -> tuple[float, float]:
-        """How close it is to its limit, to compare two of one limit: by the share, and far from a box by the way."""
-        return self.ratio, -self.worst if self.kind.least else 0.0
+    def closeness(self) -> float:
+        """How close it is to its limit, to compare two of one limit: by the share, of least values by the value."""
+        return -self.worst if self.kind.least and math.isfinite(self.ratio) else self.ratio
+
+    @property
+    def two_sided(self) -> bool:
+        """Whether it lies between two ends of which one is not minus the other, as lengths of struts do."""
+        return self.bounds is not None and self.bounds[0] != -self.bounds[1]
+
+    @property
+    def room(self) -> float | None:
+        """What is left to the nearer end, or to the least value, in `unit`; below 0 beyond it; None of other limits.
+
+        There a share says nothing that a reader could compare: it is counted from a middle, or from far away.
+        """
+        if self.kind.least:
+            return self.worst - self.limit
+        if self.bounds is None or not self.two_sided:
+            return None
+        return min(self.worst - self.bounds[0], self.bounds[1] - self.worst)
 
     @property
     def kept(self) -> bool:
@@ -196,7 +220,7 @@ class LimitCheck:
         """One phrase with value and limit, and the time where it matters."""
         digits = next(d for d in range(4, 18) if f"{self.worst:.{d}g}" != f"{self.limit:.{d}g}" or d == 17)
         time_text = f" at {self.time:.3f} s" if timed else ""
-        if self.kind.least:
+        if self.kind.least or (self.two_sided and self.bounds is not None and self.limit == self.bounds[0]):
             return f"{self.name} falls to {self.worst:.{digits}g} {self.unit}{time_text}, at least {self.limit:.4g}"
         return f"{self.name} reaches {self.worst:.{digits}g} {self.unit}{time_text}, limit {self.limit:.4g}"
 
@@ -212,8 +236,9 @@ class LimitCheck:
         bounds, status, at = entry.get("bounds"), Status(entry["status"]), str(entry["at"])
         place = at.removeprefix(name).removeprefix(" (").removesuffix(")")
         worst, limit, ratio, time = (float(entry[key]) for key in ("worst", "limit", "ratio", "time_s"))
+        binding = status not in (Status.LEFT_OUT, Status.STEPS)
         return cls(
-            Limit.named(name), place, worst, limit, str(entry["unit"]), ratio, time, status, status is not Status.STEPS,
+            Limit.named(name), place, worst, limit, str(entry["unit"]), ratio, time, status, binding,
             None if bounds is None else (float(bounds[0]), float(bounds[1])),
         )  # fmt: skip
 

@@ -210,7 +210,7 @@ def worst_case(quantity: Quantity, t: Array) -> LimitCheck:
     """Where the largest share is used; `t` are the instants, shape (n,) [s]."""
     kind = quantity.of.kind
     column = int(np.argmax(quantity.ratio.max(axis=0)))
-    if kind.least and quantity.ratio[:, column].max() == 0.0:  # far from all of them: the nearest is told
+    if kind.least and np.isfinite(quantity.ratio).all():  # shares of two columns do not compare, values do
         column = int(np.argmin(quantity.values.min(axis=0)))
         row = int(np.argmin(quantity.values[:, column]))
     else:

@@ -68,12 +68,27 @@ def share_text(ratio: float, decimals: int = 2) -> str:
     return f"{100 * ratio:.{decimals}f} %" if ratio <= MOST_TIMES else "more than ten times"
 
 
+def efficiency_text(value: float, decimals: int = 3) -> str:
+    """A D-efficiency; one above 1 is that of a motion that exceeded the limits, or of a bound that is an estimate."""
+    if value <= 1.0:
+        return f"{value:.{decimals}f}"
+    return f"above 1 ({value:.{decimals}f}: more than inside the limits, by a bound that may be an estimate)"
+
+
 def bounds_text(check: "LimitCheck") -> str:
     """The limit, or both where there are two."""
     if check.bounds is None:
         return f"at least {check.limit:.4g}" if check.kind.least else f"{check.limit:.4g}"
     low, high = check.bounds
     return f"±{high:.4g}" if low == -high else f"{low:.4g} to {high:.4g}"
+
+
+def use_text(check: "LimitCheck", decimals: int = 2, unit: str = "") -> str:
+    """What is used of a limit; where a share cannot be compared with it, what is left to it, in `unit`."""
+    room = check.room
+    if room is None or not isfinite(room):
+        return share_text(check.ratio, decimals)
+    return f"{abs(room):.3g} {f'{unit} ' if unit else ''}{'left' if check.kept or room >= 0.0 else 'beyond'}"
 
 
 def carries_rods(names: Collection[str]) -> bool:
@@ -129,6 +144,6 @@ def limit_lines(checks: "Iterable[LimitCheck]") -> list[str]:
     for check in checks:
         proven = check.status == "proven"
         about, words = "" if proven else "~", "EXCEEDED" if proven and not check.kept else str(check.status)
-        share = f"{about}{share_text(check.ratio)}"
+        share = f"{about}{use_text(check)}"
         rows.append((check.name, f"{about}{check.worst:.4g}", bounds_text(check), check.unit, share, words))
     return aligned(*rows)

@@ -28,7 +28,7 @@ from cases.tables import own_units
 from cases.units import Array, Indices, as_html
 from identification.formats.clocks import lost_samples
 from identification.formats.table import Channel, Stream, told, unreadable
-from identification.precision import share_text
+from identification.precision import efficiency_text, share_text
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -144,7 +144,7 @@ def _of_run(record: Mapping[str, Any]) -> list[str]:
     excitation = f"excitation took {record['executed_s']:.3f} s of {record['planned_s']:.3f} s planned, strayed "
     excitation += f"{record['path_error_mm']:.3f} mm from the path"
     if record["d_efficiency"] is not None:
-        excitation += f", D-efficiency {record['d_efficiency']:.3f} as executed"
+        excitation += f", D-efficiency {efficiency_text(record['d_efficiency'])} as executed"
     return [
         f"executed on {record['controller']}; sensors and encoders are simulated",
         f"reached of the limits: {peaks}",

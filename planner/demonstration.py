@@ -5,16 +5,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from cases.controller import ControllerName
 from cases.files import DEMO, check_folder
 from cases.schema import Case
 from cases.units import as_html
 from identification.identify import identify
-from identification.limit import KINETIC
+from identification.limit import KINETIC, LimitKind
 from identification.model import full_model
 from identification.outcome import Result
+from identification.precision import efficiency_text
 from identification.recording import Recording
 from identification.simulate import truth_rows
 from planner.execution import best_controller, run
+from planner.families.ptp import steps_of
 from planner.families.settings import PointToPoint
 from planner.library import plan as motion
 from planner.plan_program import usual_dialect, write
@@ -59,7 +62,8 @@ def demo(
     Args:
         case: case with a simulated machine.
         folder: folder to make: plan, program, recording and result are written there, one after the other.
-        on: controller: virtual or linuxcnc; by default LinuxCNC if it is installed and the program is for it.
+        on: controller: virtual, or linuxcnc, for which moves are planned without jerk; by default virtual, with the
+            first program of the case that keeps all limits.
         seed: seed of the starts and of the sensors' noise.
         starts: number of random starts; one is enough for a demo.
         progress: shows a line as each step ends.
@@ -70,15 +74,17 @@ def demo(
     place = Path(folder)
     case.need_simulation("the demo")
     check_folder(place, DEMO, overwrite=True)
-    language = dialect(usual_dialect(case))
-    best, reason = best_controller(language.name)
-    family = PointToPoint(controller=language.name)
+    # All limits are kept unless a real controller is asked for that cannot keep them.
+    language = dialect(ControllerName.LINUXCNC if on == ControllerName.LINUXCNC else usual_dialect(case))
+    best, reason = best_controller(language.name) if steps_of(case, language.name) else (ControllerName.VIRTUAL, "")
+    steps = steps_of(case, language.name) > 0.0
+    family = PointToPoint(controller=language.name, without=LimitKind.JERK if steps else None)
     motion(case, family, starts=starts, seed=seed).save(place / "plan", overwrite=True)
     plan = Plan.load(place / "plan", case)
     worth = plan.of_motion[1]
     progress(
-        f"plan: {plan.family} of {plan.duration:.3g} s for {language.name}, D-efficiency {worth.d_efficiency:.3f} "
-        f"against the bound ({worth.bound.label}), found in {plan.solve_s:.0f} s"
+        f"plan: {plan.family} of {plan.duration:.3g} s for {language.name}{', without jerk' if steps else ''}, "
+        f"D-efficiency {worth.d_efficiency:.3f} against the bound ({worth.bound.label}), found in {plan.solve_s:.0f} s"
     )
     program = write(plan, language.name, accept=KINETIC, file=place / f"excitation{language.suffix}")  # no metal moves
     program.save(program.path, overwrite=True)
@@ -87,10 +93,11 @@ def demo(
     recording = run(program, case, on or best, seed=seed)
     recording.save(place / "recording", overwrite=True)
     record = recording.record
+    where = "as asked" if on is not None else reason or f"in place of {program.proof.controller}"
     progress(
-        f"run: on {record['controller']} ({reason if on is None else 'as asked'}), {record['executed_s']:.3f} s of "
+        f"run: on {record['controller']} ({where}), {record['executed_s']:.3f} s of "
         f"{record['planned_s']:.3f} s planned, {record['path_error_mm']:.3f} mm from the path, D-efficiency "
-        f"{record['d_efficiency']:.3f} as executed"
+        f"{efficiency_text(record['d_efficiency'])} as executed"
     )
     result = identify(Recording.load(place / "recording"), case, full_model(case))
     result.save(place / "result", overwrite=True)

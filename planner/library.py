@@ -41,6 +41,7 @@ class PoseSettings(TypedDict, total=False):
     model: int  # the largest of the machine unless given
     candidates: int | None
     seed: int
+    without: str | None
 
 
 def plan(

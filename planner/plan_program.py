@@ -13,7 +13,7 @@ from cases.errors import CaseError, HexciteError, ProgramError
 from cases.scaffold import readiness
 from cases.schema import Case
 from identification.trajectories.moves import has_steps
-from planner.families.ptp import controlled
+from planner.families.ptp import steps_of
 from planner.plan_folder import DIGITS
 from planner.plans import Plan
 from planner.request import Request
@@ -37,7 +37,8 @@ def write(
     Args:
         plan: a motion or poses.
         dialect: the controller's language: one of `DIALECTS`; by default that of the suffix of
-            `file`, else that of the controller that the plan was made for, else the first with settings in the case.
+            `file`, else that of the controller that the plan was made for, else the first with settings in the case
+            whose controller keeps what the plan keeps.
         speed: share of the planned speed; 0.1 for a first try.
         accept: limits that the controller does not enforce and that the caller answers for, such as
             `("jerk", "sensor force")`, or one.
@@ -63,13 +64,14 @@ def write(
         language.start,
     )
     accepted = (accept,) if isinstance(accept, str) else accept
-    program = proven_program(plan.motion, plan.case, language, path, header, speed, accepted)
+    without = plan.without if steps_of(plan.case, language.name) else ()
+    program = proven_program(plan.motion, plan.case, language, path, header, speed, accepted, without)
     return replace(program, remarks=tuple(plan.stale))
 
 
 def _require_law(plan: Plan, dialect_name: str) -> None:
     """Refuses moves with steps of acceleration for a controller that limits jerk: none would last as planned."""
-    if has_steps(plan.motion) and not controlled(plan.case, dialect_name)[1]:
+    if has_steps(plan.motion) and not steps_of(plan.case, dialect_name):
         place = str(plan.folder or plan.name)
         raise HexciteError(
             place,
@@ -85,17 +87,22 @@ def language_of(plan: Plan, dialect: str | None, file: Path | str | None = None)
         return dialect_named(dialect)
     if file is not None:
         return dialect_of_file(str(file))
-    made_for = plan.settings.get("made_for")
+    made_for, steps = plan.settings.get("made_for"), bool(plan.without)
     path = isinstance(plan.request, Request) and not plan.request.family.of_moves
-    return DIALECTS[made_for] if made_for in DIALECTS else dialect_named(usual_dialect(plan.case, path))
+    return DIALECTS[made_for] if made_for in DIALECTS else dialect_named(usual_dialect(plan.case, path, steps))
 
 
-def usual_dialect(case: Case, path: bool = False) -> str:
-    """The first language whose settings the case has; a path in a machine's own axes is written as a table alone."""
+def usual_dialect(case: Case, path: bool = False, steps: bool = False) -> str:
+    """The first language whose settings the case has: of a controller that limits jerk, or steps, as is asked for.
+
+    A path in a machine's own axes is written as a table alone.
+    """
     ready = {command for command, missing in readiness(case).items() if not missing}
     own_axes = path and not case.need_motion("a program")[1].of_pose
     names = [name for name, language in DIALECTS.items() if language.same is not None or not own_axes]  # tables have it
-    return next((name for name in names if f"post --dialect {name}" in ready), ControllerName.LINUXCNC)
+    able = [name for name in names if f"post --dialect {name}" in ready]
+    fitting = (name for name in able if (steps_of(case, name) > 0.0) is steps)
+    return next(fitting, able[0] if able else ControllerName.LINUXCNC)
 
 
 _IN_PROGRAM = re.compile(rb"plan hash ([0-9a-f]{%d})" % DIGITS)

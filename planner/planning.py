@@ -11,6 +11,7 @@ import numpy as np
 
 from cases.errors import IdentificationError, InfeasiblePlan, Interrupted
 from cases.schema import Case
+from identification.limit import LimitKind
 from identification.limit_proof import PROOF_RATE, prove
 from identification.model import identification_model, machine_of
 from identification.motion import Array
@@ -108,6 +109,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
     motion = best.family.motion(keep_limits(own, best.family, best.unknowns, PROOF_RATE)[0])
     report = with_steps(prove(motion, case), step_time)
     settings = {**best.family.settings, **({} if made_for is None else {"made_for": made_for})}
+    settings |= {} if not step_time else {"without": LimitKind.JERK}
     return PlannedMotion(motion, settings, report, tuple(starts), failed, interrupted)
 
 

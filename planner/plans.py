@@ -13,7 +13,7 @@ from cases.errors import HexciteError
 from cases.files import PLAN, atomic_folder, check_folder, json_text
 from cases.schema import Case
 from cases.units import DEG, MM, as_html
-from identification.limit import LimitReport, Status
+from identification.limit import PLANNABLE_WITHOUT, LimitKind, LimitReport, Status
 from identification.model import identification_model
 from identification.motion import Array, Joined, Motion, Standstill, Trajectory, sample
 from identification.parameters import physical_form
@@ -23,8 +23,8 @@ from identification.precision import (
     legible,
     limit_lines,
     parameter_words,
-    share_text,
     std_text,
+    use_text,
 )
 from planner.families import Settings
 from planner.plan_figures import PoseWorth, Worth, bound_by
@@ -97,6 +97,11 @@ class Plan:
     def name(self) -> str:
         """Name of its folder, or of case and family."""
         return f"{self.case.name}-{self.family}" if self.folder is None else self.folder.resolve().name
+
+    @property
+    def without(self) -> tuple[LimitKind, ...]:
+        """Families of limits of the case that it leaves out, as was asked for."""
+        return tuple(kind for kind in PLANNABLE_WITHOUT if kind == self.settings.get("without"))
 
     @property
     def fingerprint(self) -> str:
@@ -217,7 +222,8 @@ class Plan:
         """What it is, in a line."""
         subject = f"{len(self.poses)} poses" if isinstance(self.worth, PoseWorth) else f"{self.family} motion"
         criterion = f"criterion {self.request.criterion}, model {self.model}"
-        return f"Plan for {self.case.name}: {subject}, {self.duration:.2f} s, {criterion}"
+        left_out = f", without {', '.join(self.without)}" if self.without else ""
+        return f"Plan for {self.case.name}: {subject}, {self.duration:.2f} s, {criterion}{left_out}"
 
     def _verdict(self) -> list[str]:
         efficiency, measure = self.rating
@@ -225,8 +231,9 @@ class Plan:
 
     def __repr__(self) -> str:
         """A few lines: the excitation, the limits that it uses most, and its rating."""
-        most = sorted(self.limits.checks, key=lambda c: -c.ratio)[:3]
-        used = ", ".join(f"{c.name} {share_text(c.ratio)}" for c in most)
+        counted = (c for c in self.limits.checks if c.binding)
+        most = sorted(counted, key=lambda c: (c.room is not None, -c.ratio))[:3]
+        used = ", ".join(f"{c.name} {use_text(c, unit=c.unit)}" for c in most)
         return "\n".join([self.headline, f"limits most used: {used}", *self._verdict()])
 
     def __str__(self) -> str:

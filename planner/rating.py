@@ -1,11 +1,16 @@
 """The plan of the motion from a search: its figures, and notes for the user."""
 
+import math
 from typing import NamedTuple
 
+import numpy as np
+
 from cases.schema import Case
-from identification.limit import LimitReport, Status
+from identification.criteria import Criterion
+from identification.limit import LimitKind, LimitReport, Status
 from identification.model import identification_model
-from identification.motion import Trajectory
+from identification.motion import Joined, Trajectory
+from identification.trajectories.moves import StraightMove, fastest_profile, limits_along
 from planner.bounds.information_limit import information_limit
 from planner.families import Settings
 from planner.plan_figures import Worth, figures_of
@@ -14,6 +19,7 @@ from planner.request import Request
 from planner.search import Failed
 from planner.search.solving import DRAWN_BACK, Start
 
+_OTHERWISE = {"ptp": "fewer --moves", "fourier": "--free-period", "spline": "--family ptp"}  # by family
 FULL = 0.9  # share of a limit that a good motion uses of at least one
 
 
@@ -39,18 +45,25 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
     """
     model, motion = identification_model(case, request.model), planned.motion
     figures, noise, predicted = figures_of(case, model, motion, request.payloads, request.criterion)
+    bound, smooth = information_limit(case, model).raised(figures["logdet"]), None
+    if planned.settings.get("without") == LimitKind.JERK and isinstance(motion, Joined):
+        within = with_jerk_limited(motion, case)
+        smooth = (
+            within.duration,
+            bound.efficiency(figures_of(case, model, within, request.payloads, request.criterion)[0]["logdet"]),
+        )
     worth = Worth(
         starts=tuple(start.record for start in planned.starts),
         failed_starts=planned.failed,
         criterion_value=figures["criterion_value"],
         logdet=figures["logdet"],
         condition=figures["condition"],
-        bound=information_limit(case, model),
+        bound=bound,
         assumed_noise_of_channels=tuple(noise.std.tolist()),
         noise_of_accelerations=noise.shaken,
         weights=noise.weights,
-        weaknesses=weaknesses(planned, case),
-        notes=notes(planned),
+        weaknesses=weaknesses(planned, request),
+        notes=(*notes(planned, smooth), *search_notes(planned, request, len(model.names))),
     )
     return Plan(
         case, request, motion, planned.limits, predicted, noise.sensors, case.recording.rate_Hz, worth,
@@ -58,13 +71,16 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
     )  # fmt: skip
 
 
-def weaknesses(planned: PlannedMotion, case: Case) -> tuple[str, ...]:
+def weaknesses(planned: PlannedMotion, request: Request) -> tuple[str, ...]:
     """Reasons why another plan would carry more information, each with a remedy; the first thing that a user reads."""
     words = []
     refined = [s.record for s in planned.starts if s.record.refined]
-    if refined and not planned.interrupted and not refined[0].converged:
+    unfinished = bool(refined) and not planned.interrupted and not refined[0].converged
+    if unfinished and request.starts is not None:  # a search that ends by itself has tried further starts
+        tried = "the only start" if request.starts == 1 else f"the best of {request.starts} starts"
         words.append(
-            f"the search had not converged where it ended ({refined[0].solver.words}): more --starts may find more"
+            f"{tried} had not converged ({refined[0].solver.words}): without --starts the search goes on until further "
+            "starts gain little"
         )
     if planned.starts and (share := planned.starts[0].shrunk) < DRAWN_BACK:
         words.append(
@@ -74,21 +90,58 @@ def weaknesses(planned: PlannedMotion, case: Case) -> tuple[str, ...]:
     checks = [c for c in planned.limits.checks if c.binding and c.kind.kinetic]
     if planned.starts and checks and (most := max(checks, key=lambda c: c.ratio)).ratio < FULL:
         words.append(
-            f"no limit of speed or force is used beyond {100 * most.ratio:.0f} % ({most.name}): another --seed, "
-            "more --starts or a smaller box may find more"
+            f"no limit of speed or force is used beyond {100 * most.ratio:.0f} % ({most.name}): the ways are short for "
+            f"these speeds; widen [limits.motion], or try {_OTHERWISE[request.name]}"
         )
     return tuple(words)
 
 
-def notes(planned: PlannedMotion) -> tuple[str, ...]:
-    """Notes that a user acts on before the plan is run."""
+def search_notes(planned: PlannedMotion, request: Request, parameters: int) -> tuple[str, ...]:
+    """How close the best starts are where a search for criterion D ended by itself; none of one that was told when.
+
+    Args:
+        parameters: their number u.
+    """
+    values = [s.record.logdet for s in planned.starts if s.record.refined]
+    if request.criterion != Criterion.D or request.starts is not None or planned.interrupted or len(values) < 2:
+        return ()
+    loss = -math.expm1((values[1] - values[0]) / parameters)
+    return (
+        f"the best of {len(values)} starts, the next one has {100 * loss:.1f} % less information: the search ended "
+        "where further starts gain little",
+    )
+
+
+def with_jerk_limited(motion: Joined, case: Case) -> Joined:
+    """The same moves as fast as the limits of all coordinates allow, jerk among them."""
+    limits = case.need_motion("a plan")[1]
+    moves: list[Trajectory] = []
+    for move in motion.parts:
+        if isinstance(move, StraightMove):
+            along = limits_along(np.abs(move.end - move.start), limits.rate, limits.acceleration, limits.jerk)
+            moves.append(StraightMove(move.start, move.end, fastest_profile(1.0, *along)))
+        else:
+            moves.append(move)
+    return Joined(tuple(moves))
+
+
+def notes(planned: PlannedMotion, smooth: tuple[float, float] | None = None) -> tuple[str, ...]:
+    """Notes that a user acts on before the plan is run.
+
+    Args:
+        smooth: duration [s] and D-efficiency of the same moves with limited jerk, where the plan leaves it out.
+    """
     settings, words = planned.settings, []
-    if steps := [c for c in planned.limits.checks if c.status is Status.STEPS]:
+    if steps := [c for c in planned.limits.checks if c.status is Status.LEFT_OUT]:
         limits = ", ".join(f"{abs(c.limit):.4g} {c.unit}" for c in steps)
         words.append(
             f"made for {settings.get('made_for')}, which does not limit jerk: accelerations step, and the limits of "
-            f"jerk of the case ({limits}) do not count"
+            f"jerk of the case ({limits}) are left out, as asked for"
         )
+        if smooth is not None:
+            words.append(
+                f"with limited jerk the same moves take {smooth[0]:.3g} s, at a D-efficiency of {smooth[1]:.3f}"
+            )
     tried = {(s["order"], s["period_s"]) for s in (start.family.settings for start in planned.starts) if "order" in s}
     if len(tried) > 1:
         chosen = f"order {settings['order']} with period {settings['period_s']:g} s"

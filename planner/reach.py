@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from cases.schema import Case
-from identification.limit import TOLERANCE
+from identification.limit import TOLERANCE, LimitCheck
 from identification.limit_proof import everything, prove_at, shares_at
 from identification.motion import Array, StandingPoses
 
@@ -25,18 +25,19 @@ class Reach:
     share: float  # share of the box's volume that is reachable, from random poses
     share_std: float  # its standard error
     poses: int  # number of these poses
-    worst: float  # largest share of a limit at these, in the corners and middles; above 1 out of reach
-    worst_limit: str  # name of that limit
+    worst: LimitCheck  # the limit that comes closest, or is exceeded most, at these, in the corners and middles
     exceeded: dict[str, float]  # limit -> share of the random poses that exceed it
 
     @property
     def whole(self) -> bool:
         """Whether no pose of the box was found out of reach."""
-        return self.worst <= 1.0 + TOLERANCE
+        return self.worst.ratio <= 1.0 + TOLERANCE
 
     def to_json(self) -> dict[str, Any]:
         """Shares and limits."""
-        worst = {"limit": self.worst_limit, "ratio": self.worst}
+        of = self.worst
+        worst = {"limit": of.name, "ratio": of.ratio, "worst": of.worst, "allowed": of.limit, "unit": of.unit}
+        worst |= {} if of.bounds is None else {"bounds": list(of.bounds)}
         shares = {"share": self.share, "share_std": self.share_std, "poses": self.poses, "whole": self.whole}
         return shares | {"worst": worst, "exceeded": self.exceeded}
 
@@ -64,8 +65,7 @@ def reach(case: Case, count: int = POSES) -> Reach:
         share=inside / count,
         share_std=float(np.sqrt(estimate * (1 - estimate) / count)),
         poses=count,
-        worst=worst.ratio,
-        worst_limit=worst.name,
+        worst=worst,
         exceeded={name: share for name, share in shares.items() if share > 0.0},
     )
 

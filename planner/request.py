@@ -10,7 +10,13 @@ from cases.errors import HexciteError, choice
 from cases.sensors import payload_words
 from identification.criteria import Criterion
 from identification.precision import legible
-from planner.families.settings import FAMILIES, FamilySettings, PointToPoint, family_class
+from planner.families.settings import (
+    FAMILIES,
+    FamilySettings,
+    PointToPoint,
+    family_class,
+    require_plannable_without,
+)
 
 OWNERS = {setting.name: name for name, kind in FAMILIES.items() for setting in fields(kind)}
 """Settings of one family alone, and its name."""
@@ -163,18 +169,20 @@ class PoseRequest:
     model: int = 5  # number in Table 2, 0 to 5
     candidates: int | None = None  # quasi-random candidates; None: the grid of the case
     seed: int = 0  # seed of these candidates
+    without: str | None = None  # jerk, where the controller of the moves between poses does not limit it; None for none
     name: ClassVar[str] = "poses"  # in place of that of a family
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json` that say what was asked for, beside criterion and model."""
-        entries = {"count": self.count, "candidates": self.candidates}
+        entries = {"count": self.count, "candidates": self.candidates, "without": self.without}
         return {"method": self.method, "seed": self.seed, "asked": entries}
 
     @classmethod
     def of_json(cls, data: Mapping[str, Any]) -> "PoseRequest":
         """From `plan.json`; raises KeyError, TypeError, ValueError or HexciteError where an entry is damaged."""
         asked, model, seed = data["asked"], int(data["model"]), int(data["seed"])
-        return cls(Criterion(data["criterion"]), asked["count"], data["method"], model, asked["candidates"], seed)
+        criterion, without = Criterion(data["criterion"]), asked.get("without")  # which older plans do not have
+        return cls(criterion, asked["count"], data["method"], model, asked["candidates"], seed, without)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "criterion", Criterion(self.criterion))
@@ -183,6 +191,7 @@ class PoseRequest:
             raise HexciteError(f"method {self.method!r} is unknown; choose {choice}")
         if self.method in ("all", "given") and self.count is not None:
             raise HexciteError(f"method {self.method} measures every pose; leave --count out, or choose another method")
+        require_plannable_without(self.without)
         require_seed(self.seed)
 
     def wanted(self, available: int, parameters: int) -> int:

@@ -1,8 +1,9 @@
 """Programs and the languages of controllers: functions that write and read them, and the controllers' guarantees."""
 
+import re
 from collections import Counter
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from cases.errors import FileProblem, HexciteError, ProgramError, choice
 from cases.files import atomic_file, check_file, read_whole
 from cases.schema import Case
 from cases.units import as_html
+from identification.limit import PLANNABLE_WITHOUT, LimitKind
 from identification.precision import limit_lines
 from postprocessors.blocks import Blocks
 from postprocessors.joint_trajectory import require_same_trajectory, write_joint_trajectory
@@ -190,6 +192,20 @@ class Program:
     _repr_html_ = as_html
 
 
+_LEAVES_OUT = re.compile(rb"^[;#(\- ]*leaves out as planned: ([a-z]+(?:, [a-z]+)*)", re.MULTILINE)
+
+
+def leaving_out(families: Collection[str]) -> tuple[str, ...]:
+    """The line of a program's header that names what its plan leaves out; none where it leaves nothing out."""
+    return (f"leaves out as planned: {', '.join(families)}",) if families else ()
+
+
+def left_out(content: bytes) -> frozenset[LimitKind]:
+    """Families of limits that a program says its plan leaves out."""
+    names = {name.decode() for line in _LEAVES_OUT.findall(content) for name in line.split(b", ")}
+    return frozenset(kind for kind in PLANNABLE_WITHOUT if kind in names)
+
+
 MOST_PROGRAM = 1 << 29  # bytes of a program that is read; those of the longest motions stay far below
 
 
@@ -210,4 +226,5 @@ def read_program(file: Path | str, case: Case, name: str | None = None) -> Progr
     except FileProblem as error:
         raise ProgramError(path, 0, 0, f"{error.problem}; name a program file") from error
     reading = spoken.read(content, str(path), case)
-    return Program(path, spoken, content, reading, spoken.guarantees(reading, case), case)
+    guarantees = replace(spoken.guarantees(reading, case), without=left_out(content))
+    return Program(path, spoken, content, reading, guarantees, case)

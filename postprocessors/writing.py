@@ -11,10 +11,11 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limit_proof import slowed_for_forces
 from identification.motion import Array, Joined, Standstill, Trajectory
+from identification.precision import bounds_text
 from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import CircularMove, StraightMove
 from postprocessors.blocks import Block, Blocks, TimedPath, ToHome, Trigger, timed_path
-from postprocessors.dialects import Dialect, Program
+from postprocessors.dialects import Dialect, Program, leaving_out, left_out
 from postprocessors.proving.proof import ProgramProof, prove_program, remarks
 from postprocessors.reading import Reading, Stretch, Timed, Untimed
 
@@ -31,6 +32,7 @@ def proven_program(
     header: tuple[str, ...],
     speed: float = 1.0,
     accepted: Collection[str] = (),
+    without: Collection[str] = (),
 ) -> Program:
     """Writes a program and proves what it wrote.
 
@@ -41,6 +43,7 @@ def proven_program(
         header: comment lines; the proven limits are added to them.
         speed: share of the planned speed, above 0 and at most 1.
         accepted: families of limits that may stay without enforcement.
+        without: families of limits that the plan leaves out; the header says so, and the proof reads it there.
 
     Raises:
         ProgramError: the text, as read back, is not the planned motion, exceeds a limit, or relies on one that nobody
@@ -48,9 +51,11 @@ def proven_program(
         CaseError: the case has no machine or no controller.
     """
     path = Path(file)
+    header = (*header, *leaving_out(without))
     program = dialect.prepare(excitation_program(trajectory, case, speed), case)
-    reading = dialect.read(dialect.write((*header, *program), case), str(path), case)
-    guarantees = dialect.guarantees(reading, case)
+    text = dialect.write((*header, *program), case)
+    reading = dialect.read(text, str(path), case)
+    guarantees = replace(dialect.guarantees(reading, case), without=left_out(text))
     proof = prove_program(reading, guarantees)
     proof.require_accepted(accepted)
     if dialect.same is None:
@@ -65,12 +70,15 @@ def proven_program(
     return Program(path, dialect, content, again, guarantees, case, proven=proven)
 
 
+PLUS_MINUS, PLAIN = "±", "+-"  # headers are plain ASCII
+
+
 def _findings(proof: ProgramProof) -> tuple[str, ...]:
     """Lines of the header on the proof, which claim no more than was proven."""
     lines = [f"duration {proof.duration:.3f} s, excitation {proof.excitation:.3f} s", f"limits: {proof.verdict}"]
     for check in proof.limits.checks:
-        text = f"{100 * check.ratio:.1f} % of {check.limit:.5g} {check.unit}"
-        lines.append(f"{check.name}: {text}, {check.status}{'' if check.binding else ' (predicted)'}")
+        text = f"{check.worst:.5g} {check.unit}, allowed {bounds_text(check).replace(PLUS_MINUS, PLAIN)}"
+        lines.append(f"{check.name}: {text}; {check.status}{'' if check.binding else ' (predicted)'}")
     return tuple(lines)
 
 

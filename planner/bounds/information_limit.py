@@ -6,7 +6,7 @@ It is that of the D-optimal approximate design over the motion box of pose, rate
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from math import isfinite
 from time import process_time
 
@@ -46,8 +46,18 @@ class Bound:
     design_logdet: float  # log det F of the design that was found; the best lies between it and the bound
 
     def efficiency(self, logdet: float) -> float:
-        """D-efficiency of a motion with this log det of its mean information, between 0 and 1."""
+        """D-efficiency of a motion with this log det of its mean information, between 0 and 1 inside the limits."""
         return float(np.exp((logdet - self.logdet) / self.parameters))
+
+    def raised(self, logdet: float) -> "Bound":
+        """The bound, of which a motion inside the limits with this log det of its information is a witness.
+
+        An estimate may lie below what a motion has; then it is not a bound, and the motion is.
+        """
+        if logdet <= self.logdet:
+            return self
+        known = self.certified and logdet - self.logdet <= GAP * self.parameters  # the rounding of its search
+        return replace(self, logdet=logdet, certified=known, method=f"{self.method}; raised to a motion that has more")
 
     def __repr__(self) -> str:
         """A few lines: how it was found, the best design, and the bound."""

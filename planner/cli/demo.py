@@ -11,7 +11,9 @@ from planner.cli.console import Json, Overwrite, answered, option, out
 
 def demo(
     case: Annotated[str, option("Built-in name, folder or case file, with a simulated machine.")] = "hexapod",
-    on: Annotated[str | None, option("Controller: virtual or linuxcnc; by default LinuxCNC if installed.")] = None,
+    on: Annotated[
+        str | None, option("Controller: virtual, which keeps all limits, or linuxcnc, which cannot keep jerk.")
+    ] = None,
     seed: Annotated[int, option("Seed of the starts and of the sensors' noise.")] = 0,
     starts: Annotated[int, option("Number of random starts; one is enough for a demo.")] = 1,
     output: Annotated[Path | None, out("Folder for everything; hexcite-demo by default.")] = None,

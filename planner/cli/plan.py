@@ -43,6 +43,13 @@ def plan(
             "--for",
         ),
     ] = None,
+    without: Annotated[
+        str | None,
+        option(
+            "ptp: jerk, which linuxcnc and urscript do not limit: moves with steps of acceleration, if the machine "
+            "bears them."
+        ),
+    ] = None,
     knots: Annotated[int | None, option("spline: intervals, 20 to 150; by default ten a second, 150 at most.")] = None,
     sequence: Annotated[
         Path | None, option("manual: TOML file of steps or CSV of poses; by default the case's manual.toml.")

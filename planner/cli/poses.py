@@ -20,6 +20,13 @@ def poses(
         int | None, option("Quasi-random candidates; by default the grid of the case, of a chain 2048.")
     ] = None,
     seed: Annotated[int, option("Seed of the sample.")] = 0,
+    without: Annotated[
+        str | None,
+        option(
+            "jerk, which linuxcnc and urscript do not limit: moves with steps of acceleration, if the machine bears "
+            "them."
+        ),
+    ] = None,
     output: Annotated[Path | None, out("Folder to write; named after the case by default.")] = None,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
@@ -45,6 +52,7 @@ def poses(
             model=static_model(loaded) if model is None else model,
             candidates=candidates,
             seed=seed,
+            without=without,
         )
     with console.status("writing", json):
         console.save_with_page(plan, PLAN, folder, overwrite)

@@ -88,6 +88,7 @@ def answer_of_program(program: "hx.Program") -> dict[str, Any]:
         "excitation_s": proof.excitation,
         "verdict": proof.verdict,
         "relies_on": list(proof.relies_on),
+        "without": list(proof.without),
         "remarks": list(program.remarks),
         "limits": proof.limits.to_json(),
     }
@@ -121,6 +122,7 @@ def answer_of_proof(program: "hx.Program") -> dict[str, Any]:
         "ok": proof.ok,
         "verdict": proof.verdict,
         "relies_on": list(proof.relies_on),
+        "without": list(proof.without),
         "violations": [v._asdict() for v in proof.exceeded],
         "duration_s": proof.duration,
         "remarks": [*proof.remarks, *([other] if other else [])],

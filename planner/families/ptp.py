@@ -297,6 +297,18 @@ def _largest_way(limits: Array, duration: float) -> float:
     return small
 
 
+def steps_of(case: Case, controller: str | None) -> float:
+    """The time within which accelerations step where a controller executes moves; 0 where it limits the jerk [s].
+
+    Args:
+        controller: name of a dialect, or virtual; None for none.
+    """
+    if controller in (None, ControllerName.VIRTUAL):  # which has the law of the program's own controller
+        return 0.0
+    guarantees = dialect(controller).guarantees(Reading(controller, (), 0), case)
+    return 0.0 if limits_jerk(guarantees.law) else guarantees.jerk_time
+
+
 def controlled(case: Case, controller: str | None) -> tuple[Case, float]:
     """A case as a controller executes point-to-point moves.
 
@@ -307,10 +319,8 @@ def controlled(case: Case, controller: str | None) -> tuple[Case, float]:
         The case with the limits that count: those of jerk do not where the controller knows none; and the time within
         which its accelerations step, 0 where it limits the jerk [s].
     """
-    if controller in (None, ControllerName.VIRTUAL):  # which has the law of the program's own controller
-        return case, 0.0
-    guarantees = dialect(controller).guarantees(Reading(controller, (), 0), case)
-    return (case, 0.0) if limits_jerk(guarantees.law) else (case.without_jerk(), guarantees.jerk_time)
+    steps = steps_of(case, controller)
+    return (case.without_jerk(), steps) if steps else (case, 0.0)
 
 
 def with_steps(report: LimitReport, step_time: float) -> LimitReport:
@@ -320,7 +330,7 @@ def with_steps(report: LimitReport, step_time: float) -> LimitReport:
     share = 1.0 / (PROOF_RATE * step_time)
     return LimitReport(
         tuple(
-            replace(c, worst=c.worst * share, ratio=c.ratio * share, status=Status.STEPS, binding=False)
+            replace(c, worst=c.worst * share, ratio=c.ratio * share, status=Status.LEFT_OUT, binding=False)
             if c.kind.family is LimitKind.JERK
             else c
             for c in report.checks

@@ -12,6 +12,7 @@ from cases.controller import ControllerName
 from cases.errors import HexciteError, choice
 from cases.schema import Case
 from identification.criteria import Criterion, box_middle
+from identification.limit import PLANNABLE_WITHOUT
 from identification.motion import Trajectory
 from planner.families import Family, ptp, spline
 from planner.families.fourier import FourierFamily
@@ -32,6 +33,12 @@ def _require(value: float | None, name: str, low: float, high: float, usual: str
     """Raises HexciteError where a setting is outside its range; None is a default."""
     if value is not None and not low <= value <= high:
         raise HexciteError(f"{name} {value:g} is outside {low:g} to {high:g}; choose {usual}")
+
+
+def require_plannable_without(family: str | None) -> None:
+    """Raises HexciteError unless a plan may leave a family of limits out; None for none."""
+    if family is not None and family not in PLANNABLE_WITHOUT:
+        raise HexciteError(f"--without {family!r} names no limit that a plan may leave out; choose jerk")
 
 
 class FamilySettings:
@@ -189,10 +196,13 @@ class PointToPoint(FamilySettings):
         moves: 8 to 64; None for as many as reach their velocity, where jerk is limited ten in three seconds at most.
         controller: controller whose time law the moves are planned with: linuxcnc, virtual, sinumerik, twincat,
             setpoints, urscript, ros2; None for the one that the case plans for, else limited jerk.
+        without: jerk, where that controller does not limit it and the machine bears steps of acceleration; None for
+            all limits of the case.
     """
 
     moves: int | None = None
     controller: str | None = None
+    without: str | None = None
 
     name: ClassVar[str] = "ptp"
     of_moves: ClassVar[bool] = True
@@ -203,6 +213,7 @@ class PointToPoint(FamilySettings):
             raise HexciteError(
                 f"controller {self.controller!r} is unknown; {choice(str(self.controller), ControllerName)}"
             )
+        require_plannable_without(self.without)
 
     def made_for(self, case: Case) -> str | None:
         """The controller that is named here, else the one that the case plans for."""
@@ -227,6 +238,7 @@ class PointToPoint(FamilySettings):
         would take minutes to make few moves of many, and find less than with few.
         """
         cycle = case.need_controller(TIMED).cycle
+        self._require_choice(case)
         own, _ = ptp.controlled(case, self.made_for(case))
         box, count = own.need_motion("planning")[1], self.count(own, duration)
         phases = (4 if box.limits_jerk else 2) * ptp.shortest_phase(cycle)
@@ -236,6 +248,24 @@ class PointToPoint(FamilySettings):
                 f"duration {duration:g} s is too short for {count} moves: by controller.cycle_ms and limits of jerk "
                 f"each takes {least:g} s; choose at least {count * least:g} s"
                 + (f", or fewer --moves ({ptp.FEWEST} or more)" if count > ptp.FEWEST else "")
+            )
+
+    def _require_choice(self, case: Case) -> None:
+        """Raises HexciteError where the controller cannot keep a limit that is not left out, or keeps one that is."""
+        controller = self.made_for(case)
+        steps = ptp.steps_of(case, controller) > 0.0
+        if steps and self.without is None:
+            named = "" if self.controller else f' (controller.plan_for = "{controller}")'
+            raise HexciteError(
+                f"limits.motion of case {case.name} states jerk, which {controller}{named} does not limit: no program "
+                "can keep it there; plan with --without jerk if the machine bears steps of acceleration, or with "
+                "--for virtual, whose motion keeps it on controllers that limit jerk"
+            )
+        if self.without is not None and not steps:
+            whom = f"{controller} limits the jerk" if controller else "no controller is named"
+            raise HexciteError(
+                f"--without {self.without} goes with --for a controller that does not limit it, such as linuxcnc, and "
+                f"{whom}; leave it out, or name that controller"
             )
 
     def families(self, case: Case, duration: float) -> tuple[Family, ...]:

@@ -83,6 +83,7 @@ def poses_planned(
         select_s=selected,
     )
     settings: Settings = {"settle_s": setting.settle_s, "average_s": setting.average_s}
+    settings = settings if request.without is None else {**settings, "without": request.without}
     predicted = predicted_std_at_poses(case, model, scaling, selection, poses, noise)
     seconds = perf_counter() - start
     return Plan(case, request, motion, limits, predicted, noise, case.recording.rate_Hz, worth, settings, seconds)

@@ -14,7 +14,6 @@ from cases.schema import Case, load_case
 from cases.tables import built_in_cases
 from identification.limit_proof import prove
 from identification.motion import StandingPoses
-from identification.precision import share_text
 from planner.reach import Reach
 from planner.search.feasibility import remedy
 
@@ -42,14 +41,18 @@ def has_motion_box(case: Case) -> bool:
 
 def share_sentences(reach: Reach) -> str:
     """The reachable share of the box's volume, and the limits that the rest exceeds, in a line."""
-    worst = f"the worst uses {share_text(reach.worst)} of the limit {reach.worst_limit}"
+    worst = reach.worst.sentence(timed=False)
     if reach.whole:
-        return f"The whole motion box is reachable: of {reach.poses} random poses, corners and middles, {worst}."
+        return (
+            f"The whole motion box is reachable, by {reach.poses} random poses, corners and middles; closest to a "
+            f"limit: {worst}."
+        )
     exceeded = sorted(reach.exceeded.items(), key=lambda item: -item[1])
     kinds = ", ".join(f"{kind} in {100 * share:.2g} %" for kind, share in exceeded) or "none by a random pose"
     return (
         f"Of the motion box's volume {100 * reach.share:.3g} % is reachable (of {reach.poses} random poses, standard "
-        f"error {100 * reach.share_std:.2g} %; with corners and middles {worst}). Exceeded limits: {kinds}."
+        f"error {100 * reach.share_std:.2g} %; farthest out, corners and middles included: {worst}). Exceeded "
+        f"limits: {kinds}."
     )
 
 

@@ -9,7 +9,7 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limit import TOLERANCE, LimitCheck, LimitReport, Status
 from identification.motion import Motion
-from identification.precision import bounds_text, share_text
+from identification.precision import bounds_text, use_text
 from planner.reports.chart import Axis, Chart, Rule, colour, lines
 
 MOST_SHARE = 1.2  # largest share of a limit for which a bar has room
@@ -49,31 +49,47 @@ def motion_blocks(case: Case, motion: Motion) -> tuple[Chart, ...]:
 
 
 # What a reader asks first: is a limit exceeded, which does nobody enforce, and then those that are ensured.
-_ORDER = (Status.STEPS, Status.NOT_ENFORCED, Status.PROVEN, Status.ENFORCED)
+_LEFT_OUT = Status.STEPS, Status.LEFT_OUT
+_ORDER = (Status.NOT_ENFORCED, *_LEFT_OUT, Status.PROVEN, Status.FOLLOWS, Status.ENFORCED)
 _WORDS = {
     Status.PROVEN: "proven", Status.ENFORCED: "enforced by the controller", Status.NOT_ENFORCED: "nobody enforces it",
-    Status.STEPS: "the controller steps, and does not limit it",
+    Status.STEPS: "the controller steps, and does not limit it", Status.LEFT_OUT: "left out, as planned",
+    Status.FOLLOWS: "follows from what the controller enforces",
 }  # fmt: skip
 
 
 def limits_table(report: LimitReport) -> Markup:
     """Use of each limit as a bar, what is exceeded first, then what nobody enforces, then what is ensured."""
-    ordered = sorted(report.checks, key=lambda c: (c.ratio <= 1.0 + TOLERANCE, _ORDER.index(c.status), -c.ratio))
+    ordered = sorted(report.checks, key=lambda c: (not _exceeded(c), _ORDER.index(c.status), -c.ratio))
     rows = Markup("\n").join(map(_bar, ordered))
     return Markup('<div class="bars" role="list" aria-label="use of each limit">\n{}\n</div>').format(rows)
 
 
+def _limit(check: LimitCheck) -> str:
+    if check.kind.least:
+        return ""
+    return "from " if check.two_sided else "limit "
+
+
+def _exceeded(check: LimitCheck) -> bool:
+    """Whether a limit that counts is exceeded, or predicted to be."""
+    return check.ratio > 1.0 + TOLERANCE and check.status is not Status.LEFT_OUT
+
+
 def _bar(check: LimitCheck) -> Markup:
-    exceeded = check.ratio > 1.0 + TOLERANCE
-    state = "over" if exceeded else "open" if check.status in (Status.NOT_ENFORCED, Status.STEPS) else "sure"
+    exceeded = _exceeded(check)
+    state = "over" if exceeded else "open" if check.status in (Status.NOT_ENFORCED, *_LEFT_OUT) else "sure"
     text = (
-        '<div role="listitem" class="{}"><span class="what">{}</span><span class="track"><i style="width: {:.2f}%"></i>'
-        "</span><span class=share>{}</span><span class=value>{} {}, {}; {}</span></div>"
+        '<div role="listitem" class="{}"><span class="what">{}</span>{}'
+        "<span class=share>{}</span><span class=value>{} {}, {}; {}</span></div>"
     )
     words = f"{'EXCEEDED, ' if exceeded else ''}{_WORDS[check.status]}"
     width = 100.0 * min(check.ratio, MOST_SHARE) / MOST_SHARE
-    share, allowed = share_text(check.ratio, 1), f"{'' if check.kind.least else 'limit '}{bounds_text(check)}"
-    return Markup(text).format(state, check.name, width, share, value_of(check), powers(check.unit), allowed, words)
+    # A least value has no share, and so no bar: it stands beside what it must not fall below.
+    bar = Markup('<span class="track{}"><i style="width: {:.2f}%"></i></span>')
+    track = bar.format(" none", 0.0) if check.kind.least else bar.format("", width)
+    share, allowed = use_text(check, 1, check.unit.split()[0]), f"{_limit(check)}{bounds_text(check)}"
+    return Markup(text).format(state, check.name, track, share, value_of(check), powers(check.unit), allowed, words)
 
 
 def value_of(check: LimitCheck) -> str:

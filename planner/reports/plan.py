@@ -3,7 +3,7 @@
 from markupsafe import Markup
 
 from cases.files import provenance
-from identification.limit import TOLERANCE
+from identification.limit import TOLERANCE, Status
 from identification.motion import sample
 from planner.plans import Plan
 from planner.reports.figures import limits_table, motion_blocks
@@ -21,8 +21,11 @@ def plan_page(plan: Plan) -> str:
     inputs = [(name, str(value)) for name, value in entries.items() if not isinstance(value, list | dict)]
     notes = [f"{text[0].upper()}{text[1:]}." for text in plan.remarks]
     deviations = table(("parameter", "predicted std", "unit"), plan.deviation_rows())
-    exceeded = [check.name for check in plan.limits.checks if check.ratio > 1.0 + TOLERANCE]
+    counted = [check for check in plan.limits.checks if check.status is not Status.LEFT_OUT]
+    exceeded = [check.name for check in counted if check.ratio > 1.0 + TOLERANCE]
     words = f"EXCEEDED, which its controller does not limit: {', '.join(exceeded)}." if exceeded else KEPT
+    if plan.without:
+        words = f"{words.removesuffix('.')}, without {', '.join(plan.without)} as planned."
     verdict = " ".join([words, *(f"{doubt[0].upper()}{doubt[1:]}." for doubt in plan.doubts)])
     scene = posing_machine(case, plan.poses) if len(plan.poses) else moving_machine(case, plan.motion)
     return page(
@@ -40,9 +43,10 @@ def plan_page(plan: Plan) -> str:
 
 def _headline(plan: Plan) -> Markup:
     efficiency, measure = plan.rating
+    most = max(check.ratio for check in plan.limits.checks if check.binding and check.room is None)
     return tiles(
         (f"{plan.duration:.2f} s", "duration, from rest to rest"),
         (f"{efficiency:.3f}", f"D-efficiency {measure}"),
         (f"{plan.worth.condition:.3g}", "condition in reference scaling"),
-        (f"{plan.limits.worst_ratio * 100:.1f} %", "most that is used of any limit"),
+        (f"{100 * most:.1f} %", "most that is used of any limit of position, speed or force"),
     )

@@ -11,7 +11,7 @@ from cases.chain import Box
 from cases.controller import LinuxCnc, Setpoints, Sinumerik, SinumerikAxes, TwinCatAxes
 from cases.schema import Case
 from cases.units import MS
-from identification.limit import Limit, LimitCheck, LimitKind, OwnMove, Status
+from identification.limit import TOLERANCE, Limit, LimitCheck, LimitKind, OwnMove, Status
 from identification.limit_proof import limited_machine
 from identification.motion import Array
 from identification.overload import Loads
@@ -43,6 +43,10 @@ class Guarantees:
     longest_block: float  # a timed block must not be longer: beyond it the time law is unknown [s]
     law: Law  # its time law in straight moves that it times itself, under the limits of the case
     enforced: frozenset[LimitKind] = frozenset()  # families of limits that it enforces, whatever the program states
+    # whether it has been seen to keep this law, within all that it enforces: then what moves as fast as the law says
+    # is as sure as that
+    known_law: bool = False
+    without: frozenset[LimitKind] = frozenset()  # families of limits that the plan of the program leaves out
     jerk_time: float = 0.0  # time within which accelerations step where its law has no jerk limit; 0 where it has [s]
     # whether it passes timed points at their times along the assumed curve between them; then all limits of such paths
     # are proven from the text, else only their geometry and rates are
@@ -84,8 +88,17 @@ class Guarantees:
         return self.case.need_motion("the check of a program")[1]
 
     def status_of(self, kind: LimitKind) -> Status:
-        """Whether the controller enforces a limit in a motion that it times."""
-        return Status.ENFORCED if kind.family in self.enforced else Status.NOT_ENFORCED
+        """Whether the controller enforces a limit in a motion that it times, or the plan leaves it out."""
+        if kind.family in self.enforced:
+            return Status.ENFORCED
+        return Status.LEFT_OUT if kind.family in self.without else Status.NOT_ENFORCED
+
+    def lawful(self, check: LimitCheck) -> Status:
+        """How a limit is ensured that a move satisfies, or does not, at the velocities and accelerations of the law."""
+        own = self.status_of(check.kind)
+        if own is Status.NOT_ENFORCED and self.known_law and check.ratio <= 1.0 + TOLERANCE:
+            return Status.FOLLOWS
+        return own
 
     def prediction(
         self, check: LimitCheck, move: OwnMove = OwnMove.UNTIMED, status: Status | None = None
@@ -124,7 +137,8 @@ class Guarantees:
 
     def sensed(self, check: LimitCheck, move: OwnMove | None = None) -> LimitCheck:
         """The bound of a sensor force or moment where it is proven, else its prediction, which nobody enforces."""
-        own = replace(check, status=Status.NOT_ENFORCED, binding=move is None)
+        status = Status.NOT_ENFORCED if move is None else self.lawful(check)
+        own = replace(check, status=status, binding=move is None)
         bounds = (b for b in self.force_bounds() if b.kind is check.kind and b.status is Status.PROVEN)
         answer = next(bounds, own)
         return replace(answer, of=answer.of._replace(move=move))
@@ -149,7 +163,11 @@ def acceleration_headroom(case: Case, timed: bool) -> float:
 
 
 def linuxcnc_guarantees(reading: Reading, case: Case) -> Guarantees:
-    """Guarantees of LinuxCNC, which has no jerk limit; a timed block is a trapezoid to it, not the assumed curve."""
+    """Guarantees of LinuxCNC, which has no jerk limit; a timed block is a trapezoid to it, not the assumed curve.
+
+    Its law in moves from rest to rest is that of programs that were run on LinuxCNC 2.9: their accelerations, and those
+    of struts, were at their limits and not above.
+    """
     return guarantees_of_linuxcnc(case, any(isinstance(part, Timed) for part in reading.stretches))
 
 
@@ -164,6 +182,7 @@ def guarantees_of_linuxcnc(case: Case, timed: bool) -> Guarantees:
         longest_block=LONGEST_POINTS,
         enforced=frozenset(enforced),
         law=partial(_trapezoid, headroom=headroom),
+        known_law=headroom <= 1.0,
         jerk_time=SERVO_PERIOD,
         even_blocks=True,
         arc_shares=(ALONG, ACROSS * headroom),

@@ -108,17 +108,17 @@ def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Guarantees
             case LimitKind.STRUT_VELOCITY:
                 fastest = asked.get(check.kind)
                 if fastest is None or not fastest.kept:
-                    yield by.prediction(check)
+                    yield by.prediction(check, status=by.lawful(check))
                 elif part.feed is None:  # the fastest within the enforced rates of all coordinates
                     yield by.prediction(fastest, status=Status.ENFORCED)
                 else:
                     yield fastest  # the check at full feed everywhere on the way
             case LimitKind.ACCELERATION | LimitKind.STRUT_ACCELERATION:
-                yield by.prediction(check)
+                yield by.prediction(check, status=by.lawful(check))
             case LimitKind.SENSOR_FORCE | LimitKind.SENSOR_MOMENT:
                 yield by.sensed(check, OwnMove.UNTIMED)
             case LimitKind.JOINT_TORQUE | LimitKind.JOINT_FORCE:
-                yield by.prediction(check, status=Status.NOT_ENFORCED)
+                yield by.prediction(check, status=by.lawful(check))
             case LimitKind.JERK:
                 yield _jerk(check, motion, by)
             case _:

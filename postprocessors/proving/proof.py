@@ -40,6 +40,11 @@ class ProgramProof:
         """Families of limits that nobody enforces, in the order of the report: `jerk`, `strut acceleration`."""
         return self._families(Status.NOT_ENFORCED)
 
+    @property
+    def without(self) -> tuple[LimitKind, ...]:
+        """Families of limits that the plan of the program leaves out, and says so: `jerk`."""
+        return self._families(Status.LEFT_OUT)
+
     def _families(self, status: Status) -> tuple[LimitKind, ...]:
         return tuple(dict.fromkeys(c.kind.family for c in self.limits.checks if c.status is status))
 
@@ -48,6 +53,7 @@ class ProgramProof:
         """The proof in one line, which claims no more than was proven."""
         if self.violations:
             return "NOT proven"
+        left_out = f", without {', '.join(self.without)} as planned" if self.without else ""
         families = [kind for kind in self._families(Status.ENFORCED) if kind not in self.relies_on]
         passed = self._exceeded
         within = [kind for kind in self.relies_on if kind not in passed]
@@ -56,7 +62,8 @@ class ProgramProof:
             "nobody enforces": within,
             "EXCEEDED, as predicted, and nobody enforces": passed.values(),
         }
-        return "; ".join(["proven", *(f"{phrase}: {', '.join(names)}" for phrase, names in phrases.items() if names)])
+        told = (f"{phrase}: {', '.join(names)}" for phrase, names in phrases.items() if names)
+        return "; ".join([f"proven{left_out}", *told])
 
     @property
     def _exceeded(self) -> dict[LimitKind, str]:
@@ -87,8 +94,16 @@ class ProgramProof:
             predicted = (
                 f"EXCEEDED, as predicted: {', '.join(exceeded)}" if exceeded else "none is predicted to be exceeded"
             )
-            remedy = f"write it with --accept {','.join(name.replace(' ', '-') for name in open_)}"
-            raise ProgramError(self.file, 0, 0, f"{problem}; {predicted}; {remedy} if the machine can bear it")
+            remedy = f"--accept {','.join(name.replace(' ', '-') for name in open_)} if the machine can bear it"
+            raise ProgramError(self.file, 0, 0, f"{problem}; {predicted}; {self._planned(open_)}{remedy}")
+
+    def _planned(self, families: Collection[LimitKind]) -> str:
+        """The remedy that needs no `--accept`: a plan that leaves the jerk out, or none where that is not enough."""
+        return (
+            "plan with --without jerk for it, or write this one with "
+            if LimitKind.JERK in families
+            else "write it with "
+        )
 
     def require(self) -> None:
         """Raises NotProven, naming line, value and limit, unless the proof holds."""

@@ -29,7 +29,7 @@ def crossed(listed: bool = False) -> list[list[str]]:
     with TemporaryDirectory() as name:
         plan, program, run, result = (f"{name}/{part}" for part in ("plan", "program.ngc", "run", "result"))
         accept = ("--accept", "jerk,acceleration,strut-velocity,strut-acceleration,sensor-force")
-        short = ("--moves", "12", "--duration", "4", "--starts", "1", "--for", "linuxcnc")
+        short = ("--moves", "12", "--duration", "4", "--starts", "1", "--for", "linuxcnc", "--without", "jerk")
         planned = _traced("plan", "hexapod", *short, "-o", plan)
         written = _traced("post", plan, *accept, "-o", program)
         _traced("run", program, "--case", "hexapod", "--on", "virtual", "-o", run)

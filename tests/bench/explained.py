@@ -32,7 +32,7 @@ FAMILIES: dict[str, Any] = {
     "Fourier series": hx.Fourier(),
     "spline": hx.Spline(),
     "moves, limited jerk": hx.PointToPoint(controller="virtual"),
-    "moves, for LinuxCNC": hx.PointToPoint(controller="linuxcnc"),
+    "moves, for LinuxCNC": hx.PointToPoint(controller="linuxcnc", without="jerk"),
 }
 HARD = 0.7  # of a limit of acceleration
 STEP = 1e-3  # [s]

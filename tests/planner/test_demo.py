@@ -67,6 +67,9 @@ def page(demo: dict[str, Any]) -> Page:
 def test_it_answers_with_each_step(demo: dict[str, Any]):
     assert {"report", "controller", "plan", "post", "check", "run", "identify", "truth"} <= set(demo)
     assert demo["check"]["ok"]
+    assert demo["check"]["relies_on"] == demo["check"]["without"] == []
+    assert "EXCEEDED" not in demo["check"]["verdict"]
+    assert max(limit["ratio"] for limit in demo["check"]["limits"].values()) <= 1.0 + 1e-6
     assert "virtual" in demo["controller"]
 
 
@@ -81,12 +84,12 @@ def test_every_estimate_lies_within_four_standard_deviations_of_the_truth(demo: 
 
 def test_it_leaves_everything_that_it_made(demo: dict[str, Any]):
     folder = Path(demo["report"]).parent
-    assert {p.name for p in folder.iterdir()} == {"plan", "excitation.ngc", "recording", "result", "report.html"}
+    assert {p.name for p in folder.iterdir()} == {"plan", "excitation.mpf", "recording", "result", "report.html"}
 
 
 def test_it_plans_moves_for_the_controller_whose_program_it_writes(demo: dict[str, Any]):
     assert demo["plan"]["family"] == "ptp"
-    assert demo["plan"]["settings"]["made_for"] == "linuxcnc"
+    assert demo["plan"]["settings"]["made_for"] == "sinumerik"
     assert demo["run"]["d_efficiency"] > 0.95 * demo["plan"]["d_efficiency"]
 
 
@@ -101,11 +104,13 @@ def test_the_page_shows_every_plot_once(page: Page):
     assert page.ids.count("machine") == 1
 
 
-def test_the_page_says_what_is_simulated_and_what_nobody_enforces(page: Page):
+def test_the_page_says_what_is_simulated_and_what_the_controller_enforces(page: Page):
     said = " ".join(page.text.split())
     assert "Sensors and encoders are simulated" in said
     assert "virtual controller" in said
-    assert "NOT enforced" in said
+    assert "enforced by controller" in said
+    assert "NOT enforced" not in said
+    assert "EXCEEDED" not in said
 
 
 def test_the_page_names_every_parameter_with_its_estimate(page: Page, demo: dict[str, Any]):

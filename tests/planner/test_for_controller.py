@@ -25,8 +25,9 @@ from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed
 
 SECONDS, MOVES = 3.0, 14
-PLAN = ("plan", "hexapod", "--family", "ptp", "--for", "linuxcnc", "--duration", SECONDS, "--starts", 1)
-ACCEPT = ("--accept", "jerk,strut-velocity,strut-acceleration,sensor-force")
+PLAN = ("plan", "hexapod", "--family", "ptp", "--for", "linuxcnc", "--without", "jerk", "--duration", SECONDS)
+PLAN += ("--starts", 1)
+ACCEPT = ("--accept", "jerk,strut-velocity,strut-acceleration,sensor-force")  # of other plans than such
 PLACES = np.array([[0.0, 0.0, 0.9, 0, 0, 0], [0.1, -0.1, 0.95, 0.1, 0, 0.2], [-0.1, 0.1, 0.9, 0, 0.2, 0]])
 
 
@@ -90,7 +91,7 @@ def test_the_proof_sees_steps_of_acceleration(hexapod_case: Case):
     told = with_steps(report, step_time)
     assert told.kept
     jerk = next(c for c in told.checks if c.kind == "jerk")
-    assert jerk.status is Status.STEPS
+    assert jerk.status is Status.LEFT_OUT
     largest = max(part.profile.acceleration * np.abs(part.end - part.start)[:3].max() for part in motion.parts)
     assert largest / 1e-3 <= abs(jerk.worst) <= 2 * largest / 1e-3 * (1 + 1e-9)  # from one side to the other in a cycle
     assert jerk.ratio == pytest.approx(abs(jerk.worst) / jerk.limit if jerk.worst > 0 else jerk.worst / jerk.limit)
@@ -124,7 +125,7 @@ def test_a_plan_says_what_is_not_limited_and_for_whom_it_is(plan: dict[str, Any]
     assert plan["settings"]["made_for"] == "linuxcnc"
     assert plan["settings"]["moves"] == MOVES
     for name in ("jerk", "angular jerk"):
-        assert plan["limits"][name]["status"] == "steps, not limited by controller"
+        assert plan["limits"][name]["status"] == "left out, as planned"
         assert plan["limits"][name]["ratio"] > 10.0
         assert not any(name in entry for entry in plan["bound_by"])
     assert all(v["ratio"] <= 1.0 for name, v in plan["limits"].items() if "jerk" not in name)
@@ -143,7 +144,7 @@ def test_the_same_seed_gives_the_same_plan(plan: dict[str, Any], tmp_path: Path)
 
 @pytest.mark.slow
 def test_it_carries_more_information_than_limited_jerk_does(plan: dict[str, Any], tmp_path: Path):
-    words = [*PLAN[:4], "--for", "virtual", *PLAN[6:], "--moves", 10, "-o", tmp_path / "smooth", "--json"]
+    words = [*PLAN[:4], "--for", "virtual", *PLAN[8:], "--moves", 10, "-o", tmp_path / "smooth", "--json"]
     smooth = call(*words).json()
     assert plan["d_efficiency"] > 1.2 * smooth["d_efficiency"]
     assert smooth["limits"]["jerk"]["status"] == "proven"
@@ -151,13 +152,48 @@ def test_it_carries_more_information_than_limited_jerk_does(plan: dict[str, Any]
 
 
 def test_a_program_is_written_for_the_controller_that_the_plan_is_made_for(folder: Path, tmp_path: Path):
-    answer = call("post", folder, *ACCEPT, "-o", tmp_path / "run.ngc", "--json").json()
+    answer = call("post", folder, "-o", tmp_path / "run.ngc", "--json").json()
     assert answer["dialect"] == "linuxcnc"
     assert answer["excitation_s"] == pytest.approx(SECONDS, rel=1e-5)
     assert answer["remarks"] == []
     ran = call("run", tmp_path / "run.ngc", "--case", "hexapod", "--on", "virtual", "-o", tmp_path / "rec", "--json")
     planned = json.loads((folder / "plan.json").read_text())["d_efficiency"]
     assert ran.json()["d_efficiency"] > 0.95 * planned
+
+
+def test_a_program_says_what_its_plan_leaves_out_and_needs_no_leave_for_it(folder: Path, tmp_path: Path):
+    """What its header says is read by whoever checks it; a program of no such plan relies on nobody for its jerk."""
+    program = tmp_path / "run.ngc"
+    assert call("post", folder, "-o", program).code == 0
+    answer = call("check", program, "--case", "hexapod", "--json").json()
+    assert answer["without"] == ["jerk"]
+    assert "jerk" not in answer["relies_on"]
+    assert answer["verdict"].startswith("proven, without jerk as planned")
+    foreign = tmp_path / "foreign.ngc"
+    lines = program.read_text().splitlines(keepends=True)
+    foreign.write_text("".join(line for line in lines if "leaves out" not in line))
+    told = call("check", foreign, "--case", "hexapod", "--json").json()
+    assert told["without"] == []
+    assert "jerk" in told["relies_on"]
+
+
+def test_strut_limits_follow_from_what_linuxcnc_enforces(folder: Path, tmp_path: Path):
+    answer = call("post", folder, "-o", tmp_path / "run.ngc", "--json").json()
+    check = answer["limits"]["strut acceleration, untimed moves"]
+    assert check["status"] == "follows from what the controller enforces"
+    assert check["ratio"] <= 1.0
+    assert answer["relies_on"] == []
+
+
+def test_a_plan_without_jerk_says_what_the_same_moves_take_with_it(plan: dict[str, Any], folder: Path):
+    note = next(note for note in plan["notes"] if "limited jerk" in note)
+    seconds, efficiency = (
+        float(word.rstrip(",")) for word in note.split() if word.rstrip(",").replace(".", "").isdigit()
+    )
+    assert seconds > 1.1 * SECONDS
+    assert efficiency < plan["d_efficiency"]
+    retimed = call("retime", folder, "-o", folder.parent / "within-jerk", "--json").json()["after"]
+    assert retimed["duration_s"] == pytest.approx(seconds, rel=0.03)  # in whole cycles
 
 
 @pytest.mark.parametrize(("dialect", "file"), [("sinumerik", "p.mpf"), ("twincat", "p.nc"), ("setpoints", "p.csv")])
@@ -203,7 +239,20 @@ def test_linuxcnc_runs_it_as_planned(folder: Path, plan: dict[str, Any], tmp_pat
 @pytest.mark.slow
 @pytest.mark.linuxcnc
 def test_forty_moves_are_executed_with_most_of_what_was_planned(tmp_path: Path):
-    plan = ("plan", "hexapod", "--for", "linuxcnc", "--moves", 40, "--starts", 1, "-o", tmp_path / "plan")
+    plan = (
+        "plan",
+        "hexapod",
+        "--for",
+        "linuxcnc",
+        "--without",
+        "jerk",
+        "--moves",
+        40,
+        "--starts",
+        1,
+        "-o",
+        tmp_path / "plan",
+    )
     assert call(*plan).code == 0
     assert call("post", tmp_path / "plan", *ACCEPT, "-o", tmp_path / "run.ngc").code == 0
     words = ("run", tmp_path / "run.ngc", "--case", "hexapod", "--on", "linuxcnc", "-o", tmp_path / "rec", "--json")

@@ -84,7 +84,7 @@ def test_corners_that_random_poses_miss_count(hexapod_case: Case) -> None:
     found = reach(hexapod_case)
     assert found.share == 1.0
     assert not found.whole
-    assert found.worst_limit == "strut length (strut 6)"
+    assert found.worst.name == "strut length (strut 6)"
 
 
 @pytest.mark.parametrize("name", few("small", "with_vice"))

@@ -351,11 +351,16 @@ def test_limits_stand_in_the_order_of_what_a_reader_asks():
         check(LimitKind.VELOCITY, 0.99, Status.ENFORCED),
         check(LimitKind.STRUT_VELOCITY, 0.5, Status.NOT_ENFORCED),
         check(LimitKind.JERK, 1200.0, Status.STEPS),
+        check(LimitKind.ANGULAR_JERK, 1200.0, Status.LEFT_OUT),
         check(LimitKind.STRUT_LENGTH, 0.95, Status.PROVEN),
+        check(LimitKind.STRUT_ACCELERATION, 0.97, Status.FOLLOWS),
     )
     text = limits_table(LimitReport(checks))
     names = re.findall(r'class="what">([^<]*)<', text)
-    assert names == ["jerk (x)", "strut velocity (x)", "strut length (x)", "position (x)", "velocity (x)"]
+    assert names == [
+        *("jerk (x)", "strut velocity (x)", "angular jerk (x)", "strut length (x)", "position (x)"),
+        *("strut acceleration (x)", "velocity (x)"),
+    ]
     assert "12 000 m/s³, limit 10;" in text
 
 

@@ -10,7 +10,8 @@ from cases.schema import Case
 from identification.criteria import box_middle
 from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, Status
 from planner.families.fourier import FourierFamily
-from planner.rating import FULL, PlannedMotion, weaknesses
+from planner.rating import FULL, PlannedMotion, search_notes, weaknesses
+from planner.request import Request
 from planner.search import SolverStatus, StartRecord
 from planner.search.solving import DRAWN_BACK, Start
 from tests.helpers import tells
@@ -39,8 +40,8 @@ Said = Callable[[PlannedMotion], tuple[str, ...]]
 
 
 @pytest.fixture
-def said(hexapod_case: Case) -> Said:
-    return lambda found: weaknesses(found, hexapod_case)
+def said() -> Said:
+    return lambda found: weaknesses(found, Request(starts=1))
 
 
 def test_a_good_plan_has_none(found: PlannedMotion, said: Said):
@@ -56,7 +57,19 @@ def test_a_search_that_had_not_converged(interrupted: bool, found: PlannedMotion
         assert weak == ()
     else:
         (told,) = weak
-        assert tells(told, "not converged", "iteration limit", "more --starts")
+        assert tells(told, "only start", "not converged", "iteration limit", "without --starts")
+    assert weaknesses(found._replace(starts=(unfinished,)), Request()) == ()  # which went on until it was enough
+
+
+def test_a_search_that_ends_by_itself_says_how_close_its_starts_are(found: PlannedMotion, start: Start) -> None:
+    """Two parameters, log det 0.02 apart: 1 % of an efficiency."""
+    other = replace(start, record=replace(start.record, logdet=start.record.logdet - 0.02))
+    two = found._replace(starts=(start, other))
+    (note,) = search_notes(two, Request(), 2)
+    assert tells(note, "best of 2 starts", "1.0 % less")
+    assert search_notes(two, Request(starts=2), 2) == ()
+    assert search_notes(found, Request(), 2) == ()
+    assert search_notes(two._replace(interrupted=True), Request(), 2) == ()
 
 
 def test_only_the_best_refined_start_need_have_converged(found: PlannedMotion, start: Start, said: Said):
