@@ -220,7 +220,7 @@ class LimitCheck:
         """One phrase with value and limit, and the time where it matters."""
         digits = next(d for d in range(4, 18) if f"{self.worst:.{d}g}" != f"{self.limit:.{d}g}" or d == 17)
         time_text = f" at {self.time:.3f} s" if timed else ""
-        if self.kind.least or (self.two_sided and self.bounds is not None and self.limit == self.bounds[0]):
+        if self.kind.least:
             return f"{self.name} falls to {self.worst:.{digits}g} {self.unit}{time_text}, at least {self.limit:.4g}"
         return f"{self.name} reaches {self.worst:.{digits}g} {self.unit}{time_text}, limit {self.limit:.4g}"
 

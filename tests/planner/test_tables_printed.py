@@ -76,7 +76,7 @@ def test_struts_read_against_the_end_that_they_come_to() -> None:
     length, bounds = Limit(LimitKind.STRUT_LENGTH), (260.0, 795.0)
     short = LimitCheck(length, "strut 1", 268.0, 260.0, "mm", 0.97, 0.0, Status.PROVEN, bounds=bounds)
     assert use_text(short, unit="mm") == "8 mm left"
-    assert short.sentence(timed=False) == "strut length (strut 1) falls to 268 mm, at least 260"
+    assert short.sentence(timed=False) == "strut length (strut 1) reaches 268 mm, limit 260"
     far = LimitCheck(length, "strut 1", 1333.0, 795.0, "mm", 3.0107, 0.0, Status.PROVEN, bounds=bounds)
     assert use_text(far, unit="mm") == "538 mm beyond"
     assert "%" not in far.sentence()
