@@ -55,7 +55,7 @@ def folder(lines: str, cache: Path, tmp_path_factory: pytest.TempPathFactory) ->
 
 def test_twelve_lines_write_what_they_are_told_to_and_nothing_else(folder: Path):
     assert {str(p.relative_to(folder)) for p in folder.rglob("*") if p.is_file()} == {
-        "run.ngc", "result/result.json", "result/.hexcite", "result.html", "residuals.pdf"
+        "run.mpf", "result/result.json", "result/.hexcite", "result.html", "residuals.pdf"
     }  # fmt: skip
 
 
@@ -196,7 +196,7 @@ def test_a_recording_comes_back_as_far_as_its_decimals_go(
 
 
 def test_a_run_is_the_same_to_identification_saved_or_not(folder: Path, hexapod_case: Case, tmp_path: Path):
-    recording = hx.run(folder / "run.ngc", hexapod_case, seed=0)
+    recording = hx.run(folder / "run.mpf", hexapod_case, seed=0)
     recording.save(tmp_path / "run")
     at_once, later = hx.identify(recording), hx.identify(hx.Recording.load(tmp_path / "run"))
     for name, value in at_once.parameters.items():
@@ -242,7 +242,7 @@ def test_a_search_needs_a_process(hexapod_case: Case):
 
 def test_values_are_shown_in_a_few_lines(folder: Path, by_hand: Plan, hexapod_case: Case):
     result = hx.Result.load(folder / "result")
-    program = hx.Program.load(folder / "run.ngc", hexapod_case)
+    program = hx.Program.load(folder / "run.mpf", hexapod_case)
     recording = hx.run(program, hexapod_case)
     with pytest.raises(HexciteError, match=r"case hexapod, .*machine or limits"):
         hx.run(program, hx.load_case("strut_sensors").model_copy(update={"workspace": None}))
