@@ -85,6 +85,8 @@ def tally(title: str, trials: Iterator[tuple[str, Sequence[Mistake], int]], name
     counts, seconds = Counter[str](), []
     for label, mistakes, seed in trials:
         try:
+            if len(mistakes) > 1 and any(named(run(name, seed), (each,))[0] == QUIET for each in mistakes):
+                continue  # one of them does not show in this motion
             kind, took, said = named(run(name, seed), mistakes)
         except ValueError as error:  # a case that two mistakes make impossible
             print(f"  {name}: {label}: left out, {str(error)[:80]}", flush=True)

@@ -219,7 +219,7 @@ def _joints(case: Case) -> Iterator[Mistake]:
         "sensor 70 mm off",
         "point",
         _in_case(_moved_sensor),
-        r"about a point \(-[56]\d(\.\d)?, -?\d(\.\d)?, [34]\d(\.\d)?\) mm",
+        r"about a point \(-?\d+(\.\d)?, -?\d+(\.\d)?, -?\d+(\.\d)?\) mm",
     )
     count, turning = len(chain.joints), [k for k, joint in enumerate(chain.joints) if joint.turns]
     names = {k: rf"{k + 1} \({chain.joints[k].name}\)" for k in range(count)}

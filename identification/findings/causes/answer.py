@@ -13,7 +13,7 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import Array
 from identification.estimation.fit import Fit
-from identification.findings.causes.hypothesis import Trial, case_of, channels_of, drives_of, pace_of
+from identification.findings.causes.hypothesis import RECORDED, SENSED, Trial, case_of, channels_of, drives_of, pace_of
 from identification.findings.causes.instants import instants_of
 from identification.findings.causes.remedies import keys_to_write
 from identification.findings.causes.search import MODERATE, NEAR, Search, Tried, search
@@ -71,7 +71,7 @@ def mended(trial: Trial, recording: Recording, case: Case) -> tuple[Recording, C
         if hypothesis.recorded is not None:
             recording = hypothesis.recorded(recording, case) or recording
     read = tuple(hypothesis for hypothesis in trial if hypothesis.place == "recording")
-    forces = recording.forces @ channels_of(read).T
+    forces = recording.forces @ channels_of(read, RECORDED).T
     struts, t = recording.struts, recording.t
     if struts is not None:
         struts = drives_of(read, struts.shape[1]).of(struts)
@@ -82,8 +82,7 @@ def mended(trial: Trial, recording: Recording, case: Case) -> tuple[Recording, C
     if any(hypothesis.in_base for hypothesis in trial):
         turns = _rotations(run, edited)
         forces = np.einsum("nji,nbj->nbi", turns, forces.reshape(-1, 2, 3)).reshape(-1, 6)
-        run = replace(run, forces=forces)
-    return run, edited
+    return replace(run, forces=forces @ channels_of(read, SENSED).T), edited
 
 
 def _rotations(recording: Recording, case: Case) -> Array:

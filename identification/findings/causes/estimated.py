@@ -14,7 +14,7 @@ from identification.findings.causes.geometry import of_turned_bars
 from identification.findings.causes.hypothesis import AS_RECORDED, Family, Hypothesis, Trial, together
 from identification.findings.causes.instants import Instants
 from identification.findings.causes.surroundings import of_gravity, of_pace, of_share
-from identification.findings.causes.trials import point_of_moments, tried
+from identification.findings.causes.trials import moments_about, tried
 
 SIZED = 1.3  # mistakes that a hypothesis with a size counts for: round values are preferred to it
 FREE = 1.6  # the same of a turn about any axis
@@ -121,14 +121,14 @@ def _share(case: Case) -> Sized:
 
 
 def _point(instants: Instants, prefix: Trial) -> Iterator[Sized]:
-    point = point_of_moments(instants, prefix)
-    if point is None or np.linalg.norm(point) > FARTHEST:
+    about = moments_about(instants, prefix)
+    if not about.residuals < np.inf or np.linalg.norm(about.point) > FARTHEST:
         return
 
     def make(size: Array) -> Hypothesis | None:
         return of_point(instants.case, size, SIZED) if np.linalg.norm(size) > LEAST_OFFSET else None
 
-    yield Sized(Family.POINT, make, (tuple(point),), (2e-3,) * 3, True)
+    yield Sized(Family.POINT, make, (tuple(about.point),), (2e-3,) * 3, True)
 
 
 def _gain(case: Case, channel: int) -> Sized:

@@ -38,6 +38,8 @@ class Family(StrEnum):
 
 
 FAMILIES = tuple(Family)
+# a recorder changes channels after a controller turned the wrench into the axes of the base, a sensor before
+RECORDED, SENSED = FAMILIES[: FAMILIES.index(Family.AXES)], FAMILIES[FAMILIES.index(Family.AXES) :]
 
 
 class Affine(NamedTuple):
@@ -96,11 +98,11 @@ def mistakes(trial: Trial) -> float:
     return sum(hypothesis.mistakes for hypothesis in trial)
 
 
-def channels_of(trial: Trial) -> Array:
-    """What recorded forces are multiplied by, shape (6, 6)."""
+def channels_of(trial: Trial, families: Sequence[Family] = FAMILIES) -> Array:
+    """What hypotheses of some families multiply recorded forces by, shape (6, 6)."""
     matrix = np.eye(6)
     for hypothesis in trial:
-        if hypothesis.channels is not None:
+        if hypothesis.channels is not None and hypothesis.family in families:
             matrix = hypothesis.channels @ matrix
     return matrix
 

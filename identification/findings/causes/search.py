@@ -17,7 +17,7 @@ from cases.schema import Case
 from cases.units import Array
 from identification.estimation.fit import Fit
 from identification.findings.causes import channels, drives, geometry, surroundings
-from identification.findings.causes.estimated import refined, sized_of
+from identification.findings.causes.estimated import Sized, refined, sized_of
 from identification.findings.causes.hypothesis import (
     AS_RECORDED,
     FAMILIES,
@@ -31,7 +31,7 @@ from identification.findings.causes.hypothesis import (
 from identification.findings.causes.instants import Instants, instants_of
 from identification.findings.causes.leaps import leaps_of
 from identification.findings.causes.readings import of_recording
-from identification.findings.causes.trials import Left, closing, left_by, tried
+from identification.findings.causes.trials import Left, closing, left_by, moments_about, tried
 from identification.model import Model
 from identification.recording import Recording
 
@@ -47,6 +47,7 @@ SIMPLER = 0.75  # mistakes fewer, by which one of those that are alike is named 
 COARSE = 40  # instants by which most trials are left out
 COARSE_PAIRS = 24  # the same of two hypotheses at once
 KEPT = 60  # trials of each kind that are tried on all instants
+REFINED = 6  # of those without a size beside one with, that leave least at its first sizes
 GREEDY = 4  # hypotheses that leave least, to which every other one is added
 READINGS = 4  # of a recording that leave least with any other hypothesis, to which those with a size are added too
 ROUNDING = 1e-9  # of residuals that are the same
@@ -300,13 +301,51 @@ def _pairs(instants: Instants, singles: Sequence[Tried]) -> list[Tried]:
     best += _best(coarse, closing(coarse, pairs), [AS_RECORDED])
     both = [together(*pair) for pair in combinations(columns, 2) if _compatible(*pair)]
     best += _best(coarse, [AS_RECORDED], both)
+    in_base = [hypothesis for hypothesis in rows if hypothesis.in_base]  # in whose axes channels are exchanged
+    best += _best(coarse, [together(row, column) for row in in_base for column in columns], [AS_RECORDED])
     found = _on_all(instants, best)
+    if min((entry.residuals for entry in found), default=np.inf) <= CLEAN:
+        return found
+    found += _on_all(instants, _beside_sizes(instants, coarse, closed, columns))
     if min((entry.residuals for entry in found), default=np.inf) <= CLEAN:
         return found
     own = [entry for entry in singles if entry.instants is instants]
     for entry in sorted(own, key=lambda entry: entry.residuals)[:GREEDY]:
         found += _on_all(instants, _sized(instants, coarse, entry.trial))
     return found
+
+
+def _beside_sizes(
+    instants: Instants, coarse: Instants, rows: Sequence[Trial], columns: Sequence[Hypothesis]
+) -> list[Trial]:
+    """Hypotheses without a size beside those with one, whose first sizes leave least together with them."""
+    sized = [each for each in sized_of(coarse, AS_RECORDED) if each.family is not Family.POINT]
+    first = [(each, start, made) for each in sized for start in each.starts if (made := each.make(np.array(start)))]
+    of_forces = [entry for entry in first if entry[0].of_channels]
+    of_motion = [entry for entry in first if not entry[0].of_channels]
+    left: list[tuple[float, Sized, tuple[float, ...], Trial]] = []
+
+    def note(residuals: Array, entries: Sequence[tuple[Sized, tuple[float, ...], Hypothesis]], *of: Trial) -> None:
+        """Residuals, shape (entries, others)."""
+        for k, j in np.argwhere(residuals <= np.sort(residuals, axis=None)[: 4 * REFINED][-1]):
+            if np.isfinite(residuals[k, j]) and _compatible(entries[k][2], *of[j]):
+                left.append((float(residuals[k, j]), *entries[k][:2], of[j]))
+
+    forces = [(column,) for column in columns]
+    if of_forces and rows:
+        note(tried(coarse, rows, [(made,) for *_, made in of_forces]).residuals.T, of_forces, *rows)
+    if of_motion and forces:
+        note(tried(coarse, [(made,) for *_, made in of_motion], forces).residuals, of_motion, *forces)
+    if of_forces and forces:
+        pairs = [together(made, column) for *_, made in of_forces for column in columns]
+        note(tried(coarse, [AS_RECORDED], pairs).residuals.reshape(len(of_forces), -1), of_forces, *forces)
+    trials: list[Trial] = []
+    for _, each, start, beside in sorted(left, key=lambda entry: entry[0])[:REFINED]:
+        trials += refined(instants, coarse, [replace(each, starts=(start,))], beside)
+    for row in sorted(rows, key=lambda row: moments_about(coarse, row).residuals)[:REFINED]:
+        of_point = [each for each in sized_of(coarse, row) if each.family is Family.POINT]
+        trials += refined(instants, coarse, of_point, row)
+    return trials
 
 
 def _compatible(*hypotheses: Hypothesis) -> bool:

@@ -15,7 +15,7 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import Array, Flags
 from identification.estimation.fit import column_scale
-from identification.findings.causes.hypothesis import Trial, case_of, channels_of, drives_of, pace_of
+from identification.findings.causes.hypothesis import RECORDED, SENSED, Trial, case_of, channels_of, drives_of, pace_of
 from identification.findings.causes.instants import Instants
 from identification.hexapod import kinematics_of_hexapods
 from identification.model import identification_model
@@ -150,14 +150,18 @@ class _Mass(NamedTuple):
     negative: Flags  # for certain
 
 
-def point_of_moments(instants: Instants, trial: Trial) -> Array | None:
-    """Where moments must be about for a trial to leave least, from the sensor's origin in its axes, shape (3,) [m].
+class About(NamedTuple):
+    """The point that moments must be about for a trial to leave least."""
 
-    The forces depend on it linearly. None where the machine cannot have such drives.
-    """
+    point: Array  # from the sensor's origin in its axes, shape (3,) [m]
+    residuals: float  # weighted sum of squares; infinite where the machine cannot have such drives
+
+
+def moments_about(instants: Instants, trial: Trial) -> About:
+    """The point that moments must be about for a trial to leave least: the forces depend on it linearly."""
     regressors, motion = regressors_of(instants, [trial])
     if not motion.closed[0]:
-        return None
+        return About(np.zeros(3), np.inf)
     own = channels_of(trial)
     root = (instants.weights[:, None] / np.sqrt(own**2 @ instants.noise**2))[:, :, None]
     rows = (regressors[0] * root).reshape(-1, regressors.shape[3])
@@ -176,7 +180,7 @@ def point_of_moments(instants: Instants, trial: Trial) -> Array | None:
         left = float(np.sum((weighted[:, 0] + weighted[:, 1:] @ point) ** 2))
         if left < least:
             best, least = point, left
-    return best
+    return About(best, least)
 
 
 def _mass(instants: Instants, triangle: Array, scale: Array, explained: Array, place: Array, least: Array) -> _Mass:
@@ -324,8 +328,9 @@ def _forces(instants: Instants, changes: Sequence[Trial], own: Array, rotations:
         return instants.forces[None]
     forces = np.einsum("hij,dnj->hdni", own, instants.forces, optimize=True)
     for k in in_base:
-        vectors = forces[k].reshape(len(instants.delays), -1, 2, 3)
-        forces[k] = np.einsum("nji,dnbj->dnbi", rotations[k], vectors).reshape(forces[k].shape)
+        vectors = (instants.forces @ channels_of(changes[k], RECORDED).T).reshape(len(instants.delays), -1, 2, 3)
+        sensed = np.einsum("nji,dnbj->dnbi", rotations[k], vectors).reshape(forces[k].shape)
+        forces[k] = sensed @ channels_of(changes[k], SENSED).T
     return np.asarray(forces)
 
 
