@@ -76,8 +76,11 @@ def test_a_mistake_is_named(of: str, name: str) -> None:
     few(
         ("foreign", ("machine base: full angle", "channels 1-4 exchanged")),
         ("ur10_wrist", ("joint 4 turns the other way", "channels 2-3 exchanged")),
+        ("five_axis_table", ("sensor turned 30 about z", "axes of the base")),
+        ("five_axis_table", ("sign of channel 3", "time twice too slow")),
         ("five_axis_table", ("gravity +z in the case", "sensor turned 90 about z")),
-        kept=2,
+        (WRIST, ("orientation as zyx intrinsic", "axes of the base")),
+        kept=3,
     ),
 )
 def test_two_mistakes_at_once_are_named_together(of: str, names: tuple[str, str]) -> None:
