@@ -13,7 +13,16 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import Array
 from identification.estimation.fit import Fit
-from identification.findings.causes.hypothesis import RECORDED, SENSED, Trial, case_of, channels_of, drives_of, pace_of
+from identification.findings.causes.hypothesis import (
+    RECORDED,
+    SENSED,
+    Family,
+    Trial,
+    case_of,
+    channels_of,
+    drives_of,
+    pace_of,
+)
 from identification.findings.causes.instants import instants_of
 from identification.findings.causes.remedies import keys_to_write
 from identification.findings.causes.search import MODERATE, NEAR, Search, Tried, search
@@ -80,7 +89,8 @@ def mended(trial: Trial, recording: Recording, case: Case) -> tuple[Recording, C
     edited = case_of(trial, case)
     run = replace(recording, forces=forces, struts=struts, t=t)
     if any(hypothesis.in_base for hypothesis in trial):
-        turns = _rotations(run, edited)
+        # the controller turned the wrench as if the sensor were as the case says
+        turns = _rotations(run, case_of(tuple(h for h in trial if h.family is not Family.SENSOR), case))
         forces = np.einsum("nji,nbj->nbi", turns, forces.reshape(-1, 2, 3)).reshape(-1, 6)
     return replace(run, forces=forces @ channels_of(read, SENSED).T), edited
 
