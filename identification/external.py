@@ -20,9 +20,10 @@ from identification.outcome import Result
 from identification.parameters import offset_columns
 from identification.recording import Recording
 from identification.result import entries_of_parameters, physical_values
-from identification.runs.preparation import NOISY, encoder_noise, moving_run, on_one_clock
+from identification.runs.preparation import NOISY, moving_run, on_one_clock
 from identification.runs.sample_checks import unmeasured
 from identification.runs.standstills import standstills, variance_of_mean
+from identification.signals import white_noise
 
 
 class ExternalForce(NamedTuple):
@@ -163,7 +164,7 @@ def tare(recording: Recording, result: Result) -> Result:
     if count < 2:
         raise IdentificationError(recording.source, f"{count} sample; a tare needs a standstill of two or more")
     travel = 0.0 if recording.struts is None else float(np.ptp(recording.struts[~recording.bad], axis=0).max())
-    noise = 0.0 if recording.struts is None else float(encoder_noise(recording.struts).max())
+    noise = 0.0 if recording.struts is None else float(white_noise(recording.struts).max())
     if travel > STILL + NOISY * noise:
         drives, unit = case.drive_words
         raise IdentificationError(

@@ -26,6 +26,7 @@ from identification.estimation.small_sample import Noise, chance_of
 
 UNSEEN = 1e-8  # of a column's square, below which what the fit leaves of it is rounding
 WIDTH = 15  # half width of the windows of frequencies over which power is averaged for the quietest of them
+ALIKE = 0.9  # of what the best column explains, from which on another explains as much
 NEXT = 5  # frequencies to either side of one, at which noise is about as large
 SURPRISE = 2.0  # standard deviations of scores, below which an alternative is not looked at
 NEAR = 7.0  # of the logarithm of the odds, within which alternatives explain the residuals alike: one to a thousand
@@ -43,6 +44,7 @@ class Alternative(NamedTuple):
     unit: float = 1.0  # of the size in SI, in which people read it
     # of each column, what it follows and in which channel, counted from 0; none where there is nothing to choose from
     each: tuple[tuple[str, int], ...] = ()
+    chosen: int = 1  # number of columns that this is the best one of, by what they explain
 
 
 class Effect(NamedTuple):
@@ -55,6 +57,7 @@ class Effect(NamedTuple):
     evidence: float  # logarithm of the odds by which it explains the residuals better than noise alone
     sizes: Array  # estimated size of each column, shape (k,); the smallest where columns depend on each other
     stds: Array  # their standard deviations
+    best: int  # column that explains most by itself
     explained: Array  # what it explains of the residuals, weighted, shape (n, 6)
     share: float  # share of the residuals' weighted squares that it explains
     bias: Array  # covariance of the parameters by effects of that size, shape (v, v)
@@ -170,6 +173,7 @@ class _Scores(NamedTuple):
     back: Array  # U = left back, shape (k, c)
     strength: float  # sum of the squares of what the fit leaves
     scores: Array  # shape (c,)
+    alone: Array  # squares of the residuals that each column explains by itself, shape (k,)
     share: float  # share of the residuals' weighted squares that it explains
     evidence: float  # as `Effect.evidence`
 
@@ -181,13 +185,32 @@ def _scores_of(alternative: Alternative, rest: Remainder) -> _Scores | None:
         return None
     left, inside, scale, back, strength = space
     count = back.shape[1]
-    scores = back.T @ np.tensordot(left, rest.residuals, ((0, 1), (0, 1)))
+    each = np.tensordot(left, rest.residuals, ((0, 1), (0, 1)))
+    size = np.sum(left**2, axis=(0, 1))
+    alone = np.where(size > UNSEEN, each**2 / np.maximum(size, UNSEEN), 0.0)
+    scores = back.T @ each
     explained = float(scores @ scores)
     if explained < rest.floor * (count + SURPRISE * np.sqrt(2.0 * count)):
         return None
     share = explained / float(np.sum(rest.residuals**2))
     evidence = -0.5 * (rest.independent * float(np.log1p(-min(share, 1.0 - 1e-12))) + count * np.log(rest.independent))
-    return _Scores(alternative, left, inside, scale, back, strength, scores, share, evidence)
+    evidence -= float(np.log(alternative.chosen))
+    return _Scores(alternative, left, inside, scale, back, strength, scores, alone, share, evidence)
+
+
+def _best_column(found: _Scores) -> int:
+    """The column that explains most by itself, of several that explain as much the one that needs the smallest size."""
+    alike = np.flatnonzero(found.alone >= ALIKE * found.alone.max())
+    return int(alike[np.argmin(found.scale[alike])])
+
+
+def _best_of(found: _Scores) -> Alternative | None:
+    """That column as an alternative; None where there is nothing to choose from."""
+    of, best = found.alternative, _best_column(found)
+    if len(of.each) < 2:
+        return None
+    columns, each = of.columns[:, :, best : best + 1], of.each[best]
+    return of._replace(follow=each[0], columns=columns, each=(each,), chosen=len(of.each))
 
 
 def _space_of(columns: Array, rest: Remainder) -> tuple[Array, Array, Array, Array, float] | None:
@@ -226,6 +249,7 @@ def _effect_of(found: _Scores, rest: Remainder) -> Effect:
     explained = basis @ found.scores
     noise = _noise(basis, rest, rest.residuals - explained)
     statistic, chance = chance_of(found.scores, noise)
+    chance = min(1.0, chance * found.alternative.chosen)
     excess = max(float(found.scores @ found.scores - np.trace(noise.covariance)), 0.0)
     answer = rest.half @ found.inside  # how parameters answer to a unit of each
     return Effect(
@@ -236,6 +260,7 @@ def _effect_of(found: _Scores, rest: Remainder) -> Effect:
         found.evidence,
         found.scale * (found.back @ found.scores),
         found.scale * np.sqrt(np.maximum(np.sum((found.back @ noise.covariance) * found.back, axis=1), 0.0)),
+        _best_column(found),
         explained,
         found.share,
         excess / found.strength * answer @ answer.T,  # tau^2, of scaled columns
@@ -289,6 +314,8 @@ def effects_of(alternatives: Sequence[Alternative], rest: Remainder, chance: flo
     None where noise makes as much as the best with more than a chance.
     """
     found = [scores for scores in (_scores_of(alternative, rest) for alternative in alternatives) if scores is not None]
+    single = [best for best in map(_best_of, found) if best is not None]
+    found += [scores for scores in (_scores_of(best, rest) for best in single) if scores is not None]
     found.sort(key=lambda scores: -scores.evidence)
     effects: list[Effect] = []
     for scores in found[:MOST_TRIED]:

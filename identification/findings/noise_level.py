@@ -44,18 +44,12 @@ def stated_noise(samples: Samples, fit: Fit, case: Case) -> Array | None:
 
 
 def noise_of_channels(samples: Samples, fit: Fit) -> Array:
-    """Noise of each channel by its residuals, as white noise of the recorded forces, shape (6,) [N, or N and N m]."""
-    return np.asarray(np.sqrt(6.0 * np.sum(fit.residuals**2, axis=0) * samples.filtered.stride / fit.freedom))
+    """Noise of each channel by its residuals, as white noise of the recorded forces, shape (6,) [N, or N and N m].
 
-
-def noise_excess(samples: Samples, fit: Fit, case: Case) -> Array | None:
-    """Noise of each channel by its residuals over what the case states, shape (6,); None where it states none.
-
-    Averages of standstills are compared with a single recorded sample: errors that do not average out are counted as
-    noise where they are no larger than it.
+    Averages of standstills are taken for a single recorded sample: errors that do not average out are counted as noise
+    where they are no larger than it.
     """
-    stated = stated_noise(samples, fit, case)
-    return None if stated is None else noise_of_channels(samples, fit) / stated
+    return np.asarray(np.sqrt(6.0 * np.sum(fit.residuals**2, axis=0) * samples.filtered.stride / fit.freedom))
 
 
 def clear_excess(fit: Fit, least: float) -> float:

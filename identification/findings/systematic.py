@@ -191,8 +191,7 @@ def _follows(seen: Seen, systematic: Systematic, case: Case) -> str:
     """What residuals follow, in which channel, how much, and what would make it."""
     effect, alternative = seen.effect, seen.effect.alternative
     if alternative.each:
-        strength = np.abs(effect.sizes) / np.where(effect.stds > 0.0, effect.stds, np.inf)
-        follow, channel = alternative.each[int(np.argmax(strength))]
+        follow, channel = alternative.each[effect.best]
     else:
         follow, channel = alternative.follow, -1
     if channel < 0:

@@ -17,7 +17,7 @@ from identification.runs.evaluation import Run, signals_at
 from identification.runs.rates import at_the_forces, at_the_motion
 from identification.runs.sample_checks import bridged
 from identification.samples import MOST_DELAY
-from identification.signals import Filter, stretches
+from identification.signals import Filter, stretches, white_noise
 
 OVERSAMPLED = 1.5  # samples of the forces in a motion's interval, from which they are averaged
 HELD_CHANGES = 50  # changes of the struts, from which on a rhythm is looked for
@@ -155,15 +155,7 @@ def stands_only(recording: Recording) -> bool:
     if recording.t is None or recording.struts is None or recording.trigger is None or not delimited(recording.trigger):
         return False
     ranges = [np.ptp(recording.struts[w], axis=0).max() for w in stretches(recording.trigger) if w.stop > w.start + 1]
-    return bool(ranges) and bool(max(ranges) < STANDING + NOISY * encoder_noise(recording.struts).max())
-
-
-def encoder_noise(struts: Array) -> Array:
-    """Standard deviation of the noise of each coordinate, by how far samples are from their neighbours, shape (k,)."""
-    if len(struts) < 5:
-        return np.zeros(struts.shape[1])
-    changes = np.abs(np.diff(struts, 4, axis=0))  # in which no smooth motion is left
-    return np.asarray(1.4826 * np.median(changes, axis=0) / np.sqrt(70.0))
+    return bool(ranges) and bool(max(ranges) < STANDING + NOISY * white_noise(recording.struts).max())
 
 
 def delimited(trigger: Flags | None) -> bool:
@@ -274,7 +266,7 @@ def _window(recording: Recording, low_pass: Filter, drives: str, unit: str) -> t
     else:
         speed = low_pass.apply(recording.struts, 1)
         # of noise behind the filter
-        least = SURE * encoder_noise(recording.struts) * np.sqrt(np.sum(low_pass.kernel(1, 0.0) ** 2))
+        least = SURE * white_noise(recording.struts) * np.sqrt(np.sum(low_pass.kernel(1, 0.0) ** 2))
         moving = np.flatnonzero(np.any(np.abs(speed) > np.maximum(MOVING, least), axis=1))
         rows = np.arange(moving[0], moving[-1] + 1) if len(moving) else np.arange(len(speed))
         if not len(moving):
@@ -282,7 +274,7 @@ def _window(recording: Recording, low_pass: Filter, drives: str, unit: str) -> t
             sentence += "evaluated; record a trigger where only a part is meant"
             warnings = (warning(Kind.WINDOW, sentence),)
     travel = max(float(np.ptp(strut[margin + rows])) for strut in recording.struts.T)
-    least_travel = LEAST_TRAVEL + NOISY * float(encoder_noise(recording.struts).max())
+    least_travel = LEAST_TRAVEL + NOISY * float(white_noise(recording.struts).max())
     if travel < least_travel:
         raise IdentificationError(
             recording.source,

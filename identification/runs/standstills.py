@@ -13,9 +13,9 @@ from identification.formats.table import Lines
 from identification.hexapod import StrutsDoNotClose
 from identification.model import Model, machine_of, regressors
 from identification.recording import Recording
-from identification.runs.preparation import MOVING, SURE, delimited, encoder_noise, require_position
+from identification.runs.preparation import MOVING, SURE, delimited, require_position
 from identification.samples import MotionOfSamples, Standstills
-from identification.signals import stretches
+from identification.signals import stretches, white_noise
 from identification.symbolic import Kinematics
 
 SPEED_SPAN = 0.02  # [s] over which strut speeds are taken: encoder steps of 1 um then look like 0.05 mm/s
@@ -184,7 +184,7 @@ def standstills(recording: Recording, case: Case, model: Model) -> Standstills:
 
 def _moving(struts: Array, step: float) -> Flags:
     """Whether a strut is faster than what counts as moving, taken over some milliseconds around each row."""
-    noise = encoder_noise(struts)
+    noise = white_noise(struts)
     half = max(1, round(SPEED_SPAN / step / 2))
     while 2.0 * SURE * noise.max() > MOVING * (2 * half * step) * np.sqrt(half) and half * step < LONGEST_SPAN / 2:
         half += 1  # of the means on either side, the further apart, the less is noise

@@ -209,6 +209,15 @@ class Moves:
         return PPoly(np.stack(pieces, axis=1), np.array(breaks))
 
 
+def reached(of: Machine, way: Waves | Moves) -> bool:
+    """Whether struts are long and short enough for a motion; of chains it is theirs."""
+    if not isinstance(of.plant, HexapodPlant):
+        return True
+    low, high = np.array(of.tables["workspace"]["strut_length_mm"]) * 1e-3
+    lengths = of.plant.drives(of.plant.motion(way, np.arange(0.0, way.duration, 0.02)).q)
+    return bool(np.all((lengths > low) & (lengths < high)))
+
+
 _SHARE = 0.12
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from identification.recording import Recording
-from identification.runs.preparation import encoder_noise
 from identification.runs.sample_checks import at_full_range, scan
 from identification.runs.standstills import find_standstills
+from identification.signals import white_noise
 from tests.identification.formats.loaded_hexapod import CASE, run
 
 T = 1e-3 * np.arange(4000)
@@ -54,7 +54,7 @@ def test_standstills_are_found_by_the_noise_of_the_encoders(noise: float) -> Non
     way = np.floor(t / 1.5) + u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
     joints = 0.1 * way[:, None] * np.array([1.0, -0.5, 0.3, 1.0, 0.2, -1.0])
     joints = joints + noise * np.random.default_rng(0).normal(size=joints.shape)
-    assert encoder_noise(joints) == pytest.approx(noise, rel=0.1, abs=1e-8)
+    assert white_noise(joints) == pytest.approx(noise, rel=0.1, abs=1e-8)
     found = find_standstills(Recording("run", t, joints, None, np.zeros((6000, 6)), None), 0.1)
     assert len(found) == 8
     assert all(np.ptp(way[window]) < 1e-3 for window in found)
