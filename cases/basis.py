@@ -122,11 +122,14 @@ def require_unchanged(
     name = about.get("case_file", case.name)
     more = f" ({len(changes) - 1} more)" if len(changes) > 1 else ""
     if not stale:
-        differs = "has changed since" if case.origin in ("", name) else f"differs from {case.origin}"
+        alike = 2 * len(changes) < len(now)  # else it is another machine
+        same = case.origin in ("", name)
+        differs = "has changed since" if same else f"differs from {case.origin}"
+        remedy = "restore the case" if same else "name its own case with --case"
         raise FileProblem(
             file,
             f"case {name} {differs}: {changes[0]}{more}",
-            f"{again}, restore the case, or go on at your own risk with --stale",
+            f"{again}, or {remedy}" + (", or go on at your own risk with --stale" if alike else ""),
         )
     return (*earlier, f"stale: {file} is of case {case.name} before {'; '.join(changes)}")
 

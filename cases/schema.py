@@ -328,7 +328,7 @@ class Case(Heading):
             return place
         if self.chain is None and self.sensor_frame.transducer is None:
             problem = f"is that of no robot: {purpose} is for setup R, a force/torque sensor at a flange"
-            raise CaseError(f"case {self.name}", "setup", f"{problem}; export to another target")
+            raise CaseError(f"case {self.name}", "setup", f"{problem}; export --to c, linuxcnc, st or json")
         key, of, z = "machine.chain.flange", "the last joint's moved frame, as machine.chain.sensor does {P}", 116.5
         if self.chain is None:
             key, of, z = "sensor_frame.transducer.flange", "{P}", -40.0
@@ -337,6 +337,9 @@ class Case(Heading):
 
     def need_chain(self, purpose: str) -> tuple[Chain, JointMotionLimits]:
         """Chain and limits of motion; raises CaseError where the case lacks one of them."""
+        if self.hexapod is not None:
+            problem = f"is a hexapod, and {purpose} is for a chain of joints; choose another --dialect"
+            raise CaseError(f"case {self.name}", "machine", problem)
         if self.chain is None:
             self.missing("machine.chain", purpose)
         if self.limits is None or not isinstance(self.limits.motion, JointMotionLimits):

@@ -25,6 +25,8 @@ class Kind(StrEnum):
     CASE = "case"  # what has changed, or contradicts the case
 
 
+ABOUT_THE_RUN = frozenset({Kind.DAMAGE, Kind.WINDOW, Kind.FEED, Kind.PROGRAM})
+"""What a run was, and which of it was evaluated: values come from the measured motion, of what is sound in it."""
 Severity = Literal["note", "warning"]  # a warning is for people to act on
 SEVERITIES: tuple[Severity, ...] = ("note", "warning")
 
@@ -39,6 +41,7 @@ class Finding:
         sentence: the text for people, place included; empty where it is for programs only.
         place: place in the file, as messages name it; empty where there is none.
         quantity: entries for programs, by their key in result files.
+        counted: whether the standard deviations of the result allow for it.
     """
 
     kind: Kind
@@ -46,6 +49,12 @@ class Finding:
     sentence: str
     place: str = ""
     quantity: Mapping[str, Any] = field(default_factory=dict)
+    counted: bool = False
+
+    @property
+    def doubts_values(self) -> bool:
+        """Whether values may be further off than their deviations say: not by what was left out, or is counted."""
+        return self.severity == "warning" and not self.counted and self.kind not in ABOUT_THE_RUN
 
     def __str__(self) -> str:
         return self.sentence
@@ -53,9 +62,9 @@ class Finding:
     _repr_html_ = as_html
 
 
-def warning(kind: Kind, sentence: str, place: str = "", **quantity: Any) -> Finding:
+def warning(kind: Kind, sentence: str, place: str = "", *, counted: bool = False, **quantity: Any) -> Finding:
     """A finding that people should act on."""
-    return Finding(kind, "warning", f"{place}: {sentence}" if place else sentence, place, quantity)
+    return Finding(kind, "warning", f"{place}: {sentence}" if place else sentence, place, quantity, counted)
 
 
 def changed_cases(remarks: Iterable[str]) -> tuple[Finding, ...]:

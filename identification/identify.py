@@ -71,8 +71,24 @@ def identify(
     if case is None:
         raise RecordingError(recording.source, "does not say which machine it is from", "give its case")
     whole = on_one_clock(recording, case)
-    if plan is not None:
-        whole = replace(whole, findings=(*whole.findings, *as_planned(whole, case, plan)))
+    differences = () if plan is None else as_planned(whole, case, plan)
+    try:
+        return _identified(recording, whole, case, model, how, average_standstills, poses, differences)
+    except (IdentificationError, RecordingError) as error:
+        raise error.beside(sentences(differences, "warning")) from error
+
+
+def _identified(
+    recording: Recording,
+    whole: Recording,
+    case: Case,
+    model: int | None,
+    how: Method | Callable[[Model], Method],
+    average_standstills: bool,
+    poses: Array | None,
+    differences: tuple[Finding, ...],
+) -> Result:
+    """`identify` of a recording that is on one clock, `whole`, with its differences from a plan."""
     try:
         run, standing = standing_of(whole, case, poses, average_standstills)
     except (IdentificationError, RecordingError) as error:
@@ -89,12 +105,12 @@ def identify(
             raise IdentificationError(f"{error.typed}; it was recorded with the case {own}, not {case.name}") from error
         raise
     changed = changed_cases(recording.remarks)
-    differences = changes_since(recording.record, recording_basis(case), case.hash)
-    if own not in (None, case.name) and differences:
-        sentence = f"it was recorded with the case {own}, not {case.name}: {differences[0]}"
-        sentence += f" ({len(differences) - 1} more)" if len(differences) > 1 else ""
+    changes = changes_since(recording.record, recording_basis(case), case.hash)
+    if own not in (None, case.name) and changes:
+        sentence = f"it was recorded with the case {own}, not {case.name}: {changes[0]}"
+        sentence += f" ({len(changes) - 1} more)" if len(changes) > 1 else ""
         changed += (warning(Kind.CASE, f"{sentence}; leave --case out"),)
-    estimate = replace(estimate, findings=(*changed, *estimate.findings))
+    estimate = replace(estimate, findings=(*changed, *differences, *estimate.findings))
     seconds = run.record.get("executed_s")  # the time that it took
     if seconds is None and run.t is not None:
         seconds = estimate.evaluated.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter

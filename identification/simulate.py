@@ -54,7 +54,11 @@ def circumstances(case: Case, weights: int, disturbed: bool) -> Circumstances:
     """
     payloads = () if case.payloads is None else case.payloads.weights
     if not 0 <= weights <= len(payloads):
-        raise CaseError(f"case {case.name}", "payloads.weights", f"are {len(payloads)}; {weights} cannot be mounted")
+        raise CaseError(
+            f"case {case.name}",
+            "payloads.weights",
+            f"are {len(payloads)}; {weights} cannot be mounted: choose 0 to {len(payloads)}",
+        )
     disturbances = case.need_simulation("a run").disturbances
     if disturbed and disturbances is None:
         case.missing("simulation.disturbances", "a run with disturbances")

@@ -162,7 +162,8 @@ def naming_another(file: Path, content: bytes, case: Case) -> Iterator[None]:
         yield
     except (ProgramError, CaseError) as error:
         if other := written_for_another(content, case):
-            raise ProgramError(file, 0, 0, f"is {other}; {error.typed}") from error
+            found = error.typed.removeprefix(f"{file}: ")
+            raise ProgramError(file, 0, 0, f"is {other}; {found}; name its own case with --case") from error
         raise
 
 

@@ -28,8 +28,8 @@ INDENT = "  "  # to the interpreter, lines in the first column begin and end the
 
 def write_urscript(program: Blocks, case: Case) -> bytes:
     """The program's text, plain ASCII, see `Dialect.write`: moves from rest to rest, dwells and switches alone."""
-    settings = case.need_settings(UrScript, "a URScript program")
     chain, limits = case.need_chain("a URScript program")
+    settings = case.need_settings(UrScript, "a URScript program")
     if endless := next((joint.name for joint in chain.joints if joint.kind == "continuous"), None):
         raise HexciteError(
             f"joint {endless} turns without end: movej counts turns, and nobody knows on which one the robot stands; "

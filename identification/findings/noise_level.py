@@ -142,4 +142,4 @@ def louder_than_stated(recording: Recording, case: Case, fitted: Fitted) -> list
         )
     else:
         sentence += ". Correct the stated noise, or look for the cause in the residuals in the report"
-    return [warning(Kind.NOISE, sentence, noise_excess=entry)]
+    return [warning(Kind.NOISE, sentence, counted=ratio <= FAR_ABOVE, noise_excess=entry)]

@@ -140,7 +140,10 @@ def noisy_drives(case: Case, fitted: Fitted, systematic: Systematic | None) -> l
         f"which biases {names[worst]} by about {systematic.drives[worst]:+.2g} ({abs(ratios[worst]):.2g} deviations; "
         f"they allow for it). Lower recording.filter_cutoff_Hz = {case.recording.filter_cutoff_Hz:g}"
     )
-    return [warning(Kind.NOISE, sentence, drive_noise={"bias": systematic.drives[: len(names)].tolist()})]
+    bearable = bool(abs(ratios[worst]) <= BEARABLE)
+    return [
+        warning(Kind.NOISE, sentence, counted=bearable, drive_noise={"bias": systematic.drives[: len(names)].tolist()})
+    ]
 
 
 def systematic_findings(case: Case, fitted: Fitted, systematic: Systematic | None) -> list[Finding]:
@@ -180,10 +183,12 @@ def systematic_findings(case: Case, fitted: Fitted, systematic: Systematic | Non
         for seen in systematic.seen
     ]
     matters = first.effect.share > MUCH_NOISE or growth[worst] > np.sqrt(1.0 + HARM**2)
-    make = warning if matters else note
-    return [make(Kind.MODEL, sentence, systematic=quantity)]
+    if not matters:
+        return [note(Kind.MODEL, sentence, systematic=quantity)]
+    return [warning(Kind.MODEL, sentence, counted=bool(growth[worst] <= BEARABLE), systematic=quantity)]
 
 
+BEARABLE = 3.0  # times a deviation by noise alone, up to which one that allows for an effect is as good as any
 GROWN = 1.1  # times a deviation, from which on it is said
 
 

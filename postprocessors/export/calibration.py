@@ -20,13 +20,17 @@ from identification.parameters import INERTIA
 
 
 def require_exportable(result: Result, force: bool = False) -> None:
-    """Raises FileProblem where a mass is not positive, or where a result carries warnings and `force` is not set."""
+    """Raises FileProblem where a mass is not positive, or its values are in doubt and `force` is not set.
+
+    What the standard deviations allow for, or what was left out, is no such doubt; it is written into the file.
+    """
     if not result.values[0] > 0.0:
         raise FileProblem(result.source, f"mass {result.values[0]:.4g} kg is not positive", "identify from another run")
-    if result.warnings and not force:
-        more = f" (and {len(result.warnings) - 1} more)" if len(result.warnings) > 1 else ""
-        remedy = "identify from a better run, or export with --force, which writes the warning into the file"
-        raise FileProblem(result.source, f"carries a warning{more}: {result.warnings[0]}", remedy)
+    doubts = [finding.sentence for finding in result.findings if finding.doubts_values]
+    if doubts and not force:
+        more = f" (and {len(doubts) - 1} more)" if len(doubts) > 1 else ""
+        remedy = "mend that and identify again, or export with --force, which writes the warning into the file"
+        raise FileProblem(result.source, f"carries a warning{more}: {doubts[0]}", remedy)
 
 
 def result_hash(result: Result) -> str:

@@ -2,14 +2,19 @@
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from cases.errors import FileProblem
 from cases.files import MARKER
 from cases.schema import load_case
 from cases.tables import built_in_cases
+from identification.finding import Finding, Kind, warning
+from identification.outcome import Result
+from postprocessors.export.calibration import require_exportable
 from postprocessors.export.targets import TARGETS
 from tests.planner.command_line import call, refused
 from tests.postprocessors.export.calibrations import write_result
@@ -177,3 +182,21 @@ def test_a_folder_of_c_is_replaced_on_request_and_another_never(result: Path, he
     call("export", result, "--to", "c", "-o", "model", "--overwrite", "--json").json()
     shutil.copy(result / "result.json", here / "model")
     assert "is not a C model" in refused("export", result, "--to", "c", "-o", "model")
+
+
+def test_warnings_that_deviations_allow_for_do_not_stop_an_export(result: Path) -> None:
+    """Nor do those about what was left out, or how the run went: values come from what was measured and is sound."""
+    counted = warning(Kind.MODEL, "residuals follow the speed; deviations allow for it", counted=True)
+    slower = warning(Kind.PROGRAM, "2.00 times slower than planned")
+    left_out = warning(Kind.DAMAGE, "lines 3 to 5 were left out")
+    contact = warning(Kind.CONTACT, "contact from 1 to 2 s; left out")
+    assert [f.doubts_values for f in (counted, slower, left_out, contact)] == [False, False, False, True]
+    loaded = Result.load(result)
+    require_exportable(with_findings(loaded, counted, slower, left_out))
+    with pytest.raises(FileProblem, match="contact from 1 to 2 s.*identify again, or export with --force"):
+        require_exportable(with_findings(loaded, counted, contact))
+
+
+def with_findings(result: Result, *findings: Finding) -> Result:
+    """A result with other findings."""
+    return replace(result, record=result.record.replaced(findings=findings))
