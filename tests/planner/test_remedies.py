@@ -110,7 +110,7 @@ def desk(shared: Path, chain: dict[str, dict[str, Any]], tmp_path_factory: pytes
     shutil.copy(folder / "run" / "recording.csv", folder / "run.csv")
     _doubtful(folder)
     _stale(folder, text)
-    (folder / "typo.toml").write_text(text.replace("block_ms", "blok_ms"), encoding="utf-8")
+    (folder / "typo.toml").write_text(text.replace("\nblock_ms", "\nblok_ms"), encoding="utf-8")
     return folder
 
 

@@ -193,7 +193,7 @@ def test_warnings_that_deviations_allow_for_do_not_stop_an_export(result: Path) 
     assert [f.doubts_values for f in (counted, slower, left_out, contact)] == [False, False, False, True]
     loaded = Result.load(result)
     require_exportable(with_findings(loaded, counted, slower, left_out))
-    with pytest.raises(FileProblem, match="contact from 1 to 2 s.*identify again, or export with --force"):
+    with pytest.raises(FileProblem, match=r"contact from 1 to 2 s.*identify again, or export with force"):
         require_exportable(with_findings(loaded, counted, contact))
 
 
