@@ -23,9 +23,6 @@ from postprocessors.proving.guarantees import Guarantees
 # of mm and degrees: over 10 ms blocks this rounding stays below 0.1 % of the jerk limits
 LENGTH_DECIMALS, ANGLE_DECIMALS = 5, 6
 FEED_DECIMALS, FEED_DIGITS = 6, 10
-# of mm and degrees: what a control can tell apart. A coordinate that moves by less is written as it stands, or a feed
-# would count a way that rounding made
-RESOLUTION = 1e-4
 COMMENT_WIDTH = 120
 # of mm and degrees, for the check that the machine stands at home: ten times the least step of a hand wheel, as far as
 # axes at rest stand off their command, and far too little to matter to the way that follows
@@ -169,7 +166,7 @@ class BlockWriter(ABC):
         """
         turns = self.limits.turns
         start, end = (
-            self._as_meant(np.array([float(word) for word in coordinates]))
+            self._as_meant(self._as_rounded(np.array([float(word) for word in coordinates])))
             for coordinates in (self.standing or self.coordinates(move.start), words)
         )
         written = replace(move, start=start, end=end) if np.any(start != end) else move
@@ -207,7 +204,8 @@ class BlockWriter(ABC):
         axes, values = move.plane.axes[:2], self.coordinates(move.end)
         in_plane = sorted(axes) if self.full_ends or abs(abs(move.angle) - 2 * np.pi) >= FULL else ()
         ends = [self.words[k] + values[k] for k in (*in_plane, 3, 4, 5)]
-        offsets = move.centre / MM - np.round(move.start[list(axes)] / MM, LENGTH_DECIMALS)
+        start = [float(v) for v in self.standing or self.coordinates(move.start)]
+        offsets = move.centre / MM - np.array([start[k] for k in axes])
         centre = ["IJK"[k] + number(offset, LENGTH_DECIMALS) for k, offset in sorted(zip(axes, offsets, strict=True))]
         return " ".join([*ends, *centre])
 
@@ -234,14 +232,25 @@ class BlockWriter(ABC):
         return " ".join(word + value for word, value in zip(self.words, coordinates, strict=True))
 
     def _to(self, pose: Array) -> list[str]:
-        """Coordinates of the end of a move as written: as in the block before where they move by too little."""
+        """Coordinates of the end of a move as written: as in the block before where they move by too little.
+
+        They are rounded to what the control can tell apart, or a feed would count a way that it rounds otherwise.
+        """
         ends = self.coordinates(pose)
+        if self.guarantees.rounds:
+            rounded = self._as_rounded(np.array([float(end) for end in ends]))
+            ends = [number(value, LENGTH_DECIMALS) for value in rounded]
         if not self.standing:
             return ends
         return [
-            before if abs(float(before) - float(end)) < RESOLUTION else end
+            before if abs(float(before) - float(end)) < self.guarantees.resolution else end
             for before, end in zip(self.standing, ends, strict=True)
         ]
+
+    def _as_rounded(self, written: Array) -> Array:
+        """Written coordinates in mm and degrees as the control rounds them, shape (k,)."""
+        step = self.guarantees.resolution
+        return np.round(written / step) * step if self.guarantees.rounds else written
 
     def _as_meant(self, written: Array) -> Array:
         """Coordinates [m, rad] of written ones in mm and degrees, shape (k,)."""

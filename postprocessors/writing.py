@@ -16,12 +16,12 @@ from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import CircularMove, StraightMove
 from postprocessors.blocks import Block, Blocks, TimedPath, ToHome, Trigger, timed_path
 from postprocessors.dialects import Dialect, Program, leaving_out, left_out
+from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.proof import ProgramProof, prove_program, remarks
 from postprocessors.reading import Reading, Stretch, Timed, Untimed
 
 # Twice the last decimal of the words: the program as read back must be the plan, up to rounding [m or rad].
 ROUNDING = max(1e-5 * MM, 1e-6 * DEG)
-STANDING = max(1e-4 * MM, 1e-4 * DEG)  # by which a move may end off the plan: a coordinate is not moved by less
 
 
 def proven_program(
@@ -52,14 +52,15 @@ def proven_program(
     """
     path = Path(file)
     header = (*header, *leaving_out(without))
-    program = dialect.prepare(excitation_program(trajectory, case, speed), case)
+    resolution = dialect.guarantees(Reading(file=str(path), stretches=(), blocks=0), case).resolution
+    program = _without_nothing(dialect.prepare(excitation_program(trajectory, case, speed), case), resolution, case)
     text = dialect.write((*header, *program), case)
     reading = dialect.read(text, str(path), case)
     guarantees = replace(dialect.guarantees(reading, case), without=left_out(text))
     proof = prove_program(reading, guarantees)
     proof.require_accepted(accepted)
     if dialect.same is None:
-        _require_same(program, reading, guarantees.tolerance)
+        _require_same(program, reading, guarantees)
     else:
         dialect.same(program, reading, case)
     content = dialect.write((*header, *_findings(proof), *program), case)
@@ -68,6 +69,12 @@ def proven_program(
         raise ProgramError(path, 0, 0, "the header changes how the program reads; report this")
     proven = replace(proof, remarks=tuple(remarks(again, case)))
     return Program(path, dialect, content, again, guarantees, case, proven=proven)
+
+
+def _without_nothing(program: Blocks, resolution: float, case: Case) -> Blocks:
+    """The program without moves whose ends the control cannot tell apart, by its `resolution` [mm, deg]."""
+    least = 2.0 * resolution * np.where(case.need_motion("a program")[1].turns, DEG, MM)
+    return tuple(b for b in program if not (isinstance(b, StraightMove) and np.all(np.abs(b.end - b.start) < least)))
 
 
 PLUS_MINUS, PLAIN = "±", "+-"  # headers are plain ASCII
@@ -96,11 +103,17 @@ def _same_stretches(one: Reading, other: Reading) -> bool:
     return [*map(values, one.stretches)] == [*map(values, other.stretches)]
 
 
-def _require_same(program: Blocks, reading: Reading, tolerance: Array) -> None:
+def off_the_plan(guarantees: Guarantees) -> float:
+    """By how much a coordinate may end off the plan [m, rad]: the end is rounded, and it does not move by less."""
+    return ROUNDING + 1.5 * guarantees.resolution * max(MM, DEG)
+
+
+def _require_same(program: Blocks, reading: Reading, guarantees: Guarantees) -> None:
     """Raises unless the motion of the text is that of the program, block by block, point by point, at every instant.
 
-    Polynomials may deviate from other motions by `tolerance`, shape (6,) [m, rad].
+    Polynomials may deviate from other motions by the tolerance of the controller.
     """
+    off = off_the_plan(guarantees)
     written = [b for b in program if isinstance(b, TimedPath | StraightMove | CircularMove)]
     # The moves that take out what is left of the way home have no counterpart.
     moves = [s for s in reading.stretches if isinstance(s, Timed | Untimed)]
@@ -113,12 +126,12 @@ def _require_same(program: Blocks, reading: Reading, tolerance: Array) -> None:
         raise ProgramError(reading.file, 0, 0, f"{len(read)} moves where {len(written)} were written; report this")
     for block, stretch in zip(written, read, strict=True):
         if isinstance(block, TimedPath):
-            same = isinstance(stretch, Timed) and _same_path(block, stretch, tolerance)
+            same = isinstance(stretch, Timed) and _same_path(block, stretch, guarantees.tolerance, off)
         else:
             same = (
                 isinstance(stretch, Untimed)
                 and (stretch.arc is not None) == isinstance(block, CircularMove)
-                and bool(np.all(np.abs(stretch.end - block.end) <= ROUNDING + STANDING))
+                and bool(np.all(np.abs(stretch.end - block.end) <= off))
             )
         if not same:
             raise ProgramError(reading.file, stretch.line, 0, "the motion reads back differently; report this")
@@ -128,14 +141,17 @@ def _home_of(program: Blocks) -> Array:
     return next(block.pose for block in program if isinstance(block, ToHome))
 
 
-def _same_path(path: TimedPath, stretch: Timed, tolerance: Array) -> bool:
+def _same_path(path: TimedPath, stretch: Timed, tolerance: Array, at_start: float) -> bool:
+    """Whether a path is the planned one; it begins where the move before it ended."""
     times = stretch.points.times
     if isinstance(stretch.points, PolynomialMotion):
         off = np.abs(path.poses - stretch.points.at(np.minimum(path.times, times[-1])).pose)
-        return bool(np.isclose(path.times[-1], times[-1], rtol=1e-7) and np.all(off <= ROUNDING + tolerance))
+        allowed = np.where(path.times[:, None] > 0.0, ROUNDING + tolerance, at_start)
+        return bool(np.isclose(path.times[-1], times[-1], rtol=1e-7) and np.all(off <= allowed))
     if len(path.times) != len(times) or not np.allclose(path.times, times, rtol=1e-7, atol=1e-9):
         return False  # F has 6 decimals: 1e-10 of 10 ms a block
-    return bool(np.all(np.abs(path.poses - stretch.points.at(times).pose) <= ROUNDING))
+    off = np.abs(path.poses - stretch.points.at(times).pose)
+    return bool(np.all(off[0] <= at_start) and np.all(off[1:] <= ROUNDING))
 
 
 SAME = 1e-8  # [m, rad] distance of equal poses, below the last decimal of any program

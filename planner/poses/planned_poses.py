@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
 from cases.schema import Case
+from cases.units import DEG, MM
 from identification.criteria import (
     POSE_CRITERIA,
     candidate_scaling,
@@ -35,6 +36,7 @@ from planner.search.feasibility import remedy
 MOST = 200_000  # candidates; 20 000 take seconds and half a GB, and more never had more information
 JOINT_CANDIDATES = 2048  # default number for a chain
 ROUNDING = 1e-9  # [m] poses on the very edge of the ring are in it
+SAME = 2e-3  # [mm, deg] distance of equal poses: what controls can tell apart is more
 PROOF_RATE_OF_MOVES = 1000.0  # [1/s]; moves between poses are smooth and take about half a second
 
 
@@ -214,21 +216,22 @@ def _order(case: Case, poses: Array) -> NDArray[np.int64]:
 
 
 def _motion(case: Case, poses: Array) -> tuple[Joined, LimitReport]:
-    home = case.need_motion("a plan of poses")[0]
+    home, limits = case.need_motion("a plan of poses")
     setting = case.need_poses("a plan of poses")
+    same = SAME * np.where(limits.turns, DEG, MM)
     parts: list[Trajectory] = []
     reports: list[LimitReport] = []
     clock, last_pose = 0.0, home
     for pose in [*poses, home]:
-        if np.max(np.abs(pose - last_pose)) > 0.0:
+        if np.any(np.abs(pose - last_pose) > same):
             move = fastest_move(case, last_pose, pose)
             reports.append(prove(move, case, PROOF_RATE_OF_MOVES, in_box=False).later(clock))
             parts.append(move)
             clock += move.duration
-        if pose is not home:
-            parts.append(Standstill(np.array(pose), setting.settle_s, setting.average_s))
+            last_pose = pose
+        if pose is not home:  # a repeated one is measured once more, without a move
+            parts.append(Standstill(np.array(last_pose), setting.settle_s, setting.average_s))
             clock += parts[-1].duration
-        last_pose = pose
     report = worst_of(reports)
     if not report.kept:
         worst = report.violations[0]

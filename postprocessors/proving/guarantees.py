@@ -56,6 +56,9 @@ class Guarantees:
     even_blocks: bool = False
     # what to do about a timed block of another duration
     timing_remedy: str = "write such blocks (controller.block_ms), or a move at a feed (G94) with an exact stop"
+    # to which it rounds the ends of moves, and by which a coordinate moves at least [mm, deg]; LinuxCNC does not round
+    resolution: float = 1e-4
+    rounds: bool = True
     arc_shares: tuple[float, float] = ARC_SHARES  # shares of its acceleration limit, along an arc and across it
     # allowed deviation of its polynomials from a motion that is none, beside rounding, shape (6,) or (1,) [m, rad]
     tolerance: Array = field(default_factory=lambda: np.zeros(1))
@@ -185,6 +188,7 @@ def guarantees_of_linuxcnc(case: Case, timed: bool) -> Guarantees:
         known_law=headroom <= 1.0,
         jerk_time=SERVO_PERIOD,
         even_blocks=True,
+        rounds=False,
         arc_shares=(ALONG, ACROSS * headroom),
     )
 
@@ -200,6 +204,7 @@ def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
         longest_block=math.inf if polynomial else LONGEST_POINTS,
         enforced=frozenset(map(LimitKind, settings.controller_keeps)),
         law=_SEVEN_SEGMENTS,
+        resolution=1e-3,  # the usual number of increments of a millimetre and a degree (MD10200, MD10210)
         timing_remedy=f"make such blocks longer (controller.{'sinumerik.poly_' if polynomial else ''}block_ms)",
         tolerance=np.repeat(settings.poly_tolerance, 3) if isinstance(settings, Sinumerik) else np.zeros(1),
     )

@@ -203,17 +203,21 @@ class Grouping:
         arc: Arc | None = None,
         law: tuple[tuple[int, ...], float | None] = ((), None),
         within: Array | None = None,
+        start: Array | None = None,
     ) -> None:
         """Adds a move that the controller times itself.
 
-        `law` is `counted` and `acceleration` of `Untimed`, `within` as there.
+        `law` is `counted` and `acceleration` of `Untimed`, `within` as there; `start` is the known place before it as
+        the controller rounds it, shape (k,) [m, rad].
         """
         self._finish_path()
         self._settle_trigger()
         if not exact:
             problem = "a move at a feed without exact stop is blended into the next, its path is not known"
             raise self.error(line, f"{problem}; write {self.exact_stop}")
-        self.stretches.append(Untimed(line, self.pose, end, feed, linear, arc, self.trigger, *law, within))
+        self.stretches.append(
+            Untimed(line, self.pose if start is None else start, end, feed, linear, arc, self.trigger, *law, within)
+        )
         self.pose = end
 
     def rows(self, line: int, cycle: float, poses: Array, rates: Array, accelerations: Array) -> None:

@@ -19,6 +19,7 @@ STILL = 1e-7  # [mm] distance below which places are the same
 
 LARGEST = 1e6  # mm, degrees, seconds: no machine has such numbers
 LARGEST_FEED = 1e9  # per minute; 60 over a microsecond is 6e7
+LEAST_FEED = 1e-3  # of mm or degrees per minute; below, a control rounds it to nothing
 LOOSEST_CHECK = 0.1  # [mm, deg] within which a program may check that the machine stands at a place
 _INK = re.compile(r"\S")
 PLANES = {"G17": Plane.XY, "G18": Plane.ZX, "G19": Plane.YZ}
@@ -61,6 +62,7 @@ class ModalState(ABC):
     exact_stop: ClassVar[str] = "G60"  # word of an exact stop, for messages
     switch_at_rest: ClassVar[str] = "a dwell after it"  # what switches the trigger without a motion, for messages
     fractions: ClassVar[bool] = False  # whether G and M functions may have decimals
+    resolution: ClassVar[float] = 0.0  # to which the control rounds the ends of moves [mm, deg]; 0: not at all
     inverse_time: ClassVar[bool] = True  # whether that F is one over minutes; else seconds
     # lines, each without blanks at its end, that stop the program unless an axis stands at a place, with the groups
     # `axis`, `place` (minus the place, with its sign) and `within`; and their number
@@ -237,6 +239,9 @@ class ModalState(ABC):
             self.feed = block["F"].value
             if not self.feed or self.feed <= 0.0:
                 self.fail(block["F"], f"feed F{self.feed:g} is not positive; correct it")
+            if self.active("G94") and self.feed < LEAST_FEED:
+                problem = f"feed F{self.feed:.3g} is below {LEAST_FEED:g} per minute, which a control rounds to nothing"
+                self.fail(block["F"], f"{problem}; leave this move out, or make it faster")
 
     def require_said(self, word: Word) -> None:
         """Refuses a move before what it needs."""
@@ -293,8 +298,13 @@ class ModalState(ABC):
 
     def _moves_origin(self, end: Array) -> bool:
         """Whether X, Y or Z moves on the way to coordinates, shape (k,) as written; from unknown ones they do."""
-        moves = np.isnan(self.pose) | (np.abs(end - self.pose) > STILL) | (self.stated & (self.unsure > 0.0))
+        way = np.abs(self._as_rounded(end) - self._as_rounded(self.pose))
+        moves = np.isnan(self.pose) | (way > STILL) | (self.stated & (self.unsure > 0.0))
         return bool(np.any(moves & self.linear))
+
+    def _as_rounded(self, pose: Array) -> Array:
+        """Coordinates as the control rounds them, shape (k,) as written."""
+        return np.round(pose / self.resolution) * self.resolution if self.resolution > 0.0 else pose
 
     def _require_counted(self, first: Word, linear: bool) -> None:
         """Refuses a feed along other axes than F counts; the first move of own axes, from anywhere, may use any."""
@@ -310,11 +320,14 @@ class ModalState(ABC):
         linear = self._moves_origin(end)
         counted = tuple(map(int, np.flatnonzero(self.linear if linear else ~self.linear)))
         within = self._taken_home(end, feed, counted) if self.unsure.any() else None
-        self.pose = end
+        before, self.pose = self.pose, end
         if duration is not None:
             self.motions.block((self.line, duration, end * self.scale, None), exact)
             return
-        self.motions.move(self.line, end * self.scale, feed, linear, exact, None, (counted, None), within)
+        start = None
+        if within is None and not np.isnan(before).any():
+            start, end = self._as_rounded(before) * self.scale, self._as_rounded(end)
+        self.motions.move(self.line, end * self.scale, feed, linear, exact, None, (counted, None), within, start)
 
     def _taken_home(self, end: Array, feed: float | None, counted: tuple[int, ...]) -> Array:
         """Largest way of each coordinate of a move to the checked place, shape (k,) [m, rad]; then it is there.

@@ -48,6 +48,7 @@ class SinumerikInterpreter(ModalState):
         rf'MSG\("[^"\n]*"\)\nSETAL\(65\d\d\d,"[^"\n]*"\)\nM30\nENDIF'
     )
     home_check_lines, asks_where = 5, "STOPRE"
+    resolution = 1e-3  # the usual increments (MD10200, MD10210)
     groups = (
         *("G0 G1 G2 G3 POLY", "G17 G18 G19", "G93 G94", "G60 G64 G642", "COMPOF COMPCAD"),
         *("G90", "G710", "G40", "G500", "SOFT", "FFWON", "DYNNORM", "ORIWKS", "ORIRPY", "ORIAXES", "M0 M1 M2 M30"),

@@ -47,6 +47,7 @@ class TwinCatInterpreter(ModalState):
         r'#MSG \["[^"%\n]*"\]\n#ERROR \[ID=\d{1,4} RC=2\]\n\$ENDIF'
     )
     home_check_lines, asks_where = 4, "#CHANNEL INIT [CMDPOS]"
+    resolution = 1e-4
     block_time, inverse_time = "F, the block's time in seconds", False
     groups = (
         *("G0 G1 G2 G3", "G17 G18 G19", "G93 G94", "G260 G261", "G359 G360"),

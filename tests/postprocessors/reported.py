@@ -42,9 +42,8 @@ class _Log(Grouping):
         _, duration, end, _ = block
         self.reports.append(Move(end, duration, None, exact))
 
-    def move(
-        self, line: int, end: np.ndarray, feed: float | None, linear: bool, exact: bool, arc=None, law=(), within=None
-    ) -> None:
+    def move(self, line: int, end: np.ndarray, feed: float | None, linear: bool, exact: bool, *others: Any) -> None:
+        arc, _, within, _ = (*others, None, None, None, None)[:4]
         self.reports.append(Move(end, None, feed, exact, arc, within is not None))
 
     def pause(self, line: int, duration: float, switches: bool = False) -> None:

@@ -16,7 +16,7 @@ from postprocessors.blocks import Blocks, TimedPath, ToHome, Trigger
 from postprocessors.proving.homing import predicted
 from postprocessors.reading import Timed, Untimed
 from postprocessors.reading.sinumerik import LONGEST_LINE
-from postprocessors.writing import STANDING
+from postprocessors.writing import off_the_plan
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import (
     CASE,
@@ -108,7 +108,7 @@ def test_blocks_read_back_as_they_were_meant(typed: Typed, case: Case, program: 
             assert stretch.points.duration == pytest.approx(block.times[-1], rel=1e-8)
             assert np.all(off <= HALF_A_STEP + np.repeat([1e-6, 1e-5], 3))
         else:
-            assert np.all(np.abs(stretch.end - block.end) <= HALF_A_STEP + STANDING)
+            assert np.all(np.abs(stretch.end - block.end) <= off_the_plan(typed.language.guarantees(reading, case)))
             assert (stretch.arc is not None) == isinstance(block, CircularMove)
     others = [b for b in program if isinstance(b, Standstill | Trigger)]
     events = [e for e in reports(typed.read, text, case) if isinstance(e, Pause | Switch)]
@@ -135,7 +135,8 @@ def test_text_read_and_written_again_is_the_same_text(typed: Typed, case: Case, 
     """But for ends of arcs, which follow from angles, and feeds that a trapezoid never reaches: it takes as long."""
     text = text_of(typed, program, case)
     again = text_of(typed, program_of(text, typed, case), case)
-    assert durations(typed, again, case) == pytest.approx(durations(typed, text, case), rel=1e-6)
+    # An arc behind a move begins at a rounded place, half a micrometre off: its angle is that much another.
+    assert durations(typed, again, case) == pytest.approx(durations(typed, text, case), rel=3e-5)
     for line, written in zip(without_comments(text), without_comments(again), strict=True):
         if re.search(r"G0?[23] ", line):  # its end turns with the rounding of its start
             numbers = [[float(n) for n in re.findall(r"[A-Z]=?(-?[\d.]+)", words)] for words in (line, written)]
