@@ -186,7 +186,7 @@ class BlockWriter(ABC):
 
         def law(speed: float) -> Profile:
             if isinstance(move, CircularMove):
-                return self.guarantees.arc_law(speed, acceleration, jerk, abs(move.angle))
+                return self.guarantees.arc_law(speed, velocity, acceleration, jerk, abs(move.angle))
             return self.guarantees.law(speed, acceleration, jerk)
 
         low, high = min(velocity, 1.0 / move.duration), velocity  # below the mean speed it takes longer for certain

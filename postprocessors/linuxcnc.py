@@ -7,9 +7,10 @@ Point-to-point moves are G1 with exact stop (G61.1), arcs G2 and G3, timed paths
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.motion import Slowed
+from identification.motion import Array, Slowed
 from identification.trajectories.curves import PolynomialMotion
 from postprocessors.block_writer import HOME_WITHIN, BlockWriter, comment_lines
 from postprocessors.blocks import Blocks, TimedPath, ToHome, timed_path
@@ -18,6 +19,7 @@ from postprocessors.reading import axis_letters
 
 _PLAIN = str.maketrans("();", "[],")
 EQUAL = 1e-9  # [s] tolerance of durations for rounding
+LEAST = 2e-8  # [m, rad] least way of a block, above the last decimal of the words
 FIRST_CHECK = 101  # number of the first conditional stop
 # Axes that a machine lacks have offsets of zero.
 ZERO_OFFSETS = (
@@ -89,9 +91,31 @@ def _in_cycles(path: TimedPath, length: float) -> TimedPath:
         share = _share_of_cycles(path.times[-1])
         path = replace(path, times=path.times / share, motion=Slowed(path.motion, share))
     times = np.unique(np.round(path.times / SERVO_PERIOD)) * SERVO_PERIOD
-    if len(times) == len(path.times) and np.allclose(times, path.times, rtol=0.0, atol=EQUAL):
-        return path
-    return replace(path, times=times, poses=path.motion.at(times).pose)
+    if len(times) != len(path.times) or not np.allclose(times, path.times, rtol=0.0, atol=EQUAL):
+        path = replace(path, times=times, poses=path.motion.at(times).pose)
+    return with_moving_blocks(path)
+
+
+def with_moving_blocks(path: TimedPath) -> TimedPath:
+    """The same path without points that LinuxCNC cannot tell from those before them.
+
+    It leaves out a block in which nothing moves, and with it its time.
+    """
+    apart = _apart(path.poses)
+    return path if apart.all() else replace(path, times=path.times[apart], poses=path.poses[apart])
+
+
+def _apart(poses: Array) -> NDArray[np.bool_]:
+    """Which points of a path move from those before them, the ends always, shape (k,)."""
+    kept = [0]
+    for k in range(1, len(poses)):
+        if np.any(np.abs(poses[k] - poses[kept[-1]]) > LEAST):
+            kept.append(k)
+    if kept[-1] != len(poses) - 1:
+        kept[-1 if len(kept) > 1 else len(kept) :] = [len(poses) - 1]
+    mask = np.zeros(len(poses), dtype=bool)
+    mask[kept] = True
+    return mask
 
 
 def _share_of_cycles(duration: float) -> float:

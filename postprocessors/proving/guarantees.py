@@ -24,8 +24,7 @@ Law = Callable[[float, float, float], Profile]
 
 Limits of velocity, acceleration and jerk on the share of the way [1/s, 1/s^2, 1/s^3] -> time law of that share, 0 to 1.
 """
-# Shares of the acceleration limit that an arc is assumed to use along its path and across it.
-ARC_SHARES = math.sqrt(0.75), 0.5
+ALONG, ACROSS = math.sqrt(0.75), 0.5  # shares of the acceleration limit that an arc is assumed to use
 
 
 def limits_jerk(law: Law) -> bool:
@@ -59,15 +58,20 @@ class Guarantees:
     # to which it rounds the ends of moves, and by which a coordinate moves at least [mm, deg]; LinuxCNC does not round
     resolution: float = 1e-4
     rounds: bool = True
-    arc_shares: tuple[float, float] = ARC_SHARES  # shares of its acceleration limit, along an arc and across it
+    headroom: float = 1.0  # multiple of the case's limits of acceleration that its law uses
+    arc_across: float = ACROSS  # share of its acceleration limit that it uses across an arc at most
+    # share of it along the arc; None: what is left, root of sum of squares, at the largest speed across
+    arc_along: float | None = ALONG
     # allowed deviation of its polynomials from a motion that is none, beside rounding, shape (6,) or (1,) [m, rad]
     tolerance: Array = field(default_factory=lambda: np.zeros(1))
 
-    def arc_law(self, velocity: float, acceleration: float, jerk: float, angle: float) -> Profile:
+    def arc_law(self, feed: float, velocity: float, acceleration: float, jerk: float, angle: float) -> Profile:
         """Time law in an arc of some angle [rad], else as `law`: turning needs a part of the acceleration."""
-        along, across = self.arc_shares
-        turning = math.sqrt(across * acceleration / angle)  # v^2 / r over the length r angle
-        return self.law(min(velocity, turning), along * acceleration, along * jerk)
+        most = self.headroom * acceleration
+        used = min(self.arc_across, velocity**2 * angle / most)  # v^2 / r over the length r angle
+        turning = math.sqrt(used * most / angle)
+        along = math.sqrt(1.0 - used**2) if self.arc_along is None else self.arc_along
+        return self.law(min(feed, turning), along * acceleration, along * jerk)
 
     @property
     def cycle(self) -> float:
@@ -156,7 +160,7 @@ def _trapezoid(velocity: float, acceleration: float, jerk: float, headroom: floa
     return fastest_profile(1.0, velocity, headroom * acceleration)
 
 
-ALONG, ACROSS = math.sqrt(0.75) / 2, 0.5  # shares of the acceleration that LinuxCNC uses in an arc; measured on 2.9
+ACROSS_LINUXCNC = math.sqrt(0.75)  # of the acceleration limit, in an arc; along it what is left (measured on 2.9)
 SERVO_PERIOD = 1e-3  # cycle of LinuxCNC's motion controller [s]: its usual one, and the rate of the recordings
 
 
@@ -189,7 +193,9 @@ def guarantees_of_linuxcnc(case: Case, timed: bool) -> Guarantees:
         jerk_time=SERVO_PERIOD,
         even_blocks=True,
         rounds=False,
-        arc_shares=(ALONG, ACROSS * headroom),
+        headroom=headroom,
+        arc_across=ACROSS_LINUXCNC,
+        arc_along=None,
     )
 
 

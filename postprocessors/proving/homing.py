@@ -17,7 +17,7 @@ from identification.limit_proof import limited_machine, prove
 from identification.motion import Joined, Standstill, Trajectory
 from identification.trajectories.moves import CircularMove, StraightMove, limits_along
 from postprocessors.proving.guarantees import Guarantees
-from postprocessors.reading import Reading, Stretch, Timed, Untimed
+from postprocessors.reading import STILL, Reading, Stretch, Timed, Untimed
 
 if TYPE_CHECKING:
     from postprocessors.dialects import Program
@@ -30,6 +30,10 @@ def predicted(part: Untimed, guarantees: Guarantees) -> StraightMove | CircularM
     """
     if part.start is None or not part.moves:
         return None
+    if (
+        part.feed is not None and part.length <= STILL
+    ):  # behind an arc, whose end is where it was written up to rounding
+        return None
     limits, way = guarantees.limits, np.abs(part.end - part.start)
     if part.arc is not None:
         way[list(part.arc[0].axes[:2])] = part.length  # either axis may carry all of it
@@ -37,7 +41,7 @@ def predicted(part: Untimed, guarantees: Guarantees) -> StraightMove | CircularM
     feed = np.inf if part.feed is None else part.feed / part.length
     if part.arc is not None:
         plane, centre, angle = part.arc
-        law = guarantees.arc_law(min(feed, velocity), acceleration, jerk, abs(angle))
+        law = guarantees.arc_law(feed, velocity, acceleration, jerk, abs(angle))
         return CircularMove(part.start, part.end[3:], plane, centre, angle, law)
     if part.acceleration is not None:
         velocity, acceleration = feed, part.acceleration / part.length

@@ -15,7 +15,7 @@ from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import Array
 from postprocessors.reading import NUMBER, PLAIN, Reading, axis_letters, program_lines
-from postprocessors.reading.modal import ROUND, ModalState, Word
+from postprocessors.reading.modal import ROUND, STILL, ModalState, Word
 
 LONGEST_LINE = 252  # measured with rs274: 253 characters are "Command too long"
 LOOSEST = 1.0  # [mm] largest tolerance of G64: on 10 ms blocks corners are cut by far less
@@ -178,6 +178,8 @@ class _LinuxCncInterpreter(ModalState):
         end, duration, feed = self.target(block, first)
         if duration is not None and self.loose is not None and not np.isnan(self.pose).any():
             raise self.loose
+        if duration is not None and np.all(np.abs(end - before) <= STILL):
+            self.fail(first, "a timed block in which nothing moves, which LinuxCNC leaves out; wait with G4 P0.1")
         if duration is None:
             self._require_stop(first, end - before)
         self.straight(end, duration, feed, exact)

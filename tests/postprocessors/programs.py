@@ -12,7 +12,7 @@ from identification.motion import Standstill, TimedPoints
 from identification.trajectories.moves import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.blocks import Blocks, TimedPath, ToHome, Trigger, timed_path
-from postprocessors.linuxcnc import write_linuxcnc
+from postprocessors.linuxcnc import with_moving_blocks, write_linuxcnc
 from postprocessors.proving.guarantees import linuxcnc_guarantees
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.reading import Reading, Stretch, linuxcnc
@@ -89,7 +89,7 @@ def paths(draw: st.DrawFn, start: Array = HOME) -> TimedPath:
     if draw(st.booleans()):
         end = draw(poses.filter(lambda p: np.abs(p - start).max() > 1e-3))
         move = StraightMove.fastest(start, end, np.ones(6), np.full(6, 5.0), np.full(6, 50.0))
-        return timed_path("straight", move, duration / 3, draw(st.floats(0.1, 1.0)))
+        return with_moving_blocks(timed_path("straight", move, duration / 3, draw(st.floats(0.1, 1.0))))
     count = draw(st.integers(1, 8))
     seed = draw(st.integers(0, 2**32 - 1))
     walk = np.vstack([start, HOME + np.random.default_rng(seed).uniform(-RANGE, RANGE, (count, 6))])

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from tests.bench.reliability.executed import tally_of_executed
 from tests.bench.reliability.folders import tally_of_cases, tally_of_plans, tally_of_results
 from tests.bench.reliability.interrupted import tally_of_full_disks, tally_of_kills
 from tests.bench.reliability.programs import DIALECTS
@@ -41,6 +42,7 @@ def _of_programs(dialect: str) -> Callable[[range, Path], Tally]:
 
 PARTS = (
     *(Part(f"programs of {dialect}", 20_000, _of_programs(dialect)) for dialect in DIALECTS),
+    Part("random programs", 1_000, tally_of_executed),
     Part("cases", 5_000, tally_of_cases),
     Part("plans", 1_000, tally_of_plans),
     Part("results", 1_000, tally_of_results),

@@ -82,7 +82,9 @@ def test_every_dialect_measures_at_each_pose_with_the_trigger_on_and_moves_with_
     reading = read_program(program, load_case(str(quick))).reading
     assert reading.measures_at_poses
     wanted = np.array([list(p.values()) for p in planned["poses"]]) * np.r_[[1e-3] * 3, np.deg2rad([1.0] * 3)]
-    np.testing.assert_allclose(reading.measured_poses, wanted, atol=2e-8)
+    np.testing.assert_allclose(
+        reading.measured_poses, wanted, atol=2e-8 if dialect == "linuxcnc" else 1e-5
+    )  # rounded as the control rounds
 
 
 def test_identified_parameters_lie_within_their_error_bars(folder: Path, recorded: Path) -> None:
