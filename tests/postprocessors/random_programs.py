@@ -59,7 +59,7 @@ class RandomProgram:
                 self.place, self.way = place, way
             else:
                 body += lines
-        return [*body, "G61.1", "G4 P0.01", self.head[-1]] if self.proven(body) is not None else []
+        return [*body, "M65 P0", "G61.1", "G4 P0.01", self.head[-1]]
 
     def whole(self, body: list[str]) -> str:
         """The text around some lines."""
@@ -168,11 +168,14 @@ def proven(text: str, case: Case) -> Program | None:
 
 def one_after_the_other(seeds: Sequence[int], case: Case) -> Program:
     """The random programs of some seeds as one, for LinuxCNC takes long to start."""
-    drawn = [RandomProgram(seed, case) for seed in seeds]
-    text = drawn[0].whole([line for one in drawn for line in one.body()])
-    program = proven(text, case)
-    assert program is not None, text
-    return program
+    found, lines = None, list[str]()
+    for seed in seeds:
+        drawn = RandomProgram(seed, case)
+        body = [*lines, *drawn.body()]
+        if (program := drawn.proven(body)) is not None:
+            found, lines = program, body
+    assert found is not None
+    return found
 
 
 def differences(program: Program, log: ControllerLog) -> list[str]:

@@ -151,10 +151,10 @@ def test_without_timed_blocks_linuxcnc_gets_the_limits_of_the_case_and_keeps_acc
     ("body", "words"),
     [
         (
-            timed([*there_and_back(), "G1 X0 F62000"]),
+            timed([*there_and_back(), "G1 X0.02 F62000"]),
             r"line 26: the timed block takes 0.967\d* ms; LinuxCNC keeps times of 1 to 250 m",
         ),
-        (timed([*there_and_back(), "G1 X0 F239"]), r"line 26: the timed block takes 251\.\d+ ms; LinuxCNC"),
+        (timed([*there_and_back(), "G1 X0.02 F239"]), r"line 26: the timed block takes 251\.\d+ ms; LinuxCNC"),
     ],
 )
 def test_a_timed_block_that_the_controller_cannot_time_is_refused(body: str, words: str, hexapod_case: Case):
