@@ -13,6 +13,7 @@ from identification.motion import Joined, Trajectory
 from identification.trajectories.moves import StraightMove, fastest_profile, limits_along
 from planner.bounds.information_limit import information_limit
 from planner.families import Settings
+from planner.families.settings import PointToPoint
 from planner.plan_figures import Worth, figures_of
 from planner.plans import Plan
 from planner.request import Request
@@ -103,12 +104,15 @@ def search_notes(planned: PlannedMotion, request: Request, parameters: int) -> t
         parameters: their number u.
     """
     values = [s.record.logdet for s in planned.starts if s.record.refined]
+    smooth = request.name == PointToPoint.name and "without" not in planned.settings
     if request.criterion != Criterion.D or request.starts is not None or planned.interrupted or len(values) < 2:
         return ()
     loss = -math.expm1((values[1] - values[0]) / parameters)
+    # One start each, 12 s: 0.64 for 0.58 on the hexapod, 0.20 for 0.16 on the arm, 0.67 for 0.60 on the five axes.
+    path = "; --family spline has about a tenth more, for controllers that follow a path" if smooth else ""
     return (
-        f"the best of {len(values)} starts, the next one has {100 * loss:.1f} % less information: the search ended "
-        "where further starts gain little",
+        f"the best of {len(values)} starts, the next one has {100 * loss:.1f} % less information: more starts gain "
+        f"little{path}",
     )
 
 
