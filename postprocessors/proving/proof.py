@@ -100,7 +100,7 @@ class ProgramProof:
     def _planned(self, families: Collection[LimitKind]) -> str:
         """The remedy that needs no `--accept`: a plan that leaves the jerk out, or none where that is not enough."""
         return (
-            "plan with --without jerk for it, or write this one with "
+            "plan moves or poses with --without jerk for it, or write this one with "
             if LimitKind.JERK in families
             else "write it with "
         )
