@@ -228,8 +228,7 @@ class LimitCheck:
         """The object that `LimitReport.to_json` holds under the limit's name."""
         entry = {"at": self.name, "worst": self.worst, "limit": self.limit, "unit": self.unit, "ratio": self.ratio}
         entry |= {"time_s": self.time, "status": str(self.status)}
-        entry |= {} if self.bounds is None else {"bounds": list(self.bounds)}
-        return entry if self.room is None else entry | {"left": self.room}
+        return entry if self.bounds is None else entry | {"bounds": list(self.bounds)}
 
     @classmethod
     def of_json(cls, name: str, entry: Mapping[str, Any]) -> "LimitCheck":
