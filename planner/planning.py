@@ -87,13 +87,13 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
     made_for = request.family.made_for(case)
     own, step_time = controlled(case, made_for)
     own = own.within_margin()  # the proof of the winner asks the limits themselves
-    results, interrupted = _explored(request, own, listener, run)
+    results, interrupted = _explored(request, own, case, listener, run)
     explored = _without_failures(results)
     score = max((s.record.criterion_value for s in explored if s.record.refined), default=-np.inf)
     # An exploration overestimates, and never underestimates: one below the best result so far cannot win.
     promising = sorted((s for s in explored if not s.record.refined and s.promise > score), key=lambda s: -s.promise)
     refinements = [
-        Task(own, request.model, s.family, request.criterion, s.record.seed, request.payload, True, s.begin)
+        Task(own, request.model, s.family, request.criterion, s.record.seed, request.payload, True, s.begin, case)
         for s in promising[: request.family.refinements(request.criterion)]
     ]
     if refinements and not interrupted:
@@ -117,13 +117,14 @@ def _without_failures(results: Sequence[Start | Failed]) -> list[Start]:
     return [result for result in results if isinstance(result, Start)]
 
 
-def _explored(request: Request, case: Case, listener: Listener, run: Runner) -> Outcome:
+def _explored(request: Request, case: Case, reference: Case, listener: Listener, run: Runner) -> Outcome:
     """Results of all starts, and whether Ctrl-C ended them.
 
     Each of several orders and periods has one start first; the starts that follow go to the best of them.
 
     Args:
-        case: case with the limits that its controller enforces.
+        case: case with the limits that its controller enforces, within the margin of their ends.
+        reference: case of the reference scaling.
     """
     families, idle = request.family.families(case, request.duration), request.family.idle(request.criterion)
     parameters, most = len(identification_model(case, request.model).names), most_starts(request)
@@ -142,7 +143,7 @@ def _explored(request: Request, case: Case, listener: Listener, run: Runner) -> 
             best = [families[n] for n in ranked] or families
             family = best[(k - first) % min(KEPT, len(best))]
         begin = shipped_start(family, case) if k == 0 else None
-        return Task(case, request.model, family, request.criterion, seeds[k], request.payload, begin=begin)
+        return Task(case, request.model, family, request.criterion, seeds[k], request.payload, False, begin, reference)
 
     def are_enough(results: Sequence[Start | Failed]) -> bool:
         return len(results) >= first and enough(results, request, parameters)

@@ -58,6 +58,7 @@ class Task:
     payload: int = 0  # number of the case's payloads that are mounted, for the noise
     refine: bool = False  # whether an exploration is to be refined
     begin: Array | None = None  # where to begin, in place of a random start; the result of that exploration
+    reference: Case | None = None  # case of the reference scaling, where `case` has margins; None for the same
 
     @property
     def moves(self) -> bool:
@@ -140,7 +141,7 @@ class _Run:
         require_rest(task.case)
         model = identification_model(task.case, task.model)
         self.task, self.family, self.watch = task, task.family, watch
-        self.scaling = reference_scaling(task.case, model)
+        self.scaling = reference_scaling(task.reference or task.case, model)
         noise = expected_noise(task.case, model, task.payload)
         self.model, self.errors = seen_through(model, noise.whitening), PoseErrors.of(task.case, noise)
         self.program = build_program(task.case, self.model, self.family, self.scaling, MARGIN + SLIPPED, self.errors)
