@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from cases.errors import FileProblem
-from cases.files import atomic_file
+from cases.files import atomic_file, read_whole
+from cases.tables import MOST_BYTES, content_of_tables
 
 Change = tuple[str, Any, Any]
 """Dotted key, value before and value after; None: it is not there."""
@@ -18,15 +19,15 @@ _MARK = "\ufeff"  # of UTF-8, as Windows editors write it
 
 
 def changes_of(file: Path, table: str, values: Mapping[str, Any]) -> tuple[Change, ...]:
-    """What would change in a file if a table of it became `values`; raises FileProblem where it cannot be read."""
+    """What would change in a file if a table of it became `values`; raises CaseError where it cannot be read."""
     return tuple(_changes(table, _table(file, _content(file)[1], table), values))
 
 
 def write_table(file: Path, table: str, values: Mapping[str, Any]) -> tuple[Change, ...]:
     """Makes a table of a TOML file `values`, and writes the file as a whole or not at all; returns what changed.
 
-    Keys whose values stay keep their place and their comments. Raises FileProblem where the file cannot be read or
-    written, or is written in a way in which only this table cannot be changed.
+    Keys whose values stay keep their place and their comments. Raises CaseError where the file cannot be read, and
+    FileProblem where it cannot be written, or is written in a way in which only this table cannot be changed.
     """
     text, before = _content(file)
     changes = tuple(_changes(table, _table(file, before, table), values))
@@ -53,11 +54,9 @@ def _parsed(text: str) -> dict[str, Any] | None:
 
 
 def _content(file: Path) -> tuple[str, dict[str, Any]]:
-    try:
-        text = file.read_bytes().decode()
-        return text, tomllib.loads(text.removeprefix(_MARK).replace("\r\n", "\n"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise FileProblem(file, f"cannot be read ({error})", "give a case file in UTF-8") from error
+    """Text and values of a file; raises CaseError where it cannot be read."""
+    values = content_of_tables(file)
+    return read_whole(file, MOST_BYTES).decode(), values
 
 
 def _table(file: Path, content: Mapping[str, Any], name: str) -> Mapping[str, Any]:

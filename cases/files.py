@@ -318,8 +318,10 @@ def read_whole(path: Path, most: int) -> bytes:
         if not stat.S_ISREG(path.stat().st_mode):
             kind = "a folder" if path.is_dir() else "a pipe or device"
             raise FileProblem(path, f"cannot be read (is {kind}, not a file)", "name a file")
-        with path.open("rb") as stream:
-            content = stream.read(most + 1)
+        with open(path, "rb", opener=_at_once) as stream:
+            content: bytes | None = stream.read(most + 1)
+        if content is None:
+            raise FileProblem(path, "cannot be read (it holds nothing that is there at once)", "name a file")
     except FileProblem:
         raise
     except (OSError, ValueError) as error:  # ValueError: a name with a null character
@@ -328,6 +330,11 @@ def read_whole(path: Path, most: int) -> bytes:
     if len(content) > most:
         raise FileProblem(path, f"is larger than {most / 2**20:g} MB", "name another file")
     return content
+
+
+def _at_once(name: str, flags: int) -> int:
+    """Opens a file of which a read answers at once, also where the system only calls it a file (/proc/kmsg)."""
+    return os.open(name, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 def write_text(path: Path, text: str) -> None:

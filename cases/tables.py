@@ -182,14 +182,29 @@ def lasting_name(name: str) -> str:
     return name if name in built_in_cases() else str(find_case(name).resolve())
 
 
-MOST_BYTES = 4 * 2**20  # of a file of tables
+MOST_BYTES = 2**20  # of a file of tables; that of a machine has some thousand
 DEEPEST = 20  # tables and lists inside each other
+MOST_KEYS = 5_000  # of a file of tables; that of a machine has some hundred
+_LONG_KEY = re.compile(r"(?<![\w\"'-])(?:[\w\"'-]++[ \t]*\.[ \t]*){50}")
+"""A dotted key of so many parts that reading it takes long."""
 
 
 def read_tables(model: type[Tables], path: Path) -> Tables:
     """Reads a TOML file by the model of its tables; raises CaseError with all that is wrong in it."""
+    data = content_of_tables(path)
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise _explained(model, path, error) from error
+
+
+def content_of_tables(path: Path) -> dict[str, Any]:
+    """The content of a TOML file as it stands there; raises CaseError where it cannot be read, or is of no machine."""
     try:
         text = read_whole(path, MOST_BYTES).decode("utf-8-sig")
+        if found := _LONG_KEY.search(text):
+            line = 1 + text.count("\n", 0, found.start())
+            raise CaseError(path, "", f"line {line} has a key of 50 parts and more; correct it")
         data = tomllib.loads(text)
     except FileProblem as error:
         raise CaseError(path, "", f"{error.problem}; {error.remedy}") from error
@@ -198,27 +213,30 @@ def read_tables(model: type[Tables], path: Path) -> Tables:
     except tomllib.TOMLDecodeError as error:
         raise CaseError(path, "", f"is not TOML: {error}; correct that line, numbers have decimal points") from error
     except (ValueError, RecursionError) as error:  # of Python: numbers of thousands of digits, lists in lists in lists
+        if isinstance(error, CaseError):
+            raise
         line = 1 + max(enumerate(text.splitlines()), key=lambda item: len(item[1]), default=(0, ""))[0]
         problem = f"cannot be read: a number too long or lists too deep ({error}), probably in line {line}"
         raise CaseError(path, "", f"{problem}, the longest; correct that line") from error
-    if key := _too_deep(data):
+    key, count = _too_deep(data)
+    if key:
         raise CaseError(path, key, f"holds more than {DEEPEST} tables or lists inside each other; correct it")
-    try:
-        return model.model_validate(data)
-    except ValidationError as error:
-        raise _explained(model, path, error) from error
+    if count > MOST_KEYS:
+        raise CaseError(path, "", f"holds {count} keys, at most {MOST_KEYS} make sense; name the file of a machine")
+    return data
 
 
-def _too_deep(data: Any) -> str:
-    """The key of what lies too deep, empty where nothing does."""
-    level = [(str(key), value) for key, value in data.items()]
+def _too_deep(data: Any) -> tuple[str, int]:
+    """The key of what lies too deep, empty where nothing does, and the number of keys."""
+    level, count = [(str(key), value) for key, value in data.items()], len(data)
     for _ in range(DEEPEST):
+        count += sum(len(value) for _, value in level if isinstance(value, dict))
         level = [
             (key, inner)
             for key, value in level
             for inner in (value.values() if isinstance(value, dict) else value if isinstance(value, list) else ())
         ]
-    return level[0][0] if level else ""
+    return level[0][0] if level else "", count
 
 
 def _explained(model: type[BaseModel], path: Path, error: ValidationError) -> CaseError:

@@ -2,14 +2,15 @@
 
 import re
 from collections.abc import Collection, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
 from cases.basis import motion_hash
 from cases.controller import ControllerName
-from cases.errors import CaseError, HexciteError, ProgramError
+from cases.errors import CaseError, FileProblem, HexciteError, ProgramError
+from cases.files import read_whole
 from cases.scaffold import readiness
 from cases.schema import Case
 from identification.trajectories.moves import has_steps
@@ -17,7 +18,7 @@ from planner.families.ptp import steps_of
 from planner.plan_folder import DIGITS
 from planner.plans import Plan
 from planner.request import Request
-from postprocessors.dialects import DIALECTS, Dialect, Program, dialect_of_file, read_program
+from postprocessors.dialects import DIALECTS, MOST_PROGRAM, Dialect, Program, dialect_of_file, read_program
 from postprocessors.dialects import dialect as dialect_named
 from postprocessors.writing import proven_program
 
@@ -122,7 +123,10 @@ def case_line(case: Case) -> str:
 
 def read_for(case: Case, file: Path, dialect: str | None = None) -> Program:
     """Reads a program; where one that cannot be read is for another state of the case, the error says so."""
-    with naming_another(file, file.read_bytes() if file.is_file() else b"", case):
+    content = b""
+    with suppress(FileProblem):  # which the reader tells
+        content = read_whole(file, MOST_PROGRAM)
+    with naming_another(file, content, case):
         return read_program(file, case, dialect)
 
 

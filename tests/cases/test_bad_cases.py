@@ -176,7 +176,11 @@ def test_all_mistakes_are_told_at_once_causes_first(tmp_path: Path) -> None:
         (f"range_N = {'9' * 5000}", "too long"),
         (f"range_N = {'[' * 2000}{']' * 2000}", "too deep"),
         (f"range_N = {'{a = ' * 200}1{'}' * 200}", "tables or lists inside each other"),
-        (f"{'.'.join('a' * 3000)} = 1.0", "tables or lists inside each other"),
+        (f"{'.'.join('a' * 30)} = 1.0", "tables or lists inside each other"),
+        (f"{'.'.join('a' * 60_000)} = 1.0", r"line \d+ has a key of 50 parts"),
+        (f"x = {{ {' . '.join(['b', *'c' * 60])} = 1 }}", r"line \d+ has a key of 50 parts"),
+        ("\n".join(f"k{k} = 1" for k in range(30_000)), "keys, at most"),
+        ("x = '" + "y" * 2**21 + "'", "larger than 1 MB"),
     ],
 )
 def test_numbers_and_lists_that_python_cannot_read_are_named(line: str, says: str, tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cases.editing import changes_of, write_table
-from cases.errors import FileProblem
+from cases.errors import HexciteError
 from cases.tables import built_in_cases
 
 WANTED: dict[str, Any] = {
@@ -68,7 +68,7 @@ def test_a_mark_of_utf8_and_the_mode_of_the_file_stay(tmp_path: Path) -> None:
 def test_a_file_that_cannot_be_edited_is_not_touched(text: str, tmp_path: Path) -> None:
     file = tmp_path / "case.toml"
     file.write_text(text)
-    with pytest.raises(FileProblem, match=r"case\.toml"):
+    with pytest.raises(HexciteError, match=r"case\.toml"):
         write_table(file, "recording", WANTED)
     assert file.read_text() == text
 
