@@ -46,7 +46,9 @@ class _SinumerikWriter(BlockWriter):
         self.place = f"case {case.name}"
 
     def written(self, program: Blocks) -> bytes:
-        s, start = self.settings, ["G17 G90 G94 G710 G40 G500"]
+        # No tool, no programmed shift, turn, scale or mirror of an operator. Shifts of the base and from the PLC, which
+        # a program cannot switch off, are checked with home.
+        s, start = self.settings, ["G17 G90 G94 G710 G40 G500", "D0", "TRANS"]
         title = [f"%_N_{s.program_name}_MPF", ";$PATH=/_N_MPF_DIR"]
         if isinstance(s, Sinumerik):
             rpy = "ORIWKS ORIRPY" if s.orientation_words[0][-1].isdigit() else "ORIWKS"
@@ -60,8 +62,12 @@ class _SinumerikWriter(BlockWriter):
     before_checks = ("STOPRE",)  # for what follows is computed while the machine still moves
 
     def stop_unless(self, axis: str, difference: str, home: str) -> list[str]:
+        within = f"{difference})>{HOME_WITHIN:g}"
+        off = f"ABS($AA_IW[{axis}]{within}"
+        if self.own_axes or axis in ("X", "Y", "Z"):  # in the basic system too, which has no shifts
+            off = f"({off}) OR (ABS($AA_IB[{axis}]{within})"
         return [
-            f"IF ABS($AA_IW[{axis}]{difference})>{HOME_WITHIN:g}",
+            f"IF {off}",
             f'MSG("NOT AT HOME: GO TO {home} FIRST, THEN START AGAIN")',
             f'SETAL({ALARM},"{axis}: NOT AT HOME")',
             "M30",

@@ -32,9 +32,10 @@ class _TwinCatWriter(BlockWriter):
     def written(self, program: Blocks) -> bytes:
         s = self.settings
         title, slope = [f"%{s.program_name}"], f"#SLOPE [TYPE={s.slope}]"
+        none = "G53 G40 G20"  # no zero offset, no tool radius, no mirror, whatever the defaults of the channel
         if not isinstance(s, TwinCat):
-            return self.text(program, title, ["G71 G90 G17 G94", slope, "#TRAFO OFF"], ["M30"])
-        start = ["G71 G90 G17 G94 G162", slope, f"#KIN ID[{s.kinematic_id}]", "#TRAFO ON", "#FGROUP [X,Y,Z]"]
+            return self.text(program, title, ["G71 G90 G17 G94", none, slope, "#TRAFO OFF"], ["M30"])
+        start = ["G71 G90 G17 G94 G162", none, slope, f"#KIN ID[{s.kinematic_id}]", "#TRAFO ON", "#FGROUP [X,Y,Z]"]
         return self.text(program, title, start, ["#TRAFO OFF", "M30"])
 
     def coordinates(self, pose: Array) -> list[str]:
@@ -49,11 +50,16 @@ class _TwinCatWriter(BlockWriter):
     before_checks = ("#CHANNEL INIT [CMDPOS]",)  # V.A.ABS then is the present place
 
     def stop_unless(self, axis: str, difference: str, home: str) -> list[str]:
+        # with the offsets that are active, and without any
         return [
-            f"$IF ABS[V.A.ABS.{axis}{difference}] > {HOME_WITHIN:g}",
-            f'#MSG ["{axis} IS NOT AT HOME: GO TO {home} FIRST, THEN START AGAIN"]',
-            f"#ERROR [ID={ERROR} RC=2]",
-            "$ENDIF",
+            line
+            for variable in ("ABS", "ACT_POS")
+            for line in (
+                f"$IF ABS[V.A.{variable}.{axis}{difference}] > {HOME_WITHIN:g}",
+                f'#MSG ["{axis} IS NOT AT HOME: GO TO {home} FIRST, THEN START AGAIN"]',
+                f"#ERROR [ID={ERROR} RC=2]",
+                "$ENDIF",
+            )
         ]
 
     def trigger(self, on: bool, moves_next: bool) -> str:

@@ -163,7 +163,8 @@ class ModalState(ABC):
         Returns the number of its lines, else 0.
         """
         texts = [text.rstrip() for text in lines[number - 1 : number - 1 + self.home_check_lines]]
-        match = self.home_check.fullmatch("\n".join(texts)) if np.isnan(self.pose).any() and not self.ended else None
+        before = not self.ended and (np.isnan(self.pose).any() or self.unsure.all())  # the first motion
+        match = self.home_check.fullmatch("\n".join(texts)) if before else None
         if match is None:
             return 0
         self.line, word, axis = number, Word(match["axis"], 1), match["axis"].upper()
@@ -171,16 +172,28 @@ class ModalState(ABC):
         if self.asks_where and self.asks_where.partition(" [")[0] not in self.said:
             self.fail(word, f"a check of a place before {self.asks_where}, which says where the machine is; add it")
         names = self.axes_of_places()
+        if self.confirms(match):
+            if self.places.get(axis) != self._place(match):
+                self.fail(word, f"a second check of {axis}, of another place than the first one before it; correct it")
+            return len(texts)
         if axis not in names or axis in self.places:
             self.fail(word, f"a second check of {axis}, or {axis} is not an axis here; remove it")
-        within = float(match["within"])
+        place, within = self._place(match)
         if not 0.0 < within <= LOOSEST_CHECK:
             self.fail(word, f"a check within {within:g} mm or degrees is none; check within {LOOSEST_CHECK:g}")
-        self.places[axis] = -float(match["place"]), within
+        self.places[axis] = place, within
         if len(self.places) == len(names):
             self.pose, self.unsure = np.array([self.places[name] for name in names]).T
             self.motions.stand_near(self.pose * self.scale, np.abs(self.unsure * self.scale))
         return len(texts)
+
+    @staticmethod
+    def _place(match: re.Match[str]) -> tuple[float, float]:
+        return -float(match["place"]), float(match["within"])
+
+    def confirms(self, match: re.Match[str]) -> bool:
+        """Whether a check is a second one of a place, by another variable of the control."""
+        return False
 
     def axes_of_places(self) -> Sequence[str]:
         """Names of the axes in checks of their places, in the order of the coordinates."""

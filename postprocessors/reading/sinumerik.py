@@ -44,7 +44,8 @@ class SinumerikInterpreter(ModalState):
         re.IGNORECASE | re.VERBOSE,
     )
     home_check = re.compile(
-        rf"IF ABS\(\$AA_IW\[(?P<axis>[A-Z]+\d*)\](?P<place>[+-]{PLAIN})\)>(?P<within>{PLAIN})\n"
+        rf"IF (?P<two>\()?ABS\(\$AA_IW\[(?P<axis>[A-Z]+\d*)\](?P<place>[+-]{PLAIN})\)>(?P<within>{PLAIN})"
+        r"(?(two)\) OR \(ABS\(\$AA_IB\[(?P=axis)\](?P=place)\)>(?P=within)\))\n"
         rf'MSG\("[^"\n]*"\)\nSETAL\(65\d\d\d,"[^"\n]*"\)\nM30\nENDIF'
     )
     home_check_lines, asks_where = 5, "STOPRE"
@@ -66,7 +67,7 @@ class SinumerikInterpreter(ModalState):
             axes = list(axis_letters(case, "SINUMERIK", file, endless=False))
             needed = ["TRAFOOF", "COMPOF", "G94", *(f"FGREF[{axis}]=" for axis in axes if axis in "ABC")]
         super().__init__(file, axes, self.of_pose is None)
-        self.needed = {word: (word,) for word in ("G90", "G710", "G500", "SOFT", *needed)}
+        self.needed = {word: (word,) for word in ("G90", "G710", "G40", "G500", "D0", "TRANS", "SOFT", *needed)}
         if self.of_pose is not None:
             self.angles = self.of_pose.orientation_axes
         self.needed |= {"G60": ("G60",)} if self.own_axes else {"G60 or G64": ("G60", "G64", "G642")}
@@ -108,6 +109,10 @@ class SinumerikInterpreter(ModalState):
     def _word(self, word: Word, block: dict[str, Word]) -> None:
         name, s = word.name, self.of_pose
         if name in ("%", "MSG", "G4", "F", *self.last, *self.axes):
+            return
+        if name == "TRANS" or (name == "D" and word.value == 0.0):
+            self.require_alone(word, block)
+            self.said.add(word.written)
             return
         if name in (_TRACE, "STOPRE"):
             self._outside_motion(word, block)

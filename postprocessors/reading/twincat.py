@@ -21,7 +21,7 @@ _READS = (
     "0.3, the case's M functions, M00, commands and modal words as hexcite post writes them, comments behind ; and M30"
 )
 _PLAIN = re.compile(r'"[^"%]*"')  # a text for a message; behind % are formats of values
-_OF_OWN_AXES = {"G1", "G17", "G90", "G94", "G71"}  # modal words
+_OF_OWN_AXES = {"G1", "G17", "G90", "G94", "G71", "G53", "G40", "G20"}  # modal words
 # what opens a path of points -> what must stand before it, and what closes it
 _CURVES = {
     "#SPLINE ON": ("#SPLINE TYPE AKIMA", "#SPLINE OFF"),
@@ -43,7 +43,7 @@ class TwinCatInterpreter(ModalState):
         re.IGNORECASE | re.VERBOSE,
     )
     home_check = re.compile(
-        rf"\$IF ABS\[V\.A\.ABS\.(?P<axis>[A-Z])(?P<place>[+-]{PLAIN})\] > (?P<within>{PLAIN})\n"
+        rf"\$IF ABS\[V\.A\.(?P<variable>ABS|ACT_POS)\.(?P<axis>[A-Z])(?P<place>[+-]{PLAIN})\] > (?P<within>{PLAIN})\n"
         r'#MSG \["[^"%\n]*"\]\n#ERROR \[ID=\d{1,4} RC=2\]\n\$ENDIF'
     )
     home_check_lines, asks_where = 4, "#CHANNEL INIT [CMDPOS]"
@@ -51,7 +51,7 @@ class TwinCatInterpreter(ModalState):
     block_time, inverse_time = "F, the block's time in seconds", False
     groups = (
         *("G0 G1 G2 G3", "G17 G18 G19", "G93 G94", "G260 G261", "G359 G360"),
-        *("G90", "G71", "G162", "M0 M1 M2 M30"),
+        *("G90", "G71", "G162", "G53", "G40", "G20", "M0 M1 M2 M30"),
     )
 
     def __init__(self, file: str, settings: TwinCatAxes, case: Case) -> None:
@@ -60,7 +60,7 @@ class TwinCatInterpreter(ModalState):
         self.trigger = {f"M{settings.trigger_on_m}": True, f"M{settings.trigger_off_m}": False}
         # commands that state what the case says, with the text behind them
         self.to_state = {"#SLOPE": f"TYPE={settings.slope}", "#TRAFO OFF": "", "#CHANNEL INIT": "CMDPOS"}
-        needed = ["G90", "G71", "#SLOPE", "G94", "#TRAFO OFF"]
+        needed = ["G90", "G71", "G53", "#SLOPE", "G94", "#TRAFO OFF"]
         if isinstance(settings, TwinCat):
             self.scale[4] *= settings.angle_sign_b
             deviations = f"PATH_DEV={settings.path_deviation_mm:g} TRACK_DEV={settings.track_deviation_deg:g}"
@@ -70,7 +70,7 @@ class TwinCatInterpreter(ModalState):
                 "#CONTOUR MODE": f"DEV {deviations}",
                 "#SPLINE ON": "",
             }
-            needed[3:] = ["#KIN ID", "#TRAFO ON"]
+            needed[4:] = ["#KIN ID", "#TRAFO ON"]
         self.needed = {self._stated(name): (name,) for name in needed}
         self.curve = ""  # the word that closes the open path of points
         self.points = 0  # of that path, its start included
@@ -87,6 +87,10 @@ class TwinCatInterpreter(ModalState):
     def _stated(self, name: str) -> str:
         """A command with what it must state."""
         return f"{name} [{self.to_state[name]}]" if self.to_state.get(name) else name
+
+    def confirms(self, match: re.Match[str]) -> bool:
+        """V.A.ABS counts with the offsets that are active; V.A.ACT_POS has none."""
+        return match["variable"].upper() == "ACT_POS"
 
     @classmethod
     def comment_problem(cls, text: str, match: re.Match[str]) -> str:

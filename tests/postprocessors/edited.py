@@ -73,7 +73,7 @@ EVERY_DIALECT = {
     "a loose check of home": (r"0\.01$|0\.01(?=\])", "1"),
     "a check of another place": (r"-900(?=\])|-900(?=\))", "-800"),
     "a check of an axis twice": (r"(\[#<_|\$AA_IW\[|\.ABS\.)[yY]", r"\1X"),
-    "one axis not checked": (r"(?s)^(o102 if|IF ABS.\$AA_IW\[Y|\$IF ABS.V.A.ABS.Y).*?(o102 endif|\$?ENDIF)\n", ""),
+    "one axis not checked": (r"(?s)^(o102 if|IF .ABS.\$AA_IW\[Y|\$IF ABS.V.A.ABS.Y).*?(o102 endif|\$?ENDIF)\n", ""),
     "a check without a stop": (r"^\(abort,.*\)\n|^M30\nENDIF|^#ERROR.*\n", ""),
     "the other way round": (r"\] gt 0.01|\)>0.01|\] > 0.01", "lt"),
     "a height below ground": (r"Z920", "Z-920"),

@@ -17,7 +17,7 @@ def naively_read(name: str, text: str) -> list[tuple[np.ndarray, np.ndarray, flo
         line = re.sub(r"[;(].*", "", line) if name != "sinumerik" else line.split(";")[0]
         if re.match(r"M6[24]|M100|DO .*=1", line) or re.match(r"M6[35]|M101|DO .*=0", line):
             on = re.match(r"M6[24]|M100|DO .*=1", line) is not None
-        if re.match(r"G0?4 |[%#D]|TRA|ORI|SOFT|FGROUP", line):
+        if re.match(r"G0?4 |[%#D$]|TRA|ORI|SOFT|FGROUP|o\d|IF|MSG|SETAL|ENDIF", line):
             continue
         words = {k: float(v) for k, v in re.findall(r"([XYZABCF])(?:2=)?(-?\d*\.?\d+)", line)}
         feed = words.pop("F", feed)

@@ -38,6 +38,11 @@ OF_A_DIALECT = {
     "sinumerik": {
         "inches": (r"\bG710\b", "G700"),
         "no unit": (r"\bG710\b", ""),
+        "a tool": (r"^D0$", "D1"),
+        "no word on the tool": (r"^D0\n", ""),
+        "a shift": (r"^TRANS$", "TRANS X10"),
+        "no word on shifts": (r"^TRANS\n", ""),
+        "a check without the basic system in another form": (r"AA_IB\[X\]-0", "AA_IB[X]-1"),
         "no transformation": (r"^TRAORI\n", ""),
         "another transformation": (r"^TRAORI$", "TRAORI(2)"),
         "Euler angles": (r"ORIRPY", "ORIEULER"),
@@ -56,6 +61,10 @@ OF_A_DIALECT = {
         "inches": (r"\bG71\b", "G70"),
         "no unit": (r"\bG71\b", ""),
         "mirrored axes": (r"\bG71\b", "G71 G21"),
+        "no word on zero offsets": (r"G53 ", ""),
+        "a zero offset": (r"\bG53\b", "G54"),
+        "mirrored axes as LinuxCNC's millimetres": (r"\bG20\b", "G21"),
+        "a check of another place without offsets": (r"ACT_POS\.X-0", "ACT_POS.X-1"),
         "no kinematics": (r"^#KIN ID\[5\]\n", ""),
         "other kinematics": (r"#KIN ID\[5\]", "#KIN ID[6]"),
         "no transformation": (r"^#TRAFO ON\n", ""),
@@ -145,7 +154,7 @@ def test_what_passes_no_limit_is_told(remark: str, name: str):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_program_that_checks_for_another_place_than_home_says_so(name: str):
-    text = re.sub(r"(\[#<_x>|\$AA_IW\[X\]|V\.A\.ABS\.X)-0", r"\1-5", moves(name))
+    text = re.sub(r"(\[#<_x>|\$AA_I[WB]\[X\]|V\.A\.(?:ABS|ACT_POS)\.X)-0", r"\1-5", moves(name))
     result = proof(name, text.replace("X0 Y0 Z900 F3", "X5 Y0 Z900 F3"))
     assert any("where X is 0 mm, but to 5 mm" in told for told in result.remarks)
     assert not any("but to 5 mm" in told for told in proof(name, moves(name)).remarks)
