@@ -11,8 +11,12 @@ def study(
     case: Annotated[str, argument("Built-in name, folder or case file.")],
     spec: Annotated[str, option("TOML file of the study, or a built-in one: paper, validation.")],
     scheduler: Annotated[
-        str | None, option("Running Dask scheduler, tcp://host:port; by default this computer's cores.")
+        str | None, option("Running Dask scheduler, tls://host:port; by default this computer's cores.")
     ] = None,
+    certificates: Annotated[
+        Path | None, option("Folder with ca.pem, cert.pem, key.pem for it; by default those of Dask's configuration.")
+    ] = None,
+    insecure: Annotated[bool, option("Use a scheduler without TLS, tcp://host:port.", "--insecure")] = False,
     workers: Workers = None,
     output: Annotated[Path | None, out("Study folder; continued if it is there.")] = None,
     json: Json = False,
@@ -25,6 +29,15 @@ def study(
 
     loaded, asked = hx.load_case(case), load_spec(spec)
     with status(f"study {asked.name} of {loaded.name}", json) as remark:
-        result = hx.study(loaded, asked, output, workers=workers, scheduler=scheduler, progress=remark)
+        result = hx.study(
+            loaded,
+            asked,
+            output,
+            workers=workers,
+            scheduler=scheduler,
+            certificates=certificates,
+            insecure=insecure,
+            progress=remark,
+        )
     answer = {**result.to_json(), "report": str(result.write_page())}
     answered(answer, json, result, f"report written: {answer['report']}")

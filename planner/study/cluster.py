@@ -1,4 +1,8 @@
-"""A Dask cluster for a study: one of this computer's, or a running one, whose workers are asked for their versions."""
+"""A Dask cluster for a study: one of this computer's, or a running one, whose workers are asked for their versions.
+
+Whoever can talk to a scheduler runs code as the user who started it. Clusters of this computer therefore take nobody
+without the certificate that is made for each of them and kept in memory; running ones are reached with TLS.
+"""
 
 import faulthandler
 import logging
@@ -9,6 +13,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, version
 from itertools import islice
+from pathlib import Path
 from threading import current_thread, main_thread
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +22,7 @@ from planner.search.parallel import ctrl_c_waits
 
 if TYPE_CHECKING:
     from distributed import Client, Future
+    from distributed.security import Security
 
 CONNECT = 5.0  # [s] to reach a scheduler
 PATIENCE = "120s"  # with processes of this computer: they are not lost because it is busy
@@ -26,18 +32,23 @@ _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM
 
 
 def require_dask() -> None:
-    """Raises HexciteError, with the remedy, where Dask is not installed."""
-    try:
-        version("distributed")
-    except PackageNotFoundError:
-        raise HexciteError("studies need Dask, which is not installed; pip install 'hexcite[study]'") from None
+    """Raises HexciteError, with the remedy, where Dask, or what makes certificates for it, is not installed."""
+    for package, words in {"distributed": "Dask", "cryptography": "cryptography, for TLS,"}.items():
+        try:
+            version(package)
+        except PackageNotFoundError:
+            raise HexciteError(f"studies need {words} which is not installed; pip install 'hexcite[study]'") from None
 
 
 @contextmanager
 def local_client(workers: int | None, memory_GB: float) -> Iterator["Client"]:
-    """A cluster on this computer: single-threaded processes, one a core, which restart where they need more memory."""
+    """A cluster on this computer: single-threaded processes, one a core, which restart where they need more memory.
+
+    Other users of the computer cannot talk to it: certificate and key are made for it, and never written to a disk.
+    """
     import dask
     from distributed import Client, LocalCluster
+    from distributed.security import Security
 
     settings = {
         "distributed.scheduler.allowed-failures": 1,
@@ -55,7 +66,8 @@ def local_client(workers: int | None, memory_GB: float) -> Iterator["Client"]:
                 threads_per_worker=1,
                 processes=True,
                 host="127.0.0.1",
-                dashboard_address="127.0.0.1:0",
+                dashboard_address=None,
+                security=Security.temporary(),
                 memory_limit=int(memory_GB * 1e9),
                 silence_logs=logging.CRITICAL,
             )
@@ -71,26 +83,62 @@ def _without_interrupt() -> None:
 
 
 @contextmanager
-def remote_client(address: str) -> Iterator["Client"]:
+def remote_client(address: str, certificates: Path | None = None, insecure: bool = False) -> Iterator["Client"]:
     """A running cluster, after its workers have been found to have this version of hexcite.
 
+    Args:
+        address: tls://host:port.
+        certificates: folder with ca.pem, cert.pem and key.pem, the same for scheduler, workers and clients; by default
+            those of Dask's own configuration.
+        insecure: whether tcp://host:port will do, where nobody else reaches the scheduler.
+
     Raises:
-        HexciteError: `address` is not as `tcp://host:port`, nothing is reached there, or a worker has no such hexcite.
+        HexciteError: the address is not one, or is not encrypted; nothing is reached there with these certificates; or
+            a worker has no such hexcite.
     """
     from distributed import Client
 
     if "://" not in address:
-        raise HexciteError(f"scheduler {address!r} is not an address; write tcp://host:port")
+        raise HexciteError(f"scheduler {address!r} is not an address; write tls://host:port")
+    if not address.startswith("tls://") and not insecure:
+        raise HexciteError(
+            f"scheduler {address} is not encrypted: whoever reaches it runs code as its user; start it with "
+            "certificates and write tls://host:port, or go on with --insecure where nobody else reaches it"
+        )
+    security = None if not address.startswith("tls://") else _security(address, certificates)
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     try:
-        client = Client(address, timeout=CONNECT, set_as_default=False)
-    except (OSError, ValueError, TimeoutError) as error:
+        client = Client(address, timeout=CONNECT, set_as_default=False, security=security)
+    except (OSError, ValueError, TimeoutError, RuntimeError) as error:
+        words = "" if security is None else ", and with these certificates"
         raise HexciteError(
-            f"scheduler {address} cannot be reached within {CONNECT:g} s; is `dask scheduler` running there?"
+            f"scheduler {address} cannot be reached within {CONNECT:g} s; is `dask scheduler` running there{words}?"
         ) from error
     with client:
         require_version(client, address)
         yield client
+
+
+OF_TLS = {"tls_ca_file": "ca.pem", "tls_client_cert": "cert.pem", "tls_client_key": "key.pem"}
+
+
+def _security(address: str, certificates: Path | None) -> "Security":
+    """What a client shows a scheduler, and by what it knows it; raises HexciteError where a file is missing."""
+    from distributed.security import Security
+
+    if certificates is None:
+        own = Security(require_encryption=True)  # of Dask's own configuration
+        if not all(getattr(own, name) for name in OF_TLS):
+            raise HexciteError(
+                f"scheduler {address} wants certificates; name their folder, with {', '.join(OF_TLS.values())}, with "
+                "--certificates"
+            )
+        return own
+    files = {name: certificates / file for name, file in OF_TLS.items()}
+    for file in files.values():
+        if not file.is_file():
+            raise HexciteError(file, "is missing", f"--certificates is a folder with {', '.join(OF_TLS.values())}")
+    return Security(require_encryption=True, **{name: str(file) for name, file in files.items()})
 
 
 def require_version(client: "Client", address: str) -> None:

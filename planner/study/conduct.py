@@ -144,6 +144,8 @@ def study(
     *,
     workers: int | None = None,
     scheduler: str | None = None,
+    certificates: Path | str | None = None,
+    insecure: bool = False,
     progress: Callable[[str], None] = lambda remark: None,
 ) -> Study:
     """Plans, runs and identifies every cell of a grid of settings; a study that was stopped goes on.
@@ -155,7 +157,9 @@ def study(
         spec: TOML file of the study, or a built-in one: paper, validation.
         folder: its folder, continued if it is there; named after case and study unless given.
         workers: processes on this computer; one a core unless given.
-        scheduler: a running Dask scheduler instead, tcp://host:port.
+        scheduler: a running Dask scheduler instead, tls://host:port.
+        certificates: folder with ca.pem, cert.pem and key.pem, which it wants; Dask's own configuration unless given.
+        insecure: whether a scheduler without TLS, tcp://host:port, will do.
         progress: shows a line at the start and at the end of each cell.
 
     Raises:
@@ -176,7 +180,10 @@ def study(
     missing = [cell for cell in cells if not file_of(place, cell).exists()]
     computed = 0
     if missing:
-        context = local_client(workers, asked.cells.memory_GB) if scheduler is None else remote_client(scheduler)
+        if scheduler is None:
+            context = local_client(workers, asked.cells.memory_GB)
+        else:
+            context = remote_client(scheduler, None if certificates is None else Path(certificates), insecure)
         try:
             with context as client:
                 shared = {"case_hash": case.hash, "version": version("hexcite")}

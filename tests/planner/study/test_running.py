@@ -204,7 +204,7 @@ def test_bad_input_is_refused_in_one_line(tmp_path: Path, hexapod_case: Case, mo
     spec, folder = tmp_path / "small.toml", tmp_path / "study"
     spec.write_text(SMALL)
     assert "within 0.2 s" in refused(
-        "study", "hexapod", "--spec", spec, "--scheduler", "tcp://127.0.0.1:1", "-o", folder
+        "study", "hexapod", "--spec", spec, "--scheduler", "tcp://127.0.0.1:1", "--insecure", "-o", folder
     )
     assert "is not an address" in refused("study", "hexapod", "--spec", spec, "--scheduler", "localhost", "-o", folder)
     assert "machine: is missing" in refused("study", "ft_wrist", "--spec", spec, "-o", folder)
