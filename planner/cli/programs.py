@@ -14,7 +14,7 @@ from planner.cli.console import argument, option, out
 All = Annotated[bool, option("Show every line that exceeds a limit, the worst first.", "--all")]
 Accept = Annotated[
     list[str] | None,
-    option("A limit that the controller does not enforce and that you answer for, as in: --accept jerk."),
+    option("A limit that the controller does not enforce and that you answer for; plans of the default need none."),
 ]
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.limit import Status
 from identification.limit_proof import prove
 from identification.motion import Joined
@@ -19,6 +19,7 @@ from identification.trajectories.moves import StraightMove, has_steps
 from planner.families.ptp import controlled, with_steps
 from planner.families.settings import PointToPoint, Spline
 from planner.plan_folder import motion_entries, motion_of_entries
+from planner.plan_program import usual_dialect
 from planner.plans import Plan
 from tests.helpers import polynomials_of
 from tests.planner.command_line import call, refused
@@ -71,6 +72,21 @@ def test_the_case_says_for_whom_to_plan(hexapod_case: Case):
     assert PointToPoint(controller="sinumerik").made_for(case) == "sinumerik"
     assert Spline().made_for(case) is None
     assert PointToPoint().made_for(hexapod_case) is None
+
+
+@pytest.mark.parametrize(
+    ("name", "keeps", "steps"),
+    [
+        ("hexapod", "sinumerik", "linuxcnc"),
+        ("five_axis_table", "setpoints", "linuxcnc"),
+        ("ur10_wrist", "setpoints", "urscript"),
+        ("strut_sensors", "setpoints", "linuxcnc"),
+    ],
+)
+def test_a_plan_is_written_for_a_controller_that_keeps_what_it_keeps(name: str, keeps: str, steps: str) -> None:
+    case = load_case(name)
+    assert usual_dialect(case) == keeps
+    assert usual_dialect(case, steps=True) == steps
 
 
 def test_shorter_moves_are_more_moves(hexapod_case: Case):
