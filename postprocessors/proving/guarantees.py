@@ -142,9 +142,10 @@ class Guarantees:
                 checks.append(LimitCheck(Limit(kind), place, worst, limit, kind.unit, ratio, 0.0, status))
         return tuple(checks)
 
-    def sensed(self, check: LimitCheck, move: OwnMove | None = None) -> LimitCheck:
+    def sensed(
+        self, check: LimitCheck, move: OwnMove | None = None, status: Status = Status.NOT_ENFORCED
+    ) -> LimitCheck:
         """The bound of a sensor force or moment where it is proven, else its prediction, which nobody enforces."""
-        status = Status.NOT_ENFORCED if move is None else self.lawful(check)
         own = replace(check, status=status, binding=move is None)
         bounds = (b for b in self.force_bounds() if b.kind is check.kind and b.status is Status.PROVEN)
         answer = next(bounds, own)

@@ -97,6 +97,10 @@ def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Guarantees
     count = int(np.clip(np.ceil(motion.duration * PROOF_RATE), FEWEST, MOST))
     report = prove_at(motion, by.case, np.linspace(0.0, motion.duration, count + 1), part.trigger)
     asked = {c.kind: c for c in _asked(part, motion, by)}
+
+    def lawful(check: LimitCheck) -> Status:  # how accelerations are shared in an arc is less well known
+        return by.lawful(check) if isinstance(motion, StraightMove) else by.status_of(check.kind)
+
     for check in report.checks:
         family = check.kind.family
         if part.acceleration is not None and family is not LimitKind.JERK:
@@ -108,17 +112,17 @@ def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Guarantees
             case LimitKind.STRUT_VELOCITY:
                 fastest = asked.get(check.kind)
                 if fastest is None or not fastest.kept:
-                    yield by.prediction(check, status=by.lawful(check))
+                    yield by.prediction(check, status=lawful(check))
                 elif part.feed is None:  # the fastest within the enforced rates of all coordinates
                     yield by.prediction(fastest, status=Status.ENFORCED)
                 else:
                     yield fastest  # the check at full feed everywhere on the way
             case LimitKind.ACCELERATION | LimitKind.STRUT_ACCELERATION:
-                yield by.prediction(check, status=by.lawful(check))
+                yield by.prediction(check, status=lawful(check))
             case LimitKind.SENSOR_FORCE | LimitKind.SENSOR_MOMENT:
-                yield by.sensed(check, OwnMove.UNTIMED)
+                yield by.sensed(check, OwnMove.UNTIMED, lawful(check))
             case LimitKind.JOINT_TORQUE | LimitKind.JOINT_FORCE:
-                yield by.prediction(check, status=by.lawful(check))
+                yield by.prediction(check, status=lawful(check))
             case LimitKind.JERK:
                 yield _jerk(check, motion, by)
             case _:
