@@ -1,13 +1,16 @@
 """Files and folders that are either whole or absent, also when the process is killed while it writes."""
 
 import errno
+import glob
 import hashlib
 import json
+import logging
 import os
 import re
 import shutil
 import stat
 import tempfile
+import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from itertools import chain, count
@@ -83,16 +86,65 @@ def atomic_file(path: Path) -> Iterator[Path]:
     """Yields a path to write to; it appears as `path` when the block ends without an error. Raises FileProblem."""
     with _writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
+        _clear_leftovers(path)
         handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
         os.close(handle)
         part = Path(name)
         try:
-            yield part
-            part.chmod(0o666 & ~_mask())
-            _flush(part)
-            os.replace(part, path)
+            with _in_use(part):
+                yield part
+                part.chmod(0o666 & ~_mask())
+                _flush(part)
+                os.replace(part, path)
+            WRITTEN.info("%s", path)
         finally:
             part.unlink(missing_ok=True)
+
+
+WRITTEN = logging.getLogger("hexcite.written")
+"""Where each file and folder is logged as it appears."""
+ABANDONED = 60.0  # [s] after which what nobody uses is a leftover
+
+
+@contextmanager
+def _in_use(part: Path) -> Iterator[None]:
+    """Inside, other commands know that a file or folder under way is not a leftover; a killed process lets go of it."""
+    handle = None
+    with suppress(OSError):
+        handle = os.open(part, os.O_RDONLY)
+    try:
+        if handle is not None:
+            _locked(handle)
+        yield
+    finally:
+        if handle is not None:
+            os.close(handle)
+
+
+def _locked(handle: int) -> bool:
+    """Whether an open file or folder is locked by this call; False where another process has it, or none can."""
+    try:
+        import fcntl
+
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except (ImportError, OSError):
+        return False
+    return True
+
+
+def _clear_leftovers(path: Path) -> None:
+    """Removes what commands that were killed left of a place, half written."""
+    for suffix in (".part", ".try"):
+        for part in path.parent.glob(f".{glob.escape(path.name)}.*{suffix}"):
+            with suppress(OSError):
+                if time.time() - part.lstat().st_mtime < ABANDONED or part.is_symlink():
+                    continue
+                handle = os.open(part, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))  # whatever stands there
+                try:
+                    if _locked(handle):
+                        shutil.rmtree(part, ignore_errors=True) if part.is_dir() else part.unlink()
+                finally:
+                    os.close(handle)
 
 
 def free_name(path: Path, separator: str = "-") -> Path:
@@ -260,15 +312,18 @@ def atomic_folder(path: Path, kind: FolderKind, overwrite: bool = False) -> Iter
     check_folder(path, kind, overwrite=True)
     with _writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
+        _clear_leftovers(path)
         part = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent))
         try:
-            yield part
-            listed = {"kind": kind.name, "files": sorted(name.as_posix() for name in _files(part))}
-            (part / MARKER).write_text(json_text(listed), encoding="utf-8")
-            part.chmod(0o777 & ~_mask())
-            for file in part.rglob("*"):
-                _flush(file)
-            placed = _put(part, path, overwrite)
+            with _in_use(part):
+                yield part
+                listed = {"kind": kind.name, "files": sorted(name.as_posix() for name in _files(part))}
+                (part / MARKER).write_text(json_text(listed), encoding="utf-8")
+                part.chmod(0o777 & ~_mask())
+                for file in part.rglob("*"):
+                    _flush(file)
+                placed = _put(part, path, overwrite)
+            WRITTEN.info("%s", placed)
             if placed != path:
                 raise FileProblem(path, f"{kind.name} stands there by now and stays", f"the new one is in {placed}")
         finally:

@@ -22,6 +22,7 @@ import typer
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from cases.errors import FileProblem, HexciteError, Interrupted
+from cases.files import WRITTEN
 from planner.cli import cases, compare, demo, force, identify, limits, plan, poses, programs, study
 
 app = typer.Typer(
@@ -43,18 +44,23 @@ for command in (
 
 
 def main() -> None:
-    """Entry point: 0 done, 1 a line on stderr for each reason why not, 2 wrong usage, 130 interrupted."""
+    """Entry point: 0 done, 1 a line on stderr for each reason why not, 2 wrong usage, 130 interrupted.
+
+    Interrupted is a command by Ctrl-C, and where it is to end: kill, a terminal that is closed.
+    """
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # where the terminal's letters are fewer than ours
     gc.set_threshold(100_000)  # the usual 700 looks through all that imports create, again and again
+    written: list[str] = []
     try:
-        with ctrl_c_raises(), warnings_on_stderr():
+        with ctrl_c_raises(), warnings_on_stderr(), noted(written):
             app()
     except HexciteError as error:
         _stop(*error.lines)
     except Interrupted as error:
-        print(f"hexcite: interrupted; {str(error) or 'nothing was written'}", file=sys.stderr)
+        there = f"{', '.join(written)} stand{'s' * (len(written) == 1)} there" if written else "nothing was written"
+        print(f"hexcite: interrupted; {str(error) or there}", file=sys.stderr)
         sys.exit(130)
     except OSError as error:
         _stop(*FileProblem.of(error).lines)
@@ -74,6 +80,7 @@ def warnings_on_stderr() -> Iterator[None]:
         said.add(record.getMessage())
         return new
 
+    handler.setLevel(logging.WARNING)
     handler.addFilter(first)
     handler.setFormatter(logging.Formatter("hexcite: %(message)s"))
     log.addHandler(handler)
@@ -84,17 +91,45 @@ def warnings_on_stderr() -> Iterator[None]:
 
 
 @contextmanager
+def noted(written: list[str]) -> Iterator[None]:
+    """Inside, names of files and folders are added as they appear."""
+
+    class Handler(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            written[:] = dict.fromkeys([*written, record.getMessage()])
+
+    handler, before = Handler(), WRITTEN.level
+    WRITTEN.addHandler(handler)
+    WRITTEN.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        WRITTEN.removeHandler(handler)
+        WRITTEN.setLevel(before)
+
+
+ENDING = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+"""Signals by which a command is asked to end."""
+
+
+@contextmanager
 def ctrl_c_raises() -> Iterator[None]:
-    """Inside, Ctrl-C raises `Interrupted`."""
+    """Inside, Ctrl-C raises `Interrupted`, and so does what else asks the process to end."""
 
     def interrupt(number: int, frame: FrameType | None) -> None:
         raise Interrupted
 
-    before = signal.signal(signal.SIGINT, interrupt)
+    before = {number: signal.getsignal(number) for number in ENDING}
+    for number, handler in list(before.items()):
+        if handler is None or (handler is signal.SIG_IGN and number != signal.SIGINT):  # as under nohup
+            del before[number]
+    for number in before:
+        signal.signal(number, interrupt)
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _stop(*lines: str) -> None:

@@ -1,5 +1,7 @@
 """Ctrl-C at any moment of planning: what was found is kept, and where nothing was, one line says so."""
 
+import fcntl
+import os
 import signal
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -91,3 +93,53 @@ def test_ctrl_c_while_a_plan_is_written_lets_it_be_written(tmp_path: Path, monke
     words = ("plan", "hexapod", "--family", "manual", "--sequence", steps, "--model", 0, "-o", tmp_path / "p", "--json")
     assert call(*words).json()["plan"] == str(tmp_path / "p")
     assert (tmp_path / "p" / "report.html").is_file()
+
+
+def manual(folder: Path) -> tuple[object, ...]:
+    """A plan that is made without a search."""
+    steps = folder.with_suffix(".toml")
+    steps.write_text('title = "t"\nsteps = [{x_mm = 50.0}, {circle = "YZ", radius_mm = 40.0}, {a_deg = 10.0}]')
+    return "plan", "hexapod", "--family", "manual", "--sequence", steps, "--model", 0, "-o", folder
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_a_command_that_is_asked_to_end_leaves_nothing_half_written(
+    number: signal.Signals, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    from planner import plans
+
+    monkeypatch.setattr(plans, "motion_csv", lambda *_: signal.raise_signal(number))
+    (inner := tmp_path / "inner").mkdir()
+    answer = call(*manual(inner / "p"))
+    assert (answer.code, answer.err.splitlines()[-1]) == (130, "hexcite: interrupted; nothing was written")
+    assert [file.name for file in inner.iterdir()] == ["p.toml"]
+
+
+def test_an_interrupted_command_says_what_stands_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    from planner.cli import console
+
+    monkeypatch.setattr(console, "answered", lambda *_: signal.raise_signal(signal.SIGTERM))
+    answer = call(*manual(tmp_path / "p"))
+    assert (answer.code, answer.err.splitlines()[-1]) == (130, f"hexcite: interrupted; {tmp_path / 'p'} stands there")
+    assert (tmp_path / "p" / "plan.json").is_file()
+
+
+def test_what_killed_commands_left_goes_with_the_next_one(tmp_path: Path):
+    """But not what another command writes just now, nor what is of another name."""
+    old, used, other = (tmp_path / name for name in (".p.1.part", ".p.2.part", ".pp.3.part"))
+    for place in (old, used, other):
+        place.mkdir()
+        (place / "plan.json").write_text("{")
+        os.utime(place, (0, 0))
+    (young := tmp_path / ".p.4.part").mkdir()
+    handle = os.open(used, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        assert call(*manual(tmp_path / "p")).code == 0
+    finally:
+        os.close(handle)
+    assert not old.exists()
+    assert used.is_dir()
+    assert other.is_dir()
+    assert young.is_dir()
+    assert (tmp_path / "p" / "plan.json").is_file()
