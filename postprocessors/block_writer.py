@@ -23,6 +23,9 @@ from postprocessors.proving.guarantees import Guarantees
 # of mm and degrees: over 10 ms blocks this rounding stays below 0.1 % of the jerk limits
 LENGTH_DECIMALS, ANGLE_DECIMALS = 5, 6
 FEED_DECIMALS, FEED_DIGITS = 6, 10
+# [mm] where angles move and X, Y, Z less than this, these stay: a feed that counts so little is a crawl, too coarse for
+# a control to turn the angles by it evenly
+LEAST_WAY = 0.01
 COMMENT_WIDTH = 120
 # of mm and degrees, for the check that the machine stands at home: ten times the least step of a hand wheel, as far as
 # axes at rest stand off their command, and far too little to matter to the way that follows
@@ -242,10 +245,12 @@ class BlockWriter(ABC):
             ends = [number(value, LENGTH_DECIMALS) for value in rounded]
         if not self.standing:
             return ends
-        return [
-            before if abs(float(before) - float(end)) < self.guarantees.resolution else end
-            for before, end in zip(self.standing, ends, strict=True)
-        ]
+        ways = np.abs(np.array([float(a) - float(b) for a, b in zip(self.standing, ends, strict=True)]))
+        stays = ways < self.guarantees.resolution
+        slides = ~self.limits.turns
+        if not stays[~slides].all() and np.linalg.norm(ways[slides]) < LEAST_WAY:
+            stays |= slides
+        return [before if stay else end for before, end, stay in zip(self.standing, ends, stays, strict=True)]
 
     def _as_rounded(self, written: Array) -> Array:
         """Written coordinates in mm and degrees as the control rounds them, shape (k,)."""

@@ -14,6 +14,7 @@ from identification.motion import Array, Joined, Standstill, Trajectory
 from identification.precision import bounds_text
 from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import CircularMove, StraightMove
+from postprocessors.block_writer import LEAST_WAY
 from postprocessors.blocks import Block, Blocks, TimedPath, ToHome, Trigger, timed_path
 from postprocessors.dialects import Dialect, Program, leaving_out, left_out
 from postprocessors.proving.guarantees import Guarantees
@@ -104,8 +105,8 @@ def _same_stretches(one: Reading, other: Reading) -> bool:
 
 
 def off_the_plan(guarantees: Guarantees) -> float:
-    """By how much a coordinate may end off the plan [m, rad]: the end is rounded, and it does not move by less."""
-    return ROUNDING + 1.5 * guarantees.resolution * max(MM, DEG)
+    """By how much a coordinate may end off the plan [m, rad]: the end is rounded, and what is too little stays."""
+    return ROUNDING + max(1.5 * guarantees.resolution * max(MM, DEG), LEAST_WAY * MM)
 
 
 def _require_same(program: Blocks, reading: Reading, guarantees: Guarantees) -> None:

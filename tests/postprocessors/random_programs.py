@@ -117,7 +117,11 @@ class RandomProgram:
         return [str(self.draw.choice(["G61", "G61.1", "G61.1", "G64 P0.05 Q0"]))]
 
     def trigger(self) -> list[str]:
-        return [str(self.draw.choice(["M62 P0", "M63 P0", "M64 P0", "M65 P0"]))]
+        """A switch between dwells, or one with the next motion; the log of a run must show it."""
+        switch = str(self.draw.choice(["M64 P0", "M65 P0"]))
+        return (
+            ["G4 P0.03", switch, "G4 P0.03"] if self.draw.random() < 0.7 else [switch.replace("64", "62"), *self.move()]
+        )
 
     def arc(self) -> list[str]:
         """An arc in any plane, a full circle at times; angles may ride along."""
