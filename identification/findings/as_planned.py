@@ -467,7 +467,8 @@ def _paces(comparison: Comparison, figures: dict[str, Any]) -> list[_Said]:
     figures["override_percent"] = [round(percent, 1) for percent in overrides]
     one = overrides[1] - overrides[0] <= EVEN * overrides[0]
     override = f"override {100.0 / longer:.0f} %" if one else "override {:.0f} to {:.0f} %".format(*overrides)
-    text = f"the run was {_slower(longer)} ({run:.3g} s in place of {planned:.3g} s)"
+    total = comparison.plan.motion.duration
+    text = f"the run was {_slower(longer)} (about {longer * total:.3g} s in place of {total:.3g} s)"
     if pace is None and abs(longer - 1.0) <= OF_A_LAW:  # not by one factor, and not by much
         return [
             _Said(f"{text}: the controller accelerates otherwise than planned, or the override was not 100 %", False)

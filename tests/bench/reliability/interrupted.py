@@ -16,6 +16,7 @@ from typing import NamedTuple
 from tests.bench.reliability.tally import Tally
 from tests.planner.command_line import ACCEPT, PROGRAM, hexcite
 
+INTERRUPTED = 130  # exit code
 LIMIT = 900.0  # [s] on the wall for a command on a busy computer
 
 
@@ -86,8 +87,11 @@ def _ended(process: subprocess.Popen[str]) -> tuple[int, str]:
 
 
 def tally_of_kills(seeds: range, folder: Path) -> Tally:
-    """Commands that are killed at random instants of their work, one a seed, in turn; each is then repeated."""
-    tally, lasted = Tally("commands by kill -9"), dict.fromkeys(WORKS, 0.0)
+    """Commands that end by a signal at random instants of their work, one a seed, in turn; each is then repeated.
+
+    Half of them by kill -9, the others by Ctrl-C or kill: these say what stands there, and leave nothing else.
+    """
+    tally, lasted = Tally("commands by signals"), dict.fromkeys(WORKS, 0.0)
     prepared(folder)
     for seed in seeds:
         name, draw = list(WORKS)[seed % len(WORKS)], random.Random(seed)
@@ -101,11 +105,22 @@ def tally_of_kills(seeds: range, folder: Path) -> Tally:
                 return tally
         if draw.random() < 0.5:
             _removed(folder / work.output)
+        before, number = _parts(folder), draw.choice([signal.SIGKILL, signal.SIGKILL, signal.SIGINT, signal.SIGTERM])
         process = _started(work, folder)
         time.sleep(draw.uniform(0.0, lasted[name]))
-        os.killpg(process.pid, signal.SIGKILL)
+        if number == signal.SIGTERM:  # of one process, as `kill` sends it
+            process.send_signal(number)
+        else:
+            os.killpg(process.pid, number)
         code, said = _ended(process)
-        tally.counts["killed" if code < 0 else "over before"] += 1
+        tally.counts["killed" if code < 0 else "over before" if code == 0 else "interrupted"] += 1
+        if code == INTERRUPTED:
+            if not said.splitlines()[-1].startswith("hexcite: interrupted; ") or "Traceback" in said:
+                tally.defect(seed, f"{name} interrupted: {said}")
+            if left := _parts(folder) - before:
+                tally.defect(seed, f"{name} interrupted leaves {left}")
+        elif code > 0:
+            tally.defect(seed, f"{name} by {number.name}: exit code {code}, {said}")
         if problem := whole_or_absent(folder / work.output, work.parts):
             tally.defect(seed, f"{name} killed: {problem}")
         code, said = _ended(_started(work, folder))
