@@ -8,7 +8,6 @@ from typing import Any
 
 from cases.errors import FileProblem
 from cases.files import atomic_file, read_whole
-from cases.tables import MOST_BYTES, content_of_tables
 
 Change = tuple[str, Any, Any]
 """Dotted key, value before and value after; None: it is not there."""
@@ -55,6 +54,8 @@ def _parsed(text: str) -> dict[str, Any] | None:
 
 def _content(file: Path) -> tuple[str, dict[str, Any]]:
     """Text and values of a file; raises CaseError where it cannot be read."""
+    from cases.tables import MOST_BYTES, content_of_tables  # NumPy, which `hexcite --help` does without
+
     values = content_of_tables(file)
     return read_whole(file, MOST_BYTES).decode(), values
 

@@ -97,6 +97,17 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
 
 
+_CONTROLS = re.compile(
+    "[\\x00-\\x08\\x0b-\\x1f\\x7f-\\x9f\\u200e\\u200f\\u2028-\\u202e\\u2066-\\u2069\\ufeff\\ud800-\\udfff]"
+)
+"""Characters that steer a terminal or a browser, or turn the order of letters; none of them is shown."""
+
+
+def legible(text: str) -> str:
+    """A text of any number of lines with such characters as escapes, whatever names of files or channels it holds."""
+    return _CONTROLS.sub(lambda character: repr(character[0])[1:-1], text)
+
+
 class CaseError(HexciteError, ValueError):
     """A case file does not describe a usable machine; `problems` are all that were found, each with its dotted key."""
 

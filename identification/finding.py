@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any, Literal
 
+from cases.errors import printable
 from cases.units import as_html
 
 
@@ -50,6 +51,10 @@ class Finding:
     place: str = ""
     quantity: Mapping[str, Any] = field(default_factory=dict)
     counted: bool = False
+
+    def __post_init__(self) -> None:
+        """Makes the sentence a printable line, whatever names of files and channels it holds."""
+        object.__setattr__(self, "sentence", printable(self.sentence))
 
     @property
     def doubts_values(self) -> bool:

@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from cases.editing import Change, changes_of, write_table
-from cases.errors import CaseError, FileProblem, HexciteError, RecordingError
+from cases.errors import CaseError, FileProblem, HexciteError, RecordingError, printable
 from cases.files import toml_value
 from cases.machine import POSE
 from cases.orientation import QUATERNION, ROTATION
@@ -118,7 +118,7 @@ class Look:
         doubts = self.odd if self.problem is None else self.odd[1:]
         listed_doubts = ["to be compared or completed:", *(f"  - {doubt}" for doubt in doubts)] if doubts else []
         problem = self.odd[:1] if self.problem is not None else ()
-        return (self.headline, *problem, *(f"  {topic}" for topic in self.topics), *listed_doubts)
+        return (self.headline, *problem, *(f"  {printable(str(topic))}" for topic in self.topics), *listed_doubts)
 
     __str__ = __repr__
 
@@ -129,9 +129,9 @@ class Look:
         """The file and its size, in a line."""
         rate = "" if self.rate is None else f", {self.rate:.4g} a second"
         if self.topics:
-            return f"{self.file}: a bag of {len(self.topics)} topics"
+            return f"{printable(str(self.file))}: a bag of {len(self.topics)} topics"
         more = f" and {len(self.others)} more of the run" if self.others else ""
-        return f"{self.file}{more}: {self.rows} rows{rate}, {len(self.columns)} columns"
+        return f"{printable(str(self.file))}{more}: {self.rows} rows{rate}, {len(self.columns)} columns"
 
 
 def _toml(header: str, name: str, settings: Mapping[str, Any]) -> list[str]:
@@ -254,7 +254,7 @@ def _as_stated(file: Path, case: Case) -> tuple[TextColumns, Case]:
 def _sentences(problem: str | None, doubts: Iterable[str]) -> tuple[str, ...]:
     """Why a file is not read, then the doubts, each once."""
     first = [] if problem is None else [f"not read with these settings: {problem}"]
-    return tuple(dict.fromkeys([*first, *doubts]))
+    return tuple(dict.fromkeys(printable(sentence) for sentence in (*first, *doubts)))
 
 
 def _parquet(file: Path) -> TextColumns:

@@ -340,10 +340,11 @@ class _Draft:
         return result
 
     def _differing_units(self, ordered: Sequence[str]) -> Iterator[tuple[str, str]]:
-        """Units that are not those of our names, by role."""
+        """Units that are not those of our names, or that the case states, which labels may contradict; by role."""
         for role, factors in ROLE_UNITS.items():
             of_role = {self.units[ours] for ours in ordered if ROLE_OF.get(ours) == role}
-            if len(of_role) == 1 and of_role <= factors.keys() - {factors.usual}:
+            own = self.stated.get("units", {}).get(str(role))
+            if len(of_role) == 1 and of_role <= factors.keys() - ({factors.usual} - {own}):
                 yield str(role), of_role.pop()
 
     def _add_filter(self, settings: dict[str, Any]) -> None:

@@ -11,7 +11,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.errors import RecordingError
+from cases.errors import RecordingError, printable
 from cases.recording_format import FileFormat
 from cases.units import Array, Flags
 from identification.finding import Finding
@@ -115,7 +115,7 @@ class Stream:
         kind = type(self).__name__
         if not isinstance(self.source, str | PathLike):
             raise RecordingError(f"{kind}: source", f"is {told(self.source)}", "name the file or place it is from")
-        object.__setattr__(self, "source", str(self.source))
+        object.__setattr__(self, "source", printable(str(self.source)))
         for name, shape in SHAPES.items():
             if (value := getattr(self, name, None)) is not None:
                 object.__setattr__(self, name, _array(value, shape, name in FLAGS, f"{kind}: {name}"))

@@ -37,7 +37,7 @@ def check(
     checked = hx.check_case(case)
     if console.answered({"ok": True, **checked.to_json()}, json):
         return
-    print(checked)
+    console.say(checked)
 
 
 @app.command("show")
@@ -60,7 +60,7 @@ def show(
         with atomic_file(file) as part:
             case_figure(loaded).savefig(part, format=file.suffix[1:].lower())
     if not console.answered({"ok": True, "figure": str(file)}, json):
-        print(f"picture written: {file}")
+        console.say(f"picture written: {file}")
 
 
 @app.command("new")

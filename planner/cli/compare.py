@@ -83,15 +83,15 @@ def validate(
 def _show_validation(answer: dict[str, Any], validation: "Validation") -> None:
     from planner.reports.validation import TABLE_7, table_7
 
-    print(f"machine: {validation.machine}")
+    console.say(f"machine: {validation.machine}")
     for method, text in validation.executed.items():
         if ";" in text:
-            print(f"{method}: executed on {text}")
+            console.say(f"{method}: executed on {text}")
     for method, reason in validation.failed.items():
-        print(f"NOT RUN: {method}: {reason}")
+        console.say(f"NOT RUN: {method}: {reason}")
     for method in dict.fromkeys(trial.method for trial in validation.trials):
         own = [trial for trial in validation.trials if trial.method == method]
         console.print_table(method, TABLE_7, table_7(own))
-    print(f"report written: {answer['report']}")
+    console.say(f"report written: {answer['report']}")
     for sentence in validation.sentences:
-        print(f"recommendation: {sentence}")
+        console.say(f"recommendation: {sentence}")

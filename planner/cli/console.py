@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
+from cases.errors import legible
 from cases.files import FolderKind, atomic_folder
 from identification.precision import aligned
 
@@ -51,13 +52,18 @@ def out(text: str) -> Any:
 def answered(answer: dict[str, Any], as_json: bool, *texts: object) -> bool:
     """Prints the answer as one JSON object where that was requested, texts for people else; returns whether it was."""
     for text in [json.dumps(answer, allow_nan=False)] if as_json else texts:
-        print(text)
+        say(text)
     return as_json
+
+
+def say(*texts: object) -> None:
+    """Prints texts for people, without characters that steer a terminal."""
+    print(*(legible(str(text)) for text in texts), sep="\n", flush=True)
 
 
 def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     """Prints a table; every row is a line."""
-    print("\n".join([title, *aligned(columns, *rows), ""]))
+    say(title, *aligned(columns, *rows), "")
 
 
 @contextmanager
@@ -71,18 +77,18 @@ def status(text: str, quiet: bool) -> Iterator[Callable[[str], None]]:
 
     console = Console(stderr=True)
     if console.is_terminal:
-        with console.status(Text(text)) as spinner:
-            yield lambda remark: spinner.update(Text(f"{text}: {remark}"))
+        with console.status(Text(legible(text))) as spinner:
+            yield lambda remark: spinner.update(Text(legible(f"{text}: {remark}")))
         return
     last_report = time.monotonic()
 
-    def say(remark: str) -> None:
+    def report(remark: str) -> None:
         nonlocal last_report
         if time.monotonic() - last_report >= EVERY:
             last_report = time.monotonic()
-            print(f"{text}: {remark}", file=sys.stderr, flush=True)
+            print(legible(f"{text}: {remark}"), file=sys.stderr, flush=True)
 
-    yield say
+    yield report
 
 
 def save_with_page(value: Any, kind: FolderKind, folder: Path, overwrite: bool) -> None:

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import hexcite as hx
 from cases.files import DEMO, check_folder, output_place, write_text
 from identification.precision import aligned
-from planner.cli.console import Json, Overwrite, answered, option, out
+from planner.cli.console import Json, Overwrite, answered, option, out, say
 
 
 def demo(
@@ -29,9 +29,7 @@ def demo(
     loaded = hx.load_case(case)
     place = output_place(output, Path("hexcite-demo"), overwrite)
     check_folder(place, DEMO, overwrite=overwrite)
-    chain = hx.demo(
-        loaded, place, on, seed=seed, starts=starts, progress=lambda line: None if json else print(line, flush=True)
-    )
+    chain = hx.demo(loaded, place, on, seed=seed, starts=starts, progress=lambda line: None if json else say(line))
     for value, folder in ((chain.plan, "plan"), (chain.result, "result")):
         hx.report(value, place / folder / "report.html")
     answer: dict[str, Any] = {

@@ -8,6 +8,7 @@ import typer
 
 import hexcite as hx
 from cases.editing import Change
+from cases.errors import printable
 from cases.files import RESULT, check_file, check_folder, output_place, toml_value
 from identification.precision import aligned
 from planner.cli import console
@@ -144,7 +145,7 @@ def look(
         "pictures": [str(picture) for picture in pictures],
         "changes": [{"key": key, "before": before, "after": after} for key, before, after in changes],
     }
-    rows = ([c.name, c.ours or "-", f"{c.unit} (a guess)" if c.guessed else c.unit] for c in report.columns)
+    rows = ([printable(c.name), c.ours or "-", f"{c.unit} (a guess)" if c.guessed else c.unit] for c in report.columns)
     table = aligned(("column", "meaning", "unit"), *rows) if report.columns else []
     texts = [*report.remarks, *table, report.toml, *(f"picture written: {picture}" for picture in pictures)]
     console.answered(answer, json, *texts, *_end_of_look(report, write, changes))

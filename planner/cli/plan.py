@@ -99,7 +99,7 @@ def plan(
     require_plannable(request, loaded)  # before anything is said
     if not json:
         text = f"{duration:g} s, criterion {criterion}, " if optimised else ""
-        print(f"Planning for {loaded.name}: {family}, {text}model {request.model}", flush=True)
+        console.say(f"Planning for {loaded.name}: {family}, {text}model {request.model}")
     with console.status("searching" if optimised else "timing", json) as remark:
         result = planned(request, loaded, remark)
     with console.status("writing", json), first_ctrl_c():  # this takes a short time

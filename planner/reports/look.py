@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 
+from cases.errors import legible, printable
 from cases.files import atomic_file, check_file
 from cases.recording_format import CLOCK, ROLE_OF
 from cases.units import Array
@@ -108,13 +109,13 @@ def _label(column: Column) -> str:
 def _short(name: str) -> str:
     """A name that fits into a legend: its beginning and its end."""
     half = (_LONGEST - 2) // 2
-    plain = " ".join(name.split())
+    plain = printable(" ".join(name.split()))
     return plain if len(plain) <= _LONGEST else f"{plain[:half]}..{plain[-half:]}"
 
 
 def _escaped(text: str) -> str:
     """Text that matplotlib does not take for mathematics; a label that begins with _ would not be in the legend."""
-    return ("\N{ZERO WIDTH SPACE}" if text.startswith("_") else "") + text.replace("$", r"\$")
+    return ("\N{ZERO WIDTH SPACE}" if text.startswith("_") else "") + legible(text).replace("$", r"\$")
 
 
 def save_pages(pages: Iterator[Figure], file: Path, overwrite: bool) -> list[Path]:

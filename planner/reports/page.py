@@ -20,6 +20,7 @@ import numpy as np
 from markupsafe import Markup, escape
 from numpy.typing import NDArray
 
+from cases.errors import legible
 from planner.reports.chart import Chart
 from planner.reports.interactive import plotly_figure
 from planner.reports.scene import Scene
@@ -175,7 +176,7 @@ def page(
     files = resources.files("planner.reports") / "templates"
     parts = {name: Markup((files / f"page.{name}").read_text(encoding="utf-8")) for name in ("css", "js", "html")}
     facts = (("machine", head.machine), *head.facts, ("page made", f"{datetime.now().astimezone():%Y-%m-%d %H:%M %Z}"))
-    return parts.pop("html").format(
+    whole = parts.pop("html").format(
         **parts,
         title=title,
         mood="good" if head.good else "doubt",
@@ -186,6 +187,7 @@ def page(
         sections=_joined((*sections, last)),
         plotly=_plotly(),
     )
+    return legible(whole)
 
 
 @cache

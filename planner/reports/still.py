@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 
+from cases.errors import legible
 from planner.reports.chart import COLOURS, Axis, Box, Chart, Heat, Line, Points, thinned
 from planner.reports.scene import Scene
 
@@ -61,7 +62,7 @@ def _svg(figure: Figure) -> str:
     text = io.StringIO()
     with mpl.rc_context(STYLE):
         figure.savefig(text, format="svg", metadata={"Date": None})
-    return text.getvalue()
+    return legible(text.getvalue())
 
 
 def _plain(text: str) -> str:

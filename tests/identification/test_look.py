@@ -379,3 +379,21 @@ def test_time_stamps_that_are_infinite_are_one_line(hexapod_case: Case, tmp_path
     found = look(RECORDERS[0].write(table, tmp_path), hexapod_case)
     assert not found.reads
     assert "inf" in str(found.problem)
+
+
+def test_units_that_the_case_states_stay_where_labels_say_others(hexapod_case: Case, tmp_path: Path) -> None:
+    """Also usual ones: the labels would be refused without them."""
+    file = tmp_path / "run.csv"
+    head = ",".join(["t_s", *(f"l{k} [a.u.]" for k in range(1, 7)), *(f"f{k}_N" for k in range(1, 7)), "trigger"])
+    rows = file_of(simulated().rows).decode().split("\n", 1)[1]
+    file.write_text(f"{head}\n{rows}")
+    form = RecordingFormat.model_validate(
+        {
+            "columns": {f"l{k}_mm": f"l{k} [a.u.]" for k in range(1, 7)},
+            "units": {"struts": "mm"},
+            "filter_cutoff_Hz": 40.0,
+        }
+    )
+    found = look(file, hexapod_case.model_copy(update={"recording": form}))
+    assert found.reads, found.odd
+    assert found.unchanged
