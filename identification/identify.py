@@ -27,7 +27,7 @@ from identification.findings.contact import Contact, contact_findings, free_of_c
 from identification.findings.drift import drift_findings, drift_of
 from identification.findings.fit_checks import fit_findings
 from identification.findings.noise_level import doubtful, louder_than_stated
-from identification.findings.systematic import allowed_for, noisy_drives, systematic_findings, systematic_of
+from identification.findings.systematic import allowed_for, noisy_drives, not_shown, systematic_findings, systematic_of
 from identification.formats.reading import files_of
 from identification.model import Model, full_model, identification_model
 from identification.outcome import RUN_ENTRIES, Result
@@ -309,4 +309,6 @@ def _estimated(recording: Recording, case: Case, model: Model, method: Method) -
     findings += [*scanned, *fitted.samples.findings(fitted.fit)]
     findings += contact_findings(recording, contacts)
     findings += fit_findings(recording, case, fitted)
-    return estimate_of(allowed_for(fitted, systematic), recording.source, case, tuple(findings))
+    allowed = allowed_for(fitted, systematic)
+    findings += not_shown(allowed, systematic)
+    return estimate_of(allowed, recording.source, case, tuple(findings))

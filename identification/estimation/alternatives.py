@@ -21,7 +21,7 @@ from scipy.fft import rfft
 
 from cases.units import Array, Indices
 from identification.estimation.fit import orthonormal
-from identification.estimation.force_noise import LEAST_SAMPLES, in_turned_channels, mixtures
+from identification.estimation.force_noise import LEAST_SAMPLES, in_turned_channels, mixtures, toeplitz
 from identification.estimation.small_sample import Noise, chance_of
 
 UNSEEN = 1e-8  # of a column's square, below which what the fit leaves of it is rounding
@@ -239,7 +239,7 @@ def sizes_of(columns: Array, rest: Remainder) -> Sizes | None:
     basis = left @ back
     scores = np.tensordot(basis, rest.residuals, ((0, 1), (0, 1)))
     noise = _noise(basis, rest, rest.residuals - basis @ scores).along(*(scale[:, None] * back))
-    answer = -rest.half @ inside / np.where(scale > 0.0, scale, 1.0)
+    answer = rest.half @ inside / np.where(scale > 0.0, scale, 1.0)
     return Sizes(scale * (back @ scores), noise, answer, float(scores @ scores))
 
 
@@ -293,6 +293,35 @@ def _noise(basis: Array, rest: Remainder, noise: Array) -> Noise:
     mixed = crossed[first, second] + crossed[second, first]
     spread = np.diag(np.r_[2.0 / freedom, 1.0 / np.sqrt(freedom[first] * freedom[second])])
     return Noise(diagonal.sum(axis=0), (np.concatenate([diagonal, mixed]),), (spread,))
+
+
+class Unseen(NamedTuple):
+    """An effect of one size, and how well a run shows it."""
+
+    alternative: Alternative
+    std: float  # of its size, by noise
+    answer: Array  # bias of what was fitted by a unit of it, shape (v,)
+
+
+def unseen(alternatives: Sequence[Alternative], rest: Remainder) -> list[Unseen]:
+    """How well residuals show each effect that has one size; without those that the fit takes all of."""
+    found = []
+    for alternative in alternatives:
+        space = _space_of(alternative.columns, rest) if alternative.columns.shape[2] == 1 else None
+        if space is not None:
+            left, inside, scale, _, strength = space
+            found.append((alternative, left[:, :, 0] / strength * scale[0], (rest.half @ inside)[:, 0] / scale[0]))
+    if not found:
+        return []
+    turned = in_turned_channels(rest.basis, np.eye(rest.basis.shape[2]), rest.residuals, rest.places)
+    mixing = np.linalg.lstsq(turned.noise, rest.residuals, rcond=None)[0]  # residuals = noise mixing
+    takes = turned.series(np.stack([take for _, take, _ in found], axis=2).transpose(0, 2, 1) @ mixing.T)
+    variances = np.sum(takes**2, axis=(0, 2))
+    if rest.coloured and len(rest.residuals) >= LEAST_SAMPLES:
+        noises = enumerate(mixtures(turned))
+        responses = [np.sum(takes[:, :, k] * toeplitz(m.autocovariance, takes[:, :, k]), axis=0) for k, m in noises]
+        variances = np.sum(responses, axis=0)
+    return [Unseen(of, float(np.sqrt(v)), answer) for (of, _, answer), v in zip(found, variances, strict=True)]
 
 
 def _left_in_band(band: Array, free: Array) -> float:

@@ -105,6 +105,7 @@ class Mixture(NamedTuple):
     covariances: Array  # B^T Gamma B by each alone, shape (c, u, u)
     spread: Array  # covariance of the shares: residuals are few, shape (c, c)
     free: Array  # share of its power that the fit leaves at each frequency that counts, shape (f,)
+    autocovariance: Array  # of the whole noise, shape (n,)
 
 
 def _seen(
@@ -143,7 +144,8 @@ def _mixture(answer: Array, basis: Array, noise: Array, mask: Array, pairs: Arra
     slow = max(1 + len(plain), int(SLOW * (length // 2)) + 1)
     taken, power = rfft(basis, axis=0)[:slow], np.abs(rfft(noise)[:slow]) ** 2
     peaked, order = autoregressive(noise, mask, float(mask.sum()) / freedom)
-    components = [_seen(answer, taken, mask, pairs, c) for c in (*plain, peaked)]
+    kinds = np.array([*plain, peaked])
+    components = [_seen(answer, taken, mask, pairs, kind) for kind in kinds]
     left, whole, covariances = (np.array(each) for each in zip(*components, strict=True))
     # Noises that the criterion asks for (Akaike 1974): those of short memories, and peaks, which none of these have.
     shares, likelihood = np.zeros(len(left)), -np.inf
@@ -153,7 +155,7 @@ def _mixture(answer: Array, basis: Array, noise: Array, mask: Array, pairs: Arra
             shares, likelihood = np.r_[best, np.zeros(len(left) - count)], more
     floor = NOTHING * float(left.max())
     free = np.clip((shares @ left) / np.maximum(shares @ whole, floor), 0.0, 1.0)
-    return Mixture(shares, covariances, _spread(shares, left, free), free)
+    return Mixture(shares, covariances, _spread(shares, left, free), free, shares @ kinds)
 
 
 def _spread(shares: Array, expected: Array, free: Array) -> Array:

@@ -13,7 +13,7 @@ import numpy as np
 
 from cases.schema import Case
 from cases.units import DEG, Array
-from identification.estimation.alternatives import Effect, effects_of
+from identification.estimation.alternatives import Effect, Unseen, effects_of, unseen
 from identification.finding import Finding, Kind, note, warning
 from identification.findings.clock import OddClock
 from identification.findings.drift import Drift, drift_of
@@ -47,6 +47,7 @@ class Systematic(NamedTuple):
     drives: Array | None  # bias of the values of the fit by noise of the drives, shape (v,), where that is measured
     residuals: Array  # of each channel, rms, shape (6,) [N, or N and N m]
     motion: MotionOfSamples
+    hidden: tuple[Unseen, ...]  # how well the run shows each effect of one size; answers are of the fit's values
 
 
 def systematic_of(fitted: Fitted, case: Case, odd: OddClock | None = None) -> Systematic | None:
@@ -97,7 +98,8 @@ def systematic_of(fitted: Fitted, case: Case, odd: OddClock | None = None) -> Sy
         drives = -basis @ (half @ (half.T @ pull))
         bias += np.outer(drives, drives)
     rms = np.sqrt(np.mean(residuals**2, axis=0))
-    return Systematic(tuple(seen), drift, bias, drives, rms, motion)
+    hidden = [of._replace(answer=basis @ of.answer) for of in unseen(alternatives, rest)]
+    return Systematic(tuple(seen), drift, bias, drives, rms, motion, tuple(hidden))
 
 
 def _odds(chance: float) -> float:
@@ -144,6 +146,37 @@ def noisy_drives(case: Case, fitted: Fitted, systematic: Systematic | None) -> l
     return [
         warning(Kind.NOISE, sentence, counted=bearable, drive_noise={"bias": systematic.drives[: len(names)].tolist()})
     ]
+
+
+SHOWN = 5.0  # deviations of an effect's size, at which about half of all runs show it
+
+
+def not_shown(fitted: Fitted, systematic: Systematic | None) -> list[Finding]:
+    """Effects that this run shows so badly that they may bias a parameter by more than its deviation unseen.
+
+    Of each the size that about half of all runs like this one would show, and the parameter that it would bias most, as
+    an entry without a sentence.
+
+    Args:
+        fitted: the fit with deviations that allow for what its residuals show.
+    """
+    if systematic is None:
+        return []
+    fit, names = fitted.fit, fitted.samples.model.names
+    variance = np.maximum(np.diag(fit.covariance), np.diag(fit.covariance_robust))[: len(names)]
+    free, entries = variance > 0.0, []
+    for effect in systematic.hidden:
+        size, of = SHOWN * effect.std, effect.alternative
+        bias = size * effect.answer[: len(names)]
+        ratios = np.where(free, np.abs(bias) / np.sqrt(np.where(free, variance, 1.0)), 0.0)
+        worst = int(np.argmax(ratios))
+        if ratios[worst] > HARM:
+            cause = of.cause.format(f"{size / of.unit:.2g}") if "{}" in of.cause else of.cause
+            entry = {"key": of.key, "follows": of.follow, "as_with": cause, "size": size, "parameter": names[worst]}
+            deviations = float(ratios[worst])
+            entries.append((deviations, entry | {"bias": float(bias[worst]), "deviations": deviations}))
+    ordered = [entry for _, entry in sorted(entries, key=lambda pair: -pair[0])]
+    return [note(Kind.MODEL, "", not_shown=ordered)] if ordered else []
 
 
 def systematic_findings(case: Case, fitted: Fitted, systematic: Systematic | None) -> list[Finding]:

@@ -1,0 +1,39 @@
+"""What a run could not have shown is told with the size that it could have, and the bias that it would make."""
+
+import pytest
+
+from identification.identify import estimate_parameters
+from identification.result import Estimate
+from tests.damaged.kinds import DAMAGES
+from tests.damaged.runs import SOUND, STATED, Change, Machine, Waves, machine, recorded
+from tests.helpers import few
+
+OF = {damage.name: damage for damage in DAMAGES}
+PREDICTED = [
+    ("ur10_wrist", "gain of channel 3", 0.5, "a gain of fz_N", 5e-3),
+    ("ur10_wrist", "sensor off along z", 1.0, "further along its z", 1e-3),
+    ("hexapod", "stroke of all struts", 0.05, "a scale of all struts", 5e-4),
+    ("hexapod", "clock scale", 100.0, "time stamps", 1e-4),
+    ("ur10_wrist", "gain of channel 1", 0.5, "a gain of fx_N", 5e-3),
+]
+
+
+def found(of: Machine, change: Change = SOUND) -> Estimate:
+    return estimate_parameters(recorded(of, Waves(of, 2, 5.0), 1, STATED, change), of.case)
+
+
+@pytest.mark.parametrize(("name", "damage", "size", "words", "in_si"), few(*PREDICTED, kept=2))
+def test_what_is_not_shown_biases_the_parameter_by_as_much_as_is_told(
+    name: str, damage: str, size: float, words: str, in_si: float
+) -> None:
+    of = machine(name)
+    sound, damaged = found(of), found(of, OF[damage].change(of, size))
+    (entries,) = (f.quantity["not_shown"] for f in sound.findings if "not_shown" in f.quantity)
+    assert [e["deviations"] for e in entries] == sorted((e["deviations"] for e in entries), reverse=True)
+    assert entries[-1]["deviations"] > 1.0
+    (entry,) = (e for e in entries if words in e["as_with"])
+    assert in_si < entry["size"]
+    assert damaged.warnings == sound.warnings == ()
+    k = sound.model.names.index(entry["parameter"])
+    bias = damaged.fit.values[k] - sound.fit.values[k]
+    assert bias == pytest.approx(entry["bias"] * in_si / entry["size"], rel=0.05)
