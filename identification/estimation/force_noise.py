@@ -13,11 +13,13 @@ Shares cannot be negative, so that of 300 samples of white noise deviations are 
 without slow noises, 95 % intervals hold the truth in 88 to 92 % of the cases where noise remembers a sixth of the run.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
+from scipy.special import stdtrit
 
 from cases.units import Array, Indices
 from identification.estimation.fit import orthonormal
@@ -87,15 +89,8 @@ def in_turned_channels(basis: Array, half: Array, noise: Array, places: Indices 
 SLOW = 1.0 / 3.0  # of the evaluated samples' Nyquist frequency: half the cut-off, where the filter changes nothing
 ROUNDS = 80  # of the search for the shares; what they still change by then is a few percent of a deviation
 BEGIN = 1e-3  # shares of slow noises to begin with, of a channel's variance
+INSIDE, MANY = 0.975, 1e9  # share below the upper end of an interval of 95 %; degrees of freedom that are no fewer
 NOTHING = 1e-9  # share of the largest power, below which no power counts
-
-
-def coloured_covariance(found: Turned) -> Array | None:
-    """Covariance of u, shape (u, u), for noise of any colour that stays the same over the run; None for short runs."""
-    if len(found.noise) < LEAST_SAMPLES:
-        return None
-    meat = np.sum([np.einsum("c,cij->ij", own.shares, own.covariances) for own in mixtures(found)], axis=0)
-    return found.share * found.covariance(np.asarray(meat))
 
 
 class Mixture(NamedTuple):
@@ -106,6 +101,30 @@ class Mixture(NamedTuple):
     spread: Array  # covariance of the shares: residuals are few, shape (c, c)
     free: Array  # share of its power that the fit leaves at each frequency that counts, shape (f,)
     autocovariance: Array  # of the whole noise, shape (n,)
+
+
+def coloured_covariance(found: Turned) -> Array | None:
+    """Covariance of u, shape (u, u), for noise of any colour that stays the same over the run; None for short runs."""
+    if len(found.noise) < LEAST_SAMPLES:
+        return None
+    noises = mixtures(found)
+    meat = np.sum([np.einsum("c,cij->ij", own.shares, own.covariances) for own in noises], axis=0)
+    covariance = found.share * found.covariance(np.asarray(meat))
+    wider = _wider(noises, found)
+    return np.asarray(wider[:, None] * covariance * wider)
+
+
+def _wider(noises: Sequence[Mixture], found: Turned) -> Array:
+    """How much wider deviations are, shape (u,), for noise that is known from few numbers itself.
+
+    The estimate over its deviation is spread like Student's t, with the degrees of freedom that the variance of the
+    noise has (Satterthwaite 1946): 1.96 of these deviations hold 95 %.
+    """
+    each = [np.einsum("ui,cij,uj->cu", found.half, own.covariances, found.half, optimize=True) for own in noises]
+    variance = np.sum([own.shares @ of for own, of in zip(noises, each, strict=True)], axis=0)
+    spread = np.sum([np.sum(of * (own.spread @ of), axis=0) for own, of in zip(noises, each, strict=True)], axis=0)
+    freedom = 2.0 * variance**2 / np.maximum(spread, np.finfo(float).tiny)
+    return np.asarray(stdtrit(np.clip(freedom, 1.0, MANY), INSIDE) / stdtrit(MANY, INSIDE))
 
 
 def _seen(
