@@ -78,7 +78,7 @@ def test_sections_with_gaps_between_are_no_neighbours(phi: float) -> None:
     """Of 300 samples 20 in 50: as one series, noise would seem to forget itself at every gap."""
     places = np.flatnonzero(np.arange(SAMPLES) % 50 < 20)
     some, inside = A[places], []
-    for seed in range(25):
+    for seed in range(50):
         fit = gauss_markov(Regression(some, some @ U + memory(seed, phi)[places], NAMES), ONES)
         covariance = coloured_covariance(turned(some, fit.residuals, ONES, places))
         assert covariance is not None
