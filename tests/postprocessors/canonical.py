@@ -14,6 +14,7 @@ from tests.postprocessors.naive import share_of_moves
 
 Canonical = list[tuple[str, list[float]]]
 _CALL = re.compile(r"\d+ N\S+ +(?P<name>[A-Z_0-9]+)\((?P<arguments>.*)\)$")
+_CHECKED = re.compile(r"\[abs\[#<_([a-cx-z])>([+-]\d+(?:\.\d+)?)\] gt")
 _NUMBER = re.compile(r"[+-]?\d+\.?\d*")
 _AXES = {"SELECT_PLANE_XY": [0, 1, 2], "SELECT_PLANE_XZ": [2, 0, 1], "SELECT_PLANE_YZ": [1, 2, 0]}
 LENGTH = 5e-5  # [mm, deg] to which moves are printed
@@ -26,8 +27,10 @@ def missing_interpreter() -> str | None:
 
 def canonical(content: bytes, folder: Path) -> Canonical | str:
     """The machine commands of a program, or what the interpreter says against it."""
-    asks = re.search(rb"Go to (.*) first", content)  # where the machine stands; the interpreter alone stands at zero
-    (folder / "program.ngc").write_bytes((b"G0 %s\nG80\n" % asks[1] if asks else b"") + content)
+    # places that the program checks: the interpreter alone stands at zero
+    asks = {axis: -float(place) for axis, place in _CHECKED.findall(content.decode("latin-1"))}
+    start = "G0 " + " ".join(f"{axis}{place:.6f}" for axis, place in asks.items()) + "\nG80\n" if asks else ""
+    (folder / "program.ngc").write_bytes(start.encode() + content)
     run = subprocess.run(
         ["rs274", "-g", "program.ngc"], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True,
         errors="replace", timeout=300, env=os.environ | {"HOME": str(folder)},  # its table of tools is a file there
