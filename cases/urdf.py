@@ -138,12 +138,15 @@ def _arm(root: Element, flange: str | None, sensor: str | None) -> Arm:
     findings = _Findings()
     links = _named(root, "link", findings)
     carriers = _carriers(root, links, findings)
-    fixed = _fixed_to(carriers)
+    a_tree = not findings.problems
     for option, link in (("--flange", flange), ("--sensor", sensor if sensor is not None else flange)):
-        if link not in links:
+        if link not in links and not (option == "--sensor" and sensor in (None, flange)):
             problem = f"has no link {link}" if link else "does not say which link carries the sensor"
-            raise ValueError(f"{problem}; name one of {_listed(list(links))} with {option}")
+            findings.problems.append(f"{problem}; name one of {_listed(list(links))} with {option}")
+    if flange not in links:
+        findings.require_none()
     assert flange is not None  # a link's name
+    fixed = _fixed_to(carriers) if a_tree else {}
     way = _way(flange, carriers)
     base = way[0].attrib[_PARENT] if way else flange
     moving = [element for element in way if _moves(element, findings)]
@@ -154,16 +157,19 @@ def _arm(root: Element, flange: str | None, sensor: str | None) -> Arm:
         findings.require_none()
     elif len(moving) > MOST_JOINTS:
         problem = f"{len(moving)} joints move link {flange}, at most {MOST_JOINTS} can"
-        raise ValueError(f"{problem}; name a --flange nearer to {base}, or fix joints in the file")
+        findings.problems.append(f"{problem}; name a --flange nearer to {base}, or fix joints in the file")
+        findings.require_none()
     joints, place = list[tuple[Joint, JointLimit]](), np.eye(4)
     for element in way:
         place = place @ _origin(element, findings)
         if element in moving:
-            body = _body(_cluster(element.attrib[_CHILD], fixed, flange), links, findings)
+            body = _body(_cluster(element.attrib[_CHILD], fixed, flange), links, findings) if a_tree else None
             joints.append(_joint(element, place, body, findings))
             place = np.eye(4)
+    if not a_tree:
+        findings.require_none()
     behind = dict(_cluster(moving[-1].attrib[_CHILD], fixed))
-    if sensor is not None and sensor not in behind:
+    if sensor is not None and sensor in links and sensor not in behind:
         problem = f"link {sensor} is not fixed to link {flange}"
         findings.problems.append(f"{problem}; name with --sensor one that is: {_listed(list(behind))}")
     findings.require_none()
@@ -216,7 +222,7 @@ def _named(root: Element, tag: str, findings: _Findings) -> dict[str, Element]:
 
 
 def _carriers(root: Element, links: Mapping[str, Element], findings: _Findings) -> dict[str, Element]:
-    """The joint that carries each link but the root, of links and joints that are proven to be a tree."""
+    """The joint that carries each link but the root, and what keeps links and joints from being a tree."""
     carriers: dict[str, Element] = {}
     for name, joint in _named(root, "joint", findings).items():
         for side, key in (("parent", _PARENT), ("child", _CHILD)):
@@ -229,7 +235,8 @@ def _carriers(root: Element, links: Mapping[str, Element], findings: _Findings) 
         if (other := carriers.setdefault(link, joint)) is not joint:
             both = f"joints {other.attrib['name']} and {name}"
             findings.problems.append(f"link {link} has two parents, {both}; remove one of them")
-    findings.require_none()
+    if findings.problems:
+        return carriers
     children: dict[str, list[str]] = {}
     for link, joint in carriers.items():
         children.setdefault(joint.attrib[_PARENT], []).append(link)
@@ -240,17 +247,17 @@ def _carriers(root: Element, links: Mapping[str, Element], findings: _Findings) 
         reachable.update(more)
         waiting.extend(more)
     if apart := [link for link in links if link not in reachable]:
-        raise ValueError(f"links {_listed(apart)} are not joined to one root; a URDF is a tree, join them")
+        findings.problems.append(f"links {_listed(apart)} are not joined to one root; a URDF is a tree, join them")
     return carriers
 
 
 def _way(link: str, carriers: Mapping[str, Element]) -> list[Element]:
-    """Joints from the root to a link."""
-    way = list[Element]()
-    while link in carriers:
-        way.append(carriers[link])
+    """Joints from the root to a link; where they go round in a circle, each once."""
+    way = dict[str, Element]()
+    while link in carriers and link not in way:
+        way[link] = carriers[link]
         link = carriers[link].attrib[_PARENT]
-    return way[::-1]
+    return [*way.values()][::-1]
 
 
 def _fixed_to(carriers: Mapping[str, Element]) -> dict[str, list[Element]]:

@@ -164,6 +164,18 @@ def test_all_that_is_wrong_is_told_at_once(tmp_path: Path) -> None:
     assert all(problem in one_line(caught.value) for problem in caught.value.problems)
 
 
+def test_what_is_no_tree_hides_no_other_problem(tmp_path: Path) -> None:
+    extra = '<joint name="extra" type="fixed"><parent link="nowhere"/><child link="base_link"/></joint></robot>'
+    with pytest.raises(CaseError) as caught:
+        arm(
+            tmp_path, (ELBOW_LIMIT, '<limit lower="3" upper="-3"/>'), (AXIS, '<axis xyz="0 0 0"/>'), ("</robot>", extra)
+        )
+    line = one_line(caught.value)
+    for words in ("no such link", "nowhere", "no direction", "lower"):
+        assert words in line
+    assert len(caught.value.problems) >= 3
+
+
 @pytest.mark.parametrize(
     ("limit", "kind", "ends", "velocity", "effort", "says"),
     [
