@@ -20,7 +20,7 @@ LEAST_AXIS = 1e-6  # length of an axis below which it has no direction
 
 
 # Not what YAML takes for a number, such as 1e5 or 0x1F: programs of ROS 2 hold names.
-JOINT_NAME = re.compile(r"(?=[\w./-]*[A-Za-z])(?!0[xo][0-9a-fA-F_]*$|[0-9._]+e[0-9]+$)[A-Za-z0-9_][\w./-]{0,199}")
+JOINT_NAME = re.compile(r"(?=[\w./-]*[^\W\d_])(?!0[xo][0-9a-fA-F_]*$|[0-9._]+e[0-9]+$)\w[\w./-]{0,199}")
 JOINT_NAME_WORDS = "names have letters, digits and any of _ . / -, with a letter among them"
 
 

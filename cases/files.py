@@ -421,8 +421,13 @@ def toml_value(value: Any) -> str:
     return text if text.isprintable() else "".join(c if c.isprintable() else _of_toml(c) for c in text)
 
 
+def ascii_text(text: str) -> str:
+    """A text in double quotes and plain ASCII, as TOML and YAML write it."""
+    return "".join(c if c.isascii() else _of_toml(c) for c in json.dumps(text, ensure_ascii=False))
+
+
 def _of_toml(character: str) -> str:
-    """A character that no paper shows, as TOML writes it."""
+    """A character that no paper shows, as TOML and YAML write it."""
     code = ord(character)
     return f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
 

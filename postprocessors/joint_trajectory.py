@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import ProgramError
+from cases.files import ascii_text
 from cases.schema import Case
 from identification.motion import Array, Joined, Slowed, Standstill, Trajectory
 from identification.trajectories.moves import StraightMove
@@ -29,7 +30,7 @@ def write_joint_trajectory(program: Blocks, case: Case) -> bytes:
     chain, _ = case.need_chain("a joint trajectory")
     controller = case.need_controller("a joint trajectory")
     lines = [f"# {line}" for text in header_of(program) for line in comment_lines(text)]
-    names = ", ".join(f'"{name}"' for name in chain.names)
+    names = ", ".join(map(ascii_text, chain.names))
     lines += [f"joint_names: [{names}]", "points:"]
     motion = _motion(program, case)
     instants, at_rest = _instants(motion, controller.block)

@@ -13,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from cases.errors import ProgramError
+from cases.files import ascii_text
 from cases.schema import Case
 from identification.motion import Array
 from postprocessors.reading import STILL, Grouping, Reading, TimedBlock, program_lines
@@ -72,7 +73,7 @@ def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
 def _name(name: str) -> str:
     """Pattern of the name of a joint: in quotes, or without where that is a text to every reader."""
     plain = name.lower() not in _NO_TEXT and re.fullmatch(r"[A-Za-z_][\w.-]*", name)
-    quoted = rf"'{re.escape(name)}'|\"{re.escape(name)}\""
+    quoted = rf"'{re.escape(name)}'|\"{re.escape(name)}\"|{re.escape(ascii_text(name))}"
     return f"(?:{quoted}|{re.escape(name)})" if plain else f"(?:{quoted})"
 
 

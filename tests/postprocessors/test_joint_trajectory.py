@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from scipy.interpolate import BPoly
 
 from cases.errors import CaseError, ProgramError
 from cases.schema import load_case
+from cases.tables import built_in_cases
 from identification.limit import LimitKind
 from identification.motion import Joined, Motion
 from identification.trajectories.moves import StraightMove, unit_profile
@@ -378,3 +380,18 @@ def test_a_damaged_message_is_refused_in_one_line_or_judged(start: int, length: 
         judged(text[:start] + put + text[start + length :])
     except ProgramError as error:
         one_line(error)
+
+
+def test_names_of_joints_in_any_letters_come_back(tmp_path: Path) -> None:
+    """The message stays plain ASCII; every reader of YAML finds the names, `true` as a text too."""
+    names = ("Gelenk_ä1", "关节2", "сустав3", "ж", "é5", "true")
+    text = built_in_cases()["ur10_wrist"].read_text(encoding="utf-8")
+    for ours, theirs in zip(("base", "shoulder", "elbow", "wrist_1", "wrist_2", "wrist_3"), names, strict=True):
+        text = text.replace(f'"{ours}"', f'"{theirs}"')
+    file = tmp_path / "case.toml"
+    file.write_text(text, encoding="utf-8")
+    case = load_case(file)
+    program = proven_program(MOVES, case, dialect("ros2"), "walk.yaml", ("a walk",), 1.0)
+    assert program.content.isascii()
+    assert message(program)[2] == [*names]
+    assert prove_program(program.reading, program.guarantees).ok
