@@ -84,9 +84,11 @@ class _LinuxCncInterpreter(ModalState):
 
     def statement(self, lines: list[str], number: int) -> int:
         """Reads a check of home, or that G54 is zero, whose number no other statement has."""
+        if not np.isnan(self.pose).any():
+            return 0
         texts = "\n".join(text.rstrip() for text in lines[number - 1 : number - 1 + self.home_check_lines])
         match = _ZERO_OFFSETS.fullmatch(texts) or self.home_check.fullmatch(texts)
-        if match is None or not np.isnan(self.pose).any():
+        if match is None:
             return 0
         self.line = number
         if match["number"] in self.numbers:

@@ -162,9 +162,10 @@ class ModalState(ABC):
 
         Returns the number of its lines, else 0.
         """
+        if self.ended or not (np.isnan(self.pose).any() or self.unsure.all()):  # behind the first motion
+            return 0
         texts = [text.rstrip() for text in lines[number - 1 : number - 1 + self.home_check_lines]]
-        before = not self.ended and (np.isnan(self.pose).any() or self.unsure.all())  # the first motion
-        match = self.home_check.fullmatch("\n".join(texts)) if before else None
+        match = self.home_check.fullmatch("\n".join(texts))
         if match is None:
             return 0
         self.line, word, axis = number, Word(match["axis"], 1), match["axis"].upper()

@@ -4,7 +4,7 @@ import pytest
 
 from cases.schema import Case
 from identification.motion import Motion
-from tests.postprocessors.programs import HEAD, proof, there_and_back, timed, typed
+from tests.postprocessors.programs import HEAD, proof, timed, typed
 
 MOST = 1_000_000  # instants; some seconds
 
@@ -29,7 +29,7 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> None:
     [
         ("G1 X5 F0.003", 100_000),
         ("G4 P100000", 100_000),
-        (timed(["G1 X0.1 F240"] * 4 + there_and_back(4_000, seconds=0.25)), 1001),
+        (timed([f"G1 X{0.02 * k:.2f} F240" for k in range(1, 4_005)]), 1001),
     ],
 )
 def test_a_day_at_the_slowest_feed_is_proven_like_a_second(body: str, seconds: float, hexapod_case: Case):
