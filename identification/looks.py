@@ -190,6 +190,9 @@ def _tables(files: Sequence[Path], case: Case | None, own: str | None) -> Look:
     ]
     if own not in (None, problem) and not any("which the file does not have" in doubt for doubt in doubts):
         doubts.insert(0, f"the [recording] that the case has does not read it: {own}")
+    for file, table, proposal in proposals:
+        prefix = f"{file.name}: " if len(files) > 1 else ""
+        doubts += [f"{prefix}{said}" for said in _of_unnamed(table, proposal)]
     doubts += _of_another_file(files, whole, case)
     unchanged = case is not None and read_with == case.recording
     columns = [column for _, table, proposal in proposals for column in _columns(table, proposal)]
@@ -199,6 +202,40 @@ def _tables(files: Sequence[Path], case: Case | None, own: str | None) -> Look:
     file = files[0]
     odd = _sentences(problem, [*doubts, *said])
     return Look(file, rows, tuple(columns), settings, odd, problem, unchanged, (), rate, tuple(files[1:]))
+
+
+def _of_unnamed(table: TextColumns, proposal: Proposal) -> Iterator[str]:
+    """What the columns of a file without names may be by their values; nothing is proposed for them."""
+    said = [
+        f"{name} has no name: {_by_values(table.numbers[k])}"
+        for k, name in enumerate(proposal.names)
+        if name == f"column {k + 1}" and k in table.numbers and k not in proposal.places.values()
+    ]
+    yield from said
+    if said:
+        yield "list the names of all columns in recording.column_names, in their order; nothing is guessed from values"
+
+
+SMOOTH = 0.5  # second over first differences, rms: that of samples of a motion; of noise it is 1.7
+ALIKE = 0.05  # share by which steps of a clock may differ
+
+
+def _by_values(values: Array) -> str:
+    """What numbers of a column, shape (n,), look like."""
+    own = values[np.isfinite(values)]
+    if len(own) < 3:
+        return "too few numbers to say what it is"
+    low, high, steps = float(own.min()), float(own.max()), np.diff(own)
+    if low == high:
+        return f"{low:.6g} all along, as a constant or a switch that is never used"
+    if np.isin(own, (low, high)).all():
+        return f"{low:.6g} or {high:.6g}, as a switch; a trigger, perhaps"
+    if steps.min() > 0.0 and np.ptp(steps) <= ALIKE * (usual := float(np.median(steps))):
+        kind = "numbers of the rows" if usual == 1.0 and low == np.rint(low) else "a clock"
+        return f"rises by {usual:.6g} from row to row, as {kind}"
+    bend = float(np.sqrt(np.mean(np.diff(steps) ** 2) / np.mean(steps**2)))
+    kind = "smooth, as a position, angle or set point" if bend < SMOOTH else "with noise, as a force or moment"
+    return f"{low:.6g} to {high:.6g}, {kind}"
 
 
 def _of_another_file(files: Sequence[Path], whole: set[str], case: Case | None) -> Iterator[str]:

@@ -397,3 +397,18 @@ def test_units_that_the_case_states_stay_where_labels_say_others(hexapod_case: C
     found = look(file, hexapod_case.model_copy(update={"recording": form}))
     assert found.reads, found.odd
     assert found.unchanged
+
+
+def test_columns_without_names_are_told_by_their_values_and_not_proposed(hexapod_case: Case, tmp_path: Path) -> None:
+    rows = np.column_stack([simulated().rows, np.full(len(simulated().rows), 7.0)])
+    file = tmp_path / "headless.csv"
+    file.write_text("\n".join(",".join(f"{v:.9g}" for v in row) for row in rows) + "\n")
+    found = look(file, hexapod_case)
+    assert not found.reads
+    told = {odd.split(" has no name: ")[0]: odd for odd in found.odd if " has no name: " in odd}
+    assert "rises by 0.001" in told["column 1"]
+    assert all("smooth" in told[f"column {k}"] for k in range(2, 8))
+    assert all("noise" in told[f"column {k}"] for k in range(8, 14))
+    assert "switch" in told["column 14"]
+    assert "7 all along" in told["column 15"]
+    assert not any(column.ours for column in found.columns)
