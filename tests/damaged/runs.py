@@ -210,14 +210,22 @@ class Moves:
 
 
 def reached(of: Machine, way: Waves | Moves) -> bool:
-    """Whether struts are long and short enough for a motion; of chains it is theirs."""
+    """Whether struts are long and short enough for a motion, of chains all are, and sensors read what it makes."""
+    now = of.plant.motion(way, np.arange(0.0, way.duration, 0.02))
+    sensors = of.tables["sensors"]
+    most = np.array(
+        [sensors.get("range_N", np.inf)] * 3 + [sensors.get("range_Nm", sensors.get("range_N", np.inf))] * 3
+    )
+    if np.any(np.abs(of.plant.forces(now, 0.0)) > OF_RANGE * most):
+        return False
     if not isinstance(of.plant, HexapodPlant):
         return True
     low, high = np.array(of.tables["workspace"]["strut_length_mm"]) * 1e-3
-    lengths = of.plant.drives(of.plant.motion(way, np.arange(0.0, way.duration, 0.02)).q)
+    lengths = of.plant.drives(now.q)
     return bool(np.all((lengths > low) & (lengths < high)))
 
 
+OF_RANGE = 0.9  # of the sensors, that a motion may use
 _SHARE = 0.12
 
 
