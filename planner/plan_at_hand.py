@@ -3,9 +3,11 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-from cases.basis import motion_hash
 from cases.errors import HexciteError
+from cases.files import MOST_JSON, read_json, read_whole
+from cases.schema import Case
 from identification.recording import Recording
+from planner.plan_folder import fingerprint_of
 from planner.plans import Plan
 
 MOST_FOLDERS = 50  # of a place, that are looked into
@@ -15,23 +17,32 @@ MOST_PLANS = 8  # with which a run is compared
 def plans_at_hand(recording: Recording) -> Plan | tuple[Plan, ...] | None:
     """The plan of a recorded run among the folders beside its files and its program; None where there is none.
 
-    A run that names its plan is of that one alone. Any other may be of one of the plans for the same machine.
+    A run that names its plan is of that one alone. Any other may be of one of the plans for a case of the same
+    name.
     """
     case = recording.case
     if case is None or case.limits is None:
         return None
     named = recording.record.get("plan_hash")
-    found: dict[str, Plan] = {}
+    found: list[Plan] = []
     for folder in _folders(recording):
         try:
-            plan = Plan.load(folder, stale=True)
+            file = folder / "plan.json"
+            wanted = fingerprint_of(read_whole(file, MOST_JSON)) == named if named is not None else _is_of(case, file)
+            plan = Plan.load(folder, case, stale=True) if wanted else None
         except (HexciteError, OSError):
             continue  # nobody asked for it
-        if named is not None and plan.fingerprint == named:
+        if plan is None:
+            continue
+        if named is not None:
             return plan
-        if named is None and motion_hash(plan.case) == motion_hash(case) and len(found) < MOST_PLANS:
-            found[plan.fingerprint] = plan
-    return tuple(found.values()) or None
+        found += [plan] if len(found) < MOST_PLANS else []
+    return tuple(found) or None
+
+
+def _is_of(case: Case, file: Path) -> bool:
+    """Whether a plan is for a case of this name."""
+    return bool(read_json(file, "hexcite plan").get("case") == case.name)
 
 
 def _folders(recording: Recording) -> Iterator[Path]:

@@ -74,7 +74,7 @@ WAYS: tuple[tuple[str, Callable[[Attempt, re.Match[str]], tuple[str, ...]]], ...
     (r"set (?P<key>[a-z_]+(?:\.\w+)+) = (?P<value>'[^']*'|[\d.]+)", _set),
     (r"(?P<key>filter_cutoff_Hz) = [\d.]+ is too high .*; at most (?P<value>[\d.]+)", _set_of_recording),
     (r"did you mean '?([\w.-]+?)'?\?", _meant),
-    (r"write it with (--accept \S+)", _appended),
+    (r"write (?:it|this one) with (--accept \S+)", _appended),
     (r"write (?:it as |an uncertain value as )?(--(?:fix|prior) \S+)", _option_in_place),
     (r"has no unit; give (\w+)", lambda a, m: a.instead(a.wrong + m[1])),
     (r"choose another place with -o", lambda a, m: a.output()),

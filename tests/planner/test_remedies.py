@@ -29,7 +29,7 @@ COMMANDS: list[tuple[str, str]] = [  # the command, with the wrong word behind a
     ("identify mm.csv --case case.toml", ""),
     ("identify ms.csv --case case.toml", ""),
     ("identify seldom.csv --case case.toml", ""),
-    ("post plan", ""),
+    ("post plan --dialect linuxcnc", ""),
     ("post plan -o p.txt", ""),
     ("post plan --dialect linuxcnc -o p.mpf", ""),
     (f"post plan --accept {EVERYTHING} -o program.ngc", ""),
