@@ -16,96 +16,13 @@ from cases.schema import Case
 from identification.recording import Recording
 from tests.bench.machines.description import Hexapod
 from tests.bench.machines.description import case_tables as tables_of_hexapod
-from tests.machines_in_numpy import ChainPlant, HexapodPlant, Motion, Table, plant_of, tables_of
+from tests.damaged.runs import Machine, Waves
+from tests.machines_in_numpy import Motion, plant_of, tables_of
 
 Array = NDArray[np.float64]
 ROBOTS = Path(__file__).parents[1] / "bench" / "robots"
 RATE, DURATION, DELAY = 500.0, 6.0, 0.003  # [1/s], [s], [s]
 POSES = 36  # standstills of a sensor on a wrist
-
-REST = 0.35  # [s] at both ends of a run
-
-
-@dataclass(frozen=True)
-class Machine:
-    """A machine with its case."""
-
-    name: str
-    tables: Table
-    case: Case
-    plant: HexapodPlant | ChainPlant
-    rate: float  # samples a second
-
-    @property
-    def noise(self) -> Array:
-        """Standard deviation of each channel, as the case states it, shape (6,) [N, or N and N m]."""
-        simulation = self.tables["simulation"]
-        force = simulation["force_noise_N"]
-        return np.array([force] * 3 + [simulation.get("moment_noise_Nm", force)] * 3)
-
-    @property
-    def limits(self) -> tuple[Array, Array, Array, Array]:
-        """Of each coordinate: half of its stroke about home, velocity, acceleration, jerk, shapes (k,) [SI]."""
-        motion = self.tables["limits"]["motion"]
-        if isinstance(self.plant, HexapodPlant):
-            box = [motion[key] for key in ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg")]
-            half = np.array([min(-low, high) for low, high in box]) * _SIX
-            rates = np.r_[motion["velocity_mm_s"], motion["angular_velocity_deg_s"]] * _SIX
-            accelerations = np.r_[motion["acceleration_m_s2"], motion["angular_acceleration_rad_s2"]]
-            return half, rates, accelerations, np.r_[motion["jerk_m_s3"], motion["angular_jerk_rad_s3"]]
-        rows = [_of_joint(joint) for joint in motion["joints"]]
-        half, rates, accelerations, jerks = (np.array(column) for column in zip(*rows, strict=True))
-        return half, rates, accelerations, jerks
-
-    @property
-    def home(self) -> Array:
-        """Coordinates at home, shape (k,)."""
-        if isinstance(self.plant, HexapodPlant):
-            home = self.tables["machine"]["home"]
-            return np.array([home[key] for key in ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg")]) * _SIX
-        joints = self.tables["machine"]["chain"]["joints"]
-        return np.array([j["home_mm"] * 1e-3 if "home_mm" in j else np.radians(j["home_deg"]) for j in joints])
-
-
-_SIX = np.array([1e-3] * 3 + [np.pi / 180.0] * 3)
-
-
-def _of_joint(joint: Table) -> tuple[float, float, float, float]:
-    slides = "position_mm" in joint
-    low, high = joint["position_mm"] if slides else joint["position_deg"]
-    unit = 1e-3 if slides else np.pi / 180.0
-    rate = joint["velocity_mm_s"] * 1e-3 if slides else joint["velocity_deg_s"] * np.pi / 180.0
-    keys = ("acceleration_m_s2", "jerk_m_s3") if slides else ("acceleration_rad_s2", "jerk_rad_s3")
-    return min(-low, high) * unit, rate, joint[keys[0]], joint[keys[1]]
-
-
-@dataclass(frozen=True)
-class Waves:
-    """Sums of sines in every coordinate from rest to rest, within the machine's limits."""
-
-    of: Machine
-    seed: int
-    duration: float = 8.0  # [s], rests included
-    size: float = 0.8  # share of the limits
-
-    def __call__(self, t: Array) -> Array:
-        """Coordinates at times t, shape (n, k)."""
-        half, rates, accelerations, _ = self.of.limits
-        draw = np.random.default_rng(self.seed)
-        count = len(half)
-        span = self.duration - 2 * REST
-        frequencies = draw.uniform(0.25, 1.6, (3, count)) * np.minimum(1.0, accelerations / (12.0 * half)) ** 0.5
-        phases, weights = draw.uniform(0.0, 2 * np.pi, (3, count)), draw.uniform(0.5, 1.0, (3, count))
-        omega = 2 * np.pi * frequencies
-        weights = weights / omega**1.5
-        most = np.max([weights.sum(0) / half, (weights * omega).sum(0) / rates], axis=0)
-        most = np.maximum(most, (weights * omega**2).sum(0) / accelerations)
-        weights = self.size * weights / most
-        inside = np.clip((t - REST) / span, 0.0, 1.0)
-        rise = np.clip(inside * span / 1.0, 0.0, 1.0), np.clip((1.0 - inside) * span / 1.0, 0.0, 1.0)
-        window = np.prod([s**4 * (35.0 + s * (-84.0 + s * (70.0 - 20.0 * s))) for s in rise], axis=0)
-        waves = np.sum(weights * np.sin(omega * t[:, None, None] + phases), axis=1)
-        return np.asarray(self.of.home + window[:, None] * waves)
 
 
 GRIPPER = {

@@ -1,6 +1,6 @@
 """Hypotheses about recorded forces: channels in another order, with another sign, unit or scale, or in other axes."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import product
 
 import numpy as np
@@ -220,16 +220,11 @@ def of_turn(case: Case, turn: Rotation, mistakes: float = 1.0, single: bool = Fa
 
 
 def _sensor_turned(turn: Rotation) -> Edit:
-    def edit(case: Case) -> Case:
-        assert case.chain is not None
-        assert case.machine is not None
-        sensor = case.chain.sensor
+    def turned_by(sensor: Frame) -> dict[str, object]:
         matrix = turned(sensor.rpy) @ turn.as_matrix()
-        rpy = tuple(float(round(v, 3)) + 0.0 for v in np.degrees(rpy_of(matrix)))
-        chain = case.chain.model_copy(update={"sensor": Frame(origin_mm=sensor.origin_mm, rpy_deg=rpy)})
-        return case.model_copy(update={"machine": case.machine.model_copy(update={"chain": chain})})
+        return {"rpy_deg": tuple(float(round(v, 3)) + 0.0 for v in np.degrees(rpy_of(matrix)))}
 
-    return edit
+    return _with_sensor(turned_by)
 
 
 def of_point(case: Case, point: Array, mistakes: float) -> Hypothesis:
@@ -249,13 +244,21 @@ def of_point(case: Case, point: Array, mistakes: float) -> Hypothesis:
 
 
 def _sensor_moved(point: Array) -> Edit:
+    def moved_by(sensor: Frame) -> dict[str, object]:
+        origin = np.array(sensor.origin_mm) + turned(sensor.rpy) @ point * 1e3
+        return {"origin_mm": tuple(float(round(v, 2)) + 0.0 for v in origin)}
+
+    return _with_sensor(moved_by)
+
+
+def _with_sensor(update: Callable[[Frame], dict[str, object]]) -> Edit:
+    """The edit that places the sensor of a chain otherwise."""
+
     def edit(case: Case) -> Case:
         assert case.chain is not None
         assert case.machine is not None
         sensor = case.chain.sensor
-        moved = turned(sensor.rpy) @ point * 1e3 + np.array(sensor.origin_mm)
-        origin = tuple(float(round(v, 2)) + 0.0 for v in moved)
-        chain = case.chain.model_copy(update={"sensor": sensor.model_copy(update={"origin_mm": origin})})
+        chain = case.chain.model_copy(update={"sensor": sensor.model_copy(update=update(sensor))})
         return case.model_copy(update={"machine": case.machine.model_copy(update={"chain": chain})})
 
     return edit
