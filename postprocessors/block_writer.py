@@ -66,6 +66,10 @@ HALVINGS = 80  # halvings of the interval of the feed, down to its last bit
 FULL = 1e-9  # [rad] tolerance of a full circle for rounding
 
 
+def _is_full(move: CircularMove) -> bool:
+    return abs(abs(move.angle) - 2 * np.pi) < FULL
+
+
 class BlockWriter(ABC):
     """Blocks of LinuxCNC, SINUMERIK and TwinCAT; remembers from block to block which axes the feed counts.
 
@@ -204,13 +208,21 @@ class BlockWriter(ABC):
 
     def arc_words(self, move: CircularMove) -> str:
         """An arc's end and two of I, J, K: the centre relative to the start, as the block before wrote it."""
-        axes, values = move.plane.axes[:2], self.coordinates(move.end)
-        in_plane = sorted(axes) if self.full_ends or abs(abs(move.angle) - 2 * np.pi) >= FULL else ()
+        axes, values = move.plane.axes[:2], self.arc_ends(move)
+        in_plane = sorted(axes) if self.full_ends or not _is_full(move) else ()
         ends = [self.words[k] + values[k] for k in (*in_plane, 3, 4, 5)]
         start = [float(v) for v in self.standing or self.coordinates(move.start)]
         offsets = move.centre / MM - np.array([start[k] for k in axes])
         centre = ["IJK"[k] + number(offset, LENGTH_DECIMALS) for k, offset in sorted(zip(axes, offsets, strict=True))]
         return " ".join([*ends, *centre])
+
+    def arc_ends(self, move: CircularMove) -> list[str]:
+        """Coordinates of an arc's end as written; a full circle ends where it starts, to the last digit."""
+        ends = self.coordinates(move.end)
+        if _is_full(move) and self.standing:
+            for k in move.plane.axes[:2]:
+                ends[k] = self.standing[k]
+        return ends
 
     def text(self, program: Blocks, title: Sequence[str], start: Sequence[str], end: Sequence[str]) -> bytes:
         """The whole program, plain ASCII: title, header, and the blocks between those that begin and end it."""
@@ -292,7 +304,7 @@ class BlockWriter(ABC):
             case CircularMove():
                 arc = f"{self.arcs[0] if block.angle > 0.0 else self.arcs[1]} {self.arc_words(block)}"
                 value = feed(self._feed_of(block, True), True)
-                self.standing = self.coordinates(block.end)
+                self.standing = self.arc_ends(block)
                 return [*self.group(False), f"{PLANE_WORDS[block.plane]} {arc} F{value}", "G17"]
             case TimedPath():
                 self.standing = self.coordinates(block.poses[-1])

@@ -128,19 +128,20 @@ def _wider(noises: Sequence[Mixture], found: Turned) -> Array:
 
 
 def _seen(
-    answer: Array, taken: Spectra, here: Array, pairs: Array, autocovariance: Array
+    answer: Array, ahead: Spectra, taken: Spectra, here: Array, pairs: Array, autocovariance: Array
 ) -> tuple[Array, Array, Array]:
     """Effect of noise: |rfft|^2 of the residuals, and of the noise; B^T Gamma B.
 
     Args:
         answer: B, as in `Turned`, shape (n, u).
+        ahead: spectra of B, as of `padded`.
         taken: rfft of C at the frequencies that count, shape (f, u).
         here: 1 where there is a sample, shape (n,).
         pairs: number of pairs of samples that are so far apart, shape (n,).
         autocovariance: of the noise, shape (n,).
     """
     raw = 2.0 * rfft(pairs * autocovariance).real - pairs[0] * autocovariance[0]
-    response = toeplitz(autocovariance, answer)
+    response = _responses(autocovariance, ahead)
     meat = answer.T @ response
     crossed = rfft(response * here[:, None], len(answer), axis=0)[: len(taken)]
     raw = raw[: len(taken)]
@@ -164,7 +165,8 @@ def _mixture(answer: Array, basis: Array, noise: Array, mask: Array, pairs: Arra
     taken, power = rfft(basis, axis=0)[:slow], np.abs(rfft(noise)[:slow]) ** 2
     peaked, order = autoregressive(noise, mask, float(mask.sum()) / freedom)
     kinds = np.array([*plain, peaked])
-    components = [_seen(answer, taken, mask, pairs, kind) for kind in kinds]
+    ahead = padded(answer)
+    components = [_seen(answer, ahead, taken, mask, pairs, kind) for kind in kinds]
     left, whole, covariances = (np.array(each) for each in zip(*components, strict=True))
     # Noises that the criterion asks for (Akaike 1974): those of short memories, and peaks, which none of these have.
     shares, likelihood = np.zeros(len(left)), -np.inf
@@ -272,12 +274,22 @@ def products(series: Array) -> Array:
 
 def toeplitz(autocovariance: Array, columns: Array) -> Array:
     """Gamma B, Gamma the Toeplitz matrix of an autocovariance of n lags, shape (n, u)."""
-    count = len(columns)
+    return _responses(autocovariance, padded(columns))
+
+
+def padded(columns: Array) -> Spectra:
+    """Spectra of columns B, shape (n, u), followed by so many zeros that a Toeplitz matrix is a product."""
+    return np.asarray(rfft(columns, next_fast_len(2 * len(columns), real=True), axis=0))
+
+
+def _responses(autocovariance: Array, spectra: Spectra) -> Array:
+    """Gamma B, shape (n, u), by the spectra of B."""
+    count = len(autocovariance)
     length = next_fast_len(2 * count, real=True)
     ring = np.zeros(length)
     ring[:count] = autocovariance
     ring[length - count + 1 :] = autocovariance[:0:-1]
-    return np.asarray(irfft(rfft(ring)[:, None] * rfft(columns, length, axis=0), length, axis=0)[:count])
+    return np.asarray(irfft(rfft(ring)[:, None] * spectra, length, axis=0)[:count])
 
 
 def scores(regressors: Array, residuals: Array, weights: Array) -> Array:

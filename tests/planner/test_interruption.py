@@ -108,9 +108,13 @@ def test_a_command_that_is_asked_to_end_leaves_nothing_half_written(
 ):
     from planner import plans
 
+    usual = signal.signal(number, signal.SIG_DFL)  # where tests run behind nohup, SIGHUP is ignored, and stays so
     monkeypatch.setattr(plans, "motion_csv", lambda *_: signal.raise_signal(number))
     (inner := tmp_path / "inner").mkdir()
-    answer = call(*manual(inner / "p"))
+    try:
+        answer = call(*manual(inner / "p"))
+    finally:
+        signal.signal(number, usual)
     assert (answer.code, answer.err.splitlines()[-1]) == (130, "hexcite: interrupted; nothing was written")
     assert [file.name for file in inner.iterdir()] == ["p.toml"]
 

@@ -124,12 +124,12 @@ def test_without_o_a_command_writes_beside_the_user_under_a_name_that_tells(
     sources: dict, chain: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.chdir(tmp_path)
-    assert call(*sources["post"]).json()["program"] == "plan.ngc"
+    assert call(*sources["post"]).json()["program"] == "plan.mpf"
     assert call(*sources["run"]).json()["recording"] == "excitation-recording"
     assert call(*sources["identify"]).json()["result"] == "recording-result"
-    Path("plan-2.ngc").touch()
-    assert call(*sources["post"]).json()["program"] == "plan-3.ngc"
-    names = {"plan.ngc", "plan-2.ngc", "plan-3.ngc", "excitation-recording", "recording-result"}
+    Path("plan-2.mpf").touch()
+    assert call(*sources["post"]).json()["program"] == "plan-3.mpf"
+    names = {"plan.mpf", "plan-2.mpf", "plan-3.mpf", "excitation-recording", "recording-result"}
     assert {p.name for p in tmp_path.iterdir()} == names
 
 

@@ -110,8 +110,8 @@ def test_intervals_of_the_rest_hold_the_truth_in_95_of_100() -> None:
 @pytest.mark.parametrize(
     ("known", "dropped", "message"),
     [
-        ({"mC": 1.0}, (), "'mC' is not a parameter here; choose from m, mxC, .*k3, xC, .*IC33"),
-        ({}, ("xC",), "'xC' is not a parameter here; choose from m, mxC, .*k3$"),
+        ({"mC": 1.0}, (), "'mC' is not a parameter here; .*choose from m, mxC, .*k3, xC, .*IC33"),
+        ({}, ("xC",), "'xC' is not a parameter here; .*choose from m, mxC, .*k3$"),
         ({"m": np.nan}, (), "m = nan cannot be a known value"),
         ({"m": 0.0}, (), "m = 0 cannot be a known value; .* a mass above 0"),
         ({"mxC": 0.0, "xC": 0.0}, (), "mxC is given twice"),

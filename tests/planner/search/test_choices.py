@@ -83,7 +83,7 @@ def test_fixed_and_free_at_once_is_a_misunderstanding(what: str):
 MOVING = ("fourier", "ptp", "spline")
 BELONGS = dict.fromkeys(SEARCHED, MOVING) | {
     "order": ("fourier",), "period": ("fourier",), "free_order": ("fourier",),
-    "free_period": ("fourier",), "moves": ("ptp",), "controller": ("ptp",), "knots": ("spline",),
+    "free_period": ("fourier",), "moves": ("ptp",), "controller": ("ptp",), "without": ("ptp",), "knots": ("spline",),
     "sequence": ("manual",),
 }  # fmt: skip
 
