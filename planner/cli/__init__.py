@@ -12,9 +12,11 @@ import sys
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from types import FrameType
 
 import typer
+from platformdirs import user_cache_path
 
 # Before NumPy is loaded. Matrices here are small: a second thread of its linear algebra only waits for the first, and
 # on a machine that works on something else it waits for long. `identify` of the library limits itself; the planner does
@@ -92,11 +94,13 @@ def warnings_on_stderr() -> Iterator[None]:
 
 @contextmanager
 def noted(written: list[str]) -> Iterator[None]:
-    """Inside, names of files and folders are added as they appear."""
+    """Inside, names of files and folders are added as they appear; what is kept for later commands is none of them."""
+    cache = user_cache_path("hexcite")
 
     class Handler(logging.Handler):
         def emit(self, record: logging.LogRecord) -> None:
-            written[:] = dict.fromkeys([*written, record.getMessage()])
+            if not Path(name := record.getMessage()).is_relative_to(cache):
+                written[:] = dict.fromkeys([*written, name])
 
     handler, before = Handler(), WRITTEN.level
     WRITTEN.addHandler(handler)
