@@ -4,12 +4,14 @@ Whoever can talk to a scheduler runs code as the user who started it. Clusters o
 without the certificate that is made for each of them and kept in memory; running ones are reached with TLS.
 """
 
+import asyncio
 import faulthandler
 import logging
 import os
 import signal
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, version
 from itertools import islice
@@ -66,7 +68,8 @@ def local_client(workers: int | None, memory_GB: float) -> Iterator["Client"]:
                 threads_per_worker=1,
                 processes=True,
                 host="127.0.0.1",
-                dashboard_address=None,
+                dashboard_address="127.0.0.1:0",  # of the server that there is anyway: any free port
+                scheduler_kwargs={"dashboard": False},
                 security=Security.temporary(),
                 memory_limit=int(memory_GB * 1e9),
                 silence_logs=logging.CRITICAL,
@@ -108,8 +111,9 @@ def remote_client(address: str, certificates: Path | None = None, insecure: bool
     security = None if not address.startswith("tls://") else _security(address, certificates)
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     try:
+        try_to_reach(address, security)
         client = Client(address, timeout=CONNECT, set_as_default=False, security=security)
-    except (OSError, ValueError, TimeoutError, RuntimeError) as error:
+    except (OSError, TypeError, ValueError, TimeoutError, RuntimeError) as error:
         words = "" if security is None else ", and with these certificates"
         raise HexciteError(
             f"scheduler {address} cannot be reached within {CONNECT:g} s; is `dask scheduler` running there{words}?"
@@ -117,6 +121,21 @@ def remote_client(address: str, certificates: Path | None = None, insecure: bool
     with client:
         require_version(client, address)
         yield client
+
+
+def try_to_reach(address: str, security: "Security | None", seconds: float = CONNECT) -> None:
+    """Connects to a scheduler once, and hangs up; raises OSError, TypeError or ValueError where it does not answer.
+
+    A client that does not reach its scheduler waits for ever for its thread when it is collected while another starts.
+    """
+    from distributed.comm import connect
+
+    async def reached() -> None:
+        arguments = {} if security is None else security.get_connection_args("client")
+        (await connect(address, timeout=seconds, **arguments)).abort()
+
+    with ThreadPoolExecutor(1) as pool:  # in a notebook a loop runs already in this thread
+        pool.submit(asyncio.run, reached()).result()
 
 
 OF_TLS = {"tls_ca_file": "ca.pem", "tls_client_cert": "cert.pem", "tls_client_key": "key.pem"}

@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from distributed import Client, LocalCluster
+from distributed import LocalCluster
 from distributed.security import Security
 
 from cases.errors import HexciteError
 from planner.study import cluster
-from planner.study.cluster import OF_TLS, local_client, remote_client, require_version, run_tasks
+from planner.study.cluster import OF_TLS, local_client, remote_client, require_version, run_tasks, try_to_reach
 from tests.helpers import one_line
 
 
@@ -31,7 +31,7 @@ class Workers:
 def test_a_running_cluster_does_the_work(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(Path(__file__).parents[3]))
     with (
-        LocalCluster(2, threads_per_worker=1, dashboard_address=None) as there,
+        LocalCluster(2, threads_per_worker=1, dashboard_address="127.0.0.1:0") as there,
         remote_client(there.scheduler_address, insecure=True) as client,
     ):
         found = list(run_tasks(client, ((str(k), partial(operator.neg, k)) for k in range(20)), 60.0))
@@ -41,7 +41,7 @@ def test_a_running_cluster_does_the_work(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_a_study_ends_where_all_workers_are_lost(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cluster, "DESERTED", 1.0)
     monkeypatch.setattr(cluster, "LOOK", 0.2)
-    with LocalCluster(1, threads_per_worker=1, processes=False, dashboard_address=None) as there:
+    with LocalCluster(1, threads_per_worker=1, processes=False, dashboard_address="127.0.0.1:0") as there:
         client = there.get_client()
         there.scale(0)
         with pytest.raises(HexciteError, match="no workers for 1 s"):
@@ -75,10 +75,11 @@ def test_nobody_without_the_certificate_is_let_into_a_cluster_of_ones_own() -> N
         for place in addresses:
             assert place.startswith("tls://")
         assert dict(run_tasks(client, iter([("a", partial(operator.neg, 1))]), 60.0)) == {"a": -1}
+        try_to_reach(address, client.security, 3.0)
         stranger = Security.temporary()
         for there, security in ((address.replace("tls", "tcp"), None), (address, None), (address, stranger)):
             with pytest.raises((OSError, TypeError, ValueError)):
-                Client(there, timeout=3.0, security=security, set_as_default=False)
+                try_to_reach(there, security, 3.0)
 
 
 def test_a_running_cluster_is_reached_with_its_certificates(tmp_path: Path) -> None:
@@ -88,7 +89,7 @@ def test_a_running_cluster_is_reached_with_its_certificates(tmp_path: Path) -> N
     ):
         (tmp_path / name).write_text(text)
     with LocalCluster(
-        1, threads_per_worker=1, processes=False, dashboard_address=None, security=there, protocol="tls"
+        1, threads_per_worker=1, processes=False, dashboard_address="127.0.0.1:0", security=there, protocol="tls"
     ) as own:
         with remote_client(own.scheduler_address, tmp_path) as client:
             assert dict(run_tasks(client, iter([("a", partial(operator.neg, 1))]), 60.0)) == {"a": -1}
