@@ -62,6 +62,7 @@ def test_another_seed_is_other_noise_and_the_same_seed_the_same(chain: Chain, sh
         assert ((folder / "recording.csv").read_bytes() == first) is same
 
 
+@pytest.mark.slow
 def test_a_model_with_fewer_parameters_can_be_asked_for(chain: Chain, shared: Path, tmp_path: Path):
     answer = call("identify", shared / "recording", "--model", 6, "-o", tmp_path / "six", "--json").json()
     assert (answer["model"], answer["rank"]) == (6, 16)

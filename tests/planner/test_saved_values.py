@@ -64,6 +64,7 @@ def require_same(again: Plan, plan: Plan) -> None:
     assert again.to_json() == plan.to_json()
 
 
+@pytest.mark.slow
 @given(
     family=FAMILIES,
     criterion=st.sampled_from(Criterion),
@@ -96,6 +97,7 @@ def test_a_plan_of_poses_comes_back(count: int, seed: int, criterion: Criterion)
         require_same(Plan.load(Path(folder) / "plan"), plan)
 
 
+@pytest.mark.slow
 @given(family=FAMILIES, dialect=st.sampled_from(["linuxcnc", "sinumerik", "twincat", "setpoints"]),
        share=st.floats(0.6, 1.0), seed=st.integers(0, 2**31))  # fmt: skip
 @example(family=hx.Spline(knots=30), dialect="setpoints", share=0.9, seed=0)

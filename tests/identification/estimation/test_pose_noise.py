@@ -81,6 +81,7 @@ def test_intervals_hold_the_truth_where_errors_repeat() -> None:
     assert without < with_pose - 0.08
 
 
+@pytest.mark.slow
 def test_an_error_in_one_sensor_widens_the_intervals_that_feel_it() -> None:
     only = np.eye(6)[2]
     with_pose, without = shares_inside(lambda s: 2.0 * field(s) * only + 0.3 * memory(s, 0.3), 12)
