@@ -75,7 +75,7 @@ def proven_program(
 def _without_nothing(program: Blocks, resolution: float, case: Case) -> Blocks:
     """The program without moves whose ends the control cannot tell apart, by its `resolution` [mm, deg]."""
     least = 2.0 * resolution * np.where(case.need_motion("a program")[1].turns, DEG, MM)
-    return tuple(b for b in program if not (isinstance(b, StraightMove) and np.all(np.abs(b.end - b.start) < least)))
+    return tuple(b for b in program if not (isinstance(b, StraightMove) and np.all(np.abs(b.end - b.start) <= least)))
 
 
 PLUS_MINUS, PLAIN = "±", "+-"  # headers are plain ASCII

@@ -55,7 +55,8 @@ class Guarantees:
     even_blocks: bool = False
     # what to do about a timed block of another duration
     timing_remedy: str = "write such blocks (controller.block_ms), or a move at a feed (G94) with an exact stop"
-    # to which it rounds the ends of moves, and by which a coordinate moves at least [mm, deg]; LinuxCNC does not round
+    # to which it rounds the ends of moves, and by which a coordinate moves at least [mm, deg]; LinuxCNC does not round,
+    # and where it follows points it moves by as little as they say: 0
     resolution: float = 1e-4
     rounds: bool = True
     headroom: float = 1.0  # multiple of the case's limits of acceleration that its law uses
@@ -242,7 +243,9 @@ def joint_trajectory_guarantees(reading: Reading, case: Case) -> Guarantees:
     """Guarantees for quintic pieces through stated positions, rates and accelerations: all proven, nothing enforced."""
     name = "joint_trajectory_controller"
     remedy = "leave out points that are closer to the one before"
-    return Guarantees(case, name, SHORTEST_POINTS, math.inf, _SEVEN_SEGMENTS, follows_paths=True, timing_remedy=remedy)
+    return Guarantees(
+        case, name, SHORTEST_POINTS, math.inf, _SEVEN_SEGMENTS, follows_paths=True, resolution=0.0, timing_remedy=remedy
+    )
 
 
 def setpoint_guarantees(reading: Reading, case: Case) -> Guarantees:
@@ -251,5 +254,5 @@ def setpoint_guarantees(reading: Reading, case: Case) -> Guarantees:
     enforced, cycle = frozenset(map(LimitKind, settings.controller_keeps)), settings.cycle
     return Guarantees(
         case, "setpoint generator", cycle, cycle, _SEVEN_SEGMENTS, enforced, jerk_time=cycle, follows_paths=True,
-        timing_remedy="write a row for each cycle (controller.setpoints.cycle_ms)",
+        resolution=0.0, timing_remedy="write a row for each cycle (controller.setpoints.cycle_ms)",
     )  # fmt: skip

@@ -1,5 +1,7 @@
 """Tables of setpoints: time is exact, rows follow from each other, struts belong to poses; anything else is refused."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -8,7 +10,7 @@ from hypothesis import strategies as st
 from cases.errors import CaseError, ProgramError
 from cases.schema import load_case
 from cases.units import DEG, MM
-from identification.motion import Standstill
+from identification.motion import Joined, Standstill
 from identification.trajectories.moves import StraightMove
 from postprocessors.blocks import Blocks, ToHome, Trigger
 from postprocessors.dialects import dialect
@@ -16,7 +18,7 @@ from postprocessors.execute.virtual import run_virtual
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.reading import Still, Timed
 from postprocessors.setpoints import write_setpoints
-from postprocessors.writing import excitation_program
+from postprocessors.writing import excitation_program, proven_program
 from tests.helpers import one_line
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.independent import strut_lengths
@@ -57,6 +59,16 @@ def test_moves_at_the_limits_are_proven_to_the_last_digit():
     kinds = {str(c.of): c for c in result.limits.checks}
     assert 0.97 < kinds["jerk"].ratio <= 1.0 + 1e-6
     assert all(str(c.status) == "proven" for c in kinds.values())
+
+
+def test_a_move_that_no_control_could_tell_apart_stays_where_points_are_followed():
+    """Programs of blocks leave it out; a table would leap by its way, 30 nm."""
+    box = CASE.limits.motion
+    limits = box.rate, box.acceleration, box.jerk
+    far = HOME + np.r_[np.array([20.0, -15.0, 3.0]) * MM, np.array([1.0, 0.5, -2.0]) * DEG]
+    places = (HOME, far, far + np.r_[3e-5 * MM, np.zeros(5)], HOME)
+    motion = Joined(tuple(StraightMove.fastest(a, b, *limits) for a, b in pairwise(places)))
+    assert proven_program(motion, CASE, LANGUAGE, "t.csv", ()).proof.ok
 
 
 @pytest.mark.parametrize("case", [CASE, COARSE], ids=["1 ms", "4 ms"])
