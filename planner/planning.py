@@ -1,10 +1,7 @@
 """Plans an excitation from start to proof."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cache
-from pathlib import Path
 from time import perf_counter
 
 import numpy as np
@@ -13,9 +10,7 @@ from cases.errors import IdentificationError, InfeasiblePlan, Interrupted
 from cases.schema import Case
 from identification.limit import LimitKind
 from identification.limit_proof import PROOF_RATE, prove
-from identification.model import identification_model, machine_of
-from identification.motion import Array
-from planner.families import Family
+from identification.model import identification_model
 from planner.families.ptp import controlled, with_steps
 from planner.plans import Plan
 from planner.rating import PlannedMotion, rated_plan
@@ -35,28 +30,8 @@ from planner.search.parallel import (
 )
 from planner.search.solving import Start, Task
 
-SHIPPED = Path(__file__).with_name("families") / "shipped.json"
 KEPT = 3  # number of the best orders and periods that get more starts
 AHEAD = 8  # starts that may run at a time: what a start is depends on the results of those so many before it
-
-
-def shipped_start(family: Family, case: Case) -> Array | None:
-    """Unknowns of a family from which a search begins, whatever the machine's limits; None where no motion fits it.
-
-    Good motions of different machines are alike: in half widths of their boxes (Fourier series, splines), in longest
-    steps (point-to-point). A search that begins from one ends higher than from random starts, and sooner; random starts
-    follow. `tests/bench/shipped_starts.py` has searched for them on the built-in hexapod.
-    """
-    if not machine_of(case).of_pose or family.shipped not in _shipped():
-        return None
-    return family.like(_shipped()[family.shipped])
-
-
-@cache
-def _shipped() -> dict[str, Array]:
-    """Tables of the shipped motions, shape (n, columns), by names of families."""
-    tables = json.loads(SHIPPED.read_text(encoding="utf-8"))
-    return {name: np.array(tables[name]["table"]) for name in tables}
 
 
 def require_plannable(request: Request, case: Case) -> None:
@@ -93,7 +68,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
     # An exploration overestimates, and never underestimates: one below the best result so far cannot win.
     promising = sorted((s for s in explored if not s.record.refined and s.promise > score), key=lambda s: -s.promise)
     refinements = [
-        Task(own, request.model, s.family, request.criterion, s.record.seed, request.payload, True, s.begin, case)
+        Task(own, request.model, s.family, request.criterion, s.record.seed, request.payload, s.begin, case)
         for s in promising[: request.family.refinements(request.criterion)]
     ]
     if refinements and not interrupted:
@@ -142,8 +117,7 @@ def _explored(request: Request, case: Case, reference: Case, listener: Listener,
             ranked = dict.fromkeys(settings.index(s.family.settings) for s in starts)
             best = [families[n] for n in ranked] or families
             family = best[(k - first) % min(KEPT, len(best))]
-        begin = shipped_start(family, case) if k == 0 else None
-        return Task(case, request.model, family, request.criterion, seeds[k], request.payload, False, begin, reference)
+        return Task(case, request.model, family, request.criterion, seeds[k], request.payload, None, reference)
 
     def are_enough(results: Sequence[Start | Failed]) -> bool:
         return len(results) >= first and enough(results, request, parameters)

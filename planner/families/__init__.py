@@ -49,11 +49,6 @@ class Family(Protocol):
     half: Array  # half of its width, shape (n,) [m or rad]
 
     @property
-    def shipped(self) -> str:
-        """Name of the motion that comes with hexcite from which a search begins: the same for every machine."""
-        return self.name
-
-    @property
     def settings(self) -> Settings:
         """Settings that were chosen before the search."""
         ...
@@ -73,10 +68,6 @@ class Family(Protocol):
         Args:
             worst: unknowns -> the largest share of any limit that they use.
         """
-        ...
-
-    def like(self, table: Array) -> Array | None:
-        """Unknowns that resemble the motion of another machine, whatever the limits; None where it does not fit."""
         ...
 
     def motion(self, unknowns: Array) -> Trajectory:

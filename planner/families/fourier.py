@@ -64,10 +64,6 @@ class FourierFamily(Family):
         unknowns = draw.normal(size=self.unknowns * len(self.middle))
         return np.asarray(unknowns * START_SHARE / worst(unknowns))
 
-    def like(self, table: Array) -> Array | None:
-        """Unknowns of the same series, of the same order."""
-        return table.ravel() if table.shape == (self.unknowns, len(self.middle)) else None
-
     @property
     def once(self) -> Self:
         """The family of one period."""

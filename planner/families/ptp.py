@@ -124,11 +124,6 @@ class PointToPointFamily(Family):
     mending: ClassVar[int] = 25  # with 10, a wider box gave 1.5 % less
 
     @property
-    def shipped(self) -> str:
-        """Name of the motion for limited jerk, or of that for steps of acceleration."""
-        return "ptp, steps" if self.steps else self.name
-
-    @property
     def settings(self) -> Settings:
         """Number of moves and duration."""
         return {"moves": self.moves, "duration_s": self.duration}
@@ -244,25 +239,6 @@ class PointToPointFamily(Family):
         """A standstill anywhere, from which walks are annealed."""
         place, times = draw.uniform(-0.5, 0.5, self.coordinates), self.longest_steps()[0]
         return np.concatenate([np.tile(place, self.moves + 1), np.tile(times / self.unit, self.moves)])
-
-    def like(self, table: Array) -> Array | None:
-        """Unknowns of moves by as many longest steps, within the box; after the last of them back the same way."""
-        if table.shape[1] != self.coordinates + 3:
-            return None
-        count, (_, steps) = len(table) - 1, self.longest_steps()
-        places = [table[0, :-3]]
-        times = np.empty((self.moves, 3))
-        for k in range(self.moves):
-            back, number = divmod(k, count)
-            row = table[count - number if back % 2 else 1 + number]
-            way = -row[:-3] if back % 2 else row[:-3]
-            places.append(np.clip(places[-1] + way * steps, -1.0, 1.0))
-            times[k] = row[-3:]
-        if self.steps:
-            times[:, 1], times[:, 0] = times[:, 1] + 2 * times[:, 0], 0.0
-        times = np.clip(times, *self._time_bounds())
-        times *= self.moves / (times @ [4.0, 2.0, 1.0]).sum()
-        return np.concatenate([np.ravel(places), times.ravel()])
 
     def motion(self, unknowns: Array) -> Joined:
         """The motion of unknowns of shape ((n + 3) moves + n,)."""

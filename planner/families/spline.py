@@ -117,13 +117,6 @@ class SplineFamily(Family):
         unknowns = np.repeat(steps, 6, axis=0)[: self.unknowns].ravel()
         return np.asarray(unknowns * START_SHARE / worst(unknowns))
 
-    def like(self, table: Array) -> Array | None:
-        """Unknowns of the same curve over the intervals of this family."""
-        if table.shape[1] != len(self.middle):
-            return None
-        old, new = np.linspace(0.0, 1.0, len(table)), np.linspace(0.0, 1.0, self.unknowns)
-        return np.column_stack([np.interp(new, old, column) for column in table.T]).ravel()
-
     def motion(self, unknowns: Array) -> PolynomialMotion:
         """The motion of unknowns of shape (q n,), row by row."""
         basis, values = self._basis(), unknowns.reshape(self.unknowns, -1) * self.half

@@ -23,11 +23,10 @@ from planner.families.ptp import PointToPointFamily, state_of_move
 from planner.search.problem import near_limits
 
 HOT, COLD = 0.05, 0.003  # temperatures in units of log det F: above walks forget, below nothing moves any more
-WARM = 0.006  # for a walk that is good already
 EXCESS = 2.0  # loss of log det F for each whole limit of a rate or acceleration by which a move exceeds it
 RIDGE = 1e-9  # on the diagonal of F in reference scaling: a walk that stands still has a value too
 TEMPERATURES = 40
-PROPOSALS, FURTHER = 60, 5  # number of proposals for each pair of moves, the latter for a walk that is good already
+PROPOSALS = 60  # number of proposals for each pair of moves
 FEWEST, MOST = 16, 256  # proposals at a time
 KINDS = (0.6, 0.2, 0.2)  # shares of proposals: runs are shifted, one waypoint is chosen anew, an excursion moved
 FAR = 0.1  # share of shifts of any number of waypoints; the others shift few
@@ -246,18 +245,16 @@ def annealed_start(
     family: PointToPointFamily,
     draw: np.random.Generator,
     watch: Callable[[float], bool],
-    begin: Array | None = None,
 ) -> Array:
     """Unknowns of an annealed walk; limits of rates and accelerations may still be exceeded a little.
 
     Args:
         watch: called with -log det F / u now and then; a true answer ends the annealing.
-        begin: a walk to improve, shape (moves + 1, n); without one it begins as a standstill anywhere.
     """
-    points = family.split(family.start(draw, lambda unknowns: 0.0))[0] if begin is None else begin
+    points = family.split(family.start(draw, lambda unknowns: 0.0))[0]
     walk = Walk(case, model, scaling, family, draw, points)
-    proposals = (PROPOSALS if begin is None else FURTHER) * family.moves**2
-    for temperature in np.geomspace(HOT if begin is None else WARM, COLD, TEMPERATURES):
+    proposals = PROPOSALS * family.moves**2
+    for temperature in np.geomspace(HOT, COLD, TEMPERATURES):
         walk.anneal(float(temperature), proposals // TEMPERATURES)
         if watch(-walk.best / walk.size):
             break

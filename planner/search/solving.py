@@ -24,7 +24,6 @@ from planner.search.ipopt import Barrier, Watch, solve
 from planner.search.problem import build_program, largest_shares
 
 QUICK_RATE = 1000.0  # [1/s] for comparing starts; the chosen plan is proven at the full rate
-CLOSE = 1.02  # share of limits up to which such a walk is not annealed again
 SLIPPED = 5e-4  # further unused share of each limit in the rows: for excess between constrained instants
 FINER = 1e-4  # part of that share for excess between the instants of the quick check
 TIGHTER = 2  # times at most that limits are constrained at more instants, and tightened by the remaining excess
@@ -56,9 +55,13 @@ class Task:
     criterion: Criterion  # of Table 4
     seed: int  # seed of the random start
     payload: int = 0  # number of the case's payloads that are mounted, for the noise
-    refine: bool = False  # whether an exploration is to be refined
-    begin: Array | None = None  # where to begin, in place of a random start; the result of that exploration
+    begin: Array | None = None  # result of an exploration, which is refined; None for a random start
     reference: Case | None = None  # case of the reference scaling, where `case` has margins; None for the same
+
+    @property
+    def refine(self) -> bool:
+        """Whether an exploration is refined."""
+        return self.begin is not None
 
     @property
     def moves(self) -> bool:
@@ -73,15 +76,11 @@ _NEAR: Barrier = (1e-4, 0.3, 1.05)
 _AT_HAND: Barrier = (1e-5, 0.2, 1.5)
 
 
-def _stages(task: Task, close: bool) -> Iterator[tuple[Criterion, int, int]]:
-    """Stages of a start, the smooth criterion D first: criterion, halvings of its p-norm, and iterations at most.
-
-    Args:
-        close: whether it is within the limits, and is refined at once.
-    """
-    if close or not task.refine:
+def _stages(task: Task) -> Iterator[tuple[Criterion, int, int]]:
+    """Stages of a start, the smooth criterion D first: criterion, halvings of its p-norm, and iterations at most."""
+    if not task.refine:
         yield Criterion.D, 0, task.family.iterations
-        if not close and not task.moves:
+        if not task.moves:
             return
     if task.criterion == Criterion.D and task.refine:
         yield Criterion.D, 0, REFINE
@@ -101,12 +100,9 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     start = time.perf_counter()
     run = _Run(task, watch)
     unknowns = run.begun = run.begin()
-    exploring = not (task.refine or task.moves or run.close)
+    exploring = not (task.refine or task.moves)
     after, inside, share = -np.inf, None, 1.0
-    if run.close:
-        inside, share = run.feasible(unknowns)
-        after = run.rate(inside)
-    for letter, halvings, iterations in _stages(task, run.close):
+    for letter, halvings, iterations in _stages(task):
         if run.stopped and inside is not None:
             break
         unknowns = run.solve_for(letter, halvings, unknowns, iterations)
@@ -146,7 +142,7 @@ class _Run:
         self.model, self.errors = seen_through(model, noise.whitening), PoseErrors.of(task.case, noise)
         self.program = build_program(task.case, self.model, self.family, self.scaling, MARGIN + SLIPPED, self.errors)
         self.iterations, self.status = 0, SolverStatus.NOT_RUN
-        self.converged, self.stopped, self.close = False, False, False
+        self.converged, self.stopped = False, False
         self.begun = np.zeros(0)  # where the solver began
 
     def stops(self, objective: float) -> bool:
@@ -168,25 +164,18 @@ class _Run:
 
     def begin(self) -> Array:
         """Unknowns at which the solver begins."""
-        task, begin, draw = self.task, self.task.begin, np.random.default_rng(self.task.seed)
-        if begin is not None:
-            worst = self.program.worst(begin)
-            # What is good for white noise alone is far from what errors of the pose call for.
-            self.close = not task.refine and worst <= CLOSE and self.errors is None
-            if self.close or task.refine:
-                self.program = self.program.with_rows_above(begin, NEAR)
-                return begin
-        walks = self.family.walks
+        task, draw, walks = self.task, np.random.default_rng(self.task.seed), self.family.walks
+        if task.begin is not None:
+            self.program = self.program.with_rows_above(task.begin, NEAR)
+            return task.begin
         if walks is None:
-            return self.family.start(draw, self.program.worst) if begin is None else begin / max(worst, 1.0)
-        # Where accelerations step, the walk of another machine that does not fit leads to worse plans than chance.
-        walk = None if begin is None or walks.steps else walks.split(begin)[0]
-        return annealed_start(task.case, self.model, self.scaling, walks, draw, self.stops, walk)
+            return self.family.start(draw, self.program.worst)
+        return annealed_start(task.case, self.model, self.scaling, walks, draw, self.stops)
 
     def solve_for(self, letter: Criterion, halvings: int, unknowns: Array, iterations: int) -> Array:
         """Solves a stage: its problem is that of all that follows until the next."""
         task, self.program = self.task, replace(self.program, letter=letter, halvings=halvings)
-        if letter == Criterion.D and (self.close or task.refine):
+        if letter == Criterion.D and task.refine:
             return self.solve(unknowns, iterations, _AT_HAND)
         barrier = None if task.begin is None and not task.moves else _NEAR
         return self.solve(unknowns, iterations, barrier, convex=not task.moves)
@@ -212,7 +201,7 @@ class _Run:
             if self.stopped or satisfied:
                 break
             self.program = self.program.with_rows_above(unknowns, NEAR)
-            if number > 0 or self.close or self.task.refine:
+            if number > 0 or self.task.refine:
                 self.program = self.program.tightened(shares, 1.0 - MARGIN - SLIPPED)
             unknowns = self.solve(unknowns, self.family.mending, _AT_HAND)
         return np.asarray(np.clip(unknowns, self.program.lower, self.program.upper))  # phases that are absent last 0

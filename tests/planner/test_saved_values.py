@@ -14,9 +14,9 @@ import hexcite as hx
 from cases.schema import load_case
 from identification.criteria import Criterion
 from identification.limit_proof import PROOF_RATE, prove
+from planner.families.ptp import PointToPointFamily
 from planner.families.settings import FamilySettings
 from planner.plan_folder import motion_entries
-from planner.planning import shipped_start
 from planner.plans import Plan
 from planner.poses.planned_poses import poses_planned
 from planner.rating import PlannedMotion, rated_plan
@@ -44,10 +44,12 @@ pytestmark = pytest.mark.usefixtures("cache")
 def planned(family: FamilySettings, request: Request, share: float, seed: int, search: Any) -> Plan:
     """The plan of some motion of a family, of which a search is made up."""
     (sets,) = family.families(CASE, DURATION)
-    begin = shipped_start(sets, CASE)
-    assert begin is not None
-    change = 1.0 + 0.02 * np.random.default_rng(seed).normal(size=begin.shape)
-    unknowns, _ = keep_limits(CASE, sets, sets.shrunk(begin * change, share), PROOF_RATE)
+    draw = np.random.default_rng(seed)
+    begin = sets.start(draw, lambda unknowns: float(np.abs(unknowns).max()))
+    if isinstance(sets, PointToPointFamily):  # which begins as a standstill
+        places, times = sets.split(begin)
+        begin = np.r_[places.ravel() + draw.uniform(-0.5, 0.5, places.size), times.ravel()]
+    unknowns, _ = keep_limits(CASE, sets, sets.shrunk(begin, share), PROOF_RATE)
     records, failed, interrupted = search
     starts = tuple(Start(r, unknowns, sets, 1.0, unknowns, r.logdet) for r in records)
     motion = sets.motion(unknowns)
