@@ -19,7 +19,7 @@ from identification.estimation.fit import Value
 from identification.finding import Finding, sentences
 from identification.model import Model, identification_model
 from identification.precision import aligned, carries_rods, parameter_lines, std_text, value_cells, value_text
-from identification.result import SCHEMA_VERSION, Estimate, ResultEntries, physical_values
+from identification.result import SCHEMA_VERSION, Estimate, ResultEntries, of_version_0_2, physical_values
 from identification.signals import Residuals
 
 # Entries of recording.json that a result takes over.
@@ -176,8 +176,9 @@ class Result:
     def _summary(self) -> list[str]:
         """The lines of `repr` without warnings."""
         record, parameters = self.record, self.parameters
-        unit = " N" if record.weights == "equal" else ""
-        residuals = f"s0 {record.s0:.3g}{unit}, recorded forces less the model {record.s0_N:.3g} N rms"
+        equal = record.weights == "equal"
+        unit, recorded = (" N", "") if equal else ("", f", recorded forces less the model {record.s0_N:.3g} N rms")
+        residuals = f"s0 {record.s0:.3g}{unit} (27), white noise {record.white_noise:.3g}{unit}{recorded}"
         samples = "averaged standstills" if record.delay_s is None else "samples"
         lines = [f"Result for {self.case.name}: model {record.model}, {record.samples} {samples}"]
         lines.append(f"weights {record.weights}, {residuals}")
@@ -235,7 +236,7 @@ def _read(path: Path) -> tuple[Path, ResultEntries]:
     if data.pop(CONTENT, None) not in (None, content_of(data)):  # version 0.2 stated none
         raise FileProblem(file, "was changed by hand", AGAIN)
     try:
-        return file, ResultEntries.model_validate_json(json_text(data))
+        return file, ResultEntries.model_validate_json(json_text(of_version_0_2(data)))
     except ValidationError as error:
         place = ".".join(map(str, error.errors()[0]["loc"]))
         raise FileProblem(file, f"entry {place} is missing or damaged", AGAIN) from error

@@ -1,6 +1,7 @@
 """What an identification reports: parameters in both forms with standard deviations, and how well the model fits."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -26,11 +27,12 @@ class Estimate:
     case: Case
     source: str  # the recording
     how: Method
-    # u alone, without nuisances; `s0` of a moving run is that of the noise in the pass band, as white noise of the
-    # recorded forces; `residuals`, not saved, are those behind the filter; `weights` are ones where only ratios count
+    # u alone, without nuisances; `residuals`, not saved, are those behind the filter; `weights` are ones where only
+    # ratios count
     fit: Fit
     evaluated: Samples  # samples that it was made from
     residuals: Array  # recorded forces less the model, shape (n, 6) [N, or N and N m]
+    s0: float  # (27), of the recorded forces; dimensionless where weights are given, else [N]
     delay: Value | None  # delay of the forces [s], where it was estimated
     physical: dict[str, Value]  # physical parameters by name
     findings: tuple[Finding, ...]  # what speaks against it, and what is good to know
@@ -96,8 +98,21 @@ def estimate_of(
     fit = replace(fit, values=u, covariance=white, covariance_robust=robust)
     physical = physical_values(model, u, white, robust)
     return Estimate(
-        case, source, fitted.method, fit, fitted.samples, fitted.residuals, fitted.delay, physical, findings,
+        case, source, fitted.method, fit, fitted.samples, fitted.residuals, _s0(fitted), fitted.delay, physical,
+        findings,
     )  # fmt: skip
+
+
+def _s0(fitted: Fitted) -> float:
+    """The value of (27) for the recorded forces, with the degrees of freedom of the estimated parameters.
+
+    Where only some of the samples of a run are evaluated, their mean square stands for that of all.
+    """
+    samples, residuals = fitted.samples, fitted.residuals * np.reshape(fitted.samples.scale, (-1, 1))
+    forces = residuals.shape[1] * samples.samples
+    freedom = forces - len(fitted.method.selection(samples.model).names)
+    power = float(np.mean(np.einsum("nk,kl,nl->n", residuals, fitted.w, residuals)))
+    return float(np.sqrt(power * samples.samples / freedom))
 
 
 SCHEMA_VERSION = 1
@@ -156,7 +171,8 @@ class ResultEntries(Parameters):
     """Entries of `result.json`."""
 
     weights: str
-    s0: NonNegativeFloat
+    s0: NonNegativeFloat  # (27)
+    white_noise: NonNegativeFloat
     s0_N: NonNegativeFloat
     residual_rms: Annotated[tuple[NonNegativeFloat, ...], Field(min_length=6, max_length=6)]
     samples: PositiveInt
@@ -177,6 +193,18 @@ class ResultEntries(Parameters):
         texts = {f"{severity}s": list(sentences(self.findings, severity)) for severity in SEVERITIES}
         quantities = {key: value for finding in entries["findings"] for key, value in finding["quantity"].items()}
         return {"schema_version": SCHEMA_VERSION, **entries, "intervals_95": intervals, **texts, **quantities}
+
+
+def of_version_0_2(entries: dict[str, Any]) -> dict[str, Any]:
+    """Entries of a file, also of version 0.2, whose `s0` is the white noise: of a run (27) follows where W = 1."""
+    if "white_noise" in entries or "s0" not in entries:
+        return entries
+    upgraded = {**entries, "white_noise": entries["s0"]}
+    with suppress(KeyError, TypeError, ValueError):  # what is damaged is said by field
+        if entries["weights"] == "equal" and entries["delay_s"] is not None:
+            mean = sum(float(rms) ** 2 for rms in entries["residual_rms"])
+            upgraded["s0"] = float(np.sqrt(mean * entries["samples"] / (6 * entries["samples"] - entries["rank"])))
+    return upgraded
 
 
 def entries_of(estimate: Estimate, files: Sequence[Path] = (), **origin: Any) -> ResultEntries:
@@ -202,7 +230,8 @@ def entries_of(estimate: Estimate, files: Sequence[Path] = (), **origin: Any) ->
         names=tuple(model.names),
         delay_s=estimate.delay,
         weights=how.weights or case.sensors.weights,
-        s0=fit.s0,
+        s0=estimate.s0,
+        white_noise=fit.white_noise,
         s0_N=estimate.s0_N,
         residual_rms=tuple(estimate.residual_rms.tolist()),
         samples=estimate.evaluated.samples,

@@ -102,6 +102,6 @@ def demo(
     result = identify(Recording.load(place / "recording"), case, full_model(case))
     result.save(place / "result", overwrite=True)
     data = result.record
-    progress(f"identify: {len(data.parameters)} parameters from {data.samples} samples, residuals {data.s0:.3g} N")
+    progress(f"identify: {len(data.parameters)} parameters from {data.samples} samples, s0 {data.s0:.3g} N")
     assert result.estimate is not None
     return Demo(plan, program, recording, result, tuple(truth_rows(case, result.estimate)))

@@ -84,10 +84,12 @@ class Fit:
     """An estimate of u."""
 
     values: Array  # u, shape (u,)
-    covariance: Array  # s0^2 F^-1, (28), shape (u, u): right where the recorded noise is white
+    covariance: Array  # s^2 F^-1, (28), s the white noise, shape (u, u): right where the recorded noise is white
     covariance_robust: Array  # autocorrelation-robust, shape (u, u): right also where it is not
-    s0: float  # (27), of the recorded forces; dimensionless where weights are given, else [N]
-    freedom: float  # degrees of freedom of s0
+    # standard deviation of white noise of a force by filtered residuals, s0 of (27) where nothing was filtered;
+    # dimensionless where weights are given, else [N]
+    white_noise: float
+    freedom: float  # degrees of freedom of the white noise
     residuals: Array  # f - A u, shape (n, 6) [N, or N and N m]
     weights: Array  # diagonal of W for one sample, shape (6,)
     rank: int  # rank of the scaled regressor
@@ -206,8 +208,8 @@ def gauss_markov(regression: Regression, weights: Array) -> Fit:
     """Weighted least squares with W the same diagonal at every sample.
 
     Where regressors and forces went through a low-pass that leaves the regressors as they are, the estimate is that of
-    the unfiltered problem for all noise in the pass band. White noise of variance s0^2 then leaves residuals of
-    variance gain s0^2, of which every stride-th is used: chi^2 / (m n gain - u / stride) estimates s0^2, and s0^2 /
+    the unfiltered problem for all noise in the pass band. White noise of variance s^2 then leaves residuals of
+    variance gain s^2, of which every stride-th is used: chi^2 / (m n gain - u / stride) estimates s^2, and s^2 /
     stride F^-1 is the covariance, F being that of the used samples.
 
     Args:
@@ -227,9 +229,9 @@ def gauss_markov(regression: Regression, weights: Array) -> Fit:
     values = np.asarray(half @ ((root @ half).T @ right))  # (24)
     residuals, stride = regression.residuals(values), regression.filtered.stride
     freedom = degrees_of_freedom(rows, len(values), regression.filtered)
-    s0 = float(np.sqrt(np.sum(weights * residuals**2) * stride / freedom))  # (27)
-    covariance = s0**2 / stride * (half @ half.T)  # (28)
-    return Fit(values, covariance, covariance, s0, freedom, residuals, weights, rank, condition)
+    white_noise = float(np.sqrt(np.sum(weights * residuals**2) * stride / freedom))  # (27)
+    covariance = white_noise**2 / stride * (half @ half.T)  # (28)
+    return Fit(values, covariance, covariance, white_noise, freedom, residuals, weights, rank, condition)
 
 
 def require_alive(forces: Array) -> None:

@@ -1,7 +1,7 @@
 """What is known beforehand, and how well: Gaussian priors on linear or physical parameters.
 
 Priors are pseudo-measurements beside those of (23), some not linear in u; the estimate is from both together. The noise
-is judged by the data alone, so that a wrong prior shows as a conflict and does not hide in s0.
+is judged by the data alone, so that a wrong prior shows as a conflict and does not hide in the noise.
 """
 
 from collections.abc import Callable, Sequence
@@ -72,12 +72,12 @@ SILENT = 1e-9  # below this share of the information the data count as silent ab
 def with_priors(regression: Regression, model: Model, weights: Array, priors: Sequence[Prior]) -> Fit:
     """The most probable u.
 
-    Covariances, rank and condition are those of data and priors together, s0 and its degrees of freedom of the data.
+    Covariances, rank and condition are those of data and priors together, noise and its degrees of freedom of the data.
     A finding names each prior that disagrees with the data.
 
     Args:
         regression: regression of the model; columns beyond it (a delay) have no prior.
-        weights: diagonal of W for one sample, shape (6,); s0 is estimated, only their ratios matter.
+        weights: diagonal of W for one sample, shape (6,); the noise is estimated, only their ratios matter.
 
     Raises:
         IdentificationError: priors that cannot be used (see `as_measurements`), fewer forces than unknowns,
@@ -92,7 +92,7 @@ def with_priors(regression: Regression, model: Model, weights: Array, priors: Se
     freedom = degrees_of_freedom(rows, float(matrix_rank), filtered)
     floor = ROUNDING * float(np.sqrt(rest + np.sum(right**2)))
     least = max(float(np.sum((right - root @ (scale * free)) ** 2)) + rest, floor**2)
-    noise = float(np.sqrt(least / freedom))  # s0 / sqrt(stride), the noise of (28)
+    noise = float(np.sqrt(least / freedom))  # white noise / sqrt(stride), that of (28)
     root, right = root / noise, right / noise
 
     def residual(u: Array) -> Array:
@@ -118,14 +118,14 @@ def with_priors(regression: Regression, model: Model, weights: Array, priors: Se
     residuals = regression.residuals(values)
     of_data = long_run_covariance(scores(regression.regressors, residuals, weights)) / noise**4
     of_priors = jacobian[len(root) :].T @ jacobian[len(root) :]
-    robust, s0 = covariance @ (of_data + of_priors) @ covariance, noise * float(np.sqrt(filtered.stride))
+    robust, white_noise = covariance @ (of_data + of_priors) @ covariance, noise * float(np.sqrt(filtered.stride))
     findings = []
     for prior, value, slope in zip(priors, *at(values), strict=True):
         conflict = abs(conflict_of(prior, float(value), float(slope @ covariance @ slope)))
         if conflict > CONFLICT:
             sentence = f"prior {prior.name} disagrees with the data by {conflict:.1f} standard deviations; doubt one"
             findings.append(warning(Kind.ESTIMATOR, sentence))
-    return Fit(values, covariance, robust, s0, freedom, residuals, weights, rank, condition, tuple(findings))
+    return Fit(values, covariance, robust, white_noise, freedom, residuals, weights, rank, condition, tuple(findings))
 
 
 def conflict_of(prior: Prior, value: float, variance: float) -> float:

@@ -245,7 +245,7 @@ def _worth_smoothing(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -
     information = float(triangle[-1, -2]) ** 2  # on b
     if np.abs(np.diag(triangle)).min() == 0.0:  # nothing bends, as in a standstill
         return False
-    std = fit.s0 * np.sqrt(share / (run.filter.stride * information))
+    std = fit.white_noise * np.sqrt(share / (run.filter.stride * information))
     smoothing = float(triangle[-1, -1] / triangle[-1, -2])
     if std > SAMPLED * run.filter.step**2 and smoothing < CLEAR * std:
         return False

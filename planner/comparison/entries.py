@@ -50,9 +50,12 @@ class Entry:
     # A, D, K, N and condition of the mean information of a plan, in the reference scaling
     criteria: Mapping[str, float]
     parameters: Mapping[str, Value]  # parameters by name; before they are identified of value NaN, std predicted
-    s0: float | None  # s0 of a result [N]; None otherwise
+    # s0 of a result by (27) [N; dimensionless where weights are given]; None otherwise
+    s0: float | None
     notes: Mapping[str, float]  # figures of the execution, by name
     warnings: tuple[str, ...] = ()  # warnings that its evaluation gave
+    white_noise: float | None = None  # of a result, as `s0`
+    residual: float | None = None  # rms of the recorded forces less the model of a result [N]
 
     def to_json(self) -> dict[str, Any]:
         """One row of the answer."""
@@ -64,7 +67,9 @@ class Entry:
             "duration_s": self.duration,
             "samples": self.samples,
             "criteria": dict(self.criteria),
-            "s0_N": self.s0,
+            "s0": self.s0,
+            "white_noise": self.white_noise,
+            "s0_N": self.residual,
             "parameters": {
                 n: {"value": v.value if self.level == "identified" else None, "std": v.reported, "unit": v.unit}
                 for n, v in self.parameters.items()
@@ -135,6 +140,6 @@ def _entry_of_result(result: Result, name: str, notes: Mapping[str, float]) -> E
     conditions = Conditions(result.case, None, load, machine, result.recordings, record.plan_hash)
     return Entry(
         name, "identified", conditions, record.model, str(run.get("controller", "recorded")).split(" (")[0],
-        record.measuring_s, record.samples, {}, result.parameters, record.s0_N, notes,
-        tuple(dict.fromkeys((*result.warnings, *result.remarks))),
+        record.measuring_s, record.samples, {}, result.parameters, record.s0, notes,
+        tuple(dict.fromkeys((*result.warnings, *result.remarks))), record.white_noise, record.s0_N,
     )  # fmt: skip

@@ -63,9 +63,8 @@ class Trial:
 
     @property
     def s0(self) -> float:
-        """The value of (27) for the recorded forces, with the degrees of freedom of the parameters [N]."""
-        forces = 6 * self.estimate.evaluated.samples
-        return self.estimate.s0_N * float(np.sqrt(forces / (forces - len(self.estimate.model.names))))
+        """The value of (27) for the recorded forces [N]."""
+        return self.estimate.s0
 
     def deviation(self, name: str) -> float | None:
         """Relative deviation from theory; None where there is no theory."""

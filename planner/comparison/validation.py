@@ -98,7 +98,8 @@ def _entry(case: Case, trial: Trial) -> Entry:
     estimate = trial.estimate
     return Entry(
         trial.method, "identified", Conditions(case), estimate.model.number, METHODS[trial.method].family,
-        trial.duration, estimate.evaluated.samples, {}, estimate.physical, trial.s0, {}, estimate.warnings,
+        trial.duration, estimate.evaluated.samples, {}, estimate.physical, estimate.s0, {}, estimate.warnings,
+        estimate.fit.white_noise, estimate.s0_N,
     )  # fmt: skip
 
 

@@ -34,7 +34,9 @@ def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
         ["model", *(str(e.model) for e in entries)],
         ["measuring time [s]", *("-" if e.duration is None else f"{e.duration:.2f}" for e in entries)],
         ["samples", *(str(e.samples) for e in entries)],
-        ["force residual [N rms]", *("-" if e.s0 is None else f"{e.s0:.3g}" for e in entries)],
+        ["s0 (27) [N, or 1 where weighted]", *("-" if e.s0 is None else f"{e.s0:.3g}" for e in entries)],
+        ["white noise", *("-" if e.white_noise is None else f"{e.white_noise:.3g}" for e in entries)],
+        ["force residual [N rms]", *("-" if e.residual is None else f"{e.residual:.3g}" for e in entries)],
     ]
     for key, label in FIGURES.items():
         values = [{**e.notes, **e.criteria}.get(key) for e in entries]

@@ -102,13 +102,14 @@ def correlation_blocks(result: Result) -> tuple[Block, ...]:
 
 
 def noise_tile(result: Result) -> tuple[str, str]:
-    """Value of s0 and its meaning; it does not contain what a filter removes from the recorded forces."""
+    """Value of s0 and its meaning; white noise does not contain what a filter removes from the recorded forces."""
     record = result.record
-    recorded = f"recorded forces less the model: {record.s0_N:.3g} N rms"
     if record.weights != "equal":
-        return (f"{record.s0:.3g}", f"s0, 1 where the weights are right ({recorded})")
-    filtered = "" if record.delay_s is None else ", the filter's stop band included"
-    return (f"{record.s0:.3g} N", f"s0, noise of one force by the residuals ({recorded}{filtered})")
+        recorded = f"white noise {record.white_noise:.3g}, recorded forces less the model {record.s0_N:.3g} N rms"
+        return (f"{record.s0:.3g}", f"s0 (27), 1 where the weights are right ({recorded})")
+    band = "" if record.delay_s is None else " by the filter's pass band"
+    noise = f"white noise{band} {record.white_noise:.3g} N"
+    return (f"{record.s0:.3g} N", f"s0 (27), recorded forces less the model ({noise})")
 
 
 def parameter_blocks(result: Result) -> tuple[Block, ...]:

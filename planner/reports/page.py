@@ -29,7 +29,8 @@ from planner.reports.still import machine_picture, picture
 TERMS = {
     "std (28)": "standard deviation if the residuals are white noise, equation (28) of Friedrich & Ihlenfeldt 2021",
     "std robust": "standard deviation that allows for residuals alike from one sample or pose to the next",
-    "s0": "scatter of the residuals: what a force sample deviates from the model",
+    "s0": "standard deviation of the recorded forces from the model, equation (27)",
+    "white noise": "noise of a force without memory, as the residuals behind the evaluation's filter show it",
     "D-efficiency": "share of the information that no motion inside the limits can exceed, from 0 to 1",
     "reference scaling": "parameters scaled by their effect on the sensors in the motion box, so that motions compare",
     "regressor": "the matrix that turns parameters into forces",

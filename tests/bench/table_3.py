@@ -51,7 +51,7 @@ def rows_of(case: Case, found: dict[int, Estimate | str]) -> list[list[str]]:
     model = identification_model(case, TRUE_STATIC_MODEL)
     truth = dict(zip(model.names, linear_parameters(model, case.need_simulation("table 3").parameters), strict=True))
     truth |= {f"{c}C": truth[f"m{c}C"] / truth["m"] for c in "xyz"}
-    rows = [["s0 in N", "-", *(f"{e.fit.s0:.2f}" if isinstance(e, Estimate) else "refused" for e in found.values())]]
+    rows = [["s0 in N", "-", *(f"{e.s0:.2f}" if isinstance(e, Estimate) else "refused" for e in found.values())]]
     for name in SHOWN:
         scale = 1e3 if name.endswith("C") else 1.0
         row = [name, f"{truth[name] * scale:.2f}"]

@@ -47,7 +47,7 @@ def test_errors_are_as_large_as_predicted_and_s0_is_that_of_the_recorded_noise()
         found = fit(seed, std=0.5)
         error = found.values - U
         distance.append(error @ np.linalg.solve(found.covariance, error) / 3)
-        s0.append(found.s0)
+        s0.append(found.white_noise)
     assert np.mean(s0) == pytest.approx(0.5, rel=0.02)
     assert stats.kstest(distance, stats.f(3, found.freedom).cdf).pvalue > 0.01
 

@@ -89,7 +89,7 @@ def test_the_first_twelve_poses_predict_the_other_twelve(recording: Recording) -
 
 def test_newtons_and_newton_metres_are_weighted_by_their_own_noise(recording: Recording) -> None:
     estimate = estimate_parameters(recording, CASE)
-    assert estimate.fit.s0 == pytest.approx(1.0, abs=1e-3)  # dimensionless
+    assert estimate.fit.white_noise == pytest.approx(1.0, abs=1e-3)  # dimensionless
     np.testing.assert_allclose(estimate.residual_rms[:3], [0.131, 0.047, 0.057], atol=0.002)
     np.testing.assert_allclose(estimate.residual_rms[3:], [2.4e-3, 4.4e-3, 1.4e-3], atol=1e-4)
 

@@ -38,7 +38,7 @@ def test_an_ideal_machine_gives_its_parameters_back() -> None:
     found = np.array([v.value for v in estimate.physical.values()])
     np.testing.assert_allclose(found, PHYSICAL, rtol=1e-4, atol=1e-5)
     assert estimate.delay.value == pytest.approx(0.0, abs=1e-6)
-    assert estimate.fit.s0 < 1e-2
+    assert estimate.fit.white_noise < 1e-2
     assert (estimate.fit.rank, estimate.model.number) == (20, 9)
 
 
@@ -48,7 +48,7 @@ def test_the_default_machine_gives_its_parameters_back_within_their_errors(seed:
     estimate = estimate_parameters(run(CASE, Harmonic(seed=seed), seed), CASE)
     found, std = (np.array([getattr(v, k) for v in estimate.physical.values()]) for k in ("value", "std"))
     assert np.abs((found - PHYSICAL) / std).max() < 4.5
-    assert estimate.fit.s0 == pytest.approx(CASE.simulation.force_noise_N, rel=0.1)
+    assert estimate.fit.white_noise == pytest.approx(CASE.simulation.force_noise_N, rel=0.1)
     assert estimate.warnings == ()
 
 

@@ -45,7 +45,7 @@ def robust_ratio(noise: np.ndarray) -> float:
     """Robust over plain standard deviation of the mean of six equal, constant forces."""
     ones = np.ones((len(noise), 6, 1))
     fit = gauss_markov(Regression(ones, noise, ["mean"]), np.ones(6))
-    inverse = fit.covariance / fit.s0**2
+    inverse = fit.covariance / fit.white_noise**2
     robust = inverse @ long_run_covariance(scores(ones, fit.residuals, np.ones(6))) @ inverse
     return float(np.sqrt(robust[0, 0] / fit.covariance[0, 0]))
 

@@ -20,7 +20,7 @@ def test_the_noise_of_each_channel_is_recovered() -> None:
     """Each standard deviation is known to 1 / sqrt(2000) = 2.2 % from 1000 residuals."""
     fit = per_channel(Regression(A, FORCES, NAMES))
     np.testing.assert_allclose(1 / np.sqrt(fit.weights), NOISE_STD, rtol=0.08)
-    assert fit.s0 == pytest.approx(1.0, abs=0.01)
+    assert fit.white_noise == pytest.approx(1.0, abs=0.01)
 
 
 def test_it_settles_where_weights_and_residuals_agree() -> None:
@@ -135,4 +135,4 @@ def test_one_kind_for_all_is_the_fit_with_equal_weights() -> None:
     )
     np.testing.assert_allclose(one.values, equal.values, rtol=1e-9)
     np.testing.assert_allclose(one.covariance, equal.covariance, rtol=1e-6)
-    assert 1 / np.sqrt(one.weights) == pytest.approx([equal.s0] * 6, rel=1e-6)
+    assert 1 / np.sqrt(one.weights) == pytest.approx([equal.white_noise] * 6, rel=1e-6)

@@ -123,7 +123,7 @@ def test_it_is_refused_by_name(what: str) -> None:
 
 
 def test_the_highest_cutoff_that_is_named_is_taken() -> None:
-    assert estimate_parameters(RUN, filtered_at(200.0)).fit.s0 > 0.0
+    assert estimate_parameters(RUN, filtered_at(200.0)).fit.white_noise > 0.0
 
 
 def test_another_model_is_answered_with_the_choices() -> None:

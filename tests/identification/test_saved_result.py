@@ -73,6 +73,7 @@ def results(draw: st.DrawFn) -> Result:
         delay_s=draw(st.none() | POSITIVE.map(lambda std: Value(2.5e-3, std, std, "s"))),
         weights="equal",
         s0=draw(POSITIVE),
+        white_noise=draw(POSITIVE),
         s0_N=rms,
         residual_rms=(rms,) * 6,
         samples=draw(st.integers(1, 10**6)),

@@ -92,7 +92,7 @@ def test_scatter_shrinks_and_the_reported_deviations_stay_true() -> None:
     assert gain < 0.75
     assert np.exp(np.mean(np.log(told["stated"] / told["equal"]))) == pytest.approx(gain, rel=0.15)
     assert 0.92 <= inside["stated"] <= 0.99
-    assert np.mean([e.fit.s0 for e in estimates["stated"]]) == pytest.approx(
+    assert np.mean([e.fit.white_noise for e in estimates["stated"]]) == pytest.approx(
         1.0, abs=0.05
     )  # as stated, in its own units
 
@@ -103,7 +103,7 @@ def test_weights_without_noise_of_accelerations_are_equal_weights() -> None:
     equal, stated = (estimate_parameters(recording, case, how=Method(weights=w)) for w in ("equal", "stated"))
     np.testing.assert_allclose(stated.fit.values, equal.fit.values, rtol=1e-9)
     np.testing.assert_allclose(stated.fit.covariance, equal.fit.covariance, rtol=1e-9)
-    assert stated.fit.s0 == pytest.approx(equal.fit.s0 / 2.0, rel=1e-9)
+    assert stated.fit.white_noise == pytest.approx(equal.fit.white_noise / 2.0, rel=1e-9)
     assert [entries_of(e).weights for e in (equal, stated)] == ["equal", "stated"]
 
 

@@ -35,7 +35,7 @@ def deviations() -> dict[str, float]:
     fit = gauss_markov(Regression(matrices, noise, model.names), np.ones(6))
     linear = np.r_[MASS, MASS * CENTRE, np.zeros(10)]
     form = physical_form(model)
-    covariance = form.of(linear, fit.covariance * (S0 / fit.s0) ** 2)[1]
+    covariance = form.of(linear, fit.covariance * (S0 / fit.white_noise) ** 2)[1]
     names = [p.name for p in form.parameters]
     return {
         n: s * (1e3 if n in ("xC", "yC", "zC") else 1.0)

@@ -21,7 +21,7 @@ ONES = np.ones(6)
 def test_data_without_noise_give_the_parameters_exactly() -> None:
     fit = gauss_markov(Regression(A, A @ U, NAMES), ONES)
     np.testing.assert_allclose(fit.values, U, rtol=1e-12)
-    assert fit.s0 < 1e-11
+    assert fit.white_noise < 1e-11
     assert (fit.rank, fit.residuals.shape) == (5, (40, 6))
 
 
@@ -35,7 +35,7 @@ def test_estimate_and_covariance_are_those_of_the_normal_equations() -> None:
     s0 = np.sqrt(residuals @ weight @ residuals / (240 - 5))
     fit = gauss_markov(Regression(A, forces, NAMES), w)
     np.testing.assert_allclose(fit.values, values, rtol=1e-10)
-    assert fit.s0 == pytest.approx(s0)
+    assert fit.white_noise == pytest.approx(s0)
     np.testing.assert_allclose(fit.covariance, s0**2 * np.linalg.inv(information), rtol=1e-10, atol=1e-16)
 
 
@@ -68,7 +68,7 @@ def test_a_common_factor_of_the_weights_changes_no_estimate(factor: float) -> No
     )
     np.testing.assert_allclose(weighted.values, plain.values, rtol=1e-10)
     np.testing.assert_allclose(weighted.covariance, plain.covariance, rtol=1e-9, atol=1e-18)
-    assert weighted.s0 == pytest.approx(np.sqrt(factor) * plain.s0)
+    assert weighted.white_noise == pytest.approx(np.sqrt(factor) * plain.white_noise)
 
 
 def test_residuals_are_orthogonal_to_the_regressor() -> None:
@@ -116,7 +116,10 @@ def test_a_nuisance_is_estimated_and_costs_certainty_but_is_not_counted() -> Non
     with_nuisance = gauss_markov(Regression(A, A @ U + NOISE, NAMES, 1), ONES)
     assert (with_nuisance.rank, len(with_nuisance.values)) == (4, 5)
     assert with_nuisance.condition == pytest.approx(plain.condition)
-    inverse, plain_inverse = with_nuisance.covariance / with_nuisance.s0**2, plain.covariance / plain.s0**2
+    inverse, plain_inverse = (
+        with_nuisance.covariance / with_nuisance.white_noise**2,
+        plain.covariance / plain.white_noise**2,
+    )
     assert np.all(np.diag(inverse)[:4] > np.diag(plain_inverse))
 
 
@@ -135,6 +138,6 @@ def test_white_noise_gives_errors_as_large_as_predicted() -> None:
         fit = gauss_markov(Regression(A, A @ U + 0.7 * draw.normal(size=(40, 6)), NAMES), ONES)
         error = fit.values - U
         distance.append(error @ np.linalg.solve(fit.covariance, error) / 5)
-        variance.append((fit.s0 / 0.7) ** 2 * 235)
+        variance.append((fit.white_noise / 0.7) ** 2 * 235)
     assert stats.kstest(distance, stats.f(5, 235).cdf).pvalue > 0.01
     assert stats.kstest(variance, stats.chi2(235).cdf).pvalue > 0.01

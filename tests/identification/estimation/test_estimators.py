@@ -15,7 +15,7 @@ from tests.identification.moving_run import MODEL, NAMES, A, U, forces
 def test_it_finds_the_parameters_within_their_errors(pooled: bool) -> None:
     fit = Method().estimate(Regression(A, forces(0), NAMES, alike=None if pooled else EACH), MODEL)
     assert np.abs((fit.values - U) / np.sqrt(np.diag(fit.covariance))).max() < 4.0
-    assert fit.s0 == pytest.approx(1.0, abs=0.1)
+    assert fit.white_noise == pytest.approx(1.0, abs=0.1)
 
 
 def test_a_known_mass_makes_the_rest_more_certain_and_keeps_its_value() -> None:

@@ -48,7 +48,7 @@ def test_linear_priors_give_the_mean_of_data_and_prior_weighted_by_their_informa
         found.values, covariance @ (information @ free.values + rows.T @ values), rtol=1e-7, atol=1e-9
     )
     np.testing.assert_allclose(found.covariance, covariance, rtol=1e-7, atol=1e-12)
-    assert (found.s0, found.freedom) == (pytest.approx(free.s0), free.freedom)
+    assert (found.white_noise, found.freedom) == (pytest.approx(free.white_noise), free.freedom)
 
 
 def test_a_prior_that_says_nothing_changes_nothing() -> None:
@@ -71,7 +71,7 @@ def test_the_search_ends_at_the_most_probable_parameters() -> None:
     found, _ = estimated(0, CAD)
     values, rows = as_measurements(CAD, MODEL)(found.values)
     stated, std_of_priors = (np.array([p[k] for p in CAD]) for k in (1, 2))
-    of_data = A.reshape(-1, 20).T @ found.residuals.ravel() / found.s0**2
+    of_data = A.reshape(-1, 20).T @ found.residuals.ravel() / found.white_noise**2
     of_priors = rows.T @ ((stated - values) / std_of_priors**2)
     std = np.sqrt(np.diag(found.covariance))
     np.testing.assert_allclose((of_data + of_priors) * std, 0.0, atol=1e-6)
@@ -116,7 +116,7 @@ def test_honest_priors_conflict_as_a_standard_normal_and_wrong_ones_stand_out() 
     wrong, (conflict,) = estimated(0, [Prior("m", 33.0, 0.05)])
     assert conflict > 10.0
     free = gauss_markov(Regression(A, forces(0), NAMES), ONES)
-    assert wrong.s0 == pytest.approx(free.s0)  # it does not hide in the noise
+    assert wrong.white_noise == pytest.approx(free.white_noise)  # it does not hide in the noise
 
 
 def test_inertia_that_a_standstill_cannot_show_comes_from_the_design_alone() -> None:
@@ -130,7 +130,7 @@ def test_inertia_that_a_standstill_cannot_show_comes_from_the_design_alone() -> 
         assert conflicts[k] == pytest.approx(0.0, abs=1e-3)
         assert (estimates[k], std[k]) == (pytest.approx(nominal, abs=1e-9), pytest.approx(0.5))
     static = gauss_markov(Regression(STATIC[:, :, [0, 1, 2, 3, *range(10, 20)]], measured, [""] * 14), ONES)
-    assert (found.s0, found.freedom) == (pytest.approx(static.s0), static.freedom)
+    assert (found.white_noise, found.freedom) == (pytest.approx(static.white_noise), static.freedom)
 
 
 def test_what_neither_data_nor_priors_determine_is_named() -> None:
@@ -147,7 +147,7 @@ def test_a_filter_and_nuisances_are_treated_as_in_the_linear_estimate() -> None:
     found = with_priors(regression, MODEL, ONES, [Prior("m", 0.0, 1e9)])
     np.testing.assert_allclose(found.values, expected.values, rtol=1e-7)
     np.testing.assert_allclose(found.covariance, expected.covariance, rtol=1e-7, atol=1e-13)
-    assert (found.s0, found.freedom) == (pytest.approx(expected.s0), pytest.approx(expected.freedom))
+    assert (found.white_noise, found.freedom) == (pytest.approx(expected.white_noise), pytest.approx(expected.freedom))
 
 
 def test_data_without_noise_overrule_every_prior() -> None:

@@ -50,7 +50,7 @@ def test_it_is_the_least_squares_estimate_under_constraints() -> None:
     fit = estimate_selected(Regression(A, forces(0), NAMES), select(MODEL, known), EQUAL)
     np.testing.assert_allclose(fit.values, np.linalg.solve(system, right)[:20] / scale, rtol=1e-8, atol=1e-8)
     inverse = np.linalg.inv(system)[:20, :20] / np.outer(scale, scale)
-    np.testing.assert_allclose(fit.covariance, fit.s0**2 * inverse, rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(fit.covariance, fit.white_noise**2 * inverse, rtol=1e-6, atol=1e-12)
     assert fit.freedom == 1200 - 16
 
 

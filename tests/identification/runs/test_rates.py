@@ -86,7 +86,7 @@ def test_errors_are_those_of_ten_times_the_samples() -> None:
     """s0 is told for the averages; the standard deviations are those of the information that all samples hold."""
     many = estimate_parameters(on_one_clock(two_rates(10.0, noise=3.0, late=0.003), CASE), CASE)
     values, std = (np.array([getattr(v, k) for v in many.physical.values()]) for k in ("value", "reported"))
-    assert many.fit.s0 == pytest.approx(3.0 / np.sqrt(10.0), rel=0.12)
+    assert many.fit.white_noise == pytest.approx(3.0 / np.sqrt(10.0), rel=0.12)
     assert np.abs((values - PHYSICAL) / std).max() < 4.0
     assert many.delay.value == pytest.approx(0.003, abs=4 * many.delay.std)
     thinned = two_rates(1.0, noise=3.0)

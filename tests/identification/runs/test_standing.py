@@ -100,7 +100,7 @@ def test_identification_of_averages_is_within_its_error_bars_and_says_how_noisy_
     for name, truth in {"m": 31.83, "zC": 0.10505, "k0": 24.05, "k2": 37.38, "k3": 28.27}.items():
         value = estimate.physical[name]
         assert abs(value.value - truth) < 4.5 * value.std
-    assert estimate.fit.s0 == pytest.approx(1.0 / np.sqrt(300), rel=0.3)
+    assert estimate.fit.white_noise == pytest.approx(1.0 / np.sqrt(300), rel=0.3)
 
 
 def test_inertia_that_is_known_or_left_out_is_not_asked_of_standstills() -> None:

@@ -71,7 +71,9 @@ def test_sensors_see_the_motion_that_encoders_see(hexapod_case: Case):
     executed = run(text, hexapod_case)
     pointwise = PoseExecution(Hexapod.of(hexapod_case), motion_of(text, hexapod_case))
     s0, aliased = (
-        estimate_parameters(simulate_recording(hexapod_case, execution, executed.trigger, 0), hexapod_case).fit.s0
+        estimate_parameters(
+            simulate_recording(hexapod_case, execution, executed.trigger, 0), hexapod_case
+        ).fit.white_noise
         for execution in (executed.execution, pointwise)
     )
     assert s0 == pytest.approx(hexapod_case.simulation.force_noise_N, rel=0.2)
