@@ -125,6 +125,7 @@ _FOURIER = {
     "a": "a_m_s_rad_s",
     "b": "b_m_s_rad_s",
 }
+_RUN_IN = {"run_in": "run_in_s"}  # of order 1 alone
 _PROFILE = {"jerk_time": "jerk_time_s", "hold_time": "hold_time_s", "cruise_time": "cruise_time_s"}
 _CIRCLE = {"start": "start_m_rad", "end_angles": "end_angles_rad", "centre": "centre_m", "angle": "angle_rad"}
 _MOVES: dict[str, tuple[Callable[..., Trajectory], dict[str, str]]] = {
@@ -143,7 +144,7 @@ def motion_entries(motion: Trajectory) -> dict[str, Any]:
         TypeError: the motion is not one of a family.
     """
     if isinstance(motion, FourierMotion):
-        return {"fourier": _written(motion, _FOURIER)}
+        return {"fourier": _written(motion, _FOURIER | (_RUN_IN if motion.run_in else {}))}
     if isinstance(motion, Joined):
         return {"moves": [_move_entries(part) for part in motion.parts]}
     if isinstance(motion, PolynomialMotion):
@@ -177,11 +178,10 @@ def motion_of_entries(data: Mapping[str, Any]) -> Trajectory:
         TypeError, ValueError, ArithmeticError: an entry does not describe a motion.
     """
     if "fourier" in data:
-        if "run_in_s" in data["fourier"]:  # of order 1, which versions before this one planned
-            raise ValueError("run_in_s")
-        if data["fourier"]["repeats"] % 1:  # it would end in motion
+        entry = {"run_in_s": 0.0} | data["fourier"]
+        if entry["repeats"] % 1:  # it would end in motion
             raise ValueError("repeats")
-        return FourierMotion(**_read(data["fourier"], _FOURIER))
+        return FourierMotion(**_read(entry, _FOURIER | _RUN_IN))
     if "moves" in data:
         parts = tuple(_move(number, entry) for number, entry in enumerate(data["moves"]))
         ends = [np.asarray(part.at([0.0, part.duration]).pose) for part in parts]

@@ -83,7 +83,8 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
     best = starts[0]
     motion = best.family.motion(keep_limits(own, best.family, best.unknowns, PROOF_RATE)[0])
     report = with_steps(prove(motion, case), step_time)
-    settings = {**best.family.settings, **({} if made_for is None else {"made_for": made_for})}
+    settings = {**best.family.settings, **best.family.found(best.unknowns)}
+    settings |= {} if made_for is None else {"made_for": made_for}
     settings |= {} if not step_time else {"without": LimitKind.JERK}
     return PlannedMotion(motion, settings, report, tuple(starts), failed, interrupted)
 

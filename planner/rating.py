@@ -6,22 +6,34 @@ from typing import NamedTuple
 import numpy as np
 
 from cases.schema import Case
-from identification.criteria import Criterion
+from identification.criteria import Criterion, box_middle, reference_scaling
 from identification.limit import LimitKind, LimitReport, Status
-from identification.model import identification_model
+from identification.model import Model, identification_model
 from identification.motion import Joined, Trajectory
+from identification.trajectories.curves import FourierMotion
 from identification.trajectories.moves import StraightMove, fastest_profile, limits_along
 from planner.bounds.information_limit import information_limit
 from planner.families import Settings
-from planner.families.settings import PointToPoint
+from planner.families.fourier import of_lower_order
+from planner.families.settings import Fourier, PointToPoint
+from planner.noise import mean_information
 from planner.plan_figures import Worth, figures_of
 from planner.plans import Plan
 from planner.request import Request
 from planner.search import Failed
+from planner.search.feasibility import keep_limits
+from planner.search.problem import CHECK_RATE
 from planner.search.solving import DRAWN_BACK, Start
 
 _OTHERWISE = {"ptp": "fewer --moves", "fourier": "--free-period", "spline": "--family ptp"}  # by family
 FULL = 0.9  # share of a limit that a good motion uses of at least one
+ORDER_1 = (
+    "order 1 moves on ellipses: accelerations are -w^2 times the way from the middle, all at one frequency; only the "
+    "ways in and out, and gravity as it turns, tell inertia from offsets and from errors that depend on the pose; "
+    "order 3 or more carries about three times the information"
+)
+SPARE = 0.05  # share of the duration that a free period may leave before it is said
+NEEDLESS = 0.01  # share of the information that harmonics may carry and yet be called needless
 
 
 class PlannedMotion(NamedTuple):
@@ -64,7 +76,11 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
         noise_of_accelerations=noise.shaken,
         weights=noise.weights,
         weaknesses=weaknesses(planned, request),
-        notes=(*notes(planned, smooth), *search_notes(planned, request, len(model.names))),
+        notes=(
+            *notes(planned, smooth),
+            *fourier_notes(case, model, request, motion, figures["logdet"]),
+            *search_notes(planned, request, len(model.names)),
+        ),
     )
     return Plan(
         case, request, motion, planned.limits, predicted, noise.sensors, case.recording.rate_Hz, worth,
@@ -116,6 +132,46 @@ def search_notes(planned: PlannedMotion, request: Request, parameters: int) -> t
     )
 
 
+def fourier_notes(case: Case, model: Model, request: Request, motion: Trajectory, logdet: float) -> tuple[str, ...]:
+    """Notes on the order of a Fourier series, and on the time that a free period leaves; none of other motions."""
+    if not isinstance(motion, FourierMotion) or not isinstance(request.family, Fourier):
+        return ()
+    words = []
+    if motion.order == 1:
+        words.append(ORDER_1)
+    order, loss = needless_harmonics(case, model, motion, logdet)
+    if order < motion.order:
+        words.append(
+            f"harmonics above {order} are needless: without them the motion keeps {100 * (1 - loss):.1f} % of its "
+            f"information; --order {order} searches fewer unknowns"
+        )
+    spare, one_more = request.duration - motion.duration, motion.duration + motion.period
+    if request.family.free_period and spare > SPARE * request.duration:
+        words.append(
+            f"whole periods of {motion.period:.4g} s take {motion.duration:.4g} s of the {request.duration:g} s; "
+            f"--duration {math.ceil(100 * one_more) / 100:g} has time for one more"
+        )
+    return tuple(words)
+
+
+def needless_harmonics(case: Case, model: Model, motion: FourierMotion, logdet: float) -> tuple[int, float]:
+    """The lowest order that carries as much information as a series, but for 1 %, and the share that it loses.
+
+    The highest harmonics are removed, what remains is brought to rest again and shrunk inside every limit.
+    """
+    scaling, box = reference_scaling(case, model), box_middle(case)
+    order, loss = motion.order, 0.0
+    for lower in range(motion.order - 1, 1, -1):
+        family, unknowns = of_lower_order(motion, lower, *box)
+        inside = keep_limits(case, family, unknowns, CHECK_RATE)[0]
+        mu = np.linalg.eigvalsh(mean_information(model, scaling, family.motion(inside)))
+        own = -math.expm1((np.log(np.maximum(mu, 1e-300)).sum() - logdet) / len(mu))
+        if own > NEEDLESS:
+            break
+        order, loss = lower, own
+    return order, loss
+
+
 def with_jerk_limited(motion: Joined, case: Case) -> Joined:
     """The same moves as fast as the limits of all coordinates allow, jerk among them."""
     limits = case.need_motion("a plan")[1]
@@ -148,6 +204,6 @@ def notes(planned: PlannedMotion, smooth: tuple[float, float] | None = None) -> 
             )
     tried = {(s["order"], s["period_s"]) for s in (start.family.settings for start in planned.starts) if "order" in s}
     if len(tried) > 1:
-        chosen = f"order {settings['order']} with period {settings['period_s']:g} s"
-        words.append(f"{chosen} is the best of {len(tried)} choices of order and period")
+        chosen = f"order {settings['order']} with period {settings['period_s']:.4g} s"
+        words.append(f"{chosen} is the best of searches that began at {len(tried)} pairs of order and period")
     return tuple(words)

@@ -1,6 +1,6 @@
 """Motions along curves in closed form: polynomials piece by piece, rows of a table, periodic Fourier series.
 
-A Fourier series (34)-(36) is repeated; it begins and ends at rest.
+A Fourier series (34)-(36) is repeated; it begins and ends at rest, by itself or by a run-in and a run-out.
 """
 
 from collections.abc import Iterable
@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from math import factorial, perm
 
 import numpy as np
+from numpy.polynomial import Polynomial
 from numpy.typing import ArrayLike
 
 from cases.units import Array
@@ -125,6 +126,8 @@ class FourierMotion:
     b: Array  # cosine coefficients of (34), shape (N, n) [m/s or rad/s]
     period: float  # 2 pi / w [s]
     repeats: int  # number of periods
+    # time from rest at x0 into the series, and again out of it [s]; 0 for a series that is at rest itself
+    run_in: float = 0.0
 
     @property
     def order(self) -> int:
@@ -133,16 +136,35 @@ class FourierMotion:
 
     @property
     def duration(self) -> float:
-        """Duration of all periods [s]."""
-        return self.period * self.repeats
+        """Duration of all periods, and of the run-in and run-out [s]."""
+        return self.period * self.repeats + 2 * self.run_in
 
     def slowed(self, speed: float) -> "FourierMotion":
         """The same path at a share of the speed."""
-        return FourierMotion(self.centre, self.a * speed, self.b * speed, self.period / speed, self.repeats)
+        return FourierMotion(
+            self.centre, self.a * speed, self.b * speed, self.period / speed, self.repeats, self.run_in / speed
+        )
 
     def at(self, t: ArrayLike) -> Motion:
         """(34), (35), (36) and the third derivative at times t, shape (n,) [s]."""
         time = np.asarray(t, dtype=float)
+        series = self._series(time - self.run_in)
+        if self.run_in == 0.0:
+            return series
+        fields = [values.copy() for values in (series.pose, series.rates, series.accelerations, series.jerks)]
+        begin = self._series(np.zeros(1))
+        state = np.vstack([begin.pose - self.centre, begin.rates, begin.accelerations])
+        last = self.duration - self.run_in
+        before, after = time < self.run_in, time > last
+        for rows, matrices in (
+            (before, run_in(time[before], self.run_in)),
+            (after, run_out(time[after] - last, self.run_in)),
+        ):
+            for order, matrix in enumerate(matrices):
+                fields[order][rows] = matrix @ state + (self.centre if order == 0 else 0.0)
+        return Motion(time, *fields)
+
+    def _series(self, time: Array) -> Motion:
         w = 2 * np.pi / self.period * np.arange(1, self.order + 1)
         sine, cosine = np.sin(time[:, None] * w), np.cos(time[:, None] * w)
         pose = self.centre + sine @ (self.a / w[:, None]) - cosine @ (self.b / w[:, None])
@@ -150,3 +172,35 @@ class FourierMotion:
         accelerations = -sine @ (self.a * w[:, None]) + cosine @ (self.b * w[:, None])
         jerks = -cosine @ (self.a * w[:, None] ** 2) - sine @ (self.b * w[:, None] ** 2)
         return Motion(time, pose, rates, accelerations, jerks)
+
+
+# Over the share s of the time, from rest: to a way, a rate, an acceleration of 1 at s = 1, each alone.
+_TO_WAY = Polynomial([0.0, 0.0, 0.0, 10.0, -15.0, 6.0])
+_TO_RATE = Polynomial([0.0, 0.0, 0.0, -4.0, 7.0, -3.0])
+_TO_ACCELERATION = Polynomial([0.0, 0.0, 0.0, 0.5, -1.0, 0.5])
+
+
+def run_in(time: Array, duration: float) -> tuple[Array, Array, Array, Array]:
+    """Quintic run-in: matrices from the state reached (way, rate, acceleration) to value, rate, acceleration and jerk.
+
+    A series of one harmonic never rests: its rate and acceleration have no common zero. With run-in and run-out it has
+    no other harmonic than its own while it runs. Four matrices of shape (n, 3), at times after the start out of rest,
+    shape (n,) [s], from 0 to the duration [s].
+    """
+    share = time / duration
+    shapes = ((_TO_WAY, 1.0), (_TO_RATE, duration), (_TO_ACCELERATION, duration**2))
+    value, rate, acceleration, jerk = (
+        np.column_stack([p.deriv(order)(share) * unit if order else p(share) * unit for p, unit in shapes])
+        / duration**order
+        for order in range(4)
+    )
+    return value, rate, acceleration, jerk
+
+
+def run_out(time: Array, duration: float) -> tuple[Array, Array, Array, Array]:
+    """The same from the state back to rest, `time` after leaving it: a run-in with time reversed."""
+    mirror = np.array([1.0, -1.0, 1.0])
+    value, rate, acceleration, jerk = (
+        matrix * mirror * (-1.0) ** order for order, matrix in enumerate(run_in(duration - time, duration))
+    )
+    return value, rate, acceleration, jerk

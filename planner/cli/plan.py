@@ -25,12 +25,14 @@ def plan(
     ] = "ptp",
     criterion: console.Criterion = "D",
     duration: Annotated[float, option("Whole duration in s; a multiple of --period where that is given.")] = 12.0,
-    order: Annotated[int, option("fourier: harmonics, 2 to 7.")] = 5,
+    order: Annotated[int, option("fourier: harmonics, 1 to 7; 1 is ellipses, with ways in and out.")] = 5,
     period: Annotated[float | None, option("fourier: period in s; by default about 2, to fit --duration.")] = None,
     free_order: Annotated[bool, option("fourier: search the best order, 2 to 7.", "--free-order")] = False,
     free_period: Annotated[
-        bool, option("fourier: search the best period of which --duration is a multiple.", "--free-period")
+        bool,
+        option("fourier: optimise the period too; as many whole ones as fit into --duration.", "--free-period"),
     ] = False,
+    centred: Annotated[bool, option("fourier: keep x0 in the middle of the motion box.", "--centred")] = False,
     moves: Annotated[
         int | None,
         option("ptp: point-to-point moves, 8 to 64; by default what the limits suggest, ten in three seconds."),

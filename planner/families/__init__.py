@@ -53,6 +53,10 @@ class Family(Protocol):
         """Settings that were chosen before the search."""
         ...
 
+    def found(self, unknowns: Array) -> Settings:
+        """Settings that the search found itself: they take the place of their first values."""
+        return {}
+
     @property
     def walks(self) -> "PointToPointFamily | None":
         """The family itself where its starts are annealed walks, which are refined at once."""

@@ -1,6 +1,6 @@
 """Rows of a program: what must lie between two bounds, with sparse derivatives."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -38,6 +38,10 @@ class LinearRows:
         table = self._matrix.tocoo()
         return table.coords[0].astype(np.intp), table.coords[1].astype(np.intp)
 
+    def choosing(self, chosen: Flags) -> "LinearRows":
+        """The same with other rows that count."""
+        return replace(self, chosen=chosen)
+
     def all_values(self, unknowns: Array) -> Array:
         """Values of all rows of the matrix, shape (L,)."""
         return np.asarray(self.matrix @ unknowns)
@@ -50,6 +54,75 @@ class LinearRows:
         """Values of the matrix, which is constant."""
         return np.asarray(self._matrix.data)
 
+    def tightened(self, factors: Array) -> "LinearRows":
+        """The rows with bounds times a factor for each order of derivatives, shape (4,); equations stay."""
+        return self if self.equal is not None else replace(self, bound=self.bound * factors[self.order])
+
+
+@dataclass(frozen=True)
+class PacedRows:
+    """Linear rows at a pace of one; the pace is a further unknown, the last, with whose powers their values grow."""
+
+    linear: LinearRows
+    equal: None = None
+
+    @property
+    def chosen(self) -> Flags:
+        """Which rows count, shape (L,)."""
+        return self.linear.chosen
+
+    def choosing(self, chosen: Flags) -> "PacedRows":
+        """The same with other rows that count."""
+        return PacedRows(self.linear.choosing(chosen))
+
+    @property
+    def upper(self) -> Array:
+        """Upper bound of each row; the lower one is its negative."""
+        return self.linear.upper
+
+    @property
+    def _powers(self) -> Indices:
+        """Powers of the pace in the rows that count, shape (R,)."""
+        return self.linear.order[self.linear.chosen]
+
+    @cached_property
+    def pattern(self) -> tuple[Indices, Indices]:
+        """Row and column of each derivative: those of the linear rows, and of each by the pace."""
+        row, column = self.linear.pattern
+        count = len(self.upper)
+        pace = np.full(count, self.linear.matrix.shape[1])
+        return np.concatenate([row, np.arange(count)]), np.concatenate([column, pace])
+
+    def all_values(self, unknowns: Array) -> Array:
+        """Values of all rows, those that do not count as well, shape (L,)."""
+        return np.asarray(self.linear.all_values(unknowns[:-1]) * unknowns[-1] ** self.linear.order)
+
+    def values(self, unknowns: Array) -> Array:
+        """Values of the rows, shape (R,)."""
+        return np.asarray(self.linear.values(unknowns[:-1]) * unknowns[-1] ** self._powers)
+
+    def jacobian(self, unknowns: Array) -> Array:
+        """Derivatives, in the order of `pattern`."""
+        pace, powers, row = unknowns[-1], self._powers, self.linear.pattern[0]
+        own = self.linear.jacobian(unknowns[:-1]) * pace ** powers[row]
+        return np.concatenate([own, self.linear.values(unknowns[:-1]) * powers * pace ** np.maximum(powers - 1, 0)])
+
+    def curvature(self, unknowns: Array, multipliers: Array) -> tuple[Indices, Array]:
+        """All unknowns, shape (1, m), and second derivatives of the weighted rows by them, shape (1, m, m)."""
+        pace, powers, (row, column) = unknowns[-1], self._powers, self.linear.pattern
+        size = len(unknowns)
+        first = multipliers * powers * pace ** np.maximum(powers - 1, 0)
+        second = multipliers * powers * (powers - 1) * pace ** np.maximum(powers - 2, 0)
+        result = np.zeros((1, size, size))
+        mixed = np.bincount(column, self.linear.jacobian(unknowns[:-1]) * first[row], size - 1)
+        result[0, -1, :-1] = result[0, :-1, -1] = mixed
+        result[0, -1, -1] = second @ self.linear.values(unknowns[:-1])
+        return np.arange(size)[None], result
+
+    def tightened(self, factors: Array) -> "PacedRows":
+        """The rows with bounds times a factor for each order of derivatives, shape (4,)."""
+        return PacedRows(self.linear.tightened(factors))
+
 
 @dataclass(frozen=True)
 class StateRows:
@@ -59,6 +132,7 @@ class StateRows:
     kernel: Kernel  # state -> r values
     chosen: Flags  # which of them are rows, shape (B, S, r)
     bound: float  # bound of all of them
+    equal: None = None
 
     @property
     def upper(self) -> Array:
@@ -76,6 +150,10 @@ class StateRows:
         block = np.nonzero(self.chosen)[0]
         width = self.states.index.shape[1]
         return np.repeat(np.arange(len(block)), width), self.states.index[block].ravel()
+
+    def choosing(self, chosen: Flags) -> "StateRows":
+        """The same with other rows that count."""
+        return replace(self, chosen=chosen)
 
     def all_values(self, unknowns: Array) -> Array:
         """All values of the kernel, those of no row as well, shape (B, S, r)."""
@@ -109,7 +187,7 @@ class StateRows:
         pull[needed] += (self.kernel.slopes(at[needed])[1] @ weights[:, :, None])[:, :, 0]
 
 
-Rows = LinearRows | StateRows
+Rows = LinearRows | PacedRows | StateRows
 
 
 def pulled_back(states: States, unknowns: Array, own: Array, pull: Array) -> Array:

@@ -1,7 +1,7 @@
 """Families of motions as a user asks for them: values with their own defaults, limits and messages."""
 
 from collections.abc import Mapping
-from dataclasses import Field, dataclass
+from dataclasses import Field, dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -15,14 +15,16 @@ from identification.criteria import Criterion, box_middle
 from identification.limit import PLANNABLE_WITHOUT
 from identification.motion import Trajectory
 from planner.families import Family, ptp, spline
-from planner.families.fourier import FourierFamily
+from planner.families.fourier import FourierFamily, FreePeriod
 from planner.families.manual import load_poses, load_sequence, manual_motion, sequence_file
 
 SHORTEST_PERIOD, LONGEST_PERIOD = 0.01, 600.0  # [s]
 USUAL_PERIOD = 2.0  # [s]; of order 5 as informative as 2.4 s, more than 3 s, and of all the best conditioned
 KNOTS_A_SECOND = 10.0
 SHORTEST = spline.FEWEST / KNOTS_A_SECOND  # [s] of a spline, and of any motion whose duration is searched
-ORDERS = range(2, 8)
+ORDERS = range(1, 8)
+FREE_ORDERS = range(2, 8)  # where the order is free: order 1 needs a run-in and finds less than any
+FIRST_PERIODS = 4  # number of periods at which the search for a free one begins; half as many where the order is free
 LOWEST, HIGHEST = 1 / 3, 2.0  # of the highest harmonic, in units of the frequency at which both limits meet
 HALF = 0.5  # of the limit of acceleration
 ROUNDING = 1e-9  # of a duration
@@ -92,14 +94,17 @@ class Fourier(FamilySettings):
     """Periodic Fourier series (34)-(36) from rest to rest.
 
     Args:
-        order: N of (34), 2 to 7.
+        order: N of (34), 1 to 7; order 1 cannot rest, so that half a period leads into it and out of it.
         period: [s]; the duration is a whole number of periods. None for the one nearest to 2 s.
-        free_order: whether the best order is searched instead.
-        free_period: whether the best period is searched instead.
+        centred: whether x0 is the middle of the motion box, as in the paper; else it is optimised.
+        free_order: whether the best order from 2 to 7 is searched instead.
+        free_period: whether the period is optimised with the motion instead, which then lasts the largest whole number
+            of periods that fits into the duration.
     """
 
     order: int = 5
     period: float | None = None
+    centred: bool = False
     free_order: bool = False
     free_period: bool = False
 
@@ -109,9 +114,14 @@ class Fourier(FamilySettings):
         _require(self.order, "order", ORDERS[0], ORDERS[-1], "3 to 7")
         _require(self.period, "period", SHORTEST_PERIOD, LONGEST_PERIOD, f"about {USUAL_PERIOD:g} s")
 
+    @property
+    def fewest(self) -> int:
+        """Fewest periods of a motion: one of two halves leads into a series of order 1 and out of it."""
+        return 2 if self.order == 1 else 1
+
     def base_period(self, duration: float) -> float:
         """Period [s]; where it is not stated, one that the duration is a whole number of."""
-        return self.period or duration / max(1, round(duration / USUAL_PERIOD))
+        return self.period or duration / max(self.fewest, round(duration / USUAL_PERIOD))
 
     def check(self, duration: float) -> None:
         """Raises HexciteError unless the duration is positive, and a whole number of a stated period."""
@@ -122,55 +132,69 @@ class Fourier(FamilySettings):
         if not (repeats >= 1.0 - ROUNDING and abs(repeats - round(repeats)) < ROUNDING):
             raise HexciteError(
                 f"duration {duration:g} s is not a whole number of periods of {self.period:g} s; choose "
-                f"{max(1, round(repeats)) * self.period:g} s"
+                f"{max(self.fewest, round(repeats)) * self.period:g} s"
+            )
+        if round(repeats) < self.fewest:
+            raise HexciteError(
+                f"duration {duration:g} s is one period of order 1, which needs two: one is spent on the ways in and "
+                f"out; choose --duration {self.fewest * self.period:g} or more"
             )
 
     def require_plannable(self, case: Case, duration: float) -> None:
         """Raises HexciteError unless the filter of the evaluation passes the highest harmonic."""
         limit = _highest_frequency(case)
-        for order, period in self._choices(case, duration):
-            if order / period > limit:
+        for family in self.families(case, duration):
+            order, period = family.order, family.period
+            if order / period > limit * (1.0 + ROUNDING):
                 most = int(duration * limit / order * (1 + ROUNDING))  # whole periods that pass
-                option = "--period" if self.period or most else "--duration"
+                option = "--period" if self.period or most >= self.fewest else "--duration"
                 raise HexciteError(
                     f"period {period:g} s is too short: order {order} reaches {order / period:g} Hz, the evaluation "
                     f"passes up to {limit:g} Hz (half of recording.filter_cutoff_Hz); choose {option} "
-                    f"{duration / most if most else order / limit:g} or more"
+                    f"{duration / most if most >= self.fewest else self.fewest * order / limit:g} or more"
                 )
 
     def families(self, case: Case, duration: float) -> tuple[FourierFamily, ...]:
-        """Families of each order and period worth a look."""
+        """Families of each order worth a look, and of each period at which the search for a free one begins."""
         middle, half = box_middle(case)
-        return tuple(
-            FourierFamily(order, period, round(duration / period), middle, half)
-            for order, period in self._choices(case, duration)
-        )
-
-    def _choices(self, case: Case, duration: float) -> list[tuple[int, float]]:
-        """Every order and period [s] worth a look; those that are stated where neither is free.
-
-        A motion from rest to rest lasts a whole number of periods, so the base frequency takes discrete values: what
-        an optimiser would treat as a variable is searched through value by value. Worth a look are those whose highest
-        harmonic lies near the frequency at which a harmonic reaches its limits of velocity and of acceleration at once,
-        A / (2 pi V): far below it accelerations go to waste, far above it velocities.
-        """
-        if not (self.free_order or self.free_period):
-            return [(self.order, self.base_period(duration))]
-        box = case.need_motion("planning")[1]
-        meets = float(np.max(box.acceleration / box.rate)) / (2 * np.pi)
-        choices = []
-        for order in ORDERS if self.free_order else (self.order,):
-            periods = [self.base_period(duration)]
-            if self.free_period:
-                periods = [duration / n for n in range(1, int(HIGHEST * meets * duration / order) + 1)]
-                periods = [period for period in periods if order / period >= LOWEST * meets]
-            choices += [(order, period) for period in periods if order / period <= _highest_frequency(case)]
-        if not choices:
+        chosen = []
+        for order in FREE_ORDERS if self.free_order else (self.order,):
+            own = replace(self, order=order)
+            if not self.free_period:
+                period = own.base_period(duration)
+                if self.free_order and order / period > _highest_frequency(case):
+                    continue
+                periods = round(duration / period)
+                chosen.append(FourierFamily.lasting(order, period, periods, middle, half, self.centred))
+                continue
+            for period, free in own._free_periods(case, duration):
+                periods = max(own.fewest, int(duration / period))
+                chosen.append(FourierFamily.lasting(order, period, periods, middle, half, self.centred, free))
+        if not chosen:
             raise HexciteError(
                 f"no period fits: {duration:g} s is too short or the filter of the evaluation too low; choose a longer "
                 "--duration, or fix --period"
             )
-        return choices
+        return tuple(chosen)
+
+    def _free_periods(self, case: Case, duration: float) -> list[tuple[float, FreePeriod]]:
+        """Periods at which a search begins [s], and what the optimiser may make of them; none where none fits.
+
+        Worth a look are those whose highest harmonic lies near the frequency at which a harmonic reaches its limits of
+        velocity and of acceleration at once, A / (2 pi V): far below it accelerations go to waste, far above it
+        velocities. The series that is best for one of them is seldom best for another, so that the search begins at
+        several.
+        """
+        box = case.need_motion("planning")[1]
+        meets = float(np.max(box.acceleration / box.rate)) / (2 * np.pi)
+        shortest = self.order / min(HIGHEST * meets, _highest_frequency(case))
+        longest = min(self.order / (LOWEST * meets), duration / self.fewest)
+        if not shortest <= longest:
+            return []
+        count = FIRST_PERIODS // 2 if self.free_order else FIRST_PERIODS
+        shares = (np.arange(count) + 0.5) / count
+        free = FreePeriod(shortest, longest, duration)
+        return [(float(shortest * (longest / shortest) ** share), free) for share in shares]
 
     def refinements(self, criterion: Criterion) -> int:
         """One for criterion D: of nine machines, the second best was better in the end on one, by 0.5 %.

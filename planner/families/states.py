@@ -148,4 +148,55 @@ class KernelStates:
         return self.kernel.curvature(unknowns[self.index], weights.reshape(len(self.index), -1))
 
 
-States = LinearStates | KernelStates
+@dataclass(frozen=True)
+class PacedStates:
+    """Linear states of one block whose pace is a further unknown, the last: rates grow with it, accelerations squared.
+
+    Args:
+        linear: the states at a pace of one.
+        coordinates: their number n.
+    """
+
+    linear: LinearStates
+    coordinates: int
+
+    @cached_property
+    def index(self) -> Indices:
+        """The unknowns on which the block depends, shape (1, m)."""
+        own = self.linear.index
+        return np.hstack([own, np.full((1, 1), own.max() + 1)])
+
+    def _powers(self, pace: float, derivative: int) -> Array:
+        """A derivative of the powers of the pace with which each component of a state grows, shape (d, 1)."""
+        n = self.coordinates
+        powers = np.zeros(state_size(n))
+        for order in range(derivative, 3):
+            factor = 1.0 if derivative == 0 or order == derivative == 1 else 2.0
+            powers[n * order : n * (order + 1)] = factor * pace ** (order - derivative)
+        if derivative == 0:
+            powers[SHARE] = 1.0
+        return powers[:, None]
+
+    def at(self, unknowns: Array) -> Array:
+        """States, shape (1, S, d)."""
+        ways = self.linear.at(unknowns) - self.linear.offset
+        return np.asarray(self.linear.offset + ways * self._powers(unknowns[-1], 0)[:, 0])
+
+    def slopes(self, unknowns: Array) -> Array:
+        """Derivatives of the states by the unknowns, shape (1, S, d, m)."""
+        ways = self.linear.at(unknowns) - self.linear.offset
+        by_pace = ways * self._powers(unknowns[-1], 1)[:, 0]
+        return np.concatenate([self.linear.slope * self._powers(unknowns[-1], 0), by_pace[..., None]], axis=3)
+
+    def curvature(self, unknowns: Array, weights: Array) -> Array:
+        """Second derivative of the weighted sum of the states, shape (1, m, m): of pairs with the pace alone."""
+        ways = self.linear.at(unknowns) - self.linear.offset
+        size = self.index.shape[1]
+        result = np.zeros((1, size, size))
+        mixed = np.einsum("bsd,bsdm->bm", weights * self._powers(unknowns[-1], 1)[:, 0], self.linear.slope)
+        result[:, -1, :-1] = result[:, :-1, -1] = mixed
+        result[:, -1, -1] = (weights * ways * self._powers(unknowns[-1], 2)[:, 0]).sum(axis=(1, 2))
+        return result
+
+
+States = LinearStates | KernelStates | PacedStates

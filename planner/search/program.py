@@ -14,7 +14,7 @@ import numpy as np
 from cases.units import Array, Indices
 from identification.criteria import Criterion
 from identification.model import Model
-from planner.families.rows import LinearRows, Rows, StateRows, pulled_back
+from planner.families.rows import LinearRows, PacedRows, Rows, StateRows, pulled_back
 from planner.families.states import SHARE, Kernel, States, state_size
 from planner.search.objective import (
     FieldByStates,
@@ -65,7 +65,7 @@ class NonlinearProgram:
 
     def worst(self, unknowns: Array) -> float:
         """The largest share of a limit that unknowns use, at all critical states, those without rows included."""
-        return max(float(np.abs(part.all_values(unknowns)).max()) for part in self.rows if not _equation(part))
+        return max(float(np.abs(part.all_values(unknowns)).max()) for part in self.rows if part.equal is None)
 
     def outside(self, unknowns: Array) -> float:
         """By how much unknowns are outside their bounds."""
@@ -75,20 +75,20 @@ class NonlinearProgram:
         """The program with further rows for all that use more than a share of a limit."""
         rows: list[Rows] = []
         for part in self.rows:
-            if not _equation(part):
-                part = replace(part, chosen=part.chosen | (np.abs(part.all_values(unknowns)) > share))
+            if part.equal is None:
+                part = part.choosing(part.chosen | (np.abs(part.all_values(unknowns)) > share))
             rows.append(part)
         return replace(self, rows=tuple(rows))
 
     def tightened(self, shares: Sequence[float], bound: float) -> "NonlinearProgram":
         """The program with bounds lowered by as much as `largest_shares` exceed a bound that all should satisfy."""
-        factors = [bound / max(bound, share) for share in shares]  # of a jerk that nothing limits the share is 0
+        factors = np.array([bound / max(bound, share) for share in shares])  # 0 is the share of jerk without a limit
         before = len(self.rows) - len(self.limits)
         rows: list[Rows] = []
         for k, part in enumerate(self.rows):
-            if isinstance(part, LinearRows) and part.equal is None:
-                part = replace(part, bound=part.bound * np.array(factors)[part.order])
-            elif isinstance(part, StateRows) and k >= before:
+            if isinstance(part, LinearRows | PacedRows):
+                part = part.tightened(factors)
+            elif k >= before:
                 part = replace(part, bound=part.bound * factors[4 + k - before])
             rows.append(part)
         return replace(self, rows=tuple(rows))
@@ -96,7 +96,7 @@ class NonlinearProgram:
     @cached_property
     def row_bounds(self) -> tuple[Array, Array]:
         """Lower and upper bounds of all rows, shapes (R,)."""
-        lower = [part.upper if _equation(part) else -part.upper for part in self.rows]
+        lower = [part.upper if part.equal is not None else -part.upper for part in self.rows]
         return np.concatenate(lower), np.concatenate([part.upper for part in self.rows])
 
     @cached_property
@@ -191,12 +191,14 @@ class NonlinearProgram:
         """Second derivatives of the rows by blocks of unknowns; limits at the same states are pulled back together."""
         first = 0
         at_states: dict[int, list[tuple[StateRows, Array]]] = {}
+        blocks: list[tuple[Indices, Array]] = []
         for part in self.rows:
             weights = multipliers[first : first + len(part.upper)]
             first += len(weights)
-            if isinstance(part, StateRows):
+            if isinstance(part, PacedRows):
+                blocks.append(part.curvature(unknowns, weights))
+            elif isinstance(part, StateRows):
                 at_states.setdefault(id(part.states), []).append((part, weights))
-        blocks = []
         for parts in at_states.values():
             states = parts[0][0].states
             at = states.at(unknowns)
@@ -220,7 +222,3 @@ class NonlinearProgram:
         along *= shares[:, None, None]
         along[:, SHARE, :SHARE] = along[:, :SHARE, SHARE] = plain[:, :SHARE]
         return pulled_back(self.states, unknowns, along.reshape(*shape, shape[2]), pull.reshape(shape))
-
-
-def _equation(part: Rows) -> bool:
-    return isinstance(part, LinearRows) and part.equal is not None

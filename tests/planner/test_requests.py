@@ -29,9 +29,8 @@ def test_an_unknown_family_is_named_with_those_that_are_known():
     ("setting", "value", "words"),
     [
         ("criterion", "E", "criterion 'E' is unknown; choose A, D, K, N"),
-        ("order", 0, "order 0 is outside 2 to 7"),
-        ("order", 1, "order 1 is outside 2 to 7"),
-        ("order", 50, "order 50 is outside 2 to 7"),
+        ("order", 0, "order 0 is outside 1 to 7"),
+        ("order", 50, "order 50 is outside 1 to 7"),
         ("period", 0.0, "period 0 is outside 0.01 to 600; choose about 2 s"),
         ("period", -3.0, "period -3"),
         ("period", float("nan"), "period nan"),
@@ -63,15 +62,21 @@ def test_the_duration_is_a_whole_number_of_stated_periods(duration: float, chose
     one_line(caught.value)
 
 
-@given(duration=st.floats(0.1, 600.0), order=st.integers(2, 7))
+@given(duration=st.floats(0.1, 600.0), order=st.integers(1, 7))
 def test_a_period_that_is_not_stated_fits_any_duration(duration: float, order: int):
     family = Fourier(order=order)
     Request(family, duration)
     period = family.base_period(duration)
     periods = round(duration / period)
     assert periods * period == pytest.approx(duration, rel=1e-12)
-    assert periods == 1 or abs(period / USUAL_PERIOD - 1.0) <= 1 / 4
+    assert periods == family.fewest or abs(period / USUAL_PERIOD - 1.0) <= 1 / 4
     Request(Fourier(order=order, period=period), duration)
+
+
+def test_order_1_needs_two_periods_for_it_is_led_in_and_out_of_over_one():
+    Request(Fourier(order=1, period=3.0), duration=6.0)
+    with pytest.raises(HexciteError, match=r"order 1.* two.*duration 6\b"):
+        Request(Fourier(order=1, period=3.0), duration=3.0)
 
 
 def test_a_whole_number_of_periods_may_be_a_rounded_one():

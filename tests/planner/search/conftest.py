@@ -7,7 +7,7 @@ from cases.schema import Case
 from identification.criteria import box_middle, reference_scaling
 from identification.model import Model, identification_model
 from planner.families import Family
-from planner.families.fourier import FourierFamily
+from planner.families.fourier import FourierFamily, FreePeriod
 from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
 from planner.search.problem import build_program
@@ -32,10 +32,14 @@ def family_of(case: Case, name: str) -> Family:
     """A small family by name."""
     if name == "fourier":
         return FourierFamily(3, 3.0, 1, *box_middle(case))
+    if name == "free period":
+        return FourierFamily(3, 3.0, 1, *box_middle(case), free=FreePeriod(2.0, 5.0, 3.0))
+    if name == "ellipses":
+        return FourierFamily.lasting(1, 1.5, 2, *box_middle(case), centred=True)
     return PointToPointFamily.of(case, 8, 3.0) if name == "ptp" else SplineFamily.of(case, 20, 2.0)
 
 
-@pytest.fixture(scope="package", params=["fourier", "ptp", "spline"])
+@pytest.fixture(scope="package", params=["fourier", "free period", "ellipses", "ptp", "spline"])
 def small(request: pytest.FixtureRequest, hexapod_case: Case) -> Small:
     """Model 5, and every limit a row at some states."""
     model = identification_model(hexapod_case, 5)

@@ -21,6 +21,7 @@ class Disc:
 
     upper: np.ndarray = field(default_factory=lambda: np.array([1.0]))
     pattern: Any = (np.zeros(2, dtype=int), np.arange(2))
+    equal: None = None
 
     def all_values(self, x: np.ndarray) -> np.ndarray:
         return np.array([x[:2] @ x[:2]])

@@ -113,7 +113,7 @@ def test_limits_that_are_left_out_are_not_near_anywhere_in_the_box(name: str):
 
 
 def chosen(part: Rows) -> np.ndarray | None:
-    return part.chosen.ravel() if isinstance(part, LinearRows | StateRows) else None
+    return None if part.equal is not None else part.chosen.ravel()
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.8])
@@ -126,10 +126,7 @@ def test_rows_above_a_share_are_added_and_none_is_taken_away(share: float, small
             assert old is new
             continue
         values = np.abs(old.all_values(at)).ravel()
-        if isinstance(old, LinearRows) and old.equal is not None:
-            assert np.array_equal(has, had)
-        else:
-            assert np.array_equal(has, had | (values > share))
+        assert np.array_equal(has, had | (values > share))
         assert len(new.values(at)) == has.sum() == len(new.upper)
     assert np.all(np.isin(np.round(before.row_values(at), 12), np.round(after.row_values(at), 12)))
 
@@ -138,9 +135,8 @@ def without_some_rows(problem: NonlinearProgram) -> NonlinearProgram:
     """Every third row of what can be left out."""
     rows = []
     for part in problem.rows:
-        if isinstance(part, StateRows) or (isinstance(part, LinearRows) and part.equal is None):
-            some = part.chosen & (np.arange(part.chosen.size).reshape(part.chosen.shape) % 3 == 0)
-            part = replace(part, chosen=some)
+        if part.equal is None:
+            part = part.choosing(part.chosen & (np.arange(part.chosen.size).reshape(part.chosen.shape) % 3 == 0))
         rows.append(part)
     return replace(problem, rows=tuple(rows))
 
