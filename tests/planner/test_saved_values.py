@@ -45,10 +45,12 @@ def planned(family: FamilySettings, request: Request, share: float, seed: int, s
     """The plan of some motion of a family, of which a search is made up."""
     (sets,) = family.families(CASE, DURATION)
     draw = np.random.default_rng(seed)
-    begin = sets.start(draw, lambda unknowns: float(np.abs(unknowns).max()))
-    if isinstance(sets, PointToPointFamily):  # which begins as a standstill
-        places, times = sets.split(begin)
-        begin = np.r_[places.ravel() + draw.uniform(-0.5, 0.5, places.size), times.ravel()]
+    begin = sets.start(draw, lambda unknowns: 1.0)
+    # a walk begins as a standstill, and so does a spline stand between its steps
+    change = draw.uniform(-0.5, 0.5, begin.shape)
+    if isinstance(sets, PointToPointFamily):
+        change[-3 * sets.moves :] = 0.0  # times of moves
+    begin = begin + change
     unknowns, _ = keep_limits(CASE, sets, sets.shrunk(begin, share), PROOF_RATE)
     records, failed, interrupted = search
     starts = tuple(Start(r, unknowns, sets, 1.0, unknowns, r.logdet) for r in records)
