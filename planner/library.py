@@ -30,6 +30,7 @@ class Settings(TypedDict, total=False):
     starts: int | None
     seed: int
     workers: int | None
+    seconds: float | None
 
 
 class PoseSettings(TypedDict, total=False):
@@ -54,7 +55,8 @@ def plan(
 ) -> Plan:
     """The most informative motion inside the machine's limits, proven.
 
-    Ctrl-C ends the search and keeps the best motion found so far; a second one gives up. The search runs in `workers`
+    Ctrl-C ends the search and keeps the best motion found so far; a second one gives up. So does the end of `seconds`;
+    proof and figures come after. The search runs in `workers`
     processes, which do not run the caller's script.
 
     Args:
@@ -62,7 +64,7 @@ def plan(
         family: family of motions; unless given point-to-point moves.
         duration: duration of the excitation [s].
         progress: shows a line now and then.
-        **settings: criterion, model, payload, payload_from, starts, seed, workers; see `Settings`.
+        **settings: criterion, model, payload, payload_from, starts, seed, workers, seconds; see `Settings`.
 
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.

@@ -1,16 +1,20 @@
 """Plans an excitation from start to proof."""
 
+import math
+import time
 from collections.abc import Sequence
-from dataclasses import replace
-from time import perf_counter
+from dataclasses import dataclass, replace
+from itertools import count
 
 import numpy as np
 
 from cases.errors import IdentificationError, InfeasiblePlan, Interrupted
 from cases.schema import Case
+from cases.units import Array
 from identification.limit import LimitKind
 from identification.limit_proof import PROOF_RATE, prove
 from identification.model import identification_model
+from planner.families import Family
 from planner.families.ptp import controlled, with_steps
 from planner.plans import Plan
 from planner.rating import PlannedMotion, rated_plan
@@ -31,6 +35,7 @@ from planner.search.parallel import (
 from planner.search.solving import Start, Task
 
 KEPT = 3  # number of the best orders and periods that get more starts
+REFINING = 0.4  # share of a search of some seconds that its refinements have, where it explores first
 AHEAD = 8  # starts that may run at a time: what a start is depends on the results of those so many before it
 
 
@@ -54,76 +59,114 @@ def require_plannable(request: Request, case: Case) -> None:
 def search(request: Request, case: Case, listener: Listener, run: Runner) -> PlannedMotion:
     """Explores starts until further ones gain too little, refines the best ones, proves the winner.
 
+    A search that lasts some seconds goes on with rounds of this kind until then.
+
     Raises:
         InfeasiblePlan: every start failed; the message is that of the first.
         Interrupted: Ctrl-C before any start was done.
     """
     listener(request)
+    until = math.inf if request.seconds is None else time.monotonic() + request.seconds
     made_for = request.family.made_for(case)
     own, step_time = controlled(case, made_for)
-    own = own.within_margin()  # the proof of the winner asks the limits themselves
-    results, interrupted = _explored(request, own, case, listener, run)
-    explored = _without_failures(results)
-    score = max((s.record.criterion_value for s in explored if s.record.refined), default=-np.inf)
-    # An exploration overestimates, and never underestimates: one below the best result so far cannot win.
-    promising = sorted((s for s in explored if not s.record.refined and s.promise > score), key=lambda s: -s.promise)
-    refinements = [
-        Task(own, request.model, s.family, request.criterion, s.record.seed, request.payload, s.begin, case)
-        for s in promising[: request.family.refinements(request.criterion)]
-    ]
-    if refinements and not interrupted:
-        second, interrupted = run(Schedule.of(refinements), listener)
-        results += second
+    rounds = _Rounds(request, own.within_margin(), case, listener, run, until)  # the proof asks the limits themselves
+    results: list[Start | Failed] = []
+    ended_early = False
+    for number in count():
+        more, ended_early = rounds.one(number, _best_refined(results))
+        results += more
+        if ended_early or request.seconds is None or all(isinstance(result, Failed) for result in more):
+            break
+    out_of_time = ended_early and time.monotonic() >= until
     starts = sorted(_without_failures(results), key=lambda s: -s.record.criterion_value)
     failed = tuple(r for r in results if isinstance(r, Failed))
     if not starts:
-        if interrupted:
+        if ended_early and not out_of_time:
             raise Interrupted
         raise InfeasiblePlan(failed[0].reason)
     best = starts[0]
-    motion = best.family.motion(keep_limits(own, best.family, best.unknowns, PROOF_RATE)[0])
+    motion = best.family.motion(keep_limits(rounds.case, best.family, best.unknowns, PROOF_RATE)[0])
     report = with_steps(prove(motion, case), step_time)
     settings = {**best.family.settings, **best.family.found(best.unknowns)}
     settings |= {} if made_for is None else {"made_for": made_for}
     settings |= {} if not step_time else {"without": LimitKind.JERK}
-    return PlannedMotion(motion, settings, report, tuple(starts), failed, interrupted)
+    interrupted = ended_early and not out_of_time
+    return PlannedMotion(motion, settings, report, tuple(starts), failed, interrupted, out_of_time)
 
 
 def _without_failures(results: Sequence[Start | Failed]) -> list[Start]:
     return [result for result in results if isinstance(result, Start)]
 
 
-def _explored(request: Request, case: Case, reference: Case, listener: Listener, run: Runner) -> Outcome:
-    """Results of all starts, and whether Ctrl-C ended them.
+def _best_refined(results: Sequence[Start | Failed]) -> float:
+    return max((s.record.criterion_value for s in _without_failures(results) if s.record.refined), default=-math.inf)
 
-    Each of several orders and periods has one start first; the starts that follow go to the best of them.
 
-    Args:
-        case: case with the limits that its controller enforces, within the margin of their ends.
-        reference: case of the reference scaling.
-    """
-    families, idle = request.family.families(case, request.duration), request.family.idle(request.criterion)
-    parameters, most = len(identification_model(case, request.model).names), most_starts(request)
-    first = max(len(families), min(1 + idle, most))
-    seeds, settings = seeds_of(request.seed, max(first, most)), [family.settings for family in families]
+@dataclass(frozen=True, slots=True)
+class _Rounds:
+    """Rounds of a search: starts until further ones gain too little, and refinements of the best of them."""
 
-    def task(k: int, results: Sequence[Start | Failed]) -> Task | None:
-        known = max(first, k + 1 - AHEAD)
-        if k >= first and (k >= most or len(results) < known):
-            return None
-        if k < first:
-            family = families[k % len(families)]
-        else:
-            starts = sorted(_without_failures(results[:known]), key=lambda s: -s.promise)
-            ranked = dict.fromkeys(settings.index(s.family.settings) for s in starts)
-            best = [families[n] for n in ranked] or families
-            family = best[(k - first) % min(KEPT, len(best))]
-        return Task(case, request.model, family, request.criterion, seeds[k], request.payload, None, reference)
+    request: Request
+    case: Case  # case with the limits that its controller enforces, within the margin of their ends
+    reference: Case  # case of the reference scaling
+    listener: Listener
+    run: Runner
+    until: float  # when the search is to end, by `time.monotonic` [s]
 
-    def are_enough(results: Sequence[Start | Failed]) -> bool:
-        return len(results) >= first and enough(results, request, parameters)
+    def one(self, number: int, score: float) -> Outcome:
+        """Results of a round, refinements last, and whether Ctrl-C or its time ended it early.
 
-    return run(Schedule(task, are_enough), listener)
+        Args:
+            number: number of the round, from 0.
+            score: criterion of the best motion of earlier rounds.
+        """
+        request = self.request
+        wanted = request.family.refinements(request.criterion)
+        left = self.until - time.monotonic()
+        schedule = self._explorations(number, self.until - REFINING * left if wanted else self.until)
+        results, early = self.run(schedule, self.listener)
+        explored, score = _without_failures(results), max(score, _best_refined(results))
+        # An exploration overestimates, and never underestimates: one below the best result so far cannot win.
+        promising = sorted(
+            (s for s in explored if not s.record.refined and s.promise > score), key=lambda s: -s.promise
+        )
+        refinements = [self._task(s.family, s.record.seed, s.begin) for s in promising[:wanted]]
+        if refinements and (schedule.late or not early):
+            second, early = self.run(Schedule.of(refinements, self.until), self.listener)
+            results = results + second
+        return results, early
+
+    def _task(self, family: Family, seed: int, begin: Array | None = None) -> Task:
+        own = self.request
+        return Task(self.case, own.model, family, own.criterion, seed, own.payload, begin, self.reference)
+
+    def _explorations(self, number: int, until: float) -> Schedule:
+        """The starts of a round. Each of several choices has one first; those that follow go to the best of them."""
+        request = self.request
+        families, idle = request.family.families(self.case, request.duration), request.family.idle(request.criterion)
+        parameters, most = len(identification_model(self.case, request.model).names), most_starts(request)
+        first = max(len(families), min(1 + idle, most))
+        each = max(first, most)
+        seeds = seeds_of(request.seed, (number + 1) * each)[number * each :]
+        settings = [family.settings for family in families]
+
+        def task(k: int, results: Sequence[Start | Failed]) -> Task | None:
+            known = max(first, k + 1 - AHEAD)
+            if k >= first and (k >= most or len(results) < known):
+                return None
+            if k < first:
+                family = families[k % len(families)]
+            else:
+                starts = sorted(_without_failures(results[:known]), key=lambda s: -s.promise)
+                ranked = dict.fromkeys(settings.index(s.family.settings) for s in starts)
+                best = [families[n] for n in ranked] or families
+                family = best[(k - first) % min(KEPT, len(best))]
+            return self._task(family, seeds[k])
+
+        def are_enough(results: Sequence[Start | Failed]) -> bool:
+            return len(results) >= first and enough(results, request, parameters)
+
+        return Schedule(task, are_enough, until)
 
 
 def seeds_of(seed: int, starts: int) -> list[int]:
@@ -142,7 +185,7 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
         Interrupted: Ctrl-C before any start was done.
     """
     require_plannable(request, case)
-    start = perf_counter()
+    start = time.perf_counter()
     if (by_hand := request.family.motion(case)) is None:
         result = search(request, case, listener, run)
     else:
@@ -150,7 +193,7 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
         if not motion.duration <= LONGEST:
             raise InfeasiblePlan(file, f"takes {motion.duration:.0f} s, longer than {LONGEST:g} s; take steps out")
         result = PlannedMotion(motion, {"sequence": str(file)}, prove(motion, case))
-    seconds = perf_counter() - start
+    seconds = time.perf_counter() - start
     if not result.limits.kept:
         worst = result.limits.violations[0]
         raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; {remedy(worst, case)}")

@@ -45,6 +45,7 @@ class PlannedMotion(NamedTuple):
     starts: tuple[Start, ...] = ()  # the best one first
     failed: tuple[Failed, ...] = ()  # starts without a feasible motion
     interrupted: bool = False  # whether Ctrl-C ended the search early
+    out_of_time: bool = False  # whether it ended because it had lasted as long as was asked for
 
 
 def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: float) -> Plan:
@@ -92,7 +93,8 @@ def weaknesses(planned: PlannedMotion, request: Request) -> tuple[str, ...]:
     """Reasons why another plan would carry more information, each with a remedy; the first thing that a user reads."""
     words = []
     refined = [s.record for s in planned.starts if s.record.refined]
-    unfinished = bool(refined) and not planned.interrupted and not refined[0].converged
+    ended_early = planned.interrupted or planned.out_of_time
+    unfinished = bool(refined) and not ended_early and not refined[0].converged
     if unfinished and request.starts is not None:  # a search that ends by itself has tried further starts
         tried = "the only start" if request.starts == 1 else f"the best of {request.starts} starts"
         words.append(
@@ -119,6 +121,8 @@ def search_notes(planned: PlannedMotion, request: Request, parameters: int) -> t
     Args:
         parameters: their number u.
     """
+    if planned.out_of_time:
+        return (f"ended after {request.seconds:g} s, as asked: the best of {len(planned.starts)} motions until then",)
     values = [s.record.logdet for s in planned.starts if s.record.refined]
     smooth = request.name == PointToPoint.name and "without" not in planned.settings
     if request.criterion != Criterion.D or request.starts is not None or planned.interrupted or len(values) < 2:

@@ -22,6 +22,7 @@ OWNERS = {setting.name: name for name, kind in FAMILIES.items() for setting in f
 """Settings of one family alone, and its name."""
 DURATION = 12.0  # [s] unless another is asked for
 LONGEST = 600.0  # [s] longest excitation; the method is for production breaks
+LONGEST_SEARCH = 1e5  # [s]
 
 
 def require_seed(seed: int) -> None:
@@ -50,6 +51,7 @@ class Request:
     starts: int | None = None  # number of random starts; None for as many as pay
     seed: int = 0  # seed of the starts
     workers: int | None = field(default=None, compare=False)  # processes that search; None for one a core
+    seconds: float | None = None  # how long to search [s]; None for as long as it pays
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "criterion", Criterion(self.criterion))
@@ -60,6 +62,12 @@ class Request:
             raise HexciteError(f"{self.starts} starts; choose --starts 1 to 1000")
         require_seed(self.seed)
         require_workers(self.workers)
+        if self.seconds is not None and not 0.0 < self.seconds <= LONGEST_SEARCH:
+            raise HexciteError(
+                f"{self.seconds:g} s is not a time to search for; choose --seconds up to {LONGEST_SEARCH:g}"
+            )
+        if self.seconds is not None and self.starts is not None:
+            raise HexciteError("--starts and --seconds both say when a search ends; leave out one of them")
         if self.payload_from is not None and not 0 <= self.payload_from <= self.payload:
             raise HexciteError(
                 f"payloads {self.payload_from}-{self.payload} are not a range; give the fewest first, as "
@@ -84,7 +92,7 @@ class Request:
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json` that say what was asked for, beside criterion and model."""
-        entries = {"duration_s": self.duration, "starts": self.starts}
+        entries = {"duration_s": self.duration, "starts": self.starts, "seconds": self.seconds}
         own = {name: str(v) if isinstance(v, Path) else v for name, v in asdict(self.family).items()}
         return {"seed": self.seed, "asked": entries | {"family": own}}
 
@@ -102,6 +110,7 @@ class Request:
             None if fewest == data["payload"] else int(fewest),
             asked["starts"],
             int(data["seed"]),
+            seconds=asked.get("seconds"),  # which older plans do not have
         )
 
 

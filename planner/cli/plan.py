@@ -12,7 +12,7 @@ from cases.files import PLAN, check_folder, output_place
 from planner.cli import console
 from planner.cli.console import argument, option, out
 
-SEARCHED = ("duration", "starts", "seed", "workers")  # options of families that are optimised
+SEARCHED = ("duration", "starts", "seconds", "seed", "workers")  # options of families that are optimised
 OPTIONS = {"controller": "for"}  # options whose names differ from those of their parameters
 
 
@@ -61,6 +61,9 @@ def plan(
         str, option("How many of the case's payloads are mounted: a number, or a range such as 0-5.")
     ] = "0",
     starts: Annotated[int | None, option("Number of random starts; by default as many as pay.")] = None,
+    seconds: Annotated[
+        float | None, option("How long to search in s, then to keep the best; by default as long as it pays.")
+    ] = None,
     seed: Annotated[int, option("Seed of the random starts.")] = 0,
     workers: console.Workers = None,
     output: Annotated[Path | None, out("Folder to write; named after case and family by default.")] = None,
@@ -94,6 +97,7 @@ def plan(
         starts=starts,
         seed=seed,
         workers=workers,
+        seconds=seconds,
     )
     optimised = request.family.optimised
     folder = output_place(output, Path(f"{loaded.name}-{family}"), overwrite)

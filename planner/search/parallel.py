@@ -2,14 +2,16 @@
 
 A search ends with the first start after which the last ones, as many as the family waits for (`idle`), did not raise
 the best by `WORTHWHILE`, the first `FAILURES` all failed, or there were `MOST`. `--starts N` asks for N of them
-instead. Starts have an order, and results that come before their turn wait for it: neither the number of processes nor
-what else the computer does changes the result.
+instead, `--seconds S` for as many as there is time for. Starts have an order, and results that come before their turn
+wait for it: but for a search that lasts so many seconds, neither the number of processes nor what else the computer
+does changes the result.
 """
 
 import math
 import os
 import signal
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -80,7 +82,7 @@ Listener = Callable[[Request | Start | Failed | None], None]
 arrives, and with None between the results, while starts are running."""
 
 Outcome = tuple[list[Start | Failed], bool]
-"""Results of starts in their order, and whether Ctrl-C ended them early."""
+"""Results of starts in their order, and whether Ctrl-C or their time ended them early."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,11 +94,18 @@ class Schedule:
     task: Callable[[int, Sequence[Start | Failed]], Task | None]
     # whether results, in the order of their starts, are enough
     enough: Callable[[Sequence[Start | Failed]], bool]
+    until: float = math.inf  # when starts end with what they have reached, by `time.monotonic` [s]
 
     @classmethod
-    def of(cls, tasks: Sequence[Task]) -> "Schedule":
+    def of(cls, tasks: Sequence[Task], until: float = math.inf) -> "Schedule":
         """All of some starts."""
-        return cls(lambda k, _: tasks[k] if k < len(tasks) else None, lambda results: len(results) >= len(tasks))
+        every = len(tasks)
+        return cls(lambda k, _: tasks[k] if k < every else None, lambda results: len(results) >= every, until)
+
+    @property
+    def late(self) -> bool:
+        """Whether their time is over."""
+        return time.monotonic() >= self.until
 
 
 class Results:
@@ -152,10 +161,12 @@ def run_here(schedule: Schedule, listener: Listener) -> Outcome:
     """Runs starts one after the other in this process: for those who bring processes of their own."""
     results = Results(schedule)
     while not results.enough and (task := schedule.task(len(results.in_order), results.in_order)) is not None:
-        result = run_safely(task, lambda objective: False)
+        if results.in_order and schedule.late:
+            break
+        result = run_safely(task, lambda objective: schedule.late)
         listener(result)
         results.add(len(results.in_order), result)
-    return results.in_order, False
+    return results.in_order, schedule.late and not results.enough
 
 
 def cores() -> int:
@@ -211,7 +222,8 @@ def ctrl_c_waits() -> Iterator[None]:
 def workers(pressed: Event, most: int | None = None) -> Iterator[Runner]:
     """Processes, one a core or at most `most`, that run starts until the context ends.
 
-    Ctrl-C lets running starts end with what they have reached and drops those that wait.
+    Ctrl-C, and the end of their time, let running starts end with what they have reached and drop those that wait. At
+    least one start runs however short the time is.
 
     Args:
         pressed: event that Ctrl-C sets.
@@ -226,7 +238,7 @@ def workers(pressed: Event, most: int | None = None) -> Iterator[Runner]:
         results, upcoming = Results(schedule), 0
         running: dict[Future[Start | Failed], int] = {}
         with suppress(BrokenProcessPool):  # of which the results of the starts that were running tell
-            while not pressed.is_set() and not results.enough:
+            while not (pressed.is_set() or results.enough or (upcoming > 0 and schedule.late)):
                 while len(running) < width and (task := schedule.task(upcoming, results.in_order)) is not None:
                     with ctrl_c_waits(), _without_script():
                         running[pool.submit(_work, task)] = upcoming
@@ -234,11 +246,12 @@ def workers(pressed: Event, most: int | None = None) -> Iterator[Runner]:
                 if not running:
                     break
                 _take(running, results, listener)
-        stop.set()  # for starts that are not waited for, and for Ctrl-C, which leaves what they have reached
+        early = not results.enough and (pressed.is_set() or schedule.late)
+        stop.set()  # for starts that are not waited for, and for those that leave what they have reached
         while running:
             _take(running, results, listener)
-        late = sorted(results.early.items()) if pressed.is_set() else []
-        return [*results.in_order, *(result for _, result in late)], pressed.is_set()
+        behind = sorted(results.early.items()) if early or pressed.is_set() else []
+        return [*results.in_order, *(result for _, result in behind)], early or pressed.is_set()
 
     try:
         yield run

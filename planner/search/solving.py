@@ -181,7 +181,10 @@ class _Run:
         return self.solve(unknowns, iterations, barrier, convex=not task.moves)
 
     def solve(self, unknowns: Array, iterations: int, barrier: Barrier | None, convex: bool = False) -> Array:
-        """Runs the solver once."""
+        """Runs the solver once; where the start is to end, its functions are not even built: that takes seconds."""
+        if self.stopped:
+            self.status, self.converged = SolverStatus.STOPPED, False
+            return unknowns
         program = replace(self.program, convex=convex)
         solution, self.status, count = solve(program, unknowns, iterations, self.stops, barrier)
         self.iterations += count
