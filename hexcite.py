@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from cases import new_arm as new_arm
     from cases import new_case as new_case
     from identification import Finding as Finding
+    from identification import Identifiability as Identifiability
     from identification import Look as Look
     from identification import Method as Method
     from identification import Model as Model
@@ -51,6 +52,7 @@ if TYPE_CHECKING:
     from planner import check_case as check_case
     from planner import compare as compare
     from planner import demo as demo
+    from planner import identifiability as identifiability
     from planner import plan as plan
     from planner import plan_poses as plan_poses
     from planner import plot as plot

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from identification.external import tare as tare
     from identification.external import verify as verify
     from identification.finding import Finding as Finding
+    from identification.identifiability import Identifiability as Identifiability
     from identification.looks import Look as Look
     from identification.looks import look as look
     from identification.model import Model as Model

@@ -250,6 +250,17 @@ def _explained(
     return explained
 
 
+def samples_of(recording: Recording, case: Case, model: Model) -> Samples:
+    """The samples of a recording from which `identify` estimates by default.
+
+    Raises:
+        IdentificationError: the model needs what the recording does not have.
+        RecordingError: the run cannot be evaluated.
+    """
+    run, _ = standing_of(on_one_clock(recording, case), case)
+    return _samples(scan(run, case)[1], case, model)
+
+
 def _samples(recording: Recording, case: Case, model: Model) -> Samples:
     """Samples of a recording, ready to be evaluated."""
     if recording.t is None or case.setup == "1a":

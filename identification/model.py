@@ -1,4 +1,4 @@
-"""Identification models 0 to 9 (Table 2): the regressor A of f_q = A u, equations (17) and (21).
+"""Identification models of Table 2, and model 3 with inertia: the regressor A of f_q = A u, (17) and (21).
 
 A model is a list of blocks; planner, estimator and simulation share it.
 """
@@ -212,7 +212,9 @@ def identification_model(case: Case, number: int) -> Model:
         IdentificationError: no such model; the message lists what there is.
     """
     if number not in MODELS:
-        raise IdentificationError(f"model {number} is not one of Table 2; choose {', '.join(map(str, MODELS))}")
+        raise IdentificationError(
+            f"model {number} is not one of Table 2; choose {', '.join(map(str, MODELS))} (10: model 3 with inertia)"
+        )
     blocks = MODELS[number]
     if case.setup == "1a":
         if number != 0:

@@ -123,7 +123,8 @@ RIGID = 6  # the model of a rigid body and offsets
 _STATIC = (MASS, FIRST_MOMENT, OFFSETS)
 _DYNAMIC = (MASS, FIRST_MOMENT, INERTIA, OFFSETS)
 
-# Table 2; models 4 and 8 have 18 orientation factors (K4), as their counts say
+# Table 2; models 4 and 8 have 18 orientation factors (K4), as their counts say. 10 is not in the table: model 3 with
+# inertia, which motions determine (section 5)
 MODELS: dict[int, tuple[Block, ...]] = {
     0: _STATIC,
     1: (*_STATIC, K1),
@@ -135,6 +136,7 @@ MODELS: dict[int, tuple[Block, ...]] = {
     7: (*_DYNAMIC, K2),
     8: (*_DYNAMIC, K2, K4),
     9: (*_DYNAMIC, K2, K5),
+    10: (*_DYNAMIC, K2, K3),
 }
 
 ERROR_TERMS = (K1, K2, K3, K4, K5)

@@ -24,5 +24,6 @@ if TYPE_CHECKING:
     from planner.reports import report as report
     from planner.reports.plotting import plot as plot
     from planner.retiming import retime as retime
+    from planner.told_apart import identifiability as identifiability
 
 __getattr__, __dir__ = door(__name__)

@@ -111,7 +111,9 @@ def plan(
     with console.status("writing", json), first_ctrl_c():  # this takes a short time
         console.save_with_page(result, PLAN, folder, overwrite)
     written = f"plan written: {folder}, with its report {folder}/report.html"
-    console.answered(answer_of_plan(result, folder), json, written, result)
+    told = hx.identifiability(result)
+    answer = answer_of_plan(result, folder) | {"identifiability": told.to_json()}
+    console.answered(answer, json, written, result, *([f"identifiability: {told.words}"] if told.sentences else []))
 
 
 def read_payloads(text: str) -> tuple[int, int | None]:

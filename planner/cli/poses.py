@@ -58,4 +58,6 @@ def poses(
         console.save_with_page(plan, PLAN, folder, overwrite)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()
     answer.pop("moves")
-    console.answered(answer, json, f"plan written: {folder}, with its report {folder}/report.html", plan)
+    answer["identifiability"] = (told := hx.identifiability(plan)).to_json()
+    texts = (f"identifiability: {told.words}",) if told.sentences else ()
+    console.answered(answer, json, f"plan written: {folder}, with its report {folder}/report.html", plan, *texts)

@@ -14,7 +14,9 @@ from identification.precision import carries_rods, legible, value_cells, value_t
 from identification.signals import Residuals
 from planner.reports.chart import Axis, Chart, Heat, Rule, lines
 from planner.reports.figures import unit_of
+from planner.reports.identifiability import identifiability_blocks
 from planner.reports.page import Block, Head, note, page, section, table, tiles
+from planner.told_apart import identifiability_of_models
 
 PARAMETER_COLUMNS = ("parameter", "value", "±", "unit", "95 % from", "to", "std (28)", "std robust")
 
@@ -32,6 +34,9 @@ def identify_page(result: Result) -> str:
     if residuals is not None:
         sections.append(section("Forces and residuals", *misfit_blocks(result), *residual_blocks(case, residuals)))
     sections.append(section("Parameters that take each other's part", *correlation_blocks(result)))
+    if residuals is not None:
+        told = identifiability_blocks(identifiability_of_models(result), record.model)
+        sections.append(section("Which parameters can be told apart", *told))
     return page(
         f"Identification: {case.title}",
         identified_head(result),

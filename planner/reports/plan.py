@@ -7,8 +7,10 @@ from identification.limit import TOLERANCE, Status
 from identification.motion import sample
 from planner.plans import Plan
 from planner.reports.figures import limits_table, motion_blocks
+from planner.reports.identifiability import identifiability_blocks
 from planner.reports.page import Head, note, page, section, table, tiles
 from planner.reports.scene import moving_machine, posing_machine
+from planner.told_apart import identifiability_of_models
 
 KEPT = "No limit of the case is exceeded: proven at 10 kHz."
 DRAWN_RATE = 500.0  # [1/s]
@@ -35,6 +37,9 @@ def plan_page(plan: Plan) -> str:
         (("case", f"{case.name} (hash {case.hash})"), *inputs, *provenance([])["versions"].items()),
         plan.doubts,
         section("What the plan promises", _headline(plan), deviations, *map(note, notes)),
+        section(
+            "Which parameters can be told apart", *identifiability_blocks(identifiability_of_models(plan), plan.model)
+        ),
         section("The machine along the plan", scene),
         section("How close it comes to each limit", limits_table(plan.limits)),
         section("The motion and its limits", *motion_blocks(case, sample(plan.motion, DRAWN_RATE))),

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from cases.schema import Case
     from identification.external import ExternalForce
+    from identification.identifiability import Identifiability
     from identification.outcome import Result
     from identification.recording import Recording
     from planner.comparison.comparison import Comparison
@@ -23,12 +24,12 @@ if TYPE_CHECKING:
 DRAWN_RATE = 500.0  # [1/s]
 
 
-def plot(value: "Case | Plan | Recording | Result | Comparison | ExternalForce") -> "Figure":
+def plot(value: "Case | Plan | Recording | Result | Comparison | Identifiability | ExternalForce") -> "Figure":
     """A matplotlib figure of a value: its `savefig` writes it, a notebook shows it.
 
     A case is drawn at home, a plan as motion with its limits (poses as machine in some of them), a recording as what
     moved and what was measured, a result as forces and residuals (as correlations where it was loaded), a comparison as
-    standard deviations side by side, an external force over time.
+    standard deviations side by side, identifiability as correlations and R (Figure 3), an external force over time.
 
         hx.plot(result).savefig("residuals.pdf")
     """
@@ -43,6 +44,10 @@ def plot(value: "Case | Plan | Recording | Result | Comparison | ExternalForce")
             return drawn(_recording(value))
         case "Result":
             return drawn(_result(value))
+        case "Identifiability":
+            from planner.reports.identifiability import identifiability_charts
+
+            return drawn(identifiability_charts(value))  # type: ignore[arg-type]
         case "Comparison":
             from planner.reports.compare import std_chart
 
