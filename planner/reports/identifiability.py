@@ -47,14 +47,20 @@ def identifiability_blocks(models: Sequence[Identifiability], own: int) -> tuple
             "yes" if m.determined else "NO",
             f"{m.rank} of {len(m.names)}",
             f"{m.condition:.3g}" if m.determined else "-",
-            "; ".join(m.sentences) or "-",
         )
         for m in models
     ]
+    said: dict[str, list[str]] = {}
+    for m in models:
+        for sentence in m.sentences:
+            said.setdefault(sentence, []).append(str(m.model))
     (used,) = (m for m in models if m.model == own)
-    columns = ("model", "works", "rank", "condition", "what cannot, or hardly, be told apart")
     return (
-        table(columns, rows),
+        table(("model", "works", "rank", "condition"), rows, left=2),
+        *(
+            note(f"Model{'s' * (len(numbers) > 1)} {', '.join(numbers)}: {sentence}.")
+            for sentence, numbers in said.items()
+        ),
         note(
             "By the motion alone, without forces, all channels weighed alike. Models 0 to 9: Table 2; 10: model 3 with "
             "inertia. The condition is that of the scaled regressor (26)."
