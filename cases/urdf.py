@@ -161,6 +161,7 @@ def _arm(root: Element, flange: str | None, sensor: str | None) -> Arm:
         findings.require_none()
     joints, place = list[tuple[Joint, JointLimit]](), np.eye(4)
     for element in way:
+        _require_once(element, findings)
         place = place @ _origin(element, findings)
         if element in moving:
             body = _body(_cluster(element.attrib[_CHILD], fixed, flange), links, findings) if a_tree else None
@@ -281,6 +282,14 @@ def _cluster(link: str, fixed: Mapping[str, list[Element]], flange: str | None =
         yield name, place
         if name != flange:
             waiting.extend((joint.attrib[_CHILD], place @ _origin(joint, _Findings())) for joint in fixed.get(name, ()))
+
+
+def _require_once(joint: Element, findings: _Findings) -> None:
+    """Reports what a joint states twice, each time otherwise: readers of URDF do not agree on which one counts."""
+    for tag in ("parent", "child", "origin", "axis", "limit"):
+        first, *others = joint.findall(tag) or [joint]
+        if any(other.attrib != first.attrib for other in others):
+            findings.problems.append(f"joint {joint.attrib['name']} states {tag} more than once; remove all but one")
 
 
 def _moves(joint: Element, findings: _Findings) -> bool:

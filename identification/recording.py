@@ -7,7 +7,7 @@ sensor to world), forces `f1_N`..`f6_N` or `fx_N`..`mz_Nm`, optionally an accele
 come as several files with their own clocks.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
 from numbers import Real
@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from cases import checks
-from cases.basis import KEPT, case_of, recording_basis, require_unchanged
+from cases.basis import CONTENT, KEPT, case_of, content_of, recording_basis, require_unchanged
 from cases.errors import FileProblem, RecordingError
 from cases.files import RUN, atomic_folder, check_folder, json_text, read_json
 from cases.orientation import ROTATION
@@ -76,10 +76,10 @@ class Recording(Stream):
             raise RecordingError(self.source, "has several clocks, and one table has one", "keep its files")
         place = Path(folder)
         check_folder(place, RUN, self.paths, overwrite)
-        record = self.record or about_case(self.case) | {"source": self.source}
+        record = dict(self.record) or about_case(self.case) | {"source": self.source}
         with atomic_folder(place, RUN, overwrite) as part:
             write_recording(part / "recording.csv", self, self.case)
-            (part / "recording.json").write_text(json_text(dict(record)), encoding="utf-8")
+            (part / "recording.json").write_text(json_text(record | {CONTENT: content_of(record)}), encoding="utf-8")
 
     @classmethod
     @checks
@@ -104,9 +104,9 @@ class Recording(Stream):
             raise RecordingError(
                 place, "does not say which machine it is from", "name it with --case, or a folder of hexcite run"
             )
-        file, again = place / "recording.json", "run the program again"
-        own = case_of(file, record, again)
-        remarks = require_unchanged(file, record, recording_basis(own), own, stale, again)
+        file = place / "recording.json"
+        own = case_of(file, record, AGAIN)
+        remarks = require_unchanged(file, record, recording_basis(own), own, stale, AGAIN)
         return replace(read(paths, own), remarks=remarks)
 
     def __repr__(self) -> str:
@@ -155,6 +155,7 @@ def _of_run(record: Mapping[str, Any]) -> list[str]:
 
 
 SCHEMA_VERSION = 1
+AGAIN = "run the program again"
 # 1e-8 mm and 1e-6 N: below every encoder and converter, and short to read
 _DECIMALS: dict[Role | None, int] = {Role.FORCES: 6, Role.MOMENTS: 6, Role.STRUTS: 8, Role.DRIVES: 8, Role.JOINTS: 8}
 CLOCK_DECIMALS, FINE = 9, 12  # decimals of the time, and of all other columns
@@ -190,7 +191,29 @@ def record_of(path: Path) -> Mapping[str, Any]:
     except (OSError, ValueError) as error:
         raise unreadable(path, error) from error
     file = path / "recording.json"
-    return read_json(file, "hexcite run") if path.is_dir() and file.is_file() else {}
+    if not (path.is_dir() and file.is_file()):
+        return {}
+    record = read_json(file, "hexcite run")
+    if record.pop(CONTENT, None) not in (None, content_of(record)):  # version 0.2 stated none
+        raise FileProblem(file, "was changed by hand", AGAIN)
+    for key, kind in _KINDS.items():
+        if not kind(record[key]) if key in record else "executed_s" in record:
+            raise FileProblem(file, f"entry {key} is missing or damaged", AGAIN)
+    return record
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+_KINDS: Mapping[str, Callable[[Any], bool]] = {
+    **dict.fromkeys(("executed_s", "planned_s", "path_error_mm"), _is_number),
+    "d_efficiency": lambda value: value is None or _is_number(value),
+    **dict.fromkeys(("controller", "remark"), lambda value: isinstance(value, str)),
+    "peaks_of_limit": lambda value: isinstance(value, dict) and all(map(_is_number, value.values())),
+    "exceeded": lambda value: isinstance(value, list) and all(isinstance(line, str) for line in value),
+}
+"""Of what kind the entries of recording.json are that are shown; where one of them is there, all are."""
 
 
 def poses_of_record(record: Mapping[str, Any], coordinates: int) -> Array | None:
@@ -201,7 +224,7 @@ def poses_of_record(record: Mapping[str, Any], coordinates: int) -> Array | None
         poses = np.array(entry, dtype=float)
         if poses.shape[1:] == (coordinates,) and np.isfinite(poses).all():
             return poses
-    raise FileProblem("recording.json: poses_m_rad", f"are not poses of {coordinates} numbers; run the program again")
+    raise FileProblem("recording.json: poses_m_rad", f"are not poses of {coordinates} numbers", AGAIN)
 
 
 def about_case(case: Case) -> dict[str, Any]:

@@ -70,8 +70,10 @@ def bag_tables(bag: Path, form: FileFormat) -> Iterator[ColumnTable]:
                 "map their names in [recording.columns] of the case, such as q1_deg",
             )
         yield table
-        if (table := _table(f"{bag}, {wrench}", AXES, _readings(bag, reader, wrench, form), form)) is not None:
-            yield table
+        if (table := _table(f"{bag}, {wrench}", AXES, _readings(bag, reader, wrench, form), form)) is None:
+            problem = "holds none of the messages that the bag's index counts"
+            raise RecordingError(f"{bag}, {wrench}", problem, "copy it again, or run ros2 bag reindex")
+        yield table
 
 
 @contextmanager

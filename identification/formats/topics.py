@@ -80,6 +80,8 @@ def _topic(reader: "AnyReader", name: str, kind: str, count: int) -> BagTopic:
         row = dict(_channels(what, message))
         rows.append(row)
         channels |= dict.fromkeys(row)
+    if not rows:  # its index counts some that are not there
+        return BagTopic(name, kind, 0, what)
     stamped = len({*stamps}) > 1 or len(stamps) == 1
     taken = np.array(stamps if stamped else received, dtype=np.int64)
     values = np.array([[row.get(channel, np.nan) for channel in channels] for row in rows])

@@ -8,7 +8,6 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from cases.errors import FileProblem
-from cases.files import read_json
 from cases.schema import Case
 from identification.criteria import CRITERIA, pose_regressors, reference_scaling, singular_values
 from identification.estimation.fit import Value
@@ -16,7 +15,7 @@ from identification.identify import identify
 from identification.model import identification_model
 from identification.outcome import Result
 from identification.parameters import physical_form
-from identification.recording import Recording
+from identification.recording import Recording, record_of
 from planner.noise import mean_information
 from planner.plans import Plan
 
@@ -96,7 +95,7 @@ def read_entry(path: Path, case: Case | None = None, stale: bool = False) -> Ent
     if (path / "plan.json").is_file():
         return entry_of_plan(Plan.load(path, case, stale), str(path))
     if (path / "recording.json").is_file():
-        about = read_json(path / "recording.json", "hexcite run")
+        about = record_of(path)
         notes = {name: float(about[name]) for name in EXECUTION if about.get(name) is not None}
         return _entry_of_result(identify(Recording.load(path, case, stale), case), str(path), notes)
     if (path / "result.json").is_file():

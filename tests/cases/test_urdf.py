@@ -164,6 +164,17 @@ def test_all_that_is_wrong_is_told_at_once(tmp_path: Path) -> None:
     assert all(problem in one_line(caught.value) for problem in caught.value.problems)
 
 
+@pytest.mark.parametrize("tag", ["axis", "origin", "limit"])
+def test_what_a_joint_states_twice_is_refused_where_the_two_differ(tag: str, tmp_path: Path) -> None:
+    """Readers of URDF do not agree on which one counts."""
+    own = re.search(rf'name="elbow_joint".*?(<{tag} .*?/>)', ur10(), re.DOTALL)[1]
+    elbow = '<joint name="elbow_joint" type="revolute">'
+    assert arm(tmp_path, (elbow, elbow + own)).joints == arm(tmp_path).joints
+    other = re.sub(r'="[^ "]+', '="0.5', own, count=1)
+    with pytest.raises(CaseError, match=f"joint elbow_joint states {tag} more than once"):
+        arm(tmp_path, (elbow, elbow + other))
+
+
 def test_what_is_no_tree_hides_no_other_problem(tmp_path: Path) -> None:
     extra = '<joint name="extra" type="fixed"><parent link="nowhere"/><child link="base_link"/></joint></robot>'
     with pytest.raises(CaseError) as caught:

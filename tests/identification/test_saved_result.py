@@ -21,9 +21,10 @@ from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model
 from identification.outcome import Result
+from identification.recording import Recording, about_case
 from identification.result import ResultEntries, entries_of_parameters, physical_values
 from identification.simulate import simulate_recording
-from tests.helpers import Harmonic
+from tests.helpers import Harmonic, one_line
 from tests.postprocessors.export.calibrations import calibration
 from tests.simulated_machine import PoseExecution
 
@@ -111,6 +112,32 @@ def test_a_damaged_entry_of_the_recording_is_named() -> None:
     run = simulate_recording(CASE, execution, np.array([[0.15, 1.85]]), 0, "run.csv")
     with pytest.raises(FileProblem, match=r"run.csv: recording.json: entry plan_hash is damaged; run again"):
         identify(replace(run, record={"case": CASE.name, "plan_hash": 5}), CASE)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("executed_s", 2.5, "was changed by hand"),
+        ("executed_s", None, "entry executed_s is missing or damaged"),
+        ("exceeded", 3.0, "entry exceeded is missing or damaged"),
+        ("peaks_of_limit", {"jerk": "much"}, "entry peaks_of_limit is missing or damaged"),
+    ],
+)
+def test_a_record_of_a_run_that_was_changed_is_refused(key: str, value: object, words: str, tmp_path: Path) -> None:
+    """Also where it has no fingerprint, as in files of 0.2, and the entry is not what it must be."""
+    of_run = {"executed_s": 2.0, "planned_s": 2.0, "path_error_mm": 0.1, "d_efficiency": None, "controller": "virtual"}
+    of_run |= {"remark": "", "peaks_of_limit": {"jerk": 0.5}, "exceeded": []}
+    run = simulate_recording(CASE, PoseExecution(Hexapod.of(CASE), Harmonic(duration=0.5)), np.array([[0.1, 0.4]]), 0)
+    replace(run, case=CASE, record=about_case(CASE) | of_run).save(tmp_path / "run")
+    assert "executed on virtual" in repr(Recording.load(tmp_path / "run"))
+    file = tmp_path / "run" / "recording.json"
+    data = json.loads(file.read_text(encoding="utf-8")) | {key: value}
+    if "by hand" not in words:
+        del data["content"]
+    file.write_text(json.dumps(data), encoding="utf-8")
+    with pytest.raises(FileProblem, match=words) as caught:
+        Recording.load(tmp_path / "run")
+    assert one_line(caught.value).startswith(str(file))
 
 
 @pytest.mark.parametrize(("key", "value"), [("s0", 0.5), ("samples", 7), ("recording", "other.csv")])

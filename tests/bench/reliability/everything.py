@@ -12,13 +12,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tests.bench.reliability.executed import tally_of_executed
-from tests.bench.reliability.folders import tally_of_cases, tally_of_plans, tally_of_results
+from tests.bench.reliability.folders import tally_of_cases, tally_of_plans, tally_of_recordings, tally_of_results
 from tests.bench.reliability.interrupted import tally_of_full_disks, tally_of_kills
 from tests.bench.reliability.programs import DIALECTS
 from tests.bench.reliability.rearranged import tally_of_rearranged
 from tests.bench.reliability.recordings import tally_of_other_files, tally_of_runs
+from tests.bench.reliability.stored import tally_of_bags, tally_of_parquet
 from tests.bench.reliability.tally import Tally
 from tests.bench.reliability.texts import tally_of_texts
+from tests.bench.reliability.urdf import tally_of_urdf
 
 
 @dataclass(frozen=True)
@@ -44,9 +46,13 @@ PARTS = (
     *(Part(f"programs of {dialect}", 20_000, _of_programs(dialect)) for dialect in DIALECTS),
     Part("random programs", 1_000, tally_of_executed),
     Part("cases", 5_000, tally_of_cases),
-    Part("plans", 1_000, tally_of_plans),
-    Part("results", 1_000, tally_of_results),
+    Part("urdf", 5_000, tally_of_urdf),
+    Part("plans", 5_000, tally_of_plans),
+    Part("recordings", 5_000, tally_of_recordings),
+    Part("results", 5_000, tally_of_results),
     Part("texts", 5_000, tally_of_texts),
+    Part("bags", 5_000, tally_of_bags),
+    Part("parquet", 5_000, tally_of_parquet),
     Part("rearranged", 10_000, tally_of_rearranged),
     Part("other files", 5_000, tally_of_other_files),
     Part("runs", 5_000, tally_of_runs),

@@ -1,4 +1,4 @@
-"""Damaged cases, plan folders and result folders: refused in one line, or used with every limit satisfied."""
+"""Damaged cases, and folders of plans, runs and results: refused in one line, or used with every limit satisfied."""
 
 import json
 import random
@@ -15,6 +15,7 @@ from cases.scaffold import readiness
 from cases.schema import load_case
 from cases.tables import built_in_cases
 from identification.hexapod import Hexapod
+from identification.recording import Recording
 from planner.reach import reach
 from planner.reports.case_figures import case_figures, has_motion_box, leftovers
 from postprocessors.dialects import read_program
@@ -26,8 +27,10 @@ from tests.bench.reliability.trees import damaged
 from tests.cases.editing import written
 from tests.planner.command_line import Answer, call, hexcite
 from tests.postprocessors.canonical import interpreted_share, missing_interpreter
+from tests.postprocessors.edited import moves
 
 ACCEPT = ("--accept", "velocity,acceleration,jerk,strut-velocity,strut-acceleration,sensor-force")
+IDENTIFIED = 10  # one folder of a run of so many is identified
 SECOND = 2  # files are damaged as text in one of so many tries, as data in the others
 
 
@@ -112,6 +115,8 @@ def _lay(folder: Path, files: dict[str, bytes], main: str, draw: random.Random, 
     for name, content in files.items():
         if name == main and seed % SECOND:
             data = json.loads(content)
+            if draw.random() < 0.5:
+                data.pop("content", None)  # as version 0.2 wrote it
             for _ in range(draw.randint(1, 2)):
                 data = damaged(data, draw)
             content = json.dumps(data).encode()
@@ -155,6 +160,34 @@ def tally_of_plans(seeds: range, folder: Path) -> Tally:
                 tally.defect(seed, f"a program is written that uses {share} of a limit as rs274 understands it")
 
     return tallied("plan folders", seeds, one)
+
+
+@cache
+def _run() -> dict[str, bytes]:
+    with tempfile.TemporaryDirectory() as name:
+        program = Path(name) / "p.ngc"
+        program.write_text(moves("linuxcnc"), encoding="ascii")
+        return _made(("run", program, "--case", "hexapod"))
+
+
+def tally_of_recordings(seeds: range, folder: Path) -> Tally:
+    """Damaged folders of runs, read with the case that they name; one in so many is identified too."""
+
+    def one(seed: int, tally: Tally) -> None:
+        draw = random.Random(seed)
+        with tempfile.TemporaryDirectory(dir=folder) as name:
+            run = Path(name) / "run"
+            run.mkdir()
+            _lay(run, _run(), "recording.json", draw, seed)
+            recording = tally.attempt(seed, lambda: Recording.load(run), "")
+            if recording is None:
+                return
+            if not (repr(recording).isascii() and np.isfinite(recording.forces).all()):
+                tally.defect(seed, f"not finite, or no text: {recording!r}")
+            if seed % IDENTIFIED == 0:
+                _tried(tally, seed, "", "identify", run, "-o", Path(name) / "result", "--json")
+
+    return tallied("folders of runs", seeds, one)
 
 
 def tally_of_results(seeds: range, folder: Path) -> Tally:

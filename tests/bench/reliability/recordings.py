@@ -26,6 +26,7 @@ from identification.parameters import linear_parameters, physical_form
 from identification.recording import read
 from identification.runs.preparation import on_one_clock
 from identification.simulate import simulate_recording
+from tests.bench.reliability.looked import as_stated
 from tests.bench.reliability.tally import Tally, tallied
 from tests.helpers import Harmonic, paper_poses
 from tests.identification.formats.runs import NAMES, Truth, case_with, csv
@@ -336,10 +337,6 @@ def tally_of_other_files(seeds: range, folder: Path) -> Tally:
             ):
                 tally.defect(seed, f"{name}: values that are not finite")
             return
-        recording = tally.attempt(seed, lambda: read(file, case), str(file))
-        for stream in () if recording is None else (recording, *recording.others):
-            runs = stream.t is None or np.all(np.diff(stream.t) > 0)  # None: averages at standstills
-            if not (runs and all(np.isfinite(array).all() for array in stream.channels.values())):
-                tally.defect(seed, f"{name}: a stream that is not finite, or whose clock does not run")
+        as_stated(file, case, name, seed, tally)
 
     return tallied("standstills and files of other formats", seeds, one)

@@ -5,11 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from tests.bench.reliability.folders import tally_of_cases, tally_of_plans, tally_of_results
+from tests.bench.reliability.folders import tally_of_cases, tally_of_plans, tally_of_recordings, tally_of_results
 from tests.bench.reliability.programs import CASE, DIALECTS
 from tests.bench.reliability.recordings import ALONE_AND_IN_PAIRS, KINDS, tally_of_other_files, tally_of_runs
+from tests.bench.reliability.stored import tally_of_bags, tally_of_parquet
 from tests.bench.reliability.tally import Tally
 from tests.bench.reliability.texts import bases, tally_of_texts
+from tests.bench.reliability.urdf import tally_of_urdf
 from tests.postprocessors.canonical import interpreted_share
 from tests.postprocessors.edited import EVERY_DIALECT, changed, moves
 
@@ -21,8 +23,11 @@ def test_damaged_programs(dialect: str) -> None:
 
 @pytest.mark.parametrize(
     ("tally_of", "count"),
-    [(tally_of_runs, 4), (tally_of_other_files, 15), (tally_of_cases, 20), (tally_of_results, 5)],
-)
+    [
+        (tally_of_runs, 4), (tally_of_other_files, 15), (tally_of_cases, 20), (tally_of_results, 5),
+        (tally_of_recordings, 5),
+    ],
+)  # fmt: skip
 def test_damaged_recordings_cases_and_results(
     tally_of: Callable[[range, Path], Tally], count: int, tmp_path: Path
 ) -> None:
@@ -30,6 +35,14 @@ def test_damaged_recordings_cases_and_results(
     assert tally.defects == []
     assert tally.counts["refused"] > 0, "nothing was refused: not a test"
     assert tally.tried == count
+
+
+@pytest.mark.parametrize(("tally_of", "count"), [(tally_of_bags, 10), (tally_of_parquet, 40), (tally_of_urdf, 20)])
+def test_damaged_bags_tables_and_robots(tally_of: Callable[[range, Path], Tally], count: int, tmp_path: Path) -> None:
+    """What is answered is read twice: as stated and as proposed, or as an arm and as its case."""
+    tally = tally_of(range(count), tmp_path)
+    assert tally.defects == []
+    assert min(tally.counts["refused"], tally.counts["answered"]) > count // 5, "not a test"
 
 
 def test_damaged_texts_of_all_formats(tmp_path: Path) -> None:

@@ -10,13 +10,9 @@ from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
-import numpy as np
-
-from cases.recording_format import RecordingFormat
 from cases.schema import Case
 from identification.formats.words import MISSING
-from identification.looks import look
-from identification.recording import Recording, read
+from tests.bench.reliability.looked import as_proposed, as_stated
 from tests.bench.reliability.recordings import ODD, stained
 from tests.bench.reliability.tally import Tally, tallied
 from tests.identification.formats import test_lvm, test_shapes, test_sinumerik, test_twincat
@@ -177,27 +173,11 @@ def tally_of_texts(seeds: range, folder: Path) -> Tally:
     """Damaged files of each format: read as the case says, looked at, and read as is proposed."""
     file = folder / "run.txt"
 
-    def require_sound(recording: Recording | None, how: str, seed: int, tally: Tally) -> None:
-        for stream in () if recording is None else (recording, *recording.others):
-            runs = stream.t is None or bool(np.all(np.diff(stream.t) > 0))  # None: averages at standstills
-            if not (runs and all(np.isfinite(array).all() for array in stream.channels.values())):
-                tally.defect(seed, f"{how}: a stream that is not finite, or whose clock does not run")
-
     def one(seed: int, tally: Tally) -> None:
         name, case, content = damaged(seed)
         file.write_bytes(content)
-        require_sound(tally.attempt(seed, lambda: read(file, case), str(file)), f"{name}, as stated", seed, tally)
+        as_stated(file, case, name, seed, tally)
         for own in (case, HEXAPOD):
-            seen = tally.attempt(seed, lambda own=own: look(file, own), str(file))
-            if seen is None or not seen.reads:
-                continue
-            form = RecordingFormat.model_validate(dict(seen.settings))
-            refused = tally.counts["refused"]
-            recording = tally.attempt(
-                seed, lambda own=own, form=form: read(file, own.model_copy(update={"recording": form})), str(file)
-            )
-            if tally.counts["refused"] > refused:
-                tally.defect(seed, f"{name}: look proposes what is refused")
-            require_sound(recording, f"{name}, as proposed", seed, tally)
+            as_proposed(file, own, name, seed, tally)
 
     return tallied("texts of all formats", seeds, one)

@@ -1,7 +1,9 @@
 """ROS 2 bags, written by rosbags itself: two topics with clocks of their own, jitter, losses, joints in any order."""
 
+import sqlite3
 import sys
 from collections.abc import Sequence
+from contextlib import closing
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -254,6 +256,17 @@ def test_a_bag_of_ros_1_is_read(bag: Path, tmp_path: Path) -> None:
             writer.write(topics[topic], received, old.serialize_ros1(as_old(message), kind))
     assert look(file, ROBOT).reads
     np.testing.assert_allclose(read(file, ROBOT).forces, read(bag, ROBOT).forces)
+
+
+def test_a_topic_whose_messages_are_lost_is_named_though_the_index_counts_them(tmp_path: Path) -> None:
+    bag = write(tmp_path / "bag", [m for m in run() if m[1] < EPOCH + 10**8])
+    with closing(sqlite3.connect(next(bag.glob("*.db3")))) as base:
+        base.execute("delete from messages where topic_id in (select id from topics where name = ?)", (WRENCH,))
+        base.commit()
+    with pytest.raises(RecordingError, match=f"{WRENCH}: holds none of the messages") as caught:
+        read(bag, ROBOT)
+    assert one_line(caught.value).startswith(str(bag))
+    assert not look(bag, ROBOT).reads
 
 
 @pytest.mark.parametrize("error", [ReaderError("Chunk checksum mismatch."), apsw.CorruptError("malformed")])

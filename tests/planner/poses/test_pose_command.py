@@ -206,6 +206,7 @@ def test_damaged_poses_of_a_recording_are_refused(folder: Path, recorded: Path, 
     damaged.mkdir()
     (damaged / "recording.csv").symlink_to(recorded / "recording.csv")
     about = json.loads((recorded / "recording.json").read_text(encoding="utf-8"))
+    del about["content"]
     (damaged / "recording.json").write_text(json.dumps(about | {"poses_m_rad": entry}), encoding="utf-8")
     assert "poses_m_rad" in refused("identify", damaged, "-o", tmp_path / "no")
 
