@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.fft import rfft
+from scipy.fft import next_fast_len, rfft
 
 from cases.units import Array, Indices
 from identification.estimation.fit import orthonormal
@@ -31,6 +31,7 @@ NEXT = 5  # frequencies to either side of one, at which noise is about as large
 SURPRISE = 2.0  # standard deviations of scores, below which an alternative is not looked at
 NEAR = 7.0  # of the logarithm of the odds, within which alternatives explain the residuals alike: one to a thousand
 MOST_TRIED = 12  # alternatives of which the noise is judged
+LESS = 1.0  # share of the variance of one score that it may be thought to have too much; of k scores one k-th
 LEAST_FREEDOM = 20.0  # residuals that an alternative leaves, at least
 
 
@@ -153,7 +154,7 @@ def without(basis: Array, columns: Array) -> Array:
 
 def _floor(noise: Array, places: Indices) -> float:
     """Spectral density of the quietest channel where it is least, below half the cut-off, over that of white noise."""
-    series = np.zeros((int(places[-1]) + 1, 6))
+    series = np.zeros((next_fast_len(int(places[-1]) + 1, real=True), 6))
     series[places] = noise
     power = np.abs(rfft(series, axis=0)) ** 2 / len(noise)
     half = min(WIDTH, len(power) - 2)
@@ -230,26 +231,37 @@ def _space_of(columns: Array, rest: Remainder) -> tuple[Array, Array, Array, Arr
     return left, inside, scale, vectors[:, seen] / np.sqrt(values[seen]), float(values[seen].sum())
 
 
-def sizes_of(columns: Array, rest: Remainder) -> Sizes | None:
-    """Sizes of effects of columns, shape (n, 6, k); None where the fit takes all of them, or too few are left."""
+def sizes_of(columns: Array, rest: Remainder, *, roughly: bool = False) -> Sizes | None:
+    """Sizes of effects of columns, shape (n, 6, k); None where the fit takes all of them, or too few are left.
+
+    Args:
+        columns: as above.
+        rest: what a fit leaves.
+        roughly: whether `rough_noise` will do, which takes no time.
+    """
     space = _space_of(columns, rest)
     if space is None:
         return None
     left, inside, scale, back, _ = space
     basis = left @ back
     scores = np.tensordot(basis, rest.residuals, ((0, 1), (0, 1)))
-    noise = _noise(basis, rest, rest.residuals - basis @ scores).along(*(scale[:, None] * back))
+    noise = (rough_noise if roughly else _noise)(basis, rest, rest.residuals - basis @ scores)
     answer = rest.half @ inside / np.where(scale > 0.0, scale, 1.0)
-    return Sizes(scale * (back @ scores), noise, answer, float(scores @ scores))
+    return Sizes(scale * (back @ scores), noise.along(*(scale[:, None] * back)), answer, float(scores @ scores))
 
 
-def _effect_of(found: _Scores, rest: Remainder) -> Effect:
-    """What residuals show of an alternative, judged by what they leave beside it."""
+def _effect_of(found: _Scores, rest: Remainder, most: float) -> Effect | None:
+    """What residuals show of an alternative, judged by what they leave beside it; None above a chance."""
     basis = found.left @ found.back
     explained = basis @ found.scores
+    rough = chance_of(found.scores, rough_noise(basis, rest, rest.residuals - explained))[1]
+    if rough * found.alternative.chosen > most:
+        return None
     noise = _noise(basis, rest, rest.residuals - explained)
     statistic, chance = chance_of(found.scores, noise)
     chance = min(1.0, chance * found.alternative.chosen)
+    if chance > most:
+        return None
     excess = max(float(found.scores @ found.scores - np.trace(noise.covariance)), 0.0)
     answer = rest.half @ found.inside  # how parameters answer to a unit of each
     return Effect(
@@ -265,6 +277,31 @@ def _effect_of(found: _Scores, rest: Remainder) -> Effect:
         found.share,
         excess / found.strength * answer @ answer.T,  # tau^2, of scaled columns
     )
+
+
+def rough_noise(basis: Array, rest: Remainder, noise: Array) -> Noise:
+    """What `_noise` finds, about, in no time: by the power that is left at each frequency and next to it.
+
+    It is taken for known, and for less than it is; where effects are not certain by this noise, they are not by that.
+    """
+    if not rest.coloured or len(noise) < LEAST_SAMPLES:
+        return _noise(basis, rest, noise)
+    joint = np.concatenate([rest.basis, basis], axis=2)
+    found = in_turned_channels(joint, np.eye(joint.shape[2]), noise, rest.places)
+    power = np.abs(rfft(found.series(found.noise), axis=0)) ** 2
+    takes, answers = (rfft(found.series(each), axis=0) for each in (found.taken, found.answer))
+    left = np.sum((takes - 2.0 * answers) * takes.conj(), axis=2).real / len(noise)  # of white noise, less all of it
+    power = _beside(power) / _beside(np.clip(1.0 + left, 0.0, 1.0))
+    power[1 : (found.length + 1) // 2] *= 2.0  # of both signs of a frequency
+    own = answers[:, :, rest.basis.shape[2] :] * np.sqrt(power / (found.length * len(noise)))[:, :, None]
+    flat = own.reshape(-1, basis.shape[2])
+    return Noise((flat.conj().T @ flat).real / (1.0 + LESS / basis.shape[2]), (), ())
+
+
+def _beside(values: Array) -> Array:
+    """Sums over each frequency and those next to it, shape (f, c)."""
+    sums = np.cumsum(np.pad(values, ((NEXT + 1, NEXT), (0, 0))), axis=0)
+    return np.asarray(sums[2 * NEXT + 1 :] - sums[: -2 * NEXT - 1])
 
 
 def _noise(basis: Array, rest: Remainder, noise: Array) -> Noise:
@@ -350,7 +387,7 @@ def effects_of(alternatives: Sequence[Alternative], rest: Remainder, chance: flo
     for scores in found[:MOST_TRIED]:
         if effects and scores.evidence < effects[0].evidence - NEAR:
             break
-        effect = _effect_of(scores, rest)
-        if effects or effect.chance < chance:
+        effect = _effect_of(scores, rest, 1.0 if effects else chance)
+        if effect is not None:
             effects.append(effect)
     return effects

@@ -41,8 +41,8 @@ class Turned(NamedTuple):
 
     @property
     def length(self) -> int:
-        """Steps from the first sample to the last."""
-        return int(self.places[-1]) + 1
+        """Steps of a series that holds the samples, a few more where spectra of so many are found sooner."""
+        return int(next_fast_len(int(self.places[-1]) + 1, real=True))
 
     def series(self, values: Array) -> Array:
         """Samples, shape (n, ..), at their places in the series, zero between."""
@@ -127,27 +127,6 @@ def _wider(noises: Sequence[Mixture], found: Turned) -> Array:
     return np.asarray(stdtrit(np.clip(freedom, 1.0, MANY), INSIDE) / stdtrit(MANY, INSIDE))
 
 
-def _seen(
-    answer: Array, ahead: Spectra, taken: Spectra, here: Array, pairs: Array, autocovariance: Array
-) -> tuple[Array, Array, Array]:
-    """Effect of noise: |rfft|^2 of the residuals, and of the noise; B^T Gamma B.
-
-    Args:
-        answer: B, as in `Turned`, shape (n, u).
-        ahead: spectra of B, as of `padded`.
-        taken: rfft of C at the frequencies that count, shape (f, u).
-        here: 1 where there is a sample, shape (n,).
-        pairs: number of pairs of samples that are so far apart, shape (n,).
-        autocovariance: of the noise, shape (n,).
-    """
-    raw = 2.0 * rfft(pairs * autocovariance).real - pairs[0] * autocovariance[0]
-    response = _responses(autocovariance, ahead)
-    meat = answer.T @ response
-    crossed = rfft(response * here[:, None], len(answer), axis=0)[: len(taken)]
-    raw = raw[: len(taken)]
-    return raw + np.sum((taken @ meat - 2.0 * crossed) * taken.conj(), axis=1).real, raw, meat
-
-
 def mixtures(found: Turned) -> list[Mixture]:
     """The noise of each channel by its residuals."""
     answer, basis, white = (found.series(v) for v in (found.answer, found.taken, found.noise))
@@ -158,16 +137,14 @@ def mixtures(found: Turned) -> list[Mixture]:
 
 
 def _mixture(answer: Array, basis: Array, noise: Array, mask: Array, pairs: Array, freedom: float) -> Mixture:
-    """The noise of a channel; B and C as in `Turned`."""
+    """The noise of a channel; B and C as in `Turned`, pairs of samples that are so far apart, shape (n,)."""
     length = len(noise)
     plain = memories(length)
     slow = max(1 + len(plain), int(SLOW * (length // 2)) + 1)
-    taken, power = rfft(basis, axis=0)[:slow], np.abs(rfft(noise)[:slow]) ** 2
+    power = np.abs(rfft(noise)[:slow]) ** 2
     peaked, order = autoregressive(noise, mask, float(mask.sum()) / freedom)
     kinds = np.array([*plain, peaked])
-    ahead = padded(answer)
-    components = [_seen(answer, ahead, taken, mask, pairs, kind) for kind in kinds]
-    left, whole, covariances = (np.array(each) for each in zip(*components, strict=True))
+    left, whole, covariances = _seen(*_narrow(answer, basis), mask, pairs, kinds, slow)
     # Noises that the criterion asks for (Akaike 1974): those of short memories, and peaks, which none of these have.
     shares, likelihood = np.zeros(len(left)), -np.inf
     for count, cost in ((1 + MEMORIES, 0), (len(plain), len(plain) - 1 - MEMORIES), (len(left), order + 1)):
@@ -177,6 +154,46 @@ def _mixture(answer: Array, basis: Array, noise: Array, mask: Array, pairs: Arra
     floor = NOTHING * float(left.max())
     free = np.clip((shares @ left) / np.maximum(shares @ whole, floor), 0.0, 1.0)
     return Mixture(shares, covariances, _spread(shares, left, free), free, shares @ kinds)
+
+
+def _narrow(answer: Array, basis: Array) -> tuple[Array, Array, Array]:
+    """Q with orthonormal columns, shape (n, r), C R^T and R, shape (r, u), so that B = Q R and C B^T = C R^T Q^T.
+
+    What is in other channels alone costs columns of B nothing here.
+    """
+    values, vectors = np.linalg.eigh(answer.T @ answer)
+    some = values > NOTHING**2 * max(float(values[-1]), np.finfo(float).tiny)
+    inward = vectors[:, some] / np.sqrt(values[some])
+    back = np.sqrt(values[some])[:, None] * vectors[:, some].T
+    return answer @ inward, basis @ back.T, back
+
+
+def _seen(
+    spanned: Array, taken: Array, back: Array, here: Array, pairs: Array, kinds: Array, slow: int
+) -> tuple[Array, Array, Array]:
+    """Effect of noises of some kinds: |rfft|^2 of the residuals and of the noise, shape (c, f), and B^T Gamma B.
+
+    Args:
+        spanned: Q, as of `_narrow`, shape (n, r).
+        taken: C R^T, shape (n, r).
+        back: R, shape (r, u).
+        here: 1 where there is a sample, shape (n,).
+        pairs: number of pairs of samples that are so far apart, shape (n,).
+        kinds: autocovariances of the noises, shape (c, n).
+        slow: f, frequencies that count.
+    """
+    length, period = len(here), next_fast_len(2 * len(here), real=True)
+    raw = (2.0 * rfft(pairs * kinds).real - pairs[0] * kinds[:, :1])[:, :slow]
+    rings = _rings(kinds, period)
+    ahead, takes = rfft(spanned.T, period), rfft(taken.T)[:, :slow]
+    left, meats = [], []
+    for ring, own in zip(rings, raw, strict=True):
+        response = irfft(ring * ahead, period)[:, :length]  # Gamma Q
+        meat = response @ spanned
+        crossed = rfft(response * here)[:, :slow]
+        left.append(own + np.sum((meat @ takes - 2.0 * crossed) * takes.conj(), axis=0).real)
+        meats.append(back.T @ meat @ back)
+    return np.array(left), raw, np.array(meats)
 
 
 def _spread(shares: Array, expected: Array, free: Array) -> Array:
@@ -274,22 +291,19 @@ def products(series: Array) -> Array:
 
 def toeplitz(autocovariance: Array, columns: Array) -> Array:
     """Gamma B, Gamma the Toeplitz matrix of an autocovariance of n lags, shape (n, u)."""
-    return _responses(autocovariance, padded(columns))
-
-
-def padded(columns: Array) -> Spectra:
-    """Spectra of columns B, shape (n, u), followed by so many zeros that a Toeplitz matrix is a product."""
-    return np.asarray(rfft(columns, next_fast_len(2 * len(columns), real=True), axis=0))
-
-
-def _responses(autocovariance: Array, spectra: Spectra) -> Array:
-    """Gamma B, shape (n, u), by the spectra of B."""
     count = len(autocovariance)
-    length = next_fast_len(2 * count, real=True)
-    ring = np.zeros(length)
-    ring[:count] = autocovariance
-    ring[length - count + 1 :] = autocovariance[:0:-1]
-    return np.asarray(irfft(rfft(ring)[:, None] * spectra, length, axis=0)[:count])
+    period = next_fast_len(2 * count, real=True)
+    ring = _rings(autocovariance[None], period)[0]
+    return np.asarray(irfft(ring * rfft(columns.T, period), period)[:, :count].T)
+
+
+def _rings(autocovariances: Array, period: int) -> Spectra:
+    """Spectra of noises, shape (c, f), by which products with their Toeplitz matrices are products of spectra."""
+    count = autocovariances.shape[1]
+    rings = np.zeros((len(autocovariances), period))
+    rings[:, :count] = autocovariances
+    rings[:, period - count + 1 :] = autocovariances[:, :0:-1]
+    return np.asarray(rfft(rings))
 
 
 def scores(regressors: Array, residuals: Array, weights: Array) -> Array:

@@ -11,7 +11,7 @@ from scipy.special import ndtri
 
 from cases.schema import Case
 from cases.units import Array, Flags
-from identification.estimation.alternatives import sizes_of
+from identification.estimation.alternatives import Sizes, sizes_of
 from identification.estimation.small_sample import chance_of
 from identification.finding import Finding, Kind, warning
 from identification.findings.noise_level import channel_words
@@ -44,23 +44,24 @@ def drift_of(fitted: Fitted) -> Drift | None:
     if fitted.method.priors or freedom < LEAST_FREEDOM or span == 0.0:
         return None
     excerpt, part = excerpt_of(fitted)
-    rest, best, most = remainder_of(excerpt), None, 0.0
-    scale = np.broadcast_to(excerpt.samples.scale, len(part))
-    for share in (None, *SETTLING):
-        shape = _shape((samples.t - samples.t.min()) / span, share)
-        found = sizes_of((shape[part] * scale)[:, None, None] * np.eye(6), rest)
-        if found is None or found.explained < most:
+    rest, scale = remainder_of(excerpt), np.broadcast_to(excerpt.samples.scale, len(part))
+    shapes = [_shape((samples.t - samples.t.min()) / span, memory) for memory in (None, *SETTLING)]
+    columns = [(shape[part] * scale)[:, None, None] * np.eye(6) for shape in shapes]
+    rough = [(k, sizes_of(each, rest, roughly=True)) for k, each in enumerate(columns)]
+    likely = [(-found.explained, k) for k, found in rough if found is not None and _chances(found).min() < CHANCE]
+    for _, k in sorted(likely):
+        found = sizes_of(columns[k], rest)
+        if found is None or (chances := _chances(found)).min() >= CHANCE:
             continue
-        alone = [found.noise.along(axis) for axis in np.eye(6)]
-        chances = np.array([chance_of(found.values[k : k + 1], own)[1] for k, own in enumerate(alone)])
-        if chances.min() < CHANCE:
-            sure = -ndtri(np.maximum(chances, np.finfo(float).tiny) / 2.0)
-            change = found.values
-            best, most = (
-                Drift(shape, share is not None, change, sure, chances < CHANCE, found.answer @ change),
-                found.explained,
-            )
-    return best
+        sure = -ndtri(np.maximum(chances, np.finfo(float).tiny) / 2.0)
+        return Drift(shapes[k], k > 0, found.values, sure, chances < CHANCE, found.answer @ found.values)
+    return None
+
+
+def _chances(found: Sizes) -> Array:
+    """Probability of the size in each channel by noise, shape (6,)."""
+    alone = [found.noise.along(axis) for axis in np.eye(6)]
+    return np.array([chance_of(found.values[k : k + 1], own)[1] for k, own in enumerate(alone)])
 
 
 def _shape(share: Array, memory: float | None) -> Array:
