@@ -291,7 +291,7 @@ def rough_noise(basis: Array, rest: Remainder, noise: Array) -> Noise:
     power = np.abs(rfft(found.series(found.noise), axis=0)) ** 2
     takes, answers = (rfft(found.series(each), axis=0) for each in (found.taken, found.answer))
     left = np.sum((takes - 2.0 * answers) * takes.conj(), axis=2).real / len(noise)  # of white noise, less all of it
-    power = _beside(power) / _beside(np.clip(1.0 + left, 0.0, 1.0))
+    power = _beside(power) / np.maximum(_beside(np.clip(1.0 + left, 0.0, 1.0)), UNSEEN)
     power[1 : (found.length + 1) // 2] *= 2.0  # of both signs of a frequency
     own = answers[:, :, rest.basis.shape[2] :] * np.sqrt(power / (found.length * len(noise)))[:, :, None]
     flat = own.reshape(-1, basis.shape[2])

@@ -44,7 +44,7 @@ def number(sentences: Sequence[str], before: str, behind: str) -> float:
 NAMED = [
     ("hexapod", "gain of channel 1", 2.0, "gain of f1_N", "% too high", 2.0),
     ("hexapod", "gravity leans", 1.0, "gravity that leans by", "deg", 1.0),
-    ("ur10_wrist", "zero of the last joint but one", 0.3, "zero of joint wrist_2", "deg", -0.3),
+    ("ur10_wrist", "zero of the last joint but one", 0.4, "zero of joint wrist_2", "deg", -0.4),
     ("five_axis_table", "sensor off along x", 5.0, "sensor frame that is", "mm further along its x", 5.0),
     ("ur10_wrist", "gain of channel 5", 2.0, "gain of my_Nm", "% too high", 2.0),
     ("ur10_wrist", "clock scale", 1e4, "time stamps that are", "% too far apart", 1.0),
