@@ -31,10 +31,12 @@ if TYPE_CHECKING:
     from identification import Look as Look
     from identification import Method as Method
     from identification import Model as Model
+    from identification import ModelChoice as ModelChoice
     from identification import Prior as Prior
     from identification import Recording as Recording
     from identification import Result as Result
     from identification import force as force
+    from identification import identify_models as identify_models
     from identification import look as look
     from identification import payload as payload
     from identification import read as read

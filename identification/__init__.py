@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from identification.looks import Look as Look
     from identification.looks import look as look
     from identification.model import Model as Model
+    from identification.model_choice import ModelChoice as ModelChoice
+    from identification.model_choice import identify_models as identify_models
     from identification.outcome import Result as Result
     from identification.payloads import payload as payload
     from identification.recording import Recording as Recording

@@ -212,7 +212,7 @@ def require_fit(recording: Recording, case: Case) -> None:
     try:
         run, _ = standing_of(recording, case)
         with threadpool_limits(limits=1, user_api="blas"):
-            _fitted(run, case, identification_model(case, default_model(run, case)), GAUSS_MARKOV)
+            fitted_run(run, case, identification_model(case, default_model(run, case)), GAUSS_MARKOV)
     except (IdentificationError, RecordingError) as error:
         raise error.at(recording.source) from error
 
@@ -224,7 +224,7 @@ def _settling(case: Case) -> float:
 
 def _fits(number: int, how: Method) -> Callable[[Recording, Case], Fit]:
     """What fits a model to a run with another case."""
-    return lambda run, case: _fitted(run, case, identification_model(case, number), how).fitted.fit
+    return lambda run, case: fitted_run(run, case, identification_model(case, number), how).fitted.fit
 
 
 def _cause_of_standstills(recording: Recording, case: Case) -> Answer | None:
@@ -258,11 +258,11 @@ def samples_of(recording: Recording, case: Case, model: Model) -> Samples:
         RecordingError: the run cannot be evaluated.
     """
     run, _ = standing_of(on_one_clock(recording, case), case)
-    return _samples(scan(run, case)[1], case, model)
+    return evaluated_samples(scan(run, case)[1], case, model)
 
 
-def _samples(recording: Recording, case: Case, model: Model) -> Samples:
-    """Samples of a recording, ready to be evaluated."""
+def evaluated_samples(recording: Recording, case: Case, model: Model) -> Samples:
+    """Samples of a recording on one clock without what no estimate may use, ready to be evaluated."""
     if recording.t is None or case.setup == "1a":
         return standstills(recording, case, model)
     if recording.struts is None:
@@ -271,7 +271,7 @@ def _samples(recording: Recording, case: Case, model: Model) -> Samples:
     return moving_run(recording, case, model)
 
 
-class _Fitted(NamedTuple):
+class FittedRun(NamedTuple):
     """A fit, with what was seen on the way to it."""
 
     recording: Recording  # without the samples that no estimate may use
@@ -280,7 +280,7 @@ class _Fitted(NamedTuple):
     findings: tuple[Finding, ...]  # about the recording
 
 
-def _fitted(recording: Recording, case: Case, model: Model, method: Method) -> _Fitted:
+def fitted_run(recording: Recording, case: Case, model: Model, method: Method) -> FittedRun:
     """The fit of a model to a recording; errors as of `identify`."""
     if len(recording.forces) > 1:
         require_alive(recording.forces)
@@ -293,22 +293,27 @@ def _fitted(recording: Recording, case: Case, model: Model, method: Method) -> _
         )
     scanned, recording = scan(recording, case)
     plain = Method(weights=method.weights_for(case.sensors))
-    samples = _samples(recording, case, model)
+    samples = evaluated_samples(recording, case, model)
     delay = None if samples.wide is None else fit_samples(samples.wide, plain, case.sensors).delay
     fitted, contacts = free_of_contact(recording, fit_samples(samples, method, case.sensors, fixed_delay=delay))
     if contacts and samples.wide is not None:
         delay = fit_samples(samples.wide.without(touched(samples.wide.t, contacts)), plain, case.sensors).delay
         fitted = fit_samples(fitted.samples, method, case.sensors, fixed_delay=delay)
-    if not method.priors:
-        rich = fitted.samples.refined(fitted.fit, method.selection(model).basis, fitted.w, fitted.at)
-        if rich is not fitted.samples:
-            fitted = fitted.again(rich)
-    return _Fitted(recording, fitted, contacts, scanned)
+    return FittedRun(recording, refined(fitted), contacts, scanned)
+
+
+def refined(fitted: Fitted) -> Fitted:
+    """The fit with what else the samples show to be worth an estimate."""
+    method = fitted.method
+    if method.priors:
+        return fitted
+    rich = fitted.samples.refined(fitted.fit, method.selection(fitted.samples.model).basis, fitted.w, fitted.at)
+    return fitted if rich is fitted.samples else fitted.again(rich)
 
 
 def _estimated(recording: Recording, case: Case, model: Model, method: Method) -> Estimate:
     """The estimate with all that its residuals say; errors as of `identify`."""
-    recording, fitted, contacts, scanned = _fitted(recording, case, model, method)
+    recording, fitted, contacts, scanned = fitted_run(recording, case, model, method)
     odd = odd_clock(recording, case) if fitted.samples.nuisances else None
     systematic = systematic_of(fitted, case, odd)
     drift = drift_of(fitted) if systematic is None else systematic.drift

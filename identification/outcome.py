@@ -1,7 +1,7 @@
 """The result of an identification as users hold it: parameters by name, saved and loaded as a folder."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -163,6 +163,10 @@ class Result:
         _require_agreement(cls(own, record, file=file))
         remarks = require_unchanged(file, record.to_json(), result_basis(own), own, stale, AGAIN)
         return cls(own, record, file=file, remarks=remarks)
+
+    def chosen_among(self, choice: Mapping[str, Any]) -> "Result":
+        """The same with all models of its run, entries of `ModelChoice`, which it keeps and its page shows."""
+        return replace(self, record=self.record.replaced(models=choice))
 
     def __repr__(self) -> str:
         """A few lines: model, warnings, residuals, the body."""

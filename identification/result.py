@@ -147,6 +147,7 @@ class Origin(BaseModel, strict=True, frozen=True, allow_inf_nan=False, populate_
     plan_hash: str | None = None
     run: Entries | None = None
     standstills: Entries | None = None
+    models: Entries | None = None  # all models of the run, see `ModelChoice`, where this one was chosen among them
     tared_with: str | None = None
     tared: Mapping[str, Entries] | None = None  # of each channel its offset `before` and `after`, with `change_std`
     stale: tuple[str, ...] = ()

@@ -1,9 +1,11 @@
 """Offsets that drift within a run: a straight line in time, or one that settles as a sensor does that warms up.
 
 Of each channel the size of such a change is estimated beside the parameters, and judged by noise as it is beside all of
-them, which wanders too where it remembers, and by how surely that noise is known. It is not removed.
+them, which wanders too where it remembers, and by how surely that noise is known. It is not removed. Poses in an order,
+as those of a grid, make what a model lacks look like a drift: terms of position and orientation are estimated beside.
 """
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +18,8 @@ from identification.estimation.small_sample import chance_of
 from identification.finding import Finding, Kind, warning
 from identification.findings.noise_level import channel_words
 from identification.findings.remains import excerpt_of, remainder_of
+from identification.model import regressors
+from identification.parameters import K1, K2, K3, K4, K5, MASS
 from identification.recording import Recording
 from identification.samples import Fitted
 
@@ -45,6 +49,8 @@ def drift_of(fitted: Fitted) -> Drift | None:
         return None
     excerpt, part = excerpt_of(fitted)
     rest, scale = remainder_of(excerpt), np.broadcast_to(excerpt.samples.scale, len(part))
+    if (lacking := _lacking(excerpt)) is not None:
+        rest = rest.beside(lacking)
     shapes = [_shape((samples.t - samples.t.min()) / span, memory) for memory in (None, *SETTLING)]
     columns = [(shape[part] * scale)[:, None, None] * np.eye(6) for shape in shapes]
     rough = [(k, sizes_of(each, rest, roughly=True)) for k, each in enumerate(columns)]
@@ -62,6 +68,27 @@ def _chances(found: Sizes) -> Array:
     """Probability of the size in each channel by noise, shape (6,)."""
     alone = [found.noise.along(axis) for axis in np.eye(6)]
     return np.array([chance_of(found.values[k : k + 1], own)[1] for k, own in enumerate(alone)])
+
+
+def _lacking(fitted: Fitted) -> Array | None:
+    """Columns of errors by position and orientation that a model does not have, weighted, shape (n, 6, k)."""
+    samples, model = fitted.samples, fitted.samples.model
+    blocks = model.blocks
+    terms = (K2,) * (K1 not in blocks and K2 not in blocks)
+    terms += (K5,) * (K3 not in blocks and K4 not in blocks and K5 not in blocks)
+    if (
+        not terms
+        or MASS not in blocks
+        or model.struts is not None
+        or model.machine is None
+        or not model.machine.elastic
+    ):
+        return None
+    motion = samples.motion(fitted.at)
+    if motion is None or motion.drives is None:
+        return None
+    scale = np.broadcast_to(samples.scale, len(motion.known)) * motion.known
+    return np.asarray(regressors(replace(model, blocks=terms), motion.load) * scale[:, None, None])
 
 
 def _shape(share: Array, memory: float | None) -> Array:

@@ -26,7 +26,8 @@ def compare(
 
     Shows cost, information and standard deviations, and which to prefer.
 
-    A result belongs to the run it was made of, a run to the plan that its program was written from.
+    A result belongs to the run it was made of, whose figures then stand in its column, a run to the plan that its
+    program was written from. Models of one run are compared by hexcite identify RUN --model all.
     """
 
     from planner.reports.compare import parameter_columns, parameter_rows

@@ -39,6 +39,14 @@ def method_of(
     return Method(constants, tuple(drop or ()), tuple(priors), weights)
 
 
+def number_of(text: str) -> int:
+    """The number of a model as typed; HexciteError where it is none."""
+    try:
+        return int(text)
+    except ValueError:
+        raise HexciteError(f"--model {text}", "is neither a number of Table 2 nor all", "give 0 to 9, or all") from None
+
+
 def answer_of_result(result: Result, folder: Path) -> dict[str, Any]:
     """The JSON answer of a result that was written."""
     return {"result": str(folder), "report": str(folder / "report.html"), **result.record.to_json()}

@@ -20,7 +20,13 @@ def identify(
         list[Path], argument("One run: a file, several files of it in any order, or a folder of hexcite run.")
     ],
     case: console.OwnCase = None,
-    model: Annotated[int | None, option("Identification model, 0 to 9; by default what the run can carry.")] = None,
+    model: Annotated[
+        str | None,
+        option(
+            "Identification model, 0 to 9, or 10 (3 with inertia); by default what the run can carry. all: every model "
+            "(Table 3), and that one is kept which predicts best what is left out."
+        ),
+    ] = None,
     weights: Annotated[
         str | None,
         option(
@@ -56,7 +62,7 @@ def identify(
     from identification.formats.reading import files_of
     from identification.formats.table import require_file
     from identification.recording import record_of
-    from planner.cli.identification import answer_of_result, method_of
+    from planner.cli.identification import answer_of_result, method_of, number_of
     from planner.plan_at_hand import plans_at_hand
 
     if verify is not None:
@@ -76,17 +82,28 @@ def identify(
                 raise hx.HexciteError(
                     poses, f"is a plan of family {posed.family}, not of poses; name one of hexcite poses"
                 )
+
+        def how(model: hx.Model) -> hx.Method:
+            return method_of(model, fix, drop, prior, weights)
+
+        choice = None
+        if model == "all":
+            choice = hx.identify_models(run, how=how, average_standstills=standstills, poses=planned)
         result = hx.identify(
             run,
-            model=model,
-            how=lambda m: method_of(m, fix, drop, prior, weights),
+            model=None if model is None else number_of(model) if choice is None else choice.best,
+            how=how,
             average_standstills=standstills,
             poses=planned,
             plan=plans_at_hand(run) if named is None else named,
         )
+        if choice is not None:
+            result = result.chosen_among(choice.to_json())
         console.save_with_page(result, RESULT, folder, overwrite)
     answer = answer_of_result(result, folder)
     texts: list[object] = [f"result written: {folder}, with its report {folder}/report.html", result]
+    if choice is not None:
+        texts.append(choice)
     if verify is not None:
         prediction = hx.verify(hx.read(verify, result.case), result)
         answer["verify"] = prediction.to_json()

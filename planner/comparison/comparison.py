@@ -1,7 +1,7 @@
 """Comparison of plans, runs and results: their groups, and which excitation to prefer."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -54,7 +54,11 @@ class Comparison:
         """Warnings of the evaluations, and whether models differ."""
         differ = "models differ: criteria of different models do not compare, standard deviations do"
         warnings = [differ] if len({e.model for e in self.entries}) > 1 else []
-        return (*warnings, *(f"{e.name}: {warning}" for e in self.entries for warning in e.warnings))
+        of_each: dict[str, list[str]] = {}
+        for entry in self.entries:
+            for warning in entry.warnings:
+                of_each.setdefault(warning, []).append(entry.name)
+        return (*warnings, *(f"{', '.join(names)}: {warning}" for warning, names in of_each.items()))
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `comparison.json`."""
@@ -87,10 +91,15 @@ class Comparison:
 
 def recommend(entries: Sequence[Sequence[Entry]]) -> Comparison:
     """Groups with the excitation of the smallest standard deviations, by the best evidence that all of them have."""
-    different, remarks = list[str](), list[str]()
+    entries, remarks = _joined(entries)
+    different = list[str]()
     common = [level for level in ("identified", "planned") if all(any(e.level == level for e in g) for g in entries)]
     level = common[0] if common else "mixed"
-    selection = [e for g in entries for e in g if e.level == (level if common else g[-1].level) and not _told(e, g)]
+    selection = [e for g in entries for e in g if e.level == (level if common else g[-1].level)]
+    if rivals := _models_of_one_run(selection):
+        selection = [e for e in selection if e not in rivals]
+        words = "are models of one run, among which deviations do not choose: hexcite identify RUN --model all compares"
+        different.append(f"{', '.join(e.name for e in rivals)} {words} what they predict of samples left out")
     if not common:
         remarks.append("predictions stand beside identified values: predictions know nothing of the machine's errors")
     alike = under_equal_conditions(selection)
@@ -111,11 +120,32 @@ def recommend(entries: Sequence[Sequence[Entry]]) -> Comparison:
     )
 
 
-def _told(entry: Entry, group: Sequence[Entry]) -> bool:
-    """Whether it is a run whose result stands beside it: a run with figures of the execution, and a result without."""
-    return bool(entry.notes) and any(
-        not o.notes and o.conditions.recordings & entry.conditions.recordings for o in group
-    )
+def _joined(entries: Sequence[Sequence[Entry]]) -> tuple[list[list[Entry]], list[str]]:
+    """The groups with each run in the entries of its results, and sentences that say so.
+
+    A run has figures of the execution, a result has none until then.
+    """
+    joined, said = list[list[Entry]](), list[str]()
+    for group in entries:
+        runs = {e.name: [o for o in group if not o.notes and _of_one_run(o, e)] for e in group if e.notes}
+        said += [
+            f"{run} is the run of {', '.join(o.name for o in own)}, and stands there"
+            for run, own in runs.items()
+            if own
+        ]
+        rest = [e for e in group if not runs.get(e.name)]
+        executed = {o.name: e.notes for e in group for o in runs.get(e.name, ())}
+        joined.append([replace(e, notes=executed.get(e.name, e.notes)) for e in rest])
+    return joined, said
+
+
+def _of_one_run(one: Entry, other: Entry) -> bool:
+    return bool(one.conditions.recordings & other.conditions.recordings)
+
+
+def _models_of_one_run(entries: Sequence[Entry]) -> list[Entry]:
+    """The entries that are other models of the same run as another one."""
+    return [e for e in entries if any(_of_one_run(e, o) and e.model != o.model for o in entries)]
 
 
 def under_equal_conditions(entries: Sequence[Entry]) -> list[list[Entry]]:

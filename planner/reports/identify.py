@@ -9,6 +9,7 @@ from markupsafe import Markup
 from cases.schema import Case
 from cases.units import Array
 from identification.findings.noise_level import noise_of_channels, stated_noise
+from identification.model_choice import figures_of, table_3
 from identification.outcome import RUN_ENTRIES, Result
 from identification.precision import carries_rods, legible, value_cells, value_text, with_deviation
 from identification.signals import Residuals
@@ -31,6 +32,8 @@ def identify_page(result: Result) -> str:
     origin += tuple((i["file"], f"SHA-256 {i['sha256']}") for i in record.inputs)
     origin += tuple(record.versions.items())
     sections = [section("Parameters with standard deviations", _headline(result), *parameter_blocks(result))]
+    if record.models is not None:
+        sections.append(section("All models of the run (Table 3)", *model_blocks(record.models)))
     if residuals is not None:
         sections.append(section("Forces and residuals", *misfit_blocks(result), *residual_blocks(case, residuals)))
     sections.append(section("Parameters that take each other's part", *correlation_blocks(result)))
@@ -45,6 +48,13 @@ def identify_page(result: Result) -> str:
         result.warnings,
         *sections,
     )
+
+
+def model_blocks(choice: Mapping[str, Any]) -> tuple[Block, ...]:
+    """Table 3 of a run, what each model predicts of what is left out, and which is preferred."""
+    (columns, *rows), (names, *values) = figures_of(choice), table_3(choice)
+    words = (f"{sentence[0].upper()}{sentence[1:]}." for sentence in choice["sentences"])
+    return table(columns, rows), *map(note, words), table(names, values)
 
 
 def identified_head(result: Result) -> Head:

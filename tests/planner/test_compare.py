@@ -145,7 +145,8 @@ def test_the_command_compares_and_writes_a_page(
     folders = (by_hand, shared / "plan", shared / "recording", shared / "result")
     answer = call("compare", *folders, "-o", tmp_path / "cmp", "--json").json()
     assert {"rows", "recommendation", "report"} <= set(answer)
-    assert len(answer["rows"]) == 4
+    assert len(answer["rows"]) == 3  # the run stands in the column of its result
+    assert answer["rows"][-1]["execution"]["executed_s"] > 0.0
     assert answer["recommendation"]["best"] == str(shared / "plan")
     assert answer["recommendation"]["level"] == "planned"
     ratios = answer["recommendation"]["ratios"]
@@ -181,6 +182,28 @@ def test_a_run_is_not_compared_with_its_own_result(hexapod_case: Case):
     run = replace(result, name="run", notes={"executed_s": 12.0})
     assert recommend([[run, result]]).best is None
     assert recommend([[run, result], [entry(hexapod_case, "other", 0.2, 12.0)]]).ratios.keys() == {"result", "other"}
+
+
+def test_a_run_stands_in_the_entry_of_its_result_and_no_warning_stands_twice(hexapod_case: Case):
+    result = replace(entry(hexapod_case, "result", 0.1, 12.0), warnings=("contact in rows 3 to 9",))
+    run = replace(result, name="run", notes={"executed_s": 12.0})
+    advice = recommend([[run, result]])
+    assert [(e.name, dict(e.notes)) for e in advice.entries] == [("result", {"executed_s": 12.0})]
+    assert advice.warnings == ("result: contact in rows 3 to 9",)
+    assert any("run of result" in sentence for sentence in advice.sentences)
+    other = replace(entry(hexapod_case, "other", 0.2, 12.0), warnings=("contact in rows 3 to 9",))
+    assert recommend([[result], [other]]).warnings == ("result, other: contact in rows 3 to 9",)
+
+
+def test_deviations_do_not_choose_among_models_of_one_run(hexapod_case: Case):
+    """The smaller model has smaller deviations, because it knows less."""
+    full = entry(hexapod_case, "full", 0.2, 12.0)
+    small = changed(replace(full, name="small", parameters=entry(hexapod_case, "", 0.1, 12.0).parameters), model=2)
+    advice = recommend([[full, small]])
+    assert (advice.best, advice.ratios) == (None, {})
+    assert tells(advice.sentences[0], "full, small", "models of one run", "--model all")
+    others = [[entry(hexapod_case, name, std, 12.0)] for name, std in (("a", 0.3), ("b", 0.4))]
+    assert recommend([[full, small], *others]).best == "a"
 
 
 def test_warnings_of_the_best_are_told(hexapod_case: Case):

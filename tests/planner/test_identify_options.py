@@ -139,3 +139,14 @@ def test_weights_are_chosen_by_name_and_follow_from_the_noise_that_the_case_stat
     plain = ("identify", run / "run.csv", "--case", "hexapod", "-o", tmp_path / "r", "--weights")
     assert "give sensors.force_noise_N and acceleration_noise_m_s2" in refused(*plain, "stated")
     assert tells(refused(*plain, "mine"), "weights 'mine'", "choose equal, per_channel, per_unit, stated")
+
+
+def test_all_models_are_compared_and_the_best_is_kept(run: Path, tmp_path: Path) -> None:
+    answer = answer_of(run, tmp_path, "--model", "all")
+    assert answer["model"] == answer["models"]["best"] == 9
+    assert len(answer["models"]["models"]) == 11
+    saved = json.loads((tmp_path / "result" / "result.json").read_text(encoding="utf-8"))
+    assert saved["models"] == answer["models"]
+    assert "Table 3" in (tmp_path / "result" / "report.html").read_text(encoding="utf-8")
+    line = refused("identify", run / "run.csv", "--case", "hexapod", "--model", "most", "-o", tmp_path / "no")
+    assert tells(line, "--model most", "all")

@@ -1,18 +1,23 @@
 """Offsets that drift are named with channel, change and remedy; still ones are not, with white noise or coloured."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.external import force
 from identification.finding import Kind
-from identification.identify import estimate_parameters
+from identification.findings.drift import drift_of
+from identification.identify import estimate_parameters, fitted_run
+from identification.model import identification_model
 from identification.outcome import Result
 from identification.recording import Recording
 from identification.result import entries_of
+from identification.samples import GAUSS_MARKOV
+from tests.bench.table_3 import standing_run
 from tests.chains import ROBOT, standing_forces, swing, swung_forces
 from tests.helpers import few
 
@@ -91,3 +96,20 @@ def test_readings_that_are_off_all_along_are_named(saved: Result) -> None:
 def test_a_push_is_not_a_drift(saved: Result) -> None:
     pushed = recorded(8, of_channel(1, np.where((T > 2.0) & (T < 5.0), -20.0, 0.0)))
     assert not force(pushed, saved).warnings
+
+
+@pytest.mark.parametrize("drift", [0.0, -16.0])
+@pytest.mark.parametrize("model", [0, 5])
+def test_what_a_model_lacks_at_poses_in_the_order_of_a_grid_is_not_a_drift(model: int, drift: float) -> None:
+    """The 480 poses of the paper: model 0 has no term of position, which looks like -16 N from first to last."""
+    hexapod = load_case("hexapod")
+    run = standing_run(hexapod, 1.0, 0)
+    moved = replace(run, forces=run.forces + of_channel(0, drift * np.linspace(-0.5, 0.5, 480)))
+    found = fitted_run(moved, hexapod, identification_model(hexapod, model), GAUSS_MARKOV).fitted
+    of = drift_of(found)
+    if drift == 0.0:
+        assert of is None
+    else:
+        assert of is not None
+        assert of.drifts.tolist() == [True, False, False, False, False, False]
+        assert of.change[0] == pytest.approx(drift, rel=0.1)
