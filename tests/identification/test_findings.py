@@ -234,6 +234,7 @@ def test_struts_that_jump_faster_than_drives_are_left_out_with_their_rows(size: 
     assert error < 4.5
 
 
+@pytest.mark.slow
 def test_a_run_with_most_samples_damaged_is_refused() -> None:
     with pytest.raises(RecordingError, match=r"\d %.*unusable.*record again"):
         estimate_parameters(with_forces(lambda f: f.__setitem__((slice(100, 1800), 0), 5000.0), run()), CASE)
@@ -251,6 +252,7 @@ def test_a_motion_without_clock_is_no_list_of_standstills() -> None:
         estimate_parameters(replace(run(), t=None, trigger=None), CASE)
 
 
+@pytest.mark.slow
 def test_a_motion_slower_than_anything_that_counts_as_moving_is_still_evaluated() -> None:
     """A standstill by speed, but not by pose: without a trigger all of it counts, and the warning says so."""
     case = CASE.model_copy(update={"recording": CASE.recording.model_copy(update={"filter_cutoff_Hz": 2.0})})

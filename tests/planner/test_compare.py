@@ -253,6 +253,7 @@ def test_models_that_differ_are_told(hexapod_case: Case):
     assert "models differ" in warning
 
 
+@pytest.mark.slow
 def test_a_run_at_poses_is_compared_as_what_it_is(shared: Path, tmp_path: Path):
     """Its plan, the run and its result are of the same standstills, averaged, in a static model."""
     few = ("--count", "6", "--method", "backward")
@@ -268,6 +269,7 @@ def test_a_run_at_poses_is_compared_as_what_it_is(shared: Path, tmp_path: Path):
     assert set(run.parameters) == set(plan.parameters)
 
 
+@pytest.mark.slow
 def test_a_result_of_ones_own_machine_is_compared_by_its_file(chain: Chain, shared: Path, hexapod_file: Path):
     """From any folder, and no longer once the case has changed."""
     hexapod_file.write_text(hexapod_file.read_text().replace('name = "hexapod"', 'name = "mine"'))

@@ -29,6 +29,7 @@ def test_a_recording_that_ends_with_its_trigger_on_is_told() -> None:
     assert cut_off(replace(cut, trigger=np.ones(end, dtype=bool))) == []  # a column that says nothing
 
 
+@pytest.mark.slow
 def test_a_recording_of_another_case_is_named_as_such() -> None:
     data = tomllib.loads(built_in_cases()["hexapod"].read_text(encoding="utf-8"))
     data["machine"]["base"]["ring"]["radius_mm"] *= 3.0

@@ -138,6 +138,7 @@ def test_poses_of_ones_own_are_rated_the_same_by_both(tmp_path: Path, hexapod_ca
         assert (answer["method"], answer["count"]) == (plan.request.method, len(plan.poses)) == ("given", 3)
 
 
+@pytest.mark.slow
 def test_a_motion_is_retimed(made: Path, hexapod_case: Case, tmp_path: Path):
     plan = hx.plan(hexapod_case, hx.Manual())
     plan.save(tmp_path / "plan")

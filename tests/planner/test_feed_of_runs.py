@@ -26,6 +26,7 @@ def identified(path: Path, tmp_path: Path, *words: object) -> dict:
     return call("identify", path, "--case", "hexapod", "-o", tmp_path / "r", "--json", *words).json()
 
 
+@pytest.mark.slow
 def test_the_column_of_the_override_is_read(folder: Path, tmp_path: Path) -> None:
     lines = (folder / "run" / "recording.csv").read_text().splitlines()
     on = [k for k, line in enumerate(lines) if line.endswith(",1")]
@@ -43,6 +44,7 @@ def test_the_column_of_the_override_is_read(folder: Path, tmp_path: Path) -> Non
     assert tells(message, "line 41, override_percent: -5", "recording.units.override")
 
 
+@pytest.mark.slow
 def test_overrides_as_ratios_are_read_with_their_unit(folder: Path) -> None:
     from identification.recording import read
 

@@ -241,6 +241,7 @@ def test_a_motion_with_an_edited_law_is_not_believed(folder: Path, tmp_path: Pat
     assert "plan again" in refused("post", edited, "-o", tmp_path / "run.ngc")
 
 
+@pytest.mark.slow
 @pytest.mark.linuxcnc
 def test_linuxcnc_runs_it_as_planned(folder: Path, plan: dict[str, Any], tmp_path: Path):
     assert call("post", folder, *ACCEPT, "-o", tmp_path / "run.ngc").code == 0

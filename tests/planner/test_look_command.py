@@ -4,6 +4,8 @@ import json
 import tomllib
 from pathlib import Path
 
+import pytest
+
 from tests.planner.command_line import call, hexcite
 
 
@@ -118,6 +120,7 @@ def test_a_built_in_case_is_not_written(tmp_path: Path) -> None:
     assert "case new" in refusal
 
 
+@pytest.mark.slow
 def test_many_channels_are_drawn_on_pages_without_a_word(tmp_path: Path) -> None:
     """150 columns, names longer than a page is wide, letters that no font has, numbers that no picture can show."""
     names = [f"{'long' * 40}{chr(0x4E00 + k)}[{i}]" for k in range(17) for i in range(9)]

@@ -44,6 +44,7 @@ def test_struts_stop_a_millimetre_before_their_ends(family: FamilySettings) -> N
     assert closest(hexapod_of_short_struts(), family) >= 1.0 - 1e-6
 
 
+@pytest.mark.slow
 def test_without_a_margin_plans_use_the_whole_way() -> None:
     assert closest(hexapod_of_short_struts(travel_percent=0.0), Fourier(order=2)) < 0.95
 

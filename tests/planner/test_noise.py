@@ -88,6 +88,7 @@ def test_a_payload_makes_vibration_felt_more(hexapod_case: Case) -> None:
     assert sizes[5][-1] > 10 * sizes[0][-1]  # 133 kg instead of 33 kg, and further out
 
 
+@pytest.mark.slow
 def test_the_search_is_for_the_information_that_the_weights_leave(hexapod_case: Case) -> None:
     case = vibrating(hexapod_case, *NOISE, "stated")
     model, scaling = identification_model(case, 9), reference_scaling(case, identification_model(case, 9))

@@ -120,6 +120,7 @@ def test_what_an_earlier_run_made_stays_unless_it_may_be_replaced(
     assert (result / "plots" / "mine.svg").exists()
 
 
+@pytest.mark.slow
 def test_without_o_a_command_writes_beside_the_user_under_a_name_that_tells(
     sources: dict, chain: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):

@@ -48,6 +48,7 @@ def test_without_a_plan_nothing_is_said(slow: Path, tmp_path: Path) -> None:
     assert "as_planned" not in answer
 
 
+@pytest.mark.slow
 def test_a_file_is_compared_with_the_plan_that_is_named_or_lies_beside_it(slow: Path, tmp_path: Path) -> None:
     file = tmp_path / "run.csv"
     shutil.copy(slow / "run" / "recording.csv", file)

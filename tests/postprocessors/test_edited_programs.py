@@ -62,6 +62,7 @@ def test_the_program_itself_is_proven_and_the_independent_judge_agrees():
     assert 0.7 < excitation_share(TEXT) < 0.86
 
 
+@pytest.mark.slow
 def test_an_edit_that_no_motion_could_follow_within_the_limits_is_caught():
     broken = [(line, p) for line, _, p, share in random_edits() if share > 1.001]
     assert len(broken) > 15, "too few of the edits break a limit: not a test"

@@ -21,6 +21,7 @@ def test_damaged_programs(dialect: str) -> None:
     assert DIALECTS[dialect](range(12)).defects == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("tally_of", "count"),
     [

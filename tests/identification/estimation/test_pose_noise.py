@@ -95,6 +95,7 @@ def test_noise_that_does_not_know_the_pose_is_seldom_taken_for_its_errors(phi: f
     assert sum(covariance_by_pose(left(memory(seed, phi))[1], STRUTS) is not None for seed in range(8)) <= 2
 
 
+@pytest.mark.slow
 def test_its_size_and_length_are_told() -> None:
     """Variance 1 [N^2]; a field of waves of length 0.05 m is half alike at 0.06 m, and smoother than Matern's."""
     sizes, lengths = [], []
@@ -109,6 +110,7 @@ def test_its_size_and_length_are_told() -> None:
     assert 0.03 < np.median(lengths) < 0.12
 
 
+@pytest.mark.slow
 def test_it_does_not_depend_on_the_units_of_parameters_or_forces() -> None:
     noise = field(1) + 0.3 * memory(1, 0.3)
     fit = gauss_markov(Regression(A, noise, NAMES), np.ones(6))

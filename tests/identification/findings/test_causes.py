@@ -33,7 +33,7 @@ def test_all_exchanges_of_pairs_are_tried() -> None:
     assert len({*ORDERS}) == len(ORDERS)
 
 
-@pytest.mark.parametrize("which", [0, 75, *(pytest.param(k, marks=pytest.mark.slow) for k in (30, 74))])
+@pytest.mark.parametrize("which", few(75, 0, 30, 74))
 @pytest.mark.parametrize("side", ["struts", "forces"])
 def test_an_exchange_is_named_with_its_residuals_and_columns(side: str, which: int) -> None:
     order, whole = ORDERS[which], run(which)
@@ -74,7 +74,7 @@ def test_all_signs_turned_at_once_are_named_with_the_remedy() -> None:
     assert tells(one_line(caught.value), 'sensor_frame.bars.sense = "tension"')
 
 
-@pytest.mark.parametrize("channel", range(6))
+@pytest.mark.parametrize("channel", few(4, 0, 1, 2, 3, 5))
 def test_a_turned_sign_of_a_force_torque_sensor_does_not_pass_unnoticed(channel: int) -> None:
     """Moments of inertia take up much of a turned moment; but no body has such ones."""
     data = CASE.model_dump(mode="json", exclude_unset=True)
@@ -136,7 +136,7 @@ def standing_on_a_wrist(file: Path, scale: np.ndarray) -> Path:
     return file
 
 
-@pytest.mark.parametrize("channel", range(6))
+@pytest.mark.parametrize("channel", few(*range(6), kept=2))
 def test_the_turned_sign_of_one_channel_is_named_alone_by_standstills_of_a_wrist(channel: int, tmp_path: Path) -> None:
     """All moments turned, with the centre of gravity, leave the same; a moment alone does not show in the newtons."""
     case = load_case("ft_wrist")

@@ -149,6 +149,7 @@ def test_time_stamps_that_no_clock_makes_are_told_with_what_to_state() -> None:
     assert not any("odd_clock" in f.quantity for f in found(of, OF["clock scale"].change(of, 100.0)).findings)
 
 
+@pytest.mark.slow
 def test_a_sensor_that_warms_up_is_told_with_the_change() -> None:
     of = machine("ur10_wrist")
     estimate = found(of, OF["warm-up of all channels"].change(of, 5.0))

@@ -13,6 +13,7 @@ from tests.planner.command_line import call, refused
 Q5N = (1.81, 1.93, 2.07, 2.33, 2.74, 3.14)  # Table 7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("weights", few("0", "0,5"))
 def test_the_command_prints_table_7_and_says_what_machine_it_was(weights: str, tmp_path: Path, browser: Browser):
     answer = call(

@@ -23,6 +23,7 @@ def written(folder: Path, text: str, name: str = "steps.toml") -> Path:
     return file
 
 
+@pytest.mark.slow
 def test_the_sequence_of_section_7_keeps_every_limit_and_touches_one(hexapod_case: Case):
     """Each axis alone, inclinations, all six axes, and one circle in each Cartesian plane."""
     motion = manual_motion(hexapod_case, sequence_file(hexapod_case))

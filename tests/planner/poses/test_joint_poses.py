@@ -100,6 +100,7 @@ def test_a_case_that_does_not_say_how_long_to_stand_is_asked_for_it(tmp_path: Pa
     assert "poses" in refused("poses", file)
 
 
+@pytest.mark.slow
 def test_poses_chosen_by_hand_are_worth_less_than_chosen_ones_and_are_compared_with_them(tmp_path: Path):
     case = load_case("ur10_wrist")
     offsets = [(0, 0), (45, 0), (-45, 0), (0, 45), (0, -45), (45, 45), (45, -45), (-45, 45), (-45, -45), (20, 20)]

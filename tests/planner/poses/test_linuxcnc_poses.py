@@ -9,6 +9,7 @@ from tests.planner.command_line import call
 COUNT = 5
 
 
+@pytest.mark.slow
 @pytest.mark.linuxcnc
 def test_poses_run_on_linuxcnc_are_identified(tmp_path: Path) -> None:
     plan, program, run = tmp_path / "plan", tmp_path / "poses.ngc", tmp_path / "run"

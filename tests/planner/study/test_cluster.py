@@ -66,6 +66,7 @@ def test_workers_of_the_require_version_will_do() -> None:
     require_version(Workers(w1=version("hexcite"), w2=version("hexcite")), "tcp://a:1")
 
 
+@pytest.mark.slow
 def test_nobody_without_the_certificate_is_let_into_a_cluster_of_ones_own() -> None:
     """Neither over a bare connection, nor without a certificate, nor with one of another cluster."""
     with local_client(1, 1.0) as client:

@@ -145,6 +145,7 @@ seed = [0, 1]
 """
 
 
+@pytest.mark.slow
 def test_a_study_from_the_command_line(tmp_path: Path) -> None:
     """On a real cluster of this computer, stopped and extended."""
     spec, folder = tmp_path / "small.toml", tmp_path / "study"

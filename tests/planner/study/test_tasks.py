@@ -92,6 +92,7 @@ def sleeper(seconds: float) -> int:
     return os.getpid()
 
 
+@pytest.mark.slow
 def test_workers_that_are_killed_from_outside_lose_nothing(client: Client) -> None:
     tasks = iter([(str(k), partial(sleeper, 0.05)) for k in range(40)])
     found = []
