@@ -29,6 +29,7 @@ class Settings(TypedDict, total=False):
     payload_from: int | None
     starts: int | None
     seed: int
+    solver: str
     workers: int | None
     seconds: float | None
 
@@ -64,7 +65,7 @@ def plan(
         family: family of motions; unless given point-to-point moves.
         duration: duration of the excitation [s].
         progress: shows a line now and then.
-        **settings: criterion, model, payload, payload_from, starts, seed, workers, seconds; see `Settings`.
+        **settings: criterion, model, payload, payload_from, starts, seed, solver, workers, seconds; see `Settings`.
 
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.

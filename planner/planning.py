@@ -138,7 +138,7 @@ class _Rounds:
 
     def _task(self, family: Family, seed: int, begin: Array | None = None) -> Task:
         own = self.request
-        return Task(self.case, own.model, family, own.criterion, seed, own.payload, begin, self.reference)
+        return Task(self.case, own.model, family, own.criterion, seed, own.payload, begin, self.reference, own.solver)
 
     def _explorations(self, number: int, until: float) -> Schedule:
         """The starts of a round. Each of several choices has one first; those that follow go to the best of them."""

@@ -3,8 +3,9 @@
 import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
+from enum import StrEnum
 from pathlib import Path
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple, NoReturn
 
 from cases.errors import HexciteError, choice
 from cases.sensors import payload_words
@@ -37,6 +38,19 @@ def require_workers(workers: int | None) -> None:
         raise HexciteError(f"{workers} workers; choose --workers 1 to 1000, by default one a core")
 
 
+class Solver(StrEnum):
+    """What solves the non-linear program of a start; see `planner.search.solvers`."""
+
+    IPOPT = "ipopt"
+    SQP = "sqp"
+    ACTIVE_SET = "active-set"
+
+    @classmethod
+    def _missing_(cls, value: object) -> NoReturn:
+        """Refuses what is not one of them."""
+        raise HexciteError(f"solver {value!r} is unknown; {choice(str(value), cls)}")
+
+
 @dataclass(frozen=True, slots=True)
 class Request:
     """What to plan."""
@@ -50,11 +64,13 @@ class Request:
     payload_from: int | None = None
     starts: int | None = None  # number of random starts; None for as many as pay
     seed: int = 0  # seed of the starts
+    solver: Solver = Solver.IPOPT  # what optimises each start; its name will do
     workers: int | None = field(default=None, compare=False)  # processes that search; None for one a core
     seconds: float | None = None  # how long to search [s]; None for as long as it pays
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "criterion", Criterion(self.criterion))
+        object.__setattr__(self, "solver", Solver(self.solver))
         if not abs(self.duration) <= LONGEST:
             raise HexciteError(f"duration {self.duration:g} s is not at most {LONGEST:g} s; choose about 12 s")
         self.family.check(self.duration)
@@ -92,7 +108,7 @@ class Request:
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json` that say what was asked for, beside criterion and model."""
-        entries = {"duration_s": self.duration, "starts": self.starts, "seconds": self.seconds}
+        entries = {"duration_s": self.duration, "starts": self.starts, "seconds": self.seconds, "solver": self.solver}
         own = {name: str(v) if isinstance(v, Path) else v for name, v in asdict(self.family).items()}
         return {"seed": self.seed, "asked": entries | {"family": own}}
 
@@ -110,7 +126,8 @@ class Request:
             None if fewest == data["payload"] else int(fewest),
             asked["starts"],
             int(data["seed"]),
-            seconds=asked.get("seconds"),  # which older plans do not have
+            Solver(asked.get("solver", Solver.IPOPT)),  # which older plans do not have, nor the next
+            seconds=asked.get("seconds"),
         )
 
 

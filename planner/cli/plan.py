@@ -12,7 +12,7 @@ from cases.files import PLAN, check_folder, output_place
 from planner.cli import console
 from planner.cli.console import argument, option, out
 
-SEARCHED = ("duration", "starts", "seconds", "seed", "workers")  # options of families that are optimised
+SEARCHED = ("duration", "starts", "seconds", "seed", "solver", "workers")  # options of families that are optimised
 OPTIONS = {"controller": "for"}  # options whose names differ from those of their parameters
 
 
@@ -33,6 +33,9 @@ def plan(
         option("fourier: optimise the period too; as many whole ones as fit into --duration.", "--free-period"),
     ] = False,
     centred: Annotated[bool, option("fourier: keep x0 in the middle of the motion box.", "--centred")] = False,
+    equal_start: Annotated[
+        bool, option("fourier: begin with all coefficients alike, to study solvers.", "--equal-start")
+    ] = False,
     moves: Annotated[
         int | None,
         option("ptp: point-to-point moves, 8 to 64; by default what the limits suggest, ten in three seconds."),
@@ -65,6 +68,9 @@ def plan(
         float | None, option("How long to search in s, then to keep the best; by default as long as it pays.")
     ] = None,
     seed: Annotated[int, option("Seed of the random starts.")] = 0,
+    solver: Annotated[
+        str, option("What optimises a start: ipopt (interior point), sqp, or active-set (quasi-Newton).")
+    ] = "ipopt",
     workers: console.Workers = None,
     output: Annotated[Path | None, out("Folder to write; named after case and family by default.")] = None,
     overwrite: console.Overwrite = False,
@@ -79,7 +85,7 @@ def plan(
     from planner.families.settings import family_class
     from planner.library import planned
     from planner.planning import require_plannable
-    from planner.request import OWNERS, Request
+    from planner.request import OWNERS, Request, Solver
     from planner.search.parallel import first_ctrl_c
 
     kind, options = family_class(family), context.params
@@ -96,6 +102,7 @@ def plan(
         payload_from=fewest,
         starts=starts,
         seed=seed,
+        solver=Solver(solver),
         workers=workers,
         seconds=seconds,
     )

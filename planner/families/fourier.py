@@ -69,6 +69,7 @@ class FourierFamily(Family):
     centred: bool = False  # whether x0 is the middle of the box, as in the paper; else it is free
     run_in: float = 0.0  # time from rest into the series and again out of it [s]; 0: the series itself begins at rest
     free: FreePeriod | None = None  # None where the period is fixed
+    equal_start: bool = False  # whether the coefficients of every start are alike; else they are random
     duration: float = field(init=False)  # duration of the excitation [s]
 
     def __post_init__(self) -> None:
@@ -109,8 +110,12 @@ class FourierFamily(Family):
         return own | ({"run_in_s": motion.run_in} if self.run_in else {})
 
     def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
-        """Random unknowns well inside the limits."""
-        unknowns = draw.normal(size=self.unknowns * len(self.middle))
+        """Random unknowns well inside the limits, or those with all coefficients alike, in half widths."""
+        count = len(self.middle)
+        unknowns = draw.normal(size=self.unknowns * count)
+        if self.equal_start:
+            alike = np.concatenate([[0.0], np.ones(2 * self.order)])  # x0 stays in the middle
+            unknowns = np.repeat(self._basis.T @ alike, count)
         if self.free is not None:
             pace = START_PACES ** draw.uniform(-1.0, 1.0)
             unknowns = np.append(unknowns, np.clip(pace, *self.paces))

@@ -100,6 +100,8 @@ class Fourier(FamilySettings):
         free_order: whether the best order from 2 to 7 is searched instead.
         free_period: whether the period is optimised with the motion instead, which then lasts the largest whole number
             of periods that fits into the duration.
+        equal_start: whether the search begins with all coefficients alike instead of random ones: a study of solvers,
+            as in the paper, and no better.
     """
 
     order: int = 5
@@ -107,6 +109,7 @@ class Fourier(FamilySettings):
     centred: bool = False
     free_order: bool = False
     free_period: bool = False
+    equal_start: bool = False
 
     name: ClassVar[str] = "fourier"
 
@@ -165,11 +168,13 @@ class Fourier(FamilySettings):
                 if self.free_order and order / period > _highest_frequency(case):
                     continue
                 periods = round(duration / period)
-                chosen.append(FourierFamily.lasting(order, period, periods, middle, half, self.centred))
+                family = FourierFamily.lasting(order, period, periods, middle, half, self.centred)
+                chosen.append(replace(family, equal_start=self.equal_start))
                 continue
             for period, free in own._free_periods(case, duration):
                 periods = max(own.fewest, int(duration / period))
-                chosen.append(FourierFamily.lasting(order, period, periods, middle, half, self.centred, free))
+                family = FourierFamily.lasting(order, period, periods, middle, half, self.centred, free)
+                chosen.append(replace(family, equal_start=self.equal_start))
         if not chosen:
             raise HexciteError(
                 f"no period fits: {duration:g} s is too short or the filter of the evaluation too low; choose a longer "

@@ -19,8 +19,8 @@ from identification.model import Model
 from identification.motion import Array
 from planner.poses.space import Space, space_of, valid_poses
 from planner.search import SolverStatus
-from planner.search.ipopt import NumpyFunction
 from planner.search.objective import Local, criterion_at
+from planner.search.solvers import NumpyFunction
 
 TIE = 1e-10  # relative; the first of equally good removals is taken, so that symmetric grids give one answer anywhere
 CHUNK = 64  # number of poses that are evaluated together

@@ -5,7 +5,7 @@ from enum import StrEnum
 
 
 class SolverStatus(StrEnum):
-    """How a run of IPOPT ended: return statuses as CasADi names them, in small letters, and ours."""
+    """How a run of a solver ended: return statuses as CasADi names them, in small letters, and ours."""
 
     CONVERGED = "solve succeeded"
     ACCEPTABLE = "solved to acceptable level"
@@ -13,12 +13,13 @@ class SolverStatus(StrEnum):
     STOPPED = "user requested stop"
     ITERATION_LIMIT = "maximum iterations exceeded"
     SETTLED = "no more gained"
+    SHORT_STEP = "search direction becomes too small"
     NOT_RUN = ""
     FAILED = "failed"  # for whichever reason
 
     @classmethod
     def _missing_(cls, value: object) -> "SolverStatus":
-        """The member of a status as IPOPT writes it, such as `Solve_Succeeded`."""
+        """The member of a status as CasADi writes it, such as `Solve_Succeeded`."""
         plain = str(value).replace("_", " ").lower()
         return next((status for status in cls if status.value == plain), cls.FAILED)
 
@@ -37,6 +38,7 @@ _SHOWN = {
     SolverStatus.ITERATION_LIMIT: "at its iteration limit",
     SolverStatus.STOPPED: "stopped by the time limit or by Ctrl-C",
     SolverStatus.CONVERGED: "converged",
+    SolverStatus.SHORT_STEP: "its steps became too short",
 }
 
 

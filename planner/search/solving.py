@@ -17,11 +17,12 @@ from identification.criteria import CRITERIA, Criterion, reference_scaling, sing
 from identification.model import identification_model
 from planner.families import Family
 from planner.noise import PoseErrors, expected_noise, information_of, seen_through
+from planner.request import Solver
 from planner.search import Failed, SolverStatus, StartRecord
 from planner.search.annealing import annealed_start
 from planner.search.feasibility import MARGIN, keep_limits, require_rest
-from planner.search.ipopt import Barrier, Watch, solve
 from planner.search.problem import build_program, largest_shares
+from planner.search.solvers import Barrier, Watch, solve
 
 QUICK_RATE = 1000.0  # [1/s] for comparing starts; the chosen plan is proven at the full rate
 SLIPPED = 5e-4  # further unused share of each limit in the rows: for excess between constrained instants
@@ -57,6 +58,7 @@ class Task:
     payload: int = 0  # number of the case's payloads that are mounted, for the noise
     begin: Array | None = None  # result of an exploration, which is refined; None for a random start
     reference: Case | None = None  # case of the reference scaling, where `case` has margins; None for the same
+    solver: Solver = Solver.IPOPT
 
     @property
     def refine(self) -> bool:
@@ -115,6 +117,7 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
         raise InfeasiblePlan(
             f"start {task.seed} found no motion inside the limits that determines all parameters of model "
             f"{task.model}; widen [limits.motion], allow a longer --duration or choose a smaller --model"
+            + ("" if task.solver is Solver.IPOPT else f", or leave --solver {task.solver} out: {run.status.words}")
         )
     promise = run.rate(unknowns) if exploring else after
     record = StartRecord(
@@ -186,7 +189,7 @@ class _Run:
             self.status, self.converged = SolverStatus.STOPPED, False
             return unknowns
         program = replace(self.program, convex=convex)
-        solution, self.status, count = solve(program, unknowns, iterations, self.stops, barrier)
+        solution, self.status, count = solve(program, unknowns, iterations, self.stops, barrier, self.task.solver)
         self.iterations += count
         self.converged = self.status.converged and bool(np.isfinite(solution).all())
         if not np.isfinite(solution).all():

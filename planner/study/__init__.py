@@ -46,6 +46,8 @@ class Grid(Part):
     period_s: Values[Positive | None] = (None,)
     moves: Values[Whole | None] = (None,)
     knots: Values[Whole | None] = (None,)
+    equal_start: Values[bool] = (False,)
+    solver: Values[str] = (str(_USUAL.solver),)
     payload: Values[Whole] = (_USUAL.payload,)
     seed: Values[Whole] = (_USUAL.seed,)
 
@@ -116,6 +118,8 @@ def cells_of(spec: Spec, case: Case) -> dict[str, CellSettings]:
         # Settings of another family do not make another cell.
         own = [k for k in settings if OWNERS.get(OPTIONS.get(k, k), family) == family]
         settings = {"model": full_model(case)} | {k: settings[k] for k in own if settings[k] is not None}
+        if settings.get("equal_start"):  # its seed decides nothing
+            settings["seed"] = 0
         request_of(settings)
         cells[fingerprint([settings, *behind])] = settings
     return cells
@@ -131,5 +135,6 @@ def request_of(settings: CellSettings) -> Request:
 
 def command_of(settings: CellSettings, case: str) -> str:
     """The command line that plans a cell anew, from as many starts as pay."""
-    words = [f"--{OPTIONS.get(k, k)} {v}" for k, v in settings.items() if k != "seed"]
+    plain = {OPTIONS.get(k, k).replace("_", "-"): v for k, v in settings.items() if k != "seed" and v is not False}
+    words = [f"--{option}" if v is True else f"--{option} {v}" for option, v in plain.items()]
     return " ".join(["hexcite plan", case, *words])

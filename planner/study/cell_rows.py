@@ -30,10 +30,10 @@ def schema() -> "pa.Schema":
 
     text, whole, number = pa.string(), pa.int64(), pa.float64()
     columns = {
-        text: "cell case_hash version family criterion status reason",
+        text: "cell case_hash version family criterion solver status reason",
         whole: "noise_seed model order moves knots payload seed iterations parameters inside_95",
         number: "duration_s period_s seconds score logdet d_efficiency worst_error_in_std mass_error_kg mass_std_kg",
-        pa.bool_(): "converged",
+        pa.bool_(): "converged equal_start",
     }
     return pa.schema([(name, kind) for kind, names in columns.items() for name in names.split()])
 

@@ -2,18 +2,20 @@
 
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from markupsafe import Markup
 
 from cases.errors import FileProblem, HexciteError, Interrupted
 from cases.files import FolderKind, check_folder, json_text, read_json, write_text
 from cases.schema import Case
 from cases.units import as_html
+from identification.precision import aligned
 from planner.reports.chart import Axis, Box, Chart
 from planner.reports.page import Head, note, page, section, table
 from planner.request import require_workers
@@ -45,6 +47,11 @@ class SettingsGroup:
     seconds: float  # mean time of a cell [s]
     iterations: float  # mean number of iterations of a cell
     inside: float  # share of the 95 % intervals of identified parameters that contain the truth
+
+    @property
+    def spread(self) -> float:
+        """How much less D-efficient the worst start ends than the best, as a share; NaN of fewer than two."""
+        return 1.0 - min(self.efficiencies) / max(self.efficiencies) if len(self.efficiencies) > 1 else np.nan
 
 
 def groups(rows: "pa.Table") -> list[SettingsGroup]:
@@ -122,7 +129,8 @@ class Study:
         """Entries for programs."""
         counts = {name: getattr(self, name) for name in ("cells", "computed", "done", "failed")}
         best = {letter: {**group.settings, "score": group.best} for letter, group in self.best.items()}
-        return {"study": str(self.folder), **counts, "best": best}
+        solvers = [asdict(summary) for summary in solver_summaries(groups(self.rows))]
+        return {"study": str(self.folder), **counts, "best": best, "solvers": solvers}
 
     def write_page(self) -> Path:
         """Writes the page of the folder, report.html, and returns its path."""
@@ -132,7 +140,10 @@ class Study:
     def __repr__(self) -> str:
         """How many cells are done, and the best settings of each criterion."""
         best = [f"{letter}: {group.best:.4g} with {group.settings}" for letter, group in self.best.items()]
-        return "\n".join([f"Study {self.folder}: {self.done} of {self.cells} cells done, {self.failed} failed", *best])
+        summaries = solver_summaries(groups(self.rows))
+        solvers = aligned(SOLVER_COLUMNS, *(s.cells for s in summaries)) if len(summaries) > 1 else []
+        first = f"Study {self.folder}: {self.done} of {self.cells} cells done, {self.failed} failed"
+        return "\n".join([first, *best, *solvers])
 
     _repr_html_ = as_html
 
@@ -228,12 +239,15 @@ def study_page(spec: Spec, case: Case, cells: int, rows: "pa.Table") -> str:
     for group in found:
         texts = [str(group.settings.get(name, "-")) for name in varied]
         spread.append(Box(tuple(group.efficiencies), ", ".join(texts)))
-        shares = [f"{100 * share:.1f} %" if np.isfinite(share) else "-" for share in (group.converged, group.inside)]
+        shares = [percent(share) for share in (group.converged, group.spread, group.inside)]
         numbers = group.best, group.median, group.iterations, group.seconds
         figures = [f"{number:.4g}" if np.isfinite(number) else "-" for number in numbers]
         cells_of_table.append((*texts, str(group.cells), str(group.done), *figures, *shares))
-    columns = (*varied, "cells", "done", "best", "median", "iterations", "s a cell", "converged", "coverage")
-    words = "Larger is better: A is minus the trace, K minus the condition, in the reference scaling."
+    columns = (*varied, "cells", "done", "best", "median", "iterations", "s a cell", "converged", "spread", "coverage")
+    words = (
+        "Larger is better: A is minus the trace, K minus the condition, in the reference scaling. Spread: how much "
+        "less D-efficient the worst start ends than the best."
+    )
     caption = "D-efficiency of the plans of each setting, over their seeds."
     chart = Chart("spread", caption, tuple(spread), y=Axis("D-efficiency"))
     verdict = f"{len(rows)} of {cells} cells are done, {sum(failures.values())} failed."
@@ -244,5 +258,81 @@ def study_page(spec: Spec, case: Case, cells: int, rows: "pa.Table") -> str:
         (("case", f"{case.name} (hash {case.hash})"), ("hexcite", version("hexcite"))),
         [f"{count} rows failed: {reason}" for reason, count in failures.most_common(MOST_REASONS)],
         section("Best settings", *(best or [note("No cell is done yet.")]), note(words)),
+        *solver_sections(found),
         section("Settings", table(columns, cells_of_table, left=len(varied)), chart),
     )
+
+
+def percent(share: float) -> str:
+    """A share in per cent, or a dash where there is none."""
+    return f"{100 * share:.1f} %" if np.isfinite(share) else "-"
+
+
+SOLVER_COLUMNS = ("solver", "start values", "plans", "failed", "converged", "iterations", "s a cell", "of the best")
+
+
+@dataclass(frozen=True, slots=True)
+class SolverSummary:
+    """How a solver does from one kind of start values, over all other settings."""
+
+    solver: str
+    start: str  # random or equal
+    plans: int  # number of plans
+    failed: int  # number of cells without one
+    converged: float  # share of the plans whose solver said so
+    iterations: float  # mean of their groups
+    seconds: float  # mean time of a cell [s]
+    reached: float  # median over settings of its median D-efficiency over the best that any solver or start found there
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """Its row in a table."""
+        figures = str(self.plans), str(self.failed), percent(self.converged), f"{self.iterations:.0f}"
+        return self.solver, self.start, *figures, f"{self.seconds:.1f}", percent(self.reached)
+
+
+def solver_summaries(settings_groups: list[SettingsGroup]) -> list[SolverSummary]:
+    """One for each solver and kind of start values, in the order of their names."""
+    own = "solver", "equal_start"
+    best: dict[tuple[object, ...], float] = {}
+    for group in settings_groups:
+        rest = _without(group.settings, own)
+        best[rest] = max(best.get(rest, 0.0), *group.efficiencies, 0.0)
+    kinds: dict[tuple[str, bool], list[SettingsGroup]] = {}
+    for group in settings_groups:
+        kinds.setdefault((str(group.settings["solver"]), bool(group.settings.get("equal_start"))), []).append(group)
+    summaries = []
+    for (solver, equal), several in sorted(kinds.items()):
+        done = [group for group in several if group.done]
+        plans = sum(group.done for group in done)
+        reached = [float(np.median(g.efficiencies)) / best[_without(g.settings, own)] for g in done]
+        summaries.append(
+            SolverSummary(
+                solver,
+                "equal" if equal else "random",
+                plans,
+                sum(group.cells for group in several) - plans,
+                sum(group.converged * group.done for group in done) / plans if plans else np.nan,
+                float(np.mean([group.iterations for group in done])) if done else np.nan,
+                float(np.mean([group.seconds for group in done])) if done else np.nan,
+                float(np.median(reached)) if done else np.nan,
+            )
+        )
+    return summaries
+
+
+def _without(settings: CellSettings, names: tuple[str, ...]) -> tuple[object, ...]:
+    return tuple((name, value) for name, value in settings.items() if name not in names)
+
+
+def solver_sections(settings_groups: list[SettingsGroup]) -> list[Markup]:
+    """The section that compares solvers and start values, where a study has several."""
+    summaries = solver_summaries(settings_groups)
+    if len(summaries) < 2:
+        return []
+    rows = [s.cells for s in summaries]
+    words = (
+        "Of the best: the median D-efficiency of its starts over the best that any solver found with the same other "
+        "settings, the median of these. The paper compares such solvers of MATLAB."
+    )
+    return [section("Solvers and start values", table(SOLVER_COLUMNS, rows, left=2), note(words))]

@@ -86,6 +86,7 @@ def test_fixed_and_free_at_once_is_a_misunderstanding(what: str):
 MOVING = ("fourier", "ptp", "spline")
 BELONGS = dict.fromkeys(SEARCHED, MOVING) | {
     "order": ("fourier",), "period": ("fourier",), "free_order": ("fourier",), "centred": ("fourier",),
+    "equal_start": ("fourier",),
     "free_period": ("fourier",), "moves": ("ptp",), "controller": ("ptp",), "without": ("ptp",), "knots": ("spline",),
     "sequence": ("manual",),
 }  # fmt: skip

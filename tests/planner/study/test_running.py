@@ -245,3 +245,30 @@ def test_ctrl_c_keeps_what_is_done_and_leaves_no_workers(tmp_path: Path) -> None
     assert len([line for line in said.splitlines() if not line.startswith("study small of hexapod: ")]) == 1  # progress
     assert len(rows_of(folder)) >= 1
     assert not [p for p in Path("/proc").glob("[0-9]*/environ") if _holds(p, f"MARK={tmp_path}")]
+
+
+def test_solvers_are_compared_by_the_best_that_any_of_them_found_with_the_same_settings(
+    hexapod_case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    efficiencies = {"ipopt": (0.4, 0.3), "sqp": (0.2, 0.1), "active-set": (0.5, 0.5)}
+
+    def answers(client: object, tasks: Iterator[tuple[str, partial]], limit: float) -> Iterator:
+        for key, job in tasks:
+            request = job.args[1]
+            plan = {"noise_seed": PLANNED, "status": DONE, "score": 1.0, "converged": request.solver != "ipopt"}
+            efficiency = efficiencies[request.solver][request.seed]
+            yield key, [plan | {"seconds": 2.0, "iterations": 10, "d_efficiency": efficiency}]
+
+    monkeypatch.setattr(conduct, "run_tasks", answers)
+    monkeypatch.setattr(conduct, "local_client", lambda workers, memory: nullcontext())
+    spec = Spec(schema_version=1, name="x", grid=Grid(order=[3, 5], solver=list(efficiencies), seed=[0, 1]))
+    result = conduct.study(hexapod_case, spec, tmp_path / "study")
+    found = {summary.solver: summary for summary in conduct.solver_summaries(groups(result.rows))}
+    assert [found[name].reached for name in efficiencies] == pytest.approx([0.7, 0.3, 1.0])
+    assert [found[name].converged for name in efficiencies] == [0.0, 1.0, 1.0]
+    assert all((s.plans, s.failed, s.start) == (4, 0, "random") for s in found.values())
+    assert {round(g.spread, 3) for g in groups(result.rows)} == {0.25, 0.5, 0.0}
+    text = result.write_page().read_text()
+    assert "Solvers and start values" in text
+    assert "70.0 %" in text
+    assert tells(repr(result), "ipopt", "70.0 %")

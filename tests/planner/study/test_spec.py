@@ -77,6 +77,20 @@ def test_the_command_of_a_cell_is_one_that_hexcite_takes() -> None:
     settings = {"family": "fourier", "criterion": "D", "duration_s": 12.0, "period_s": 3.0, "seed": 4}
     command = "hexcite plan hexapod --family fourier --criterion D --duration 12.0 --period 3.0"
     assert command_of(settings, "hexapod") == command
+    other = {"family": "fourier", "equal_start": True, "solver": "active-set", "seed": 0}
+    assert command_of(other, "hexapod") == "hexcite plan hexapod --family fourier --equal-start --solver active-set"
+    assert "equal" not in command_of(other | {"equal_start": False}, "hexapod")
+
+
+def test_the_seed_of_equal_start_values_makes_no_other_cell(hexapod_case: Case) -> None:
+    grid = Grid(equal_start=[False, True], seed=[0, 1, 2])
+    cells = cells_of(Spec(schema_version=1, name="x", grid=grid), hexapod_case).values()
+    assert sorted((cell["equal_start"], cell["seed"]) for cell in cells) == [
+        (False, 0),
+        (False, 1),
+        (False, 2),
+        (True, 0),
+    ]
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""IPOPT on programs in NumPy: the optimum of a small one; stopped, it returns the best that is inside the limits."""
+"""Solvers on programs in NumPy: the optimum of a small one; stopped, it returns the best that is inside the limits."""
 
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -8,9 +8,10 @@ import pytest
 from scipy.sparse import csr_array
 
 from planner.families.rows import LinearRows
+from planner.request import Solver
 from planner.search import SolverStatus
-from planner.search.ipopt import INSIDE, solve
 from planner.search.program import NonlinearProgram
+from planner.search.solvers import INSIDE, solve
 from tests.helpers import few
 from tests.planner.search.conftest import Small
 
@@ -60,13 +61,14 @@ def valley() -> NonlinearProgram:
 
 
 def solved(
-    start: list[float], iterations: int, watch: Any = lambda objective: False
+    start: list[float], iterations: int, watch: Any = lambda objective: False, solver: Solver = Solver.IPOPT
 ) -> tuple[np.ndarray, SolverStatus, int]:
-    return solve(valley(), np.array(start), iterations, watch)
+    return solve(valley(), np.array(start), iterations, watch, solver=solver)
 
 
-def test_it_finds_the_constrained_optimum_and_says_so():
-    x, status, count = solved([0.1, 0.1, 0.2], 200)
+@pytest.mark.parametrize("solver", Solver)
+def test_it_finds_the_constrained_optimum_and_says_so(solver: Solver):
+    x, status, count = solved([0.1, 0.1, 0.2], 200, solver=solver)
     assert status.converged
     assert x[2] == pytest.approx(x[0] + x[1], abs=1e-5)
     assert x[0] ** 2 + x[1] ** 2 == pytest.approx(1.0, abs=2e-3)
@@ -74,14 +76,15 @@ def test_it_finds_the_constrained_optimum_and_says_so():
     assert 3 < count < 100
 
 
-def test_a_watch_that_has_seen_enough_stops_it():
+@pytest.mark.parametrize("solver", Solver)
+def test_a_watch_that_has_seen_enough_stops_it(solver: Solver):
     seen: list[float] = []
 
     def watch(objective: float) -> bool:
         seen.append(objective)
         return len(seen) >= 3
 
-    reached, status, _ = solved([-1.5, 1.5, 0.0], 200, watch)
+    reached, status, _ = solved([-1.5, 1.5, 0.0], 200, watch, solver)
     assert status is SolverStatus.STOPPED
     assert np.isfinite(reached).all()
     assert len(seen) == 3
@@ -113,17 +116,22 @@ def test_out_of_iterations_it_returns_the_best_inside_the_bounds(iterations: int
         assert program.value(reached) <= min(inside) + 1e-9
 
 
+@pytest.mark.parametrize("solver", Solver)
 @pytest.mark.parametrize(
     "small",
     few("fourier", "spline", "ptp"),
     indirect=True,
 )
-def test_it_ends_where_no_more_is_gained(small: Small):
+def test_it_ends_where_no_more_is_gained(small: Small, solver: Solver):
     _, problem, at = small
     program = replace(problem, convex=True)
-    reached, status, count = solve(program, at, 400, lambda objective: False)
+    reached, status, count = solve(program, at, 400, lambda objective: False, solver=solver)
     assert status.converged
     assert count < 400
+    assert program.outside(reached) < INSIDE
+    lower, upper = program.row_bounds
+    rows = program.row_values(reached)
+    assert max((lower - rows).max(), (rows - upper).max()) < INSIDE
     assert program.value(reached) < program.value(at) - 0.2
 
 
@@ -140,6 +148,20 @@ def test_a_stage_that_used_its_iterations_is_no_failure():
 
 def test_a_search_that_ran_out_of_time_was_not_stopped_by_its_user_alone():
     assert "time limit" in SolverStatus.STOPPED.words
+
+
+def test_a_problem_of_which_nothing_can_be_computed_is_a_failure_and_no_error():
+    """CasADi has no statistics then."""
+
+    class Broken(Valley):
+        def hessian(self, x: np.ndarray, factor: float, multipliers: np.ndarray) -> np.ndarray:
+            raise np.linalg.LinAlgError("made up")
+
+    plain = valley()
+    broken = Broken(None, None, plain.rows, plain.lower, plain.upper)  # type: ignore[arg-type]
+    x, status, _ = solve(broken, np.array([0.1, 0.1, 0.2]), 10, lambda objective: False, solver=Solver.SQP)
+    assert not status.converged
+    assert np.isfinite(x).all()
 
 
 def test_any_other_status_is_a_failure():
