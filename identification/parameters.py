@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from cases.errors import IdentificationError, choice
 from cases.sensors import RigidBody, Truth
-from cases.units import Array
+from cases.units import Array, Flags
 
 if TYPE_CHECKING:
     from identification.model import Model
@@ -274,6 +274,37 @@ def select(model: "Model", known: Mapping[str, float], dropped: Iterable[str] = 
     return Selection(names, rows[:, 0], rows[:, 1:])
 
 
+def require_physical(model: "Model", known: Iterable[str]) -> None:
+    """Raises IdentificationError, with the physical names, for names of known parameters that are not physical."""
+    require_names(known, [p.name for p in physical_form(model).parameters])
+
+
+def tangent_at(model: "Model", physical: Array, fixed: Flags) -> Selection:
+    """The local Jacobian of (18) at physical parameters, shape (u,): u = offset + basis @ those that are not fixed.
+
+    Args:
+        fixed: which of them are, shape (u,).
+    """
+    form = physical_form(model)
+    u = _linear_of(model)(physical).full()[:, 0]
+    basis = np.linalg.inv(form.map(u)[1].full())[:, ~fixed]  # du/dp
+    names = tuple(p.name for p, known in zip(form.parameters, fixed, strict=True) if not known)
+    return Selection(names, np.asarray(u - basis @ physical[~fixed]), basis)
+
+
+def _linear_of(model: "Model") -> ca.Function:
+    """Physical parameters -> u, the inverse of `physical_form`."""
+    p = ca.SX.sym("p", len(model.parameters))
+    u = ca.SX(p)
+    if MASS in model.blocks:
+        mass, start = model.names.index("m"), model.names.index(FIRST_MOMENT.parameters[0].name)
+        u[start : start + 3] = p[mass] * p[start : start + 3]
+        if INERTIA in model.blocks:
+            second = model.names.index(INERTIA.parameters[0].name)
+            u[second : second + 6] += _parallel_axes(p[mass], p[start : start + 3])
+    return ca.Function("linear", [p], [u])
+
+
 def _rows(pairs: Sequence[tuple[str, str]], constants: Mapping[str, float], names: Sequence[str]) -> Array:
     """(u0 B), shape (u, 1 + free), built in the order of (17): mass, first moments, inertia."""
     rows: dict[str, Array] = {}
@@ -288,6 +319,6 @@ def _rows(pairs: Sequence[tuple[str, str]], constants: Mapping[str, float], name
         else:
             raise IdentificationError(
                 f"{physical} about the centre of gravity cannot be fixed: the problem is not linear; fix {linear}, "
-                "about the origin of {P}, or give it as a prior"
+                "about the origin of {P}, give it as a prior, or take the non-linear form (--estimator nonlinear)"
             )
     return np.array(list(rows.values()))

@@ -15,7 +15,14 @@ from scipy.linalg import block_diag
 from cases.errors import IdentificationError
 from cases.sensors import Sensors
 from cases.units import Array, Flags, Indices
-from identification.estimation.estimators import ALIKE, Method, estimate_selected, gauss_markov_of, independent_poses
+from identification.estimation.estimators import (
+    ALIKE,
+    Method,
+    estimate_selected,
+    full_whitening,
+    gauss_markov_of,
+    independent_poses,
+)
 from identification.estimation.fit import Filtered, Fit, Regression, Robust, Value, inverse_root, joint_triangle
 from identification.estimation.force_noise import long_run_covariance, scores
 from identification.finding import Finding
@@ -263,16 +270,23 @@ def fit_samples(
                 steps = DELAY_STEPS if near is None else 1
                 delay, near, _, _ = _converged(part, how, sensors, beside, delay, near, steps)
     delay, _, regression, whitening = _converged(samples, how, sensors, beside, delay, near)
-    columns, white = regression.regressors, regression.whitened(whitening)
+    columns, raised = regression.regressors, 1.0
+    if how.weights == "full":
+        whitening, raised = full_whitening(regression, how.selection(model))
+        regression = regression._replace(alike=None)
+    white = regression.whitened(whitening)
+    how, said = how.settled(white, model)
     basis = block_diag(how.selection(model).basis, np.eye(beside))
     fit = how.estimate(white, model)
-    if not how.priors:
+    fit = replace(fit, findings=(*fit.findings, *said))
+    if not how.priors and how.weights != "huber":
         free = white.regressors if np.array_equal(basis, np.eye(len(basis))) else white.regressors @ basis
         robust = samples.robust_covariance(free, fit.residuals, fit.weights, whitening)
         if robust is not None:
             findings = (*fit.findings, *robust.findings)
             covariance = basis @ robust.covariance @ basis.T
             fit = replace(fit, covariance_robust=covariance, findings=findings, field=robust.field)
+    fit = replace(fit, covariance=raised * fit.covariance, covariance_robust=raised * fit.covariance_robust)
     w = np.diag(fit.weights)
     if whitening is not None:  # the residuals are those of the forces themselves
         w = whitening.T @ whitening

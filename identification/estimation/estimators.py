@@ -23,13 +23,20 @@ from identification.estimation.fit import (
     orthonormal,
     require_alive,
 )
+from identification.estimation.force_noise import long_run_covariance
 from identification.estimation.priors import Prior, with_priors
-from identification.model import Model
-from identification.parameters import Selection, select
+from identification.finding import Finding, Kind, note
+from identification.model import Model, whitening_of
+from identification.parameters import Selection, physical_form, require_physical, select, tangent_at
 
+MOST_STEPS = 50  # of Gauss and Newton for the non-linear form
+STEP = 1e-6  # of a standard deviation of each parameter: a smaller step is the last
+ROUNDING = 1e-12  # of a value, likewise
 EACH = (0, 1, 2, 3, 4, 5)  # `Regression.alike` where each channel has noise of its own
-ALIKE = {"equal": None, "per_channel": EACH, "per_unit": (0, 0, 0, 1, 1, 1), "stated": None}
-"""Weights by name -> channels with the same noise, see `Regression`; stated noise is made white before."""
+ALIKE = {
+    "equal": None, "per_channel": EACH, "per_unit": (0, 0, 0, 1, 1, 1), "stated": None, "huber": EACH, "full": EACH,
+}  # fmt: skip
+"""Weights by name -> channels with the same noise, see `Regression`; stated and full noise is made white before."""
 
 
 @checks_arguments
@@ -40,8 +47,13 @@ class Method:
     known: Mapping[str, float] = field(default_factory=dict)  # exact values by linear or physical name [SI]
     dropped: tuple[str, ...] = ()  # linear parameters without a column
     priors: tuple[Prior, ...] = ()
-    # `equal`, `per_channel`, `per_unit` or `stated`, see `cases.sensors`; None for those of the case
+    # `equal`, `per_channel`, `per_unit` or `stated`, see `cases.sensors`; `full`, from the covariance of the channels'
+    # residuals; `huber`, by which gross errors count less; None for those of the case
     weights: str | None = None
+    # whether the non-linear form (18) is iterated by its local Jacobian: physical parameters, also central inertia, may
+    # be known then
+    nonlinear: bool = False
+    tangent: Selection | None = None  # that Jacobian, where a fit of it has ended
 
     def __post_init__(self) -> None:
         if self.weights is not None and self.weights not in ALIKE:
@@ -50,6 +62,11 @@ class Method:
         for name, value in given:
             if not (isinstance(name, str) and isinstance(value, Real) and math.isfinite(value)):
                 raise IdentificationError(f"Method: {name} = {value!r}", "is not a finite number", "give one in SI")
+        if self.priors and (self.nonlinear or self.weights in ("huber", "full")):
+            raise IdentificationError(
+                "priors go with the linear form and the weights equal, per_channel, per_unit or stated; leave the "
+                "other choice out"
+            )
         if self.priors and (self.known or self.dropped):
             raise IdentificationError(
                 "priors go with all parameters free; give what is known exactly as a prior with a small standard "
@@ -76,6 +93,11 @@ class Method:
         Raises:
             IdentificationError: names that the model does not have, or known values that are not linear.
         """
+        if self.tangent is not None:
+            return self.tangent
+        if self.nonlinear:  # to begin from
+            require_physical(model, (*self.known, *self.dropped))
+            return select(model, {n: v for n, v in self.known.items() if not n.startswith("IC")}, self.dropped)
         return select(model, self.known, self.dropped)
 
     def estimate(self, regression: Regression, model: Model) -> Fit:
@@ -87,7 +109,44 @@ class Method:
         if self.priors:
             weights = np.ones(6) if regression.alike is None else per_channel(regression).weights
             return with_priors(regression, model, weights, self.priors)
-        return estimate_selected(regression, self.selection(model), gauss_markov_of)
+        estimator = huber_of if self.weights == "huber" else gauss_markov_of
+        return estimate_selected(regression, self.selection(model), estimator)
+
+    def settled(self, regression: Regression, model: Model) -> tuple["Method", tuple[Finding, ...]]:
+        """The method at the minimum of the non-linear form (18), and how it was found; itself where that is not asked.
+
+        Each step is the linear estimate along the local Jacobian.
+
+        Raises:
+            IdentificationError: no minimum was found, or as `estimate` does.
+        """
+        if not self.nonlinear:
+            return self, ()
+        begin = replace(self, tangent=None)
+        linear = begin.estimate(regression, model)
+        own, form = len(model.names), physical_form(model)
+        known = np.array([p.name in self.known for p in form.parameters])
+        at = form.of(linear.values[:own], np.zeros((own, own)))[0]
+        at[[name in self.dropped for name in model.names]] = 0.0
+        at[known] = [self.known[p.name] for p, fixed in zip(form.parameters, known, strict=True) if fixed]
+        dropped = np.array([name in self.dropped for name in model.names])
+        for steps in range(1, MOST_STEPS + 1):
+            tangent = tangent_at(model, at, known | dropped)
+            fit = replace(self, tangent=tangent).estimate(regression, model)
+            free = np.linalg.lstsq(tangent.basis, fit.values[:own] - tangent.offset, rcond=None)[0]
+            step = free - at[~(known | dropped)]
+            at[~(known | dropped)] = free
+            half = np.linalg.pinv(tangent.basis)
+            spread = np.sqrt(np.diag(half @ fit.covariance[:own, :own] @ half.T))
+            if np.all(np.abs(step) <= STEP * spread + ROUNDING * np.abs(free)):
+                apart = np.abs(form.of(linear.values[:own], np.zeros((own, own)))[0][~(known | dropped)] - free)
+                most = float(np.max(apart / np.maximum(spread, np.finfo(float).tiny)))
+                words = f"non-linear form (18): {steps} Gauss-Newton steps; the linear form, from which they began, is "
+                words += f"at most {most:.2g} standard deviations away"
+                return replace(self, tangent=tangent_at(model, at, known | dropped)), (note(Kind.ESTIMATOR, words),)
+        raise IdentificationError(
+            f"the non-linear form has no minimum within {MOST_STEPS} steps; leave --estimator out"
+        )
 
 
 def estimate_selected(regression: Regression, selection: Selection, estimator: Callable[[Regression], Fit]) -> Fit:
@@ -109,6 +168,15 @@ def estimate_selected(regression: Regression, selection: Selection, estimator: C
     fit = estimator(regression._replace(regressors=regression.regressors @ basis, forces=right, names=names))
     covariance, robust = (basis @ square @ basis.T for square in (fit.covariance, fit.covariance_robust))
     return replace(fit, values=offset + basis @ fit.values, covariance=covariance, covariance_robust=robust)
+
+
+def symmetric_platform(model: Model, nonlinear: bool = False) -> dict[str, float]:
+    """What is known of a symmetric platform without accessories: five parameters (section 5), by name [SI].
+
+    Where xC = yC = 0 products of inertia are alike about the origin of {P} and about the centre of gravity.
+    """
+    products = [f"IC{k}" if nonlinear else f"I{k}" for k in ("12", "13", "23") if f"I{k}" in model.names]
+    return dict.fromkeys(("xC", "yC", *products), 0.0) if "m" in model.names else {}
 
 
 def gauss_markov_of(regression: Regression) -> Fit:
@@ -198,9 +266,91 @@ def independent_poses(regressors: Array, residuals: Array, weights: Array) -> Ar
 
 
 HUBER_K = 1.345  # residuals beyond so many standard deviations count less: 95 % efficiency where noise is Gaussian
+MEAN_SQUARE_PSI = 0.710165  # E psi(z)^2 for Gaussian z and HUBER_K
 MAD_TO_STD = 1.482602218505602  # 1 / Phi^-1(3/4): makes the MAD of Gaussian noise its standard deviation
 HUBER_ROUNDS = 100
 HUBER_TOLERANCE = 1e-7  # of a standard deviation of each parameter: far below what matters, far above rounding
+
+
+LEAST = 60  # independent samples: with fewer the 21 variances and covariances follow the noise they are to judge
+DEPENDENT = 1e-10  # least eigenvalue of the channels' correlation below which one follows from the others
+
+
+def full_whitening(regression: Regression, selection: Selection) -> tuple[Array, float]:
+    """Root of W, the inverse of the covariance of the channels' residuals, in turns with the fit, shape (6, 6).
+
+    W from n samples is on average too large by n / (n - 7), the mean of the inverse Wishart distribution (Hartlap,
+    Simon & Schneider 2007, Astron. Astrophys. 464:399), and its scatter costs the estimate up to as much again: the
+    covariance of an estimate is to be raised by the square, the second value.
+
+    Raises:
+        IdentificationError: too few samples for 21 variances, or a channel that follows from others.
+    """
+    filtered = regression.filtered
+    samples, sensors, unknowns = regression.regressors.shape
+    independent = samples * filtered.gain * filtered.stride
+    freedom = independent - unknowns / sensors  # each channel pays its share of the unknowns
+    if independent < LEAST:
+        raise IdentificationError(
+            f"{independent:.0f} independent samples are too few for the covariance of six channels, at least {LEAST} "
+            "are needed; record more, or choose --weights per_channel"
+        )
+    fit = estimate_selected(regression, selection, gauss_markov_of)
+    plain, before = regression._replace(alike=None), np.zeros((6, 6))
+    whitening: Array = np.eye(6)
+    for _ in range(WEIGHT_ROUNDS):
+        channels = fit.residuals.T @ fit.residuals * filtered.stride / freedom
+        std = np.sqrt(np.diag(channels))
+        if np.linalg.eigvalsh(channels / np.outer(std, std))[0] < DEPENDENT:
+            raise IdentificationError(
+                "the noise of a channel follows from that of others; is one computed from them? Choose --weights "
+                "per_channel"
+            )
+        whitening = whitening_of(channels)
+        if np.abs((channels - before) / np.outer(std, std)).max() < WEIGHT_TOLERANCE:
+            break
+        before = channels
+        white = estimate_selected(plain.whitened(whitening), selection, gauss_markov_of)
+        fit = replace(white, residuals=regression.residuals(white.values))
+    return whitening, (independent / (independent - sensors - 1)) ** 2
+
+
+def huber_of(regression: Regression) -> Fit:
+    """Huber's M-estimate with its covariances: the sandwich of Huber 1967 and White 1980, and for noise with memory.
+
+    Weights are one over the squared normalised MAD of each channel.
+
+    Raises:
+        IdentificationError: as `gauss_markov`, or too few forces agree with each other.
+    """
+    regressors, forces, filtered = regression.regressors, regression.forces, regression.filtered
+    require_alive(forces)
+    values = huber(regression)
+    residuals, kind = regression.residuals(values), np.asarray(regression.alike or 6 * (0,))
+    mad = np.array([np.median(np.abs(residuals[:, kind == k])) for k in kind])
+    if mad.min() <= 1e-12 * np.abs(forces).max():
+        raise IdentificationError(f"channel {int(mad.argmin()) + 1} fits without any residual; check it")
+    start = gauss_markov(regression, mad**-2.0)
+    # residuals are smaller than the noise by what the unknowns took, see `gauss_markov` for filtered data
+    shrunk = float(np.sqrt(forces.size * filtered.gain * filtered.stride / start.freedom))
+    noise = MAD_TO_STD * mad * shrunk
+    q, half = orthonormal(regressors, noise**-2.0)
+    sizes = residuals / noise
+    psi, inner = np.clip(sizes, -HUBER_K, HUBER_K), np.abs(sizes) <= HUBER_K
+    information = np.einsum("nku,nk,nkv->uv", q, inner.astype(float), q)
+    if np.linalg.cond(information) > 1.0 / np.finfo(float).eps:
+        raise IdentificationError("too few forces agree with each other for a robust estimate; choose other weights")
+    spread = half @ np.linalg.inv(information)
+    meat = np.einsum("nku,nk,nkv->uv", q, psi**2, q) * (forces.size / start.freedom)
+    memory = long_run_covariance(np.einsum("nku,nk->nu", q, psi))
+    share = ", ".join(f"{100 * s:.0f}" for s in np.mean(~inner, axis=0))
+    words = f"huber: {share} % of the samples of channels 1 to 6 count less (18 % where noise is Gaussian)"
+    scale = shrunk * float(np.sqrt(np.mean(psi**2) / MEAN_SQUARE_PSI))  # Huber's proposal 2, for a scale near it
+    return replace(
+        start, values=values, covariance=spread @ meat @ spread.T, covariance_robust=spread @ memory @ spread.T,
+        white_noise=scale, residuals=residuals, weights=filtered.gain / noise**2,
+        findings=(note(Kind.ESTIMATOR, words),),
+    )  # fmt: skip
 
 
 def huber(regression: Regression) -> Array:

@@ -5,12 +5,14 @@ from pathlib import Path
 from typing import Any
 
 from cases.errors import HexciteError
-from identification.estimation.estimators import Method
+from identification.estimation.estimators import Method, symmetric_platform
 from identification.estimation.priors import Prior
 from identification.model import Model
 from identification.outcome import Result
 from identification.parameters import physical_form
 from planner.request import read_value
+
+ESTIMATORS = ("linear", "nonlinear")
 
 
 def method_of(
@@ -19,6 +21,8 @@ def method_of(
     drop: Sequence[str] | None = None,
     prior: Sequence[str] | None = None,
     weights: str | None = None,
+    symmetric: bool = False,
+    estimator: str = "linear",
 ) -> Method:
     """The method that a user asks for by the options as typed; HexciteError where one of them is not understood."""
     units = {p.name: p.unit for p in (*model.parameters, *physical_form(model).parameters)}
@@ -36,7 +40,15 @@ def method_of(
         if typed.std is None:
             raise HexciteError(f"--prior {text}", "has no standard deviation; write it as --prior m=33+-0.5kg")
         priors.append(Prior(typed.name, typed.value, typed.std))
-    return Method(constants, tuple(drop or ()), tuple(priors), weights)
+    if estimator not in ESTIMATORS:
+        raise HexciteError(f"--estimator {estimator}", "is unknown", f"choose {' or '.join(ESTIMATORS)}")
+    nonlinear = estimator == "nonlinear"
+    if symmetric:
+        own = symmetric_platform(model, nonlinear)
+        if twice := sorted({*own} & {*constants, *(drop or ()), *(p.name for p in priors)}):
+            raise HexciteError("--symmetric", f"says what {twice[0]} is", f"leave {twice[0]} or --symmetric out")
+        constants |= own
+    return Method(constants, tuple(drop or ()), tuple(priors), weights, nonlinear)
 
 
 def number_of(text: str) -> int:

@@ -30,13 +30,24 @@ def identify(
     weights: Annotated[
         str | None,
         option(
-            "W: equal, per_channel or per_unit (from the residuals), stated (from the noise of forces and "
-            "accelerations in the case, through the model); by default the case's."
+            "W: equal, per_channel or per_unit (from the residuals), full (from their covariance between channels), "
+            "stated (from the noise of forces and accelerations in the case, through the model), huber (per_channel, "
+            "and gross errors count less); by default the case's."
         ),
     ] = None,
     fix: Annotated[list[str] | None, option("A known value, taken as exact: m=93.1kg, xC=0mm. Repeatable.")] = None,
     drop: Annotated[list[str] | None, option("A parameter to leave out, as if it were zero: k3. Repeatable.")] = None,
     prior: Annotated[list[str] | None, option("An uncertain value: m=33+-0.5kg. Repeatable.")] = None,
+    symmetric: Annotated[
+        bool, option("A symmetric platform without accessories: xC = yC = 0, I12 = I13 = I23 = 0.", "--symmetric")
+    ] = False,
+    estimator: Annotated[
+        str,
+        option(
+            "linear (17)-(22), or nonlinear: the form (18) by its local Jacobian, where central inertia can be fixed "
+            "too."
+        ),
+    ] = "linear",
     plan: Annotated[
         Path | None,
         option(
@@ -84,7 +95,7 @@ def identify(
                 )
 
         def how(model: hx.Model) -> hx.Method:
-            return method_of(model, fix, drop, prior, weights)
+            return method_of(model, fix, drop, prior, weights, symmetric, estimator)
 
         choice = None
         if model == "all":
