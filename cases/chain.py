@@ -328,6 +328,10 @@ class Margin(Part):
                 ends[key] = low + margin, high - margin
         return table.model_copy(update=ends)
 
+    def of_length(self, low: float, high: float) -> float:
+        """Margin of a length between two ends [m]."""
+        return min((high - low) * self.share, self.most_mm * MM)
+
     @property
     def share(self) -> float:
         """Share of a way."""

@@ -278,17 +278,18 @@ def _peaks(size: Array, most: float) -> Indices:
 
 
 def _outside(recording: Recording, case: Case) -> list[Finding]:
-    """Struts beyond what the machine can reach: a run of another machine, or a wrong offset."""
+    """Struts beyond what the machine can reach by more than its margin: a run of another machine, or a wrong offset."""
     if recording.struts is None or case.workspace is None:
         return []
     low, high = case.workspace.strut_length
-    if all(low <= strut.min() and strut.max() <= high for strut in recording.struts.T):
+    near = 0.0 if case.limits is None else case.limits.margin.of_length(low, high)  # at an end, encoders are noisy
+    if low - near <= recording.struts.min() and recording.struts.max() <= high + near:
         return []
     beyond = np.maximum(low - recording.struts, recording.struts - high)
     row, worst = np.unravel_index(int(beyond.argmax()), beyond.shape)
     others = int((beyond > 0.0).any(axis=0).sum()) - 1
     also = f" (and {others} others)" if others else ""
-    text = f"strut {worst + 1} of {recording.struts[row, worst] / MM:.4g} mm{also} is outside the workspace of "
+    text = f"strut {worst + 1} of {recording.struts[row, worst] / MM:.6g} mm{also} is outside the workspace of "
     text += f"{low / MM:g} to {high / MM:g} mm; check offset and order of the struts, or workspace.strut_length_mm"
     return [warning(Kind.CASE, text, places(recording.lines, (beyond > 0.0).any(axis=1)))]
 

@@ -247,6 +247,12 @@ def test_a_run_outside_the_workspace_is_told_with_its_rows() -> None:
     assert re.match(rf"lines \d+ to \d+.*strut \d .*workspace.*650 to {longest:g} mm", warning)
 
 
+def test_a_run_that_touches_the_end_of_a_strut_as_far_as_encoders_err_is_not() -> None:
+    longest = float(run().struts.max()) * 1e3 - 0.05
+    workspace = type(CASE.workspace).model_validate(CASE.workspace.model_dump() | {"strut_length_mm": (650.0, longest)})
+    assert estimate_parameters(run(), CASE.model_copy(update={"workspace": workspace})).warnings == ()
+
+
 def test_a_motion_without_clock_is_no_list_of_standstills() -> None:
     with pytest.raises(RecordingError, match=r"no t_s .* \d+ rows .*recording\.clock\.period_ms"):
         estimate_parameters(replace(run(), t=None, trigger=None), CASE)
