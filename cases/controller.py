@@ -210,6 +210,9 @@ class Controller(Part):
     """Stood still before the trigger goes on and after it went off."""
     cycle_ms: Positive = 1.0
     """The controller's interpolation cycle. Phases of planned moves last three of them or more."""
+    most_override_percent: Annotated[Positive, Field(le=1000.0)] | None = None
+    """Largest feed override that an operator can turn. Proofs hold up to 100 %: unless this key says that the knob ends
+    there, programs for LinuxCNC switch the override off, and those for SINUMERIK and TwinCAT come with a remark."""
     plan_for: Annotated[ControllerName, WithJsonSchema({"enum": [*ControllerName], "type": "string"})] | None = None
     """The controller whose time law point-to-point plans are made for (`hexcite plan --for`). Without it all limits of
     `[limits.motion]` count, those of jerk too."""
@@ -227,6 +230,11 @@ class Controller(Part):
 
     cycle: ClassVar = si_value("cycle_ms")  # interpolation cycle [s]
     block: ClassVar = si_value("block_ms")  # duration of a block on a timed path [s]
+
+    @property
+    def overdriven(self) -> bool:
+        """Whether an operator may turn the feed override above 100 %."""
+        return self.most_override_percent is None or self.most_override_percent > 100.0
 
     @property
     def safe_feed(self) -> float:

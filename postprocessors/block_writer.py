@@ -116,7 +116,7 @@ class BlockWriter(ABC):
         for axis, value in zip(self.axes, words, strict=True):
             difference = f"-{value}" if not value.startswith("-") else f"+{value[1:]}"
             lines += self.stop_unless(axis, difference, home)
-        lines += self.comments("what is left, at a crawl")
+        lines += [*self.before_crawl(), *self.comments("what is left, at a crawl")]
         for turning in (False, True):
             own = self.limits.turns == turning
             if own.any():
@@ -124,6 +124,10 @@ class BlockWriter(ABC):
                 lines += [*self.group(turning), f"{self.straight} {ends} F{self.home_feed(block, turning)}"]
         self.standing = words
         return lines
+
+    def before_crawl(self) -> list[str]:
+        """Lines between the checks and the first move."""
+        return []
 
     @abstractmethod
     def stop_unless(self, axis: str, difference: str, home: str) -> list[str]:

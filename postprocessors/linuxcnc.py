@@ -37,6 +37,7 @@ class _LinuxCncWriter(BlockWriter):
     def __init__(self, case: Case, timed: bool) -> None:
         axes = axis_letters(case, self.name, "")
         super().__init__(axes, axes, guarantees_of_linuxcnc(case, timed), case)
+        self.overdriven = case.need_controller("a program").overdriven
 
     def comments(self, text: str) -> list[str]:
         """Comment lines: LinuxCNC does not know nesting, and reads (MSG, ..) as a command, hence the leading dash.
@@ -47,6 +48,10 @@ class _LinuxCncWriter(BlockWriter):
 
     def to_home(self, block: ToHome) -> list[str]:
         return [*ZERO_OFFSETS, *super().to_home(block)]
+
+    def before_crawl(self) -> list[str]:
+        """The override switched off, where the knob goes beyond 100 %; behind the checks, for M2 alone resets it."""
+        return ["M50 P0"] if self.overdriven else []
 
     def stop_unless(self, axis: str, difference: str, home: str) -> list[str]:
         number, name = FIRST_CHECK + self.axes.index(axis), f"#<_{axis.lower()}>"

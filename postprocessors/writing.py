@@ -68,7 +68,7 @@ def proven_program(
     again = dialect.read(content, str(path), case)
     if not _same_stretches(again, reading):
         raise ProgramError(path, 0, 0, "the header changes how the program reads; report this")
-    proven = replace(proof, remarks=tuple(remarks(again, case)))
+    proven = replace(proof, remarks=tuple(remarks(again, guarantees)))
     return Program(path, dialect, content, again, guarantees, case, proven=proven)
 
 

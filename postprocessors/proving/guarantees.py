@@ -63,6 +63,8 @@ class Guarantees:
     arc_across: float = ACROSS  # share of its acceleration limit that it uses across an arc at most
     # share of it along the arc; None: what is left, root of sum of squares, at the largest speed across
     arc_along: float | None = ALONG
+    # how an operator's feed override is kept at 100 % at most, for people; empty where it goes no further
+    override_remedy: str = ""
     # allowed deviation of its polynomials from a motion that is none, beside rounding, shape (6,) or (1,) [m, rad]
     tolerance: Array = field(default_factory=lambda: np.zeros(1))
 
@@ -198,6 +200,7 @@ def guarantees_of_linuxcnc(case: Case, timed: bool) -> Guarantees:
         headroom=headroom,
         arc_across=ACROSS_LINUXCNC,
         arc_along=None,
+        override_remedy="write M50 P0 before the first move, or end the knob at 100 % (MAX_FEED_OVERRIDE = 1)",
     )
 
 
@@ -214,6 +217,7 @@ def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
         law=_SEVEN_SEGMENTS,
         resolution=1e-3,  # the usual number of increments of a millimetre and a degree (MD10200, MD10210)
         timing_remedy=f"make such blocks longer (controller.{'sinumerik.poly_' if polynomial else ''}block_ms)",
+        override_remedy="keep it at 100 % at most, or end the knob there (MD12030)",
         tolerance=np.repeat(settings.poly_tolerance, 3) if isinstance(settings, Sinumerik) else np.zeros(1),
     )
 
@@ -230,6 +234,7 @@ def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
         enforced=frozenset(map(LimitKind, settings.controller_keeps)),
         law=_SEVEN_SEGMENTS if smooth else _trapezoid,
         jerk_time=0.0 if smooth else settings.shortest_block_ms * MS,
+        override_remedy="keep it at 100 % at most, or end it there in the PLC",
     )
 
 

@@ -148,15 +148,16 @@ def prove_program(reading: Reading, guarantees: Guarantees) -> ProgramProof:
         excitation,
         worst_of(reports),
         worst_first,
-        tuple(remarks(reading, guarantees.case)),
+        tuple(remarks(reading, guarantees)),
     )
 
 
 AT_HOME = 1e-5 * MM, 1e-6 * DEG  # the last decimal of a program
 
 
-def remarks(reading: Reading, case: Case) -> Iterator[str]:
+def remarks(reading: Reading, guarantees: Guarantees) -> Iterator[str]:
     """Remarks beside the limits, one sentence each; raises CaseError where the case has no machine."""
+    case = guarantees.case
     home, limits = case.need_motion("the check of a program")
     moves = [part for part in reading.stretches if not isinstance(part, Still)]
     first = moves[0]
@@ -178,6 +179,8 @@ def remarks(reading: Reading, case: Case) -> Iterator[str]:
     end = last.end if isinstance(last, Untimed) else last.points.at([last.points.duration]).pose[0]
     if distance := _away(end, home, limits):
         yield f"the program does not end at home, {distance}"
+    if guarantees.override_remedy and not reading.override_off and case.need_controller("a program").overdriven:
+        yield f"a feed override above 100 % makes it faster than what is proven; {guarantees.override_remedy}"
     if reading.stops:
         lines = f"line{'s' if len(reading.stops) > 1 else ''} {', '.join(map(str, reading.stops))}"
         yield f"{lines}: the machine waits for its operator, who must not move it; the recording goes on meanwhile"

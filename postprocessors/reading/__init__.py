@@ -104,6 +104,7 @@ class Reading:
     start_time: float = 0.0  # time in which the controller takes it there from where it stands; 0 where it does not [s]
     left_on: int = 0  # line that switches the trigger on for good; 0 where it is off in the end
     stops: tuple[int, ...] = ()  # lines at which the machine waits for its operator
+    override_off: bool = False  # whether the program switches the feed override off before it moves, for all moves
 
     @property
     def measures_at_poses(self) -> bool:

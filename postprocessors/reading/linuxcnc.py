@@ -8,6 +8,7 @@ of a chain moves between exact stops only: G64 guards corners of X, Y, Z and cut
 
 import re
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
@@ -22,12 +23,13 @@ LOOSEST = 1.0  # [mm] largest tolerance of G64: on 10 ms blocks corners are cut 
 
 _READS = (
     "LinuxCNC programs consist of G0 and G1 under G61.1 (of a platform also arcs, and G93 under G64 P1 Q0), G4 P, M62 "
-    "to M65 P0, modal words as hexcite post writes them, M0, and M2 or M30"
+    "to M65 P0, M48 to M50, modal words as hexcite post writes them, M0, and M2 or M30"
 )
 # What a program relies on, and what an operator's commands may have left otherwise. They stand in blocks before the
 # first move: in its own block LinuxCNC takes F before the unit.
 _SETTINGS = ("G21", "G90", "G94", "G40", "G49", "G54", "G92.1")
 _NEARLY_STRAIGHT = np.cos(np.radians(30.0))  # of the angle below which G61 may not stop; LinuxCNC's own is 15 degrees
+_OVERRIDES = {"M48": True, "M49": False}  # commands that switch the feed override on or off; M50 does it by its P
 _SWITCHES = {"M62": (True, False), "M63": (False, False), "M64": (True, True), "M65": (False, True)}  # on, at once
 _EXECUTED = re.compile(  # comments that begin with a name and a comma, whatever the name, and those without a comma
     r"\s*(?:(?!msg\s*,)[a-z_]\w*\s*,|log(?:open|append|close)|probe(?:open|close)|py(?:run|reload))", re.IGNORECASE
@@ -55,7 +57,7 @@ class _LinuxCncInterpreter(ModalState):
     # those of groups of one change nothing that a program here relies on: no compensation, no offset; relative centres
     groups = (
         *("G0 G1 G2 G3 G80", "G17 G18 G19", "G93 G94", "G61 G61.1 G64", "M62 M63 M64 M65", "M0 M1 M2 M30 M60"),
-        *("G8", "G21", "G90", "G91.1", "G40", "G49", "G54", "G92.1"),
+        *("G8", "G21", "G90", "G91.1", "G40", "G49", "G54", "G92.1", "M48 M49 M50"),
     )
 
     def __init__(self, file: str, case: Case) -> None:
@@ -66,6 +68,8 @@ class _LinuxCncInterpreter(ModalState):
         self.numbers: set[str] = set()  # of statements of several lines
         self.way: Array | None = None  # direction of the last move, where the machine need not stand at its end
         self.loose: ProgramError | None = None
+        self.override = True  # whether the operator's feed override counts, as an operator or M2 leaves it
+        self.overridden = False  # whether it counts in a move
 
     @classmethod
     def comment_problem(cls, text: str, match: re.Match[str]) -> str:
@@ -80,7 +84,8 @@ class _LinuxCncInterpreter(ModalState):
         return f"LinuxCNC may execute the comment {comment[:40]!r}; remove it, or begin it with a dash"
 
     def read_program(self, lines: Iterable[str]) -> Reading:
-        return super().read_program(self._within_percent_signs(list(lines)))
+        reading = super().read_program(self._within_percent_signs(list(lines)))
+        return replace(reading, override_off=not self.overridden)
 
     def statement(self, lines: list[str], number: int) -> int:
         """Reads a check of home, or that G54 is zero, whose number no other statement has."""
@@ -112,7 +117,7 @@ class _LinuxCncInterpreter(ModalState):
             self._word(word, block)
         if (arc := block.get("G2") or block.get("G3")) and "P" in block:
             self.fail(block["P"], f"P counts turns beside {arc.name}; remove it, or move its own command away")
-        for letter, owners in (("P", {"G4", "G64", *_SWITCHES}), ("Q", {"G64"})):
+        for letter, owners in (("P", {"G4", "G64", "M50", *_SWITCHES}), ("Q", {"G64"})):
             if letter in block and owners.isdisjoint(block):
                 self.refuse(block[letter])
         self.take_feed(block)
@@ -138,6 +143,9 @@ class _LinuxCncInterpreter(ModalState):
             self.motions.switch(self.line, *_SWITCHES[code])
         elif code in self.last:
             self.end(word)
+        elif code == "M50" or code in _OVERRIDES:
+            self.activate(code)
+            self.override = _OVERRIDES.get(code, "P" not in block or block["P"].value != 0.0)
         elif code in self.group_of and not (self.own_axes and code in _OF_A_POSE):
             self.activate(code)
             if code == "G64":
@@ -166,6 +174,7 @@ class _LinuxCncInterpreter(ModalState):
 
     def _move(self, block: dict[str, Word], first: Word) -> None:
         self.require_said(first)
+        self.overridden |= self.override
         exact, before = self.active("G61", "G61.1"), self.pose
         if self.active("G2", "G3"):
             if "G91.1" not in self.said:

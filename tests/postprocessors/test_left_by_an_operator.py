@@ -11,6 +11,11 @@ from cases.errors import ProgramError
 from cases.schema import Case
 from planner.execution import carried_out
 from postprocessors.dialects import read_program
+from postprocessors.linuxcnc import write_linuxcnc
+from postprocessors.proving.guarantees import linuxcnc_guarantees
+from postprocessors.proving.proof import prove_program
+from tests.postprocessors.edited import moves as written_moves
+from tests.postprocessors.edited import proof
 from tests.postprocessors.programs import HEAD, linuxcnc_text, read_linuxcnc, typed
 from tests.postprocessors.test_golden import PROGRAMS
 
@@ -52,6 +57,49 @@ def test_what_it_relies_on_stands_in_a_block_before_its_first_move():
     """In one block LinuxCNC takes F before the unit."""
     with pytest.raises(ProgramError, match="a move before a block with G21 G90 G94"):
         read_linuxcnc("G21 G90 G94 G61.1 G40 G49 G54 G92.1 G1 X0 Y0 Z900 A0 B0 C0 F3000\nG1 X10 F3000\nM2\n", "p.ngc")
+
+
+@pytest.mark.parametrize(
+    ("words", "off"),
+    [("", False), ("M50 P0", True), ("M49", True), ("M50", False), ("M50 P1", False), ("M50 P0\nM48", False)],
+)
+def test_a_feed_override_that_a_program_leaves_on_is_told(words: str, off: bool, hexapod_case: Case):
+    """Before its first move, for all of them; where the knob ends at 100 % there is nothing to tell."""
+    text = typed("G1 X1 F600", head=HEAD.replace("G61.1\n", f"G61.1\n{words}\n"))
+    reading = read_linuxcnc(text, "p.ngc")
+    assert reading.override_off is off
+    told = [
+        f"{case.need_controller('a test').most_override_percent}"
+        for case in (hexapod_case, with_override(hexapod_case, 120.0), with_override(hexapod_case, 100.0))
+        if any(
+            "feed override above 100 %" in r for r in prove_program(reading, linuxcnc_guarantees(reading, case)).remarks
+        )
+    ]
+    assert told == ([] if off else ["None", "120.0"])
+    late = typed("M49\nG1 X1 F600")
+    assert not read_linuxcnc(late, "p.ngc").override_off
+    with pytest.raises(ProgramError, match="M52"):
+        read_linuxcnc(typed("M52 P1\nG1 X1 F600"), "p.ngc")
+
+
+@pytest.mark.parametrize(("most", "written"), [(None, True), (120.0, True), (100.0, False)])
+def test_programs_switch_the_override_off_where_the_knob_goes_beyond_100_percent(
+    most: float | None, written: bool, hexapod_case: Case
+):
+    text = write_linuxcnc(PROGRAMS["one_of_each.ngc"](), with_override(hexapod_case, most)).decode("ascii")
+    assert ("\nM50 P0\n" in text) is written
+    assert not written or text.index("(abort,Not at home: C") < text.index("M50 P0") < text.index("\nG1 ")
+
+
+@pytest.mark.parametrize("name", ["sinumerik", "twincat"])
+def test_controls_whose_programs_cannot_switch_an_override_off_come_with_a_remark(name: str):
+    assert [r for r in proof(name, written_moves(name)).remarks if "feed override above 100 %" in r]
+
+
+def with_override(case: Case, most: float | None) -> Case:
+    data = case.model_dump(exclude_none=True)
+    data["controller"] |= {} if most is None else {"most_override_percent": most}
+    return Case.model_validate(data)
 
 
 def test_an_arc_needs_relative_centres_to_be_said():

@@ -4,9 +4,10 @@
 LinuxCNC starts it in the session's folder under the system's Python, which has the modules `linuxcnc` and `hal` and
 no modules of hexcite:
 
-    driver.py -ini INI PROGRAM TIME_LIMIT
+    driver.py -ini INI PROGRAM TIME_LIMIT OVERRIDE
 
-It enables and homes the machine, runs PROGRAM in automatic mode for at most TIME_LIMIT seconds on the wall, and leaves
+It enables and homes the machine, runs PROGRAM in automatic mode for at most TIME_LIMIT seconds on the wall, with the
+feed override at OVERRIDE, and leaves
 
     samples.f64   one row a cycle, float64: number of the cycle, then the channels of the sampler
     status.json   outcome ("done", "error", "disabled", "paused", "time limit"), LinuxCNC's messages, counts
@@ -85,8 +86,8 @@ class Session:
             time.sleep(POLL)
             self.look()
 
-    def prepare(self, program, joints):
-        """Enables and homes the machine and opens the program."""
+    def prepare(self, program, joints, override):
+        """Enables and homes the machine, turns the feed override and opens the program."""
         command, state = self.command, self.state
         self.tell(command.state, linuxcnc.STATE_ESTOP_RESET)
         self.tell(command.state, linuxcnc.STATE_ON)
@@ -97,6 +98,7 @@ class Session:
         self.wait(lambda: all(state.homed[:joints]), "the joints cannot be homed")
         self.tell(command.teleop_enable, 1)
         self.wait(lambda: state.motion_mode == linuxcnc.TRAJ_MODE_TELEOP, "the axes cannot be moved together")
+        self.tell(command.feedrate, override)
         self.tell(command.mode, linuxcnc.MODE_AUTO)
         self.tell(command.program_open, program)
 
@@ -132,6 +134,7 @@ def main():
     parser.add_argument("-ini", required=True)
     parser.add_argument("program")
     parser.add_argument("time_limit", type=float)
+    parser.add_argument("override", type=float)
     arguments = parser.parse_args()
     session = Session()
     settings = linuxcnc.ini(arguments.ini)
@@ -151,7 +154,7 @@ def main():
 
     started = 0
     try:
-        session.prepare(arguments.program, int(settings.find("KINS", "JOINTS")))
+        session.prepare(arguments.program, int(settings.find("KINS", "JOINTS")), arguments.override)
         thread.start()
         component["record"] = True
         started = count()

@@ -60,6 +60,7 @@ def run_linuxcnc(
     *,
     speedup: float = 20.0,
     time_limit: float | None = None,
+    override: float = 1.0,
 ) -> ControllerLog:
     """Runs a program on a LinuxCNC that is configured for the case, without hardware.
 
@@ -70,6 +71,7 @@ def run_linuxcnc(
         speedup: controller time per wall-clock time, at most; less for programs with short blocks. A run that loses
             cycles, waits for blocks or shortens dwells is repeated at half of it and at a quarter; then that is an
             error.
+        override: feed override that the operator has turned.
         time_limit: limit of wall-clock time for the program [s]; by default by its dwells and lines.
 
     Raises:
@@ -88,7 +90,7 @@ def run_linuxcnc(
         speed = speedup / 2**attempt
         usual = START_LIMIT / 2 + (LINE_LIMIT * len(lines) + standing) / speed
         limit = usual if time_limit is None else time_limit
-        log, report = one_session(path, lines, case, headroom, timed, speed, limit)
+        log, report = one_session(path, lines, case, headroom, timed, speed, limit, override)
         window = report["started"], report["ended"]
         if lost := lost_cycles(report, speed):
             problem = f"{path}: {lost}"
@@ -101,7 +103,14 @@ def run_linuxcnc(
 
 
 def one_session(
-    program: Path, lines: list[str], case: Case, headroom: float, timed: bool, speedup: float, time_limit: float
+    program: Path,
+    lines: list[str],
+    case: Case,
+    headroom: float,
+    timed: bool,
+    speedup: float,
+    time_limit: float,
+    override: float = 1.0,
 ) -> tuple[ControllerLog, dict[str, Any]]:
     """Runs the lines once; returns the log and the report of `read_report`."""
     with tempfile.TemporaryDirectory(prefix="hexcite-linuxcnc-") as name:
@@ -111,7 +120,7 @@ def one_session(
         (folder / configuration.DISPLAY_FILE).write_bytes((HERE / "driver.py").read_bytes())
         (folder / configuration.DISPLAY_FILE).chmod(0o755)
         _compile_clock(folder)
-        arguments = ["-r", configuration.INI_FILE, PROGRAM_FILE, repr(time_limit)]
+        arguments = ["-r", configuration.INI_FILE, PROGRAM_FILE, repr(time_limit), repr(override)]
         clock = {"HEXCITE_SPEEDUP": repr(speedup), "LD_PRELOAD": f"{{folder}}/{CLOCK_FILE}"}
         if run_session(folder, arguments, clock, time_limit + START_LIMIT) is None:
             problem = f"LinuxCNC did not end within {time_limit + START_LIMIT:g} s and was killed"
