@@ -6,7 +6,6 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import eigh
 from scipy.spatial.transform import Rotation
 
 from cases.machine import MotionLimits
@@ -27,7 +26,6 @@ from identification.symbolic import Kinematics
 
 STEP = 1e-6  # [m, rad and their rates, or a share] for derivatives of what is smooth over metres
 FAINT = 1e-4  # of what varies in the forces, below which noise of the drives does not count
-RIDGE = 1e-12  # of a square sum, for what a run does not show at all
 SLOW = 0.05  # of the largest speed, below which friction grows with the speed
 PERCENT, DEGREES, MILLIMETRES, MILLISECONDS = 0.01, DEG, MM, 1e-3
 
@@ -334,25 +332,19 @@ class LeftOut:
         """Sum of E^T W E u over the samples, E what noise of the drives adds to A on average, shape (u,).
 
         A^T W f = A^T W (A - E) u: noise of the drives pulls parameters down by F^-1 times that. None where it is not
-        known, or too small to count. Noise of their accelerations alone counts, white before the filter; but no
-        direction of A can hold more of it than there is of that direction: where steps of encoders are less than white
-        noise of their size, in slow motion, they count by so much.
+        known, or too small to count. Noise of their accelerations alone counts, white before the filter.
         """
         drives, noise = self.motion.drives, self.motion.heard
         if drives is None or noise is None or self.by_drives is None:
             return None
-        forces, all_noise = np.sqrt(np.mean(self.expected.var(axis=0))), np.zeros((len(self.values),) * 2)
+        total, forces = np.zeros(len(self.values)), np.sqrt(np.mean(self.expected.var(axis=0)))
         if np.sqrt(np.mean((self.by_drives[2] * noise) ** 2)) < FAINT * forces:
             return None
         for k in np.flatnonzero(noise > 0.0).tolist():
             noisy = self.motion.moved(*_with(drives, 2, k))
             change = (regressors(self.model, noisy) - self.matrices) / STEP * noise[k]
-            all_noise += np.tensordot(change, w @ change, ((0, 1), (0, 1)))
-        there = np.tensordot(self.matrices, w @ self.matrices, ((0, 1), (0, 1)))
-        scale = np.sqrt(np.maximum(np.diag(there), np.finfo(float).tiny))  # columns have units of their own
-        bound = there / np.outer(scale, scale) + RIDGE * np.eye(len(scale))
-        share = float(eigh(all_noise / np.outer(scale, scale), bound, eigvals_only=True)[-1])
-        return np.asarray(all_noise @ self.values / max(share, 1.0))
+            total += np.tensordot(change, (change @ self.values) @ w, ((0, 1), (0, 1)))
+        return total
 
     def _of_drives(self) -> Iterator[Alternative]:
         if self.by_drives is None or self.motion.drives is None:

@@ -12,7 +12,7 @@ from identification.finding import Kind
 from identification.identify import estimate_parameters
 from identification.result import Estimate
 from tests.damaged.kinds import DAMAGES, Damage, damages_of
-from tests.damaged.runs import HEXAPOD, SOUND, STATED, Change, Machine, Moves, Noise, Waves, machine, recorded
+from tests.damaged.runs import SOUND, STATED, Change, Machine, Moves, Noise, Waves, machine, recorded
 from tests.helpers import few, one_line, tells
 
 OF = {damage.name: damage for damage in DAMAGES}
@@ -137,14 +137,6 @@ def test_noise_of_drives_is_told_with_the_bias_that_it_makes_and_the_remedy() ->
     mass = estimate.physical["m"]
     bias = finding.quantity["drive_noise"]["bias"][0]
     assert mass.value - of.truth["m"] == pytest.approx(bias, rel=0.4)
-    assert worst(estimate, of.truth) < 4.5
-
-
-def test_noise_of_drives_is_no_more_than_there_is_of_the_motion() -> None:
-    """Of moves that hardly turn, steps of 0.1 um of the encoders are no white noise: inertia is not biased by them."""
-    of = machine(f"{HEXAPOD}60014")
-    estimate = estimate_parameters(recorded(of, Moves(of, 60099, 4.0, 0.6), 60099), of.case)
-    assert estimate.warnings == ()
     assert worst(estimate, of.truth) < 4.5
 
 
