@@ -20,7 +20,7 @@ from cases.units import Array
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, require_alive
 from identification.finding import Finding, Kind, changed_cases, note, sentences, warning
-from identification.findings.as_planned import Planned, as_planned
+from identification.findings.as_planned import ANOTHER, Planned, as_planned, closest
 from identification.findings.causes.answer import Answer, answer
 from identification.findings.clock import clock_findings, odd_clock
 from identification.findings.contact import Contact, contact_findings, free_of_contact, touched
@@ -36,7 +36,7 @@ from identification.recording import Recording, poses_of_record
 from identification.result import Estimate, entries_of, estimate_of
 from identification.runs.preparation import delimited, moving_run, on_one_clock, stands_only
 from identification.runs.sample_checks import scan
-from identification.runs.standstills import average, find_standstills, match, standstills
+from identification.runs.standstills import among, average, find_standstills, match, standstills
 from identification.runs.wrist import widest_band, wrist_run
 from identification.samples import GAUSS_MARKOV, Fitted, Samples, fit_samples
 
@@ -71,11 +71,15 @@ def identify(
     if case is None:
         raise RecordingError(recording.source, "does not say which machine it is from", "give its case")
     whole = on_one_clock(recording, case)
-    differences = () if plan is None else as_planned(whole, case, plan)
+    beside = None if plan is None else closest(whole, case, plan)
+    differences = () if plan is None else as_planned(beside, plan)
     try:
-        return _identified(recording, whole, case, model, how, average_standstills, poses, differences)
+        found = _identified(recording, whole, case, model, how, average_standstills, poses, differences)
     except (IdentificationError, RecordingError) as error:
         raise error.beside(sentences(differences, "warning")) from error
+    if beside is None or beside.share < ANOTHER or found.estimate is None:
+        return found
+    return replace(found, estimate=replace(found.estimate, planned=(beside.plan.motion, beside.begins)))
 
 
 def _identified(
@@ -148,7 +152,7 @@ def standing_of(
     A run of hexcite knows the poses of its program.
 
     Args:
-        poses: other poses whose standstills the run holds, shape (n, k) [m or rad].
+        poses: other poses whose standstills the run holds, shape (n, k) [m or rad]; a part of them is enough.
         asked: whether standstills are averaged where their poses are not known.
 
     Raises:
@@ -158,11 +162,16 @@ def standing_of(
     if recording.t is None:
         if poses is None and not asked:
             return recording, None
+        if poses is not None and recording.struts is not None and (part := among(recording, case, poses)) is not None:
+            return part, {"count": len(part.forces), "matched_to_poses": True, "found_by": "row"}
         raise RecordingError(recording.source, "its rows are averaged already", "leave --poses and --standstills out")
     if expected is None and not asked and not stands_only(recording):
         return recording, None
     averages = average(recording, find_standstills(recording, _settling(case)))
-    if expected is not None:
+    part = None if poses is None else among(averages, case, poses)
+    if part is not None:
+        averages = part
+    elif expected is not None:
         averages, _ = match(averages, case, expected, recording.source)
     entries = {
         "count": len(averages.forces),

@@ -16,6 +16,7 @@ from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, Value
 from identification.finding import SEVERITIES, Finding, sentences
 from identification.model import Model
+from identification.motion import Trajectory
 from identification.parameters import physical_form
 from identification.samples import Fitted, Samples
 
@@ -36,6 +37,7 @@ class Estimate:
     delay: Value | None  # delay of the forces [s], where it was estimated
     physical: dict[str, Value]  # physical parameters by name
     findings: tuple[Finding, ...]  # what speaks against it, and what is good to know
+    planned: tuple[Trajectory, float] | None = None  # motion of its plan, and when that begins [s], where it is known
 
     @property
     def model(self) -> Model:

@@ -96,6 +96,11 @@ class Comparison:
         return flags
 
     @property
+    def begins(self) -> float:
+        """Time of the run at which the plan begins, the median of the pairs [s]."""
+        return float(np.median(self.run.t[self.pairs[:, 1]] - self.planned.t[self.pairs[:, 0]]))
+
+    @property
     def share(self) -> float:
         """Share of the plan's path that is in the run."""
         return float(self.matched.mean())
@@ -136,8 +141,8 @@ def compared(recording: Recording, case: Case, plan: Planned) -> Comparison | No
     return Comparison(plan, case, planned, run, _Path(recording.t[good], struts), scale, shift * scale, pairs, step)
 
 
-def as_planned(recording: Recording, case: Case, plan: Planned | Sequence[Planned]) -> tuple[Finding, ...]:
-    """What was different from the plan, as findings with numbers; figures alone where nothing was.
+def closest(recording: Recording, case: Case, plan: Planned | Sequence[Planned]) -> Comparison | None:
+    """A run beside its plan, or beside that of some plans which is most alike; None where none can be compared.
 
     Args:
         recording: a run on one clock.
@@ -146,9 +151,19 @@ def as_planned(recording: Recording, case: Case, plan: Planned | Sequence[Planne
     """
     plans = [plan] if isinstance(plan, Planned) else list(plan)
     comparisons = [found for one in plans if (found := compared(recording, case, one)) is not None]
-    if not comparisons:
+    return max(comparisons, key=lambda comparison: comparison.share, default=None)
+
+
+def as_planned(best: Comparison | None, plan: Planned | Sequence[Planned]) -> tuple[Finding, ...]:
+    """What was different from the plan, as findings with numbers; figures alone where nothing was.
+
+    Args:
+        best: `closest` of the run.
+        plan: plan of the run; or plans that lie beside it, of which one may be that of the run.
+    """
+    if best is None:
         return ()
-    best = max(comparisons, key=lambda comparison: comparison.share)
+    plans = [plan] if isinstance(plan, Planned) else list(plan)
     if isinstance(plan, Planned) or best.share >= ANOTHER:
         return findings_of(best)
     names = ", ".join(one.name for one in plans)

@@ -1,6 +1,6 @@
 """Standstills in a recorded run: detected with or without a trigger, averaged, matched to poses, made samples."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 from cases.errors import RecordingError
 from cases.schema import Case
 from cases.units import DEG, MM, Array, Flags
+from identification.finding import Kind, note
 from identification.formats.table import Lines
 from identification.hexapod import StrutsDoNotClose
 from identification.model import Model, machine_of, regressors
@@ -101,6 +102,55 @@ def average(recording: Recording, windows: Sequence[slice]) -> Recording:
     )  # fmt: skip
 
 
+def _alike(case: Case) -> Callable[[Array, Array], bool]:
+    """Whether two poses of a machine are one, as far as a control reaches them; full turns of an endless joint are."""
+    limits, turn = case.need_motion("the match of poses")[1], 2.0 * np.pi
+    tolerance = np.where(limits.turns, SAME_ANGLE, SAME_POSITION)
+    joints = () if case.chain is None else case.chain.joints
+    endless = np.array([joint.kind == "continuous" for joint in joints] or [False] * len(limits.turns))
+
+    def same(pose: Array, other: Array) -> bool:
+        apart = pose - other
+        apart = np.where(endless, apart - turn * np.rint(apart / turn), apart)
+        return bool(np.all(np.abs(apart) <= tolerance))
+
+    return same
+
+
+def among(averages: Recording, case: Case, expected: Array) -> Recording | None:
+    """The standstills at some poses, in the order of these; None where one is missing, or there are no others.
+
+    A set of poses can so be evaluated from a run of more of them, as of all candidates.
+
+    Args:
+        averages: averaged standstills.
+        expected: poses, in the coordinates of the machine, shape (k, n) [m or rad].
+    """
+    assert averages.struts is not None
+    poses, same = machine_of(case).coordinates(averages.struts), _alike(case)
+    home, _ = case.need_motion("the match of poses")
+    rows: list[int] = []
+    for pose in expected:
+        left = [k for k in range(len(poses)) if k not in rows and same(poses[k], pose)]
+        if not left:
+            return None
+        rows.append(min(left, key=lambda k: float(np.abs(poses[k] - pose).max())))
+    others = [k for k in range(len(poses)) if k not in rows and not same(poses[k], home)]
+    if not others:
+        return None
+    weights = None if averages.weights is None else averages.weights[rows]
+    missing = None if averages.missing is None else averages.missing[rows]
+    said = note(
+        Kind.WINDOW,
+        f"{len(rows)} of {len(poses)} standstills are evaluated, those at the poses of the plan",
+        evaluated_standstills={"evaluated": len(rows), "of": len(poses)},
+    )
+    return replace(
+        averages, struts=averages.struts[rows], forces=averages.forces[rows], weights=weights, missing=missing,
+        findings=(*averages.findings, said),
+    )  # fmt: skip
+
+
 def match(averages: Recording, case: Case, expected: Array, names: str) -> tuple[Recording, slice]:
     """The standstills that belong to the poses of a program, in its order, and which of all they are.
 
@@ -116,18 +166,8 @@ def match(averages: Recording, case: Case, expected: Array, names: str) -> tuple
     """
     assert averages.struts is not None
     assert averages.weights is not None
-    home, limits = case.need_motion("the match of poses")
-    poses, tolerance = machine_of(case).coordinates(averages.struts), np.where(limits.turns, SAME_ANGLE, SAME_POSITION)
-
-    turn = 2.0 * np.pi
-    joints = () if case.chain is None else case.chain.joints
-    endless = np.array([joint.kind == "continuous" for joint in joints] or [False] * len(limits.turns))
-
-    def same(pose: Array, other: Array) -> bool:
-        apart = pose - other
-        apart = np.where(endless, apart - turn * np.rint(apart / turn), apart)
-        return bool(np.all(np.abs(apart) <= tolerance))
-
+    home, _ = case.need_motion("the match of poses")
+    poses, same = machine_of(case).coordinates(averages.struts), _alike(case)
     first, end = 0, len(poses)
     while end - first > len(expected) and same(poses[first], home) and not same(expected[0], home):
         first += 1

@@ -134,8 +134,9 @@ def _joined(entries: Sequence[Sequence[Entry]]) -> tuple[list[list[Entry]], list
             if own
         ]
         rest = [e for e in group if not runs.get(e.name)]
-        executed = {o.name: e.notes for e in group for o in runs.get(e.name, ())}
-        joined.append([replace(e, notes=executed.get(e.name, e.notes)) for e in rest])
+        run_of = {o.name: e for e in group for o in runs.get(e.name, ())}
+        executed = [(e, run_of.get(e.name, e)) for e in rest]
+        joined.append([replace(e, notes=run.notes, measured=run.measured) for e, run in executed])
     return joined, said
 
 

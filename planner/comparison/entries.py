@@ -13,10 +13,12 @@ from identification.criteria import CRITERIA, pose_regressors, reference_scaling
 from identification.estimation.fit import Value
 from identification.identify import identify
 from identification.model import identification_model
+from identification.motion import Trajectory
 from identification.outcome import Result
 from identification.parameters import physical_form
 from identification.recording import Recording, record_of
 from planner.noise import mean_information
+from planner.plan_at_hand import plans_at_hand
 from planner.plans import Plan
 
 Level = Literal["planned", "identified"]
@@ -54,6 +56,8 @@ class Entry:
     notes: Mapping[str, float]  # figures of the execution, by name
     warnings: tuple[str, ...] = ()  # warnings that its evaluation gave
     white_noise: float | None = None  # of a result, as `s0`
+    motion: Trajectory | None = None  # motion of a plan
+    measured: Result | None = None  # of a run, with its samples
     residual: float | None = None  # rms of the recorded forces less the model of a result [N]
 
     def to_json(self) -> dict[str, Any]:
@@ -97,7 +101,8 @@ def read_entry(path: Path, case: Case | None = None, stale: bool = False) -> Ent
     if (path / "recording.json").is_file():
         about = record_of(path)
         notes = {name: float(about[name]) for name in EXECUTION if about.get(name) is not None}
-        return _entry_of_result(identify(Recording.load(path, case, stale), case), str(path), notes)
+        run = Recording.load(path, case, stale)
+        return _entry_of_result(identify(run, case, plan=plans_at_hand(run)), str(path), notes)
     if (path / "result.json").is_file():
         return _entry_of_result(Result.load(path, case, stale), str(path), {})
     words = "does not exist" if not path.exists() else "is a file" if not path.is_dir() else ""
@@ -127,6 +132,7 @@ def entry_of_plan(saved: Plan, name: str) -> Entry:
     return Entry(
         name, "planned", Conditions(saved.case, noise, float(load), plan=saved.fingerprint), model.number,
         saved.family, saved.duration, samples, criteria, deviations, None, {}, saved.stale,
+        motion=None if len(poses) else saved.motion,
     )  # fmt: skip
 
 
@@ -140,5 +146,6 @@ def _entry_of_result(result: Result, name: str, notes: Mapping[str, float]) -> E
     return Entry(
         name, "identified", conditions, record.model, str(run.get("controller", "recorded")).split(" (")[0],
         record.measuring_s, record.samples, {}, result.parameters, record.s0, notes,
-        tuple(dict.fromkeys((*result.warnings, *result.remarks))), record.white_noise, record.s0_N,
+        tuple(dict.fromkeys((*result.warnings, *result.remarks))), record.white_noise,
+        residual=record.s0_N, measured=result if result.estimate is not None else None,
     )  # fmt: skip

@@ -99,7 +99,7 @@ def _entry(case: Case, trial: Trial) -> Entry:
     return Entry(
         trial.method, "identified", Conditions(case), estimate.model.number, METHODS[trial.method].family,
         trial.duration, estimate.evaluated.samples, {}, estimate.physical, estimate.s0, {}, estimate.warnings,
-        estimate.fit.white_noise, estimate.s0_N,
+        estimate.fit.white_noise, residual=estimate.s0_N,
     )  # fmt: skip
 
 

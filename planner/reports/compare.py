@@ -8,8 +8,10 @@ from cases.files import provenance
 from identification.precision import legible, parameter_words, std_text, value_text
 from planner.comparison.comparison import Comparison
 from planner.comparison.entries import Entry
+from planner.reports.accelerations import acceleration_charts, measured_accelerations, planned_accelerations
 from planner.reports.chart import Axis, Chart, Points, colour
-from planner.reports.page import Head, note, page, section, table
+from planner.reports.densities import compared_densities
+from planner.reports.page import Block, Head, note, page, section, table
 
 FIGURES = {
     "planned_s": "duration as programmed [s]",
@@ -76,6 +78,7 @@ CRITERIA_WORDS = (
 def compare_page(comparison: Comparison) -> str:
     """The page of `hexcite compare`."""
     groups, entries = comparison.groups, comparison.entries
+    figures = acceleration_blocks(groups)
     hashes = dict.fromkeys((f"case {e.conditions.case.name}", e.conditions.case.hash) for e in entries)
     return page(
         "Comparison of excitations",
@@ -89,9 +92,30 @@ def compare_page(comparison: Comparison) -> str:
             std_chart(groups),
             table(parameter_columns(entries), parameter_rows(entries)),
             note("std of plans: predicted from the information alone, with white noise as the case states."),
+            *compared_densities(entries),
         ),
+        *((section("Accelerations, planned and measured", *figures),) if figures else ()),
         section("Figures", table(("", *(e.name for e in entries)), figure_rows(entries)), note(CRITERIA_WORDS)),
     )
+
+
+def acceleration_blocks(groups: Sequence[Sequence[Entry]]) -> tuple[Block, ...]:
+    """Accelerations of each run, and those of the plan of its group (Figure 5)."""
+    blocks: list[Block] = []
+    for number, group in enumerate(groups):
+        motion = next((e.motion for e in group if e.motion is not None), None)
+        runs = [e for e in group if e.measured is not None and e.measured.estimate is not None]
+        for k, entry in enumerate(runs):
+            made = None if entry.measured is None else entry.measured.estimate
+            measured = None if made is None else measured_accelerations(made)
+            if made is None or measured is None:
+                continue
+            planned = None if made.planned is None else planned_accelerations(entry.conditions.case, *made.planned)
+            blocks += acceleration_charts(measured, planned, f"-{number}-{k}", entry.name)
+        if not runs and motion is not None:
+            planned = planned_accelerations(group[0].conditions.case, motion)
+            blocks += acceleration_charts(None, planned, f"-{number}", group[0].name)
+    return tuple(blocks)
 
 
 def comparison_head(comparison: Comparison) -> Head:

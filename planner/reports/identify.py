@@ -13,7 +13,14 @@ from identification.model_choice import figures_of, table_3
 from identification.outcome import RUN_ENTRIES, Result
 from identification.precision import carries_rods, legible, value_cells, value_text, with_deviation
 from identification.signals import Residuals
+from planner.reports.accelerations import (
+    acceleration_charts,
+    measured_accelerations,
+    planned_accelerations,
+    summary,
+)
 from planner.reports.chart import Axis, Chart, Heat, Rule, lines
+from planner.reports.densities import density_charts, normal_chart
 from planner.reports.figures import unit_of
 from planner.reports.identifiability import identifiability_blocks
 from planner.reports.page import Block, Head, note, page, section, table, tiles
@@ -36,7 +43,11 @@ def identify_page(result: Result) -> str:
         sections.append(section("All models of the run (Table 3)", *model_blocks(record.models)))
     if residuals is not None:
         sections.append(section("Forces and residuals", *misfit_blocks(result), *residual_blocks(case, residuals)))
+        if accelerations := acceleration_blocks(result):
+            sections.append(section("Accelerations, planned and measured", *accelerations))
     sections.append(section("Parameters that take each other's part", *correlation_blocks(result)))
+    if densities := density_charts(result.parameters):
+        sections.append(section("Normal densities of the parameters (Table 5)", *densities))
     if residuals is not None:
         told = identifiability_blocks(identifiability_of_models(result), record.model)
         sections.append(section("Which parameters can be told apart", *told))
@@ -179,7 +190,19 @@ def residual_charts(case: Case, residuals: Residuals) -> list[Chart]:
     charts = [forces, rest]
     if not standing:
         charts.append(spectrum_chart(residuals, channels, case.recording.filter_cutoff_Hz))
+    charts.append(normal_chart(residuals, channels))
     return charts
+
+
+def acceleration_blocks(result: Result) -> tuple[Block, ...]:
+    """Accelerations of the run beside those of its plan (Figure 5); none where nothing moves."""
+    made = result.estimate
+    measured = None if made is None else measured_accelerations(made)
+    if made is None or measured is None:
+        return ()
+    planned = None if made.planned is None else planned_accelerations(result.case, *made.planned)
+    words = () if planned is None else (note(f"{summary(measured, planned)}."),)
+    return (*acceleration_charts(measured, planned), *words)
 
 
 def misfit_blocks(result: Result) -> tuple[Block, ...]:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from cases.schema import Case, load_case
 from cases.units import DEG, MM
 from identification.finding import Finding
-from identification.findings.as_planned import as_planned
+from identification.findings.as_planned import as_planned, closest
 from identification.identify import identify
 from identification.model import machine_of
 from identification.motion import Joined, Motion, Slowed, Standstill, Trajectory
@@ -79,12 +79,12 @@ def recorded(case: Case, motion: Trajectory, start: float = -0.5, end: float = 0
 
 def said(case: Case, plan: Planned, run: Recording) -> list[str]:
     """Sentences on what was different."""
-    return [finding.sentence for finding in as_planned(run, case, plan) if finding.sentence]
+    return [finding.sentence for finding in as_planned(closest(run, case, plan), plan) if finding.sentence]
 
 
 def one(case: Case, plan: Planned, run: Recording) -> tuple[str, Finding]:
     """The only sentence, and its finding."""
-    findings = as_planned(run, case, plan)
+    findings = as_planned(closest(run, case, plan), plan)
     (found,) = (finding for finding in findings if finding.sentence)
     return found.sentence, found
 
@@ -153,10 +153,10 @@ def test_another_motion_is_another_program(name: str) -> None:
     sentence, found = one(case, plan, run)
     assert tells(sentence, "not the motion of the plan plan", "another program ran")
     assert found.severity == "warning"
-    (beside,) = as_planned(run, case, [plan])  # of which nobody said that it ran
+    (beside,) = as_planned(closest(run, case, [plan]), [plan])  # of which nobody said that it ran
     assert (beside.severity, tells(beside.sentence, "beside it", "--plan")) == ("note", True)
     own = Planned(moves(case, corners(case, seed=2)), "own")
-    (found,) = as_planned(run, case, [plan, own])
+    (found,) = as_planned(closest(run, case, [plan, own]), [plan, own])
     assert (found.sentence, found.quantity["as_planned"]["plan"]) == ("", "own")
 
 
@@ -213,7 +213,7 @@ def test_what_has_no_clock_or_no_drives_is_not_compared() -> None:
     plan = Planned(moves(case, corners(case)))
     run = recorded(case, plan.motion)
     for other in (replace(run, t=None), replace(run, struts=None)):
-        assert as_planned(other, case, plan) == ()
+        assert as_planned(closest(other, case, plan), plan) == ()
 
 
 def test_damage_of_a_recording_is_not_another_program() -> None:

@@ -9,12 +9,12 @@ from cases.errors import IdentificationError, RecordingError
 from cases.schema import load_case
 from identification.estimation.estimators import Method
 from identification.hexapod import Hexapod
-from identification.identify import estimate_parameters
+from identification.identify import estimate_parameters, identify
 from identification.motion import Joined, Standstill, Trajectory
 from identification.parameters import INERTIA
 from identification.recording import Recording
 from identification.runs.preparation import stands_only
-from identification.runs.standstills import average, find_standstills, match
+from identification.runs.standstills import among, average, find_standstills, match
 from identification.simulate import simulate_recording
 from identification.trajectories.moves import StraightMove
 from tests.helpers import one_line
@@ -92,6 +92,35 @@ def test_the_run_is_matched_to_its_program_with_and_without_the_trigger() -> Non
     for recording in (RUN, PLAIN):
         found, part = match(average(recording, find_standstills(recording, SETTLE)), CASE, poses(), "run")
         assert part.stop - part.start == len(found.forces) == 6
+
+
+def test_a_part_of_the_poses_of_a_run_can_be_evaluated_in_any_order() -> None:
+    """As the 30 that are chosen among 480, from the run of all of them."""
+    many = measured(poses(20))
+    averages = average(many, find_standstills(many, SETTLE))
+    rows = [14, 3, 8, 19, 0, 11, 5]
+    part = among(averages, CASE, poses(20)[rows])
+    assert part is not None
+    np.testing.assert_array_equal(part.forces, averages.forces[rows])
+    np.testing.assert_array_equal(part.weights, averages.weights[rows])
+    result = identify(many, CASE, 5, poses=poses(20)[rows])
+    assert result.record.samples == 7
+    assert result.record.standstills["count"] == 7
+    assert any("7 of 20" in sentence for sentence in result.notes)
+    again = identify(part, CASE, 5)
+    np.testing.assert_allclose(result.values, again.values, rtol=1e-12)
+    rowwise = identify(averages, CASE, 5, poses=poses(20)[rows])  # averaged rows too
+    np.testing.assert_allclose(result.values, rowwise.values, rtol=1e-12)
+
+
+def test_a_pose_that_the_run_does_not_hold_is_no_part_of_it() -> None:
+    averages = average(RUN, find_standstills(RUN, SETTLE))
+    elsewhere = np.vstack([poses()[:2], HOME + np.r_[0.15, 0.0, 0.0, 0.1, 0.0, 0.0]])
+    assert among(averages, CASE, elsewhere) is None
+    assert among(averages, CASE, poses()) is None  # these are all: their order is that of the program
+    with pytest.raises(RecordingError, match=r"standstill 3\b") as caught:
+        identify(RUN, CASE, 5, poses=elsewhere)
+    one_line(caught.value)
 
 
 def test_identification_of_averages_is_within_its_error_bars_and_says_how_noisy_an_average_is() -> None:
