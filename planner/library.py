@@ -11,7 +11,7 @@ from cases.schema import Case
 from cases.units import Array
 from identification.model import full_model, static_model
 from planner.families.manual import load_poses
-from planner.families.settings import FamilySettings, PointToPoint
+from planner.families.settings import Best, FamilySettings
 from planner.planning import make_until_ctrl_c, require_plannable
 from planner.plans import Plan
 from planner.request import DURATION, PoseRequest, Request
@@ -62,7 +62,7 @@ def plan(
 
     Args:
         case: machine and limits.
-        family: family of motions; unless given point-to-point moves.
+        family: family of motions; unless given the one of which the best motion is found, of moves, splines and series.
         duration: duration of the excitation [s].
         progress: shows a line now and then.
         **settings: criterion, model, payload, payload_from, starts, seed, solver, workers, seconds; see `Settings`.
@@ -71,7 +71,7 @@ def plan(
         HexciteError: what was asked for cannot be met; the message says what to change.
     """
     settings.setdefault("model", full_model(case))
-    request = Request(family or PointToPoint(), duration, **settings)  # type: ignore[arg-type]  # a letter will do
+    request = Request(family or Best(), duration, **settings)  # type: ignore[arg-type]  # a letter will do
     return planned(request, case, progress)
 
 

@@ -4,7 +4,7 @@ Fields of `Worth` and `PoseWorth` have the names of their entries in `plan.json`
 """
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -45,6 +45,8 @@ class Worth:
     weights: str  # weights of the identification that predictions assume
     weaknesses: tuple[str, ...]  # why another plan would carry more information
     notes: tuple[str, ...]  # notes for the user before running it
+    # D-efficiency of the best motion of each family, the best first, where the family was chosen by trying
+    tried: dict[str, float] = field(default_factory=dict)
 
     @property
     def d_efficiency(self) -> float:

@@ -16,6 +16,7 @@ from identification.limit_proof import PROOF_RATE, prove
 from identification.model import identification_model
 from planner.families import Family
 from planner.families.ptp import controlled, with_steps
+from planner.families.settings import Best
 from planner.plans import Plan
 from planner.rating import PlannedMotion, rated_plan
 from planner.request import LONGEST, Request
@@ -28,13 +29,15 @@ from planner.search.parallel import (
     Schedule,
     enough,
     first_ctrl_c,
+    gain,
     most_starts,
     run_here,
     workers,
 )
 from planner.search.solving import Start, Task
 
-KEPT = 3  # number of the best orders and periods that get more starts
+KEPT = 3  # number of the best orders, periods, numbers of moves and families, at most, that get more starts
+CLOSE = 0.03  # share of an efficiency by which others than the best are worse, at most, that get more starts too
 REFINING = 0.4  # share of a search of some seconds that its refinements have, where it explores first
 AHEAD = 8  # starts that may run at a time: what a start is depends on the results of those so many before it
 
@@ -143,7 +146,8 @@ class _Rounds:
     def _explorations(self, number: int, until: float) -> Schedule:
         """The starts of a round. Each of several choices has one first; those that follow go to the best of them."""
         request = self.request
-        families, idle = request.family.families(self.case, request.duration), request.family.idle(request.criterion)
+        idle = request.family.idle(request.criterion)
+        families = request.family.families(self.case, request.duration)[: request.starts]
         parameters, most = len(identification_model(self.case, request.model).names), most_starts(request)
         first = max(len(families), min(1 + idle, most))
         each = max(first, most)
@@ -158,13 +162,17 @@ class _Rounds:
                 family = families[k % len(families)]
             else:
                 starts = sorted(_without_failures(results[:known]), key=lambda s: -s.promise)
-                ranked = dict.fromkeys(settings.index(s.family.settings) for s in starts)
+                lost = [-gain(request.criterion, parameters, starts[0].promise, s.promise) for s in starts]
+                leading = [s for s, loss in zip(starts, lost, strict=True) if loss <= CLOSE]
+                ranked = dict.fromkeys(settings.index(s.family.settings) for s in leading)
                 best = [families[n] for n in ranked] or families
                 family = best[(k - first) % min(KEPT, len(best))]
             return self._task(family, seeds[k])
 
         def are_enough(results: Sequence[Start | Failed]) -> bool:
-            return len(results) >= first and enough(results, request, parameters)
+            # where there is a choice the first starts make it, and only those that follow may gain nothing
+            least = first + idle if len(families) > 1 and request.starts is None else first
+            return len(results) >= least and enough(results, request, parameters)
 
         return Schedule(task, are_enough, until)
 
@@ -188,6 +196,9 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
     start = time.perf_counter()
     if (by_hand := request.family.motion(case)) is None:
         result = search(request, case, listener, run)
+        if isinstance(request.family, Best):
+            chosen = request.family.chosen(case, request.duration, result.starts[0].family.name)
+            request = replace(request, family=chosen)
     else:
         motion, file = by_hand
         if not motion.duration <= LONGEST:

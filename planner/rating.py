@@ -1,6 +1,7 @@
 """The plan of the motion from a search: its figures, and notes for the user."""
 
 import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -66,6 +67,7 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
             within.duration,
             bound.efficiency(figures_of(case, model, within, request.payloads, request.criterion)[0]["logdet"]),
         )
+    tried = tried_families(planned, bound.efficiency(figures["logdet"]), len(model.names))
     worth = Worth(
         starts=tuple(start.record for start in planned.starts),
         failed_starts=planned.failed,
@@ -78,10 +80,12 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
         weights=noise.weights,
         weaknesses=weaknesses(planned, request),
         notes=(
+            *choice_notes(tried),
             *notes(planned, smooth),
             *fourier_notes(case, model, request, motion, figures["logdet"]),
             *search_notes(planned, request, len(model.names)),
         ),
+        tried=tried,
     )
     return Plan(
         case, request, motion, planned.limits, predicted, noise.sensors, case.recording.rate_Hz, worth,
@@ -124,16 +128,39 @@ def search_notes(planned: PlannedMotion, request: Request, parameters: int) -> t
     if planned.out_of_time:
         return (f"ended after {request.seconds:g} s, as asked: the best of {len(planned.starts)} motions until then",)
     values = [s.record.logdet for s in planned.starts if s.record.refined]
-    smooth = request.name == PointToPoint.name and "without" not in planned.settings
     if request.criterion != Criterion.D or request.starts is not None or planned.interrupted or len(values) < 2:
         return ()
     loss = -math.expm1((values[1] - values[0]) / parameters)
-    # One start each, 12 s: 0.64 for 0.58 on the hexapod, 0.20 for 0.16 on the arm, 0.67 for 0.60 on the five axes.
-    path = "; --family spline has about a tenth more, for controllers that follow a path" if smooth else ""
-    return (
-        f"the best of {len(values)} starts, the next one has {100 * loss:.1f} % less information: more starts gain "
-        f"little{path}",
-    )
+    behind = f"the next one has {100 * loss:.1f} % less information"
+    return (f"the best of {len(values)} starts, {behind}: more starts gain little",)
+
+
+def tried_families(planned: PlannedMotion, d_efficiency: float, parameters: int) -> dict[str, float]:
+    """D-efficiency of the best motion of each family that was searched, the best first; empty where there was one.
+
+    Those behind the best were searched only until others led: what their first starts reached.
+
+    Args:
+        d_efficiency: that of the plan, the best.
+        parameters: their number u.
+    """
+    best: dict[str, float] = {}
+    for start in planned.starts:  # the best first
+        best.setdefault(start.family.name, start.record.logdet)
+    if len(best) < 2:
+        return {}
+    first = planned.starts[0].record.logdet
+    return {name: d_efficiency * math.exp((logdet - first) / parameters) for name, logdet in best.items()}
+
+
+def choice_notes(tried: Mapping[str, float]) -> tuple[str, ...]:
+    """Which family was chosen, and why."""
+    if not tried:
+        return ()
+    (name, most), *others = tried.items()
+    behind = ", ".join(f"{other} {efficiency:.3f}" for other, efficiency in others)
+    path = "" if name == PointToPoint.name else "; for a controller that times moves itself --family ptp"
+    return (f"{name} by trying: D-efficiency {most:.3f}, first starts of {behind}{path}",)
 
 
 def fourier_notes(case: Case, model: Model, request: Request, motion: Trajectory, logdet: float) -> tuple[str, ...]:

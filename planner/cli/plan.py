@@ -20,9 +20,9 @@ def plan(
     context: typer.Context,
     case: Annotated[str, argument("Built-in name, folder or case file.")],
     family: Annotated[
-        str,
-        option("Family of motions: manual, fourier, ptp, spline."),
-    ] = "ptp",
+        str | None,
+        option("Family of motions: manual, fourier, ptp, spline; by default the best of the last three, by trying."),
+    ] = None,
     criterion: console.Criterion = "D",
     duration: Annotated[float, option("Whole duration in s; a multiple of --period where that is given.")] = 12.0,
     order: Annotated[int, option("fourier: harmonics, 1 to 7; 1 is ellipses, with ways in and out.")] = 5,
@@ -38,7 +38,7 @@ def plan(
     ] = False,
     moves: Annotated[
         int | None,
-        option("ptp: point-to-point moves, 8 to 64; by default what the limits suggest, ten in three seconds."),
+        option("ptp: point-to-point moves, 8 to 64; by default the best of a few numbers, by trying."),
     ] = None,
     controller: Annotated[
         str | None,
@@ -82,15 +82,20 @@ def plan(
     """
     from identification.criteria import Criterion
     from identification.model import full_model
-    from planner.families.settings import family_class
+    from planner.families.settings import Best, family_class
     from planner.library import planned
     from planner.planning import require_plannable
     from planner.request import OWNERS, Request, Solver
     from planner.search.parallel import first_ctrl_c
 
-    kind, options = family_class(family), context.params
+    options = context.params
     sources = {name: context.get_parameter_source(name) for name in (*SEARCHED, *OWNERS)}
-    refuse_foreign([o for o, source in sources.items() if source and source.name != "DEFAULT"], family)
+    given = [o for o, source in sources.items() if source and source.name != "DEFAULT"]
+    if family is None and (owners := [OWNERS[o] for o in given if o in OWNERS]):
+        family = owners[0]  # to whom the first option belongs
+    kind = Best if family is None else family_class(family)
+    if family is not None:
+        refuse_foreign(given, family)
     most, fewest = read_payloads(payload)
     loaded = hx.load_case(case)
     request = Request(
@@ -107,12 +112,12 @@ def plan(
         seconds=seconds,
     )
     optimised = request.family.optimised
-    folder = output_place(output, Path(f"{loaded.name}-{family}"), overwrite)
+    folder = output_place(output, Path(f"{loaded.name}-{family or 'plan'}"), overwrite)
     check_folder(folder, PLAN, overwrite=overwrite)
     require_plannable(request, loaded)  # before anything is said
     if not json:
         text = f"{duration:g} s, criterion {criterion}, " if optimised else ""
-        console.say(f"Planning for {loaded.name}: {family}, {text}model {request.model}")
+        console.say(f"Planning for {loaded.name}: {family or 'any family'}, {text}model {request.model}")
     with console.status("searching" if optimised else "timing", json) as remark:
         result = planned(request, loaded, remark)
     with console.status("writing", json), first_ctrl_c():  # this takes a short time

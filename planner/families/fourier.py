@@ -92,7 +92,7 @@ class FourierFamily(Family):
 
     name: ClassVar[str] = "fourier"
     iterations: ClassVar[int] = 30
-    mending: ClassVar[int] = 20
+    mending: ClassVar[int] = 60
 
     @property
     def settings(self) -> Settings:

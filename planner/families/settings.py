@@ -27,6 +27,7 @@ FREE_ORDERS = range(2, 8)  # where the order is free: order 1 needs a run-in and
 FIRST_PERIODS = 4  # number of periods at which the search for a free one begins; half as many where the order is free
 LOWEST, HIGHEST = 1 / 3, 2.0  # of the highest harmonic, in units of the frequency at which both limits meet
 HALF = 0.5  # of the limit of acceleration
+SHARES = (1.0, 0.6, 0.36)  # of the moves that a duration has room for
 ROUNDING = 1e-9  # of a duration
 TIMED = "point-to-point moves in whole controller cycles"  # splines begin from such moves too
 
@@ -222,7 +223,7 @@ class PointToPoint(FamilySettings):
     """Straight moves in the coordinates, each from rest to rest.
 
     Args:
-        moves: 8 to 64; None for as many as reach their velocity, where jerk is limited ten in three seconds at most.
+        moves: 8 to 64; None for the best of several numbers that are tried, see `counts`.
         controller: controller whose time law the moves are planned with: linuxcnc, virtual, sinumerik, twincat,
             setpoints, urscript, ros2; None for the one that the case plans for, else limited jerk.
         without: jerk, where that controller does not limit it and the machine bears steps of acceleration; None for
@@ -248,17 +249,23 @@ class PointToPoint(FamilySettings):
         """The controller that is named here, else the one that the case plans for."""
         return case.controller.plan_for if self.controller is None and case.controller is not None else self.controller
 
-    def count(self, case: Case, duration: float) -> int:
-        """Number of moves; where it is not stated, of any duration one that can be had.
+    def counts(self, case: Case, duration: float) -> tuple[int, ...]:
+        """Numbers of moves that are worth a look: the stated one, else as many as there is room for, and fewer.
+
+        How many moves are best depends on which limits bind along the way, which only a search shows.
 
         Args:
             case: case with the limits that count, see `ptp.controlled`.
             duration: duration of all moves [s].
         """
         if self.moves is not None:
-            return self.moves
+            return (self.moves,)
         fitting = ptp.moves_in(case.need_motion("planning")[1], duration)
-        return int(np.clip(round(fitting), ptp.FEWEST, ptp.MOST))
+        return tuple(dict.fromkeys(int(np.clip(round(fitting * share), ptp.FEWEST, ptp.MOST)) for share in SHARES))
+
+    def count(self, case: Case, duration: float) -> int:
+        """The first of `counts`."""
+        return self.counts(case, duration)[0]
 
     def require_plannable(self, case: Case, duration: float) -> None:
         """Raises HexciteError where a move is too short for four phases of jerk, or two of acceleration.
@@ -298,8 +305,8 @@ class PointToPoint(FamilySettings):
             )
 
     def families(self, case: Case, duration: float) -> tuple[Family, ...]:
-        """One."""
-        return (ptp.PointToPointFamily.of(case, self.count(case, duration), duration),)
+        """One of each number of moves."""
+        return tuple(ptp.PointToPointFamily.of(case, count, duration) for count in self.counts(case, duration))
 
     def refinements(self, criterion: Criterion) -> int:
         """0: annealed walks are refined at once."""
@@ -382,6 +389,49 @@ class Manual(FamilySettings):
         """The motion of the file."""
         file = self.file(case)
         return manual_motion(case, file), file
+
+
+@dataclass(frozen=True, slots=True)
+class Best(FamilySettings):
+    """The best of all families that are searched for, each by its defaults: each has starts, the leading ones more.
+
+    Splines and series need a controller that follows a path; where the case plans for a controller with a time law of
+    its own, only moves are searched.
+    """
+
+    name: ClassVar[str] = "best"
+
+    def candidates(self, case: Case, duration: float) -> tuple[FamilySettings, ...]:
+        """Families that are searched; raises HexciteError where none can be planned."""
+        moves = PointToPoint()
+        every = (moves,) if moves.made_for(case) is not None else (moves, Spline(), Fourier())
+        plannable, refused = list[FamilySettings](), list[HexciteError]()
+        for family in every:
+            try:
+                family.check(duration)
+                family.require_plannable(case, duration)
+                plannable.append(family)
+            except HexciteError as error:
+                refused.append(error)
+        if not plannable:
+            raise refused[0]
+        return tuple(plannable)
+
+    def require_plannable(self, case: Case, duration: float) -> None:
+        """Raises HexciteError where no family can be planned."""
+        self.candidates(case, duration)
+
+    def made_for(self, case: Case) -> str | None:
+        """The controller that the case plans for."""
+        return PointToPoint().made_for(case)
+
+    def families(self, case: Case, duration: float) -> tuple[Family, ...]:
+        """All of all families, one after the other."""
+        return tuple(sets for family in self.candidates(case, duration) for sets in family.families(case, duration))
+
+    def chosen(self, case: Case, duration: float, name: str) -> FamilySettings:
+        """The family of a name."""
+        return next(family for family in self.candidates(case, duration) if family.name == name)
 
 
 FamilyKind = type[Fourier] | type[PointToPoint] | type[Spline] | type[Manual]

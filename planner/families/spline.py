@@ -52,7 +52,7 @@ class SplineFamily(Family):
 
     name: ClassVar[str] = "spline"
     iterations: ClassVar[int] = 50
-    mending: ClassVar[int] = 10
+    mending: ClassVar[int] = 40
 
     @property
     def settings(self) -> Settings:

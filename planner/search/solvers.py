@@ -24,7 +24,7 @@ Barrier = tuple[float, float, float]
 """First parameter of IPOPT's barrier, and the factor and the power with which it falls (0.2 and 1.5 by default)."""
 
 INSIDE = 1e-4  # share of a limit by which an iterate may exceed it and still count
-GAIN = 2e-4  # of the objective: 0.02 % of an efficiency in so many iterations is not worth their time
+GAIN = 5e-4  # of the objective: 0.05 % of an efficiency in so many iterations is not worth their time
 PATIENCE = {Solver.IPOPT: 8, Solver.SQP: 8, Solver.ACTIVE_SET: 20}  # steps without exact curvature gain less
 FLAT = 4  # iterations without a gain after which steps that become too short are an end and no failure
 STEPS = {Solver.IPOPT: 1, Solver.SQP: 1, Solver.ACTIVE_SET: 4}  # and there are as many more of them

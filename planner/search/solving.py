@@ -27,10 +27,11 @@ from planner.search.solvers import Barrier, Watch, solve
 QUICK_RATE = 1000.0  # [1/s] for comparing starts; the chosen plan is proven at the full rate
 SLIPPED = 5e-4  # further unused share of each limit in the rows: for excess between constrained instants
 FINER = 1e-4  # part of that share for excess between the instants of the quick check
-TIGHTER = 2  # times at most that limits are constrained at more instants, and tightened by the remaining excess
+TIGHTER = 3  # times at most that limits are constrained at more instants, and tightened by the remaining excess
 NEAR = 0.8  # share of a limit from which its instants are then constrained
 DRAWN_BACK = 0.98  # share: a motion that had to shrink to less is searched for once more, from inside
-REFINE = 25  # iterations at most of refinements
+REFINE = 80  # iterations at most of refinements: most end before, where no more is gained
+FURTHER = 25  # the same of a motion that is drawn back from
 SHARPER = (2, 5, 8)  # halvings of the p-norms of K and N, one round after the other: p = 8, 64, 512
 
 
@@ -178,8 +179,6 @@ class _Run:
     def solve_for(self, letter: Criterion, halvings: int, unknowns: Array, iterations: int) -> Array:
         """Solves a stage: its problem is that of all that follows until the next."""
         task, self.program = self.task, replace(self.program, letter=letter, halvings=halvings)
-        if letter == Criterion.D and task.refine:
-            return self.solve(unknowns, iterations, _AT_HAND)
         barrier = None if task.begin is None and not task.moves else _NEAR
         return self.solve(unknowns, iterations, barrier, convex=not task.moves)
 
@@ -207,9 +206,9 @@ class _Run:
             if self.stopped or satisfied:
                 break
             self.program = self.program.with_rows_above(unknowns, NEAR)
-            if number > 0 or self.task.refine:
+            if number > 0:
                 self.program = self.program.tightened(shares, 1.0 - MARGIN - SLIPPED)
-            unknowns = self.solve(unknowns, self.family.mending, _AT_HAND)
+            unknowns = self.solve(unknowns, self.family.mending, _AT_HAND, convex=not self.task.moves)
         return np.asarray(np.clip(unknowns, self.program.lower, self.program.upper))  # phases that are absent last 0
 
     def feasible(self, unknowns: Array) -> tuple[Array, float]:
@@ -227,7 +226,7 @@ class _Run:
             return self.rate(candidate[0], self.program.letter)
 
         candidates = [self.feasible(unknowns)]
-        for count, barrier in ((REFINE, _AT_HAND), (iterations, _NEAR)):
+        for count, barrier in ((FURTHER, _AT_HAND), (iterations, _NEAR)):
             if candidates[-1][1] >= DRAWN_BACK or self.stopped:
                 break
             shares = largest_shares(self.program, self.family.once.motion(unknowns), self.task.case)

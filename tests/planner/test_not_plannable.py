@@ -78,7 +78,7 @@ BEHIND_HOME = {"name": "vice", "x_mm": [-30.0, 30.0], "y_mm": [-30.0, 30.0], "z_
         (("--family", "ptp", "--order", "5"), ("--order does nothing with --family ptp", "choose --family fourier")),
         (("--family", "ptp", "--sequence", "s.toml"), ("--sequence does nothing", "manual")),
         (("--family", "fourier", "--moves", "12"), ("--moves does nothing with --family fourier", "ptp")),
-        (("--knots", "60"), ("--knots does nothing", "spline")),
+        (("--knots", "60", "--moves", "20"), ("--moves does nothing with --family spline", "ptp")),
         (("--family", "manual", "--sequence", "none.toml"), ("none.toml", "cannot be read", "TOML file of steps")),
         (("--family", "manual", "--sequence", "none.csv"), ("none.csv", "cannot be read", "CSV of poses")),
         (("--family", "manual", "--sequence", "."), ("cannot be read (Is a directory)", "TOML file of steps")),

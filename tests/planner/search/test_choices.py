@@ -15,8 +15,9 @@ from planner.cli.compare import validate
 from planner.cli.plan import OPTIONS, SEARCHED, plan, refuse_foreign
 from planner.comparison.trials import ValidationSettings
 from planner.families import ptp, spline
-from planner.families.settings import FAMILIES, Fourier, PointToPoint, Spline
+from planner.families.settings import FAMILIES, Best, Fourier, PointToPoint, Spline
 from planner.planning import KEPT, search
+from planner.rating import PlannedMotion, choice_notes, tried_families
 from planner.request import OWNERS, Request
 from planner.search import Failed, SolverStatus, StartRecord
 from planner.search.parallel import Listener, Outcome, Results, Schedule, silent
@@ -25,7 +26,7 @@ from tests.helpers import one_line
 
 
 def test_what_is_fixed_is_the_only_choice(hexapod_case: Case):
-    for family in (Fourier(), PointToPoint(), Spline()):
+    for family in (Fourier(), PointToPoint(moves=20), Spline()):
         assert len(family.families(hexapod_case, 12.0)) == 1
 
 
@@ -165,6 +166,62 @@ def test_each_choice_is_looked_at_and_the_best_get_all_other_starts(
     assert len([task for task in tried if task.refine]) == refinements
     assert all(start.family.name == "fourier" for start in found.starts)
     assert found.settings["period_s"] == periods[0]
+
+
+def test_moves_are_as_many_as_there_is_room_for_and_fewer(hexapod_case: Case):
+    found = [family.moves for family in PointToPoint().families(hexapod_case, 12.0)]
+    assert found[0] == PointToPoint().count(hexapod_case, 12.0) == 40
+    assert len(found) >= 3
+    assert found == sorted(found, reverse=True)
+    short = [family.moves for family in PointToPoint().families(hexapod_case, 2.4)]
+    assert short == [ptp.FEWEST]
+
+
+def _searched(request: Request, case: Case, worth: dict[str, float]) -> tuple[list[Task], PlannedMotion]:
+    """Tasks of a search whose motions are worth what is made up for their families, and what it chose."""
+    tasks: list[Task] = []
+
+    def run(schedule: Schedule, listener: Listener) -> Outcome:
+        results = Results(schedule)
+        while not results.enough and (task := schedule.task(len(results.in_order), results.in_order)) is not None:
+            tasks.append(task)
+            unknowns = task.family.start(np.random.default_rng(task.seed), lambda unknowns: 1e3)
+            value = worth[task.family.name] + 0.1 * (task.refine or task.moves)
+            tried = StartRecord(task.seed, task.refine or task.moves, value, value, SolverStatus.SETTLED, True, 1, 0.0)
+            results.add(len(results.in_order), Start(tried, unknowns, task.family, 1.0, unknowns, value))
+        return results.in_order, False
+
+    return tasks, search(request, case, silent, run)
+
+
+@pytest.mark.parametrize("best", MOVING)
+def test_without_a_family_each_has_a_start_and_the_best_has_the_others(best: str, hexapod_case: Case):
+    worth = dict.fromkeys(MOVING, -20.0) | {best: -10.0}
+    tasks, found = _searched(Request(Best(), 3.0), hexapod_case, worth)
+    first = len(Best().families(hexapod_case, 3.0))
+    assert {task.family.name for task in tasks[:first]} == set(MOVING)
+    assert {task.family.name for task in tasks[first:]} == {best}
+    assert len(tasks) > first
+    assert found.starts[0].family.name == best
+    tried = tried_families(found, 0.5, 20)
+    assert next(iter(tried)) == best
+    assert tried[best] == 0.5
+    assert set(tried) == set(MOVING)
+    others = [efficiency for name, efficiency in tried.items() if name != best]
+    assert all(0.25 < other < 0.4 for other in others)  # 0.5 exp(-10 / 20), a little more of what is refined
+    assert best in choice_notes(tried)[0]
+
+
+def test_a_controller_with_a_time_law_of_its_own_is_planned_moves_for(hexapod_case: Case):
+    own, unkept = (
+        hexapod_case.model_copy(update={"controller": hexapod_case.controller.model_copy(update={"plan_for": name})})
+        for name in ("sinumerik", "linuxcnc")
+    )
+    assert {family.name for family in Best().candidates(own, 12.0)} == {"ptp"}
+    with pytest.raises(HexciteError, match="--without jerk"):
+        Best().candidates(unkept, 12.0)
+    assert {family.name for family in Best().candidates(hexapod_case, 12.0)} == set(MOVING)
+    assert {family.name for family in Best().candidates(hexapod_case, 1.0)} == {"fourier"}
 
 
 def test_the_best_of_two_series_is_refined(hexapod_case: Case):
