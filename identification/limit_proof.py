@@ -152,10 +152,12 @@ def kinetic_shares(trajectory: Trajectory, case: Case, instants: Array) -> tuple
     """
     parts = [
         [
-            np.max([q.ratio.max(axis=1) for q in quantities if q.of.kind.family in families], axis=0)[own]
+            np.max(
+                [np.zeros(len(t)), *(q.ratio.max(axis=1) for q in quantities if q.of.kind.family in families)], axis=0
+            )[own]
             for families in _BY_POWER
         ]
-        for quantities, _, own in _evaluated(trajectory, case, instants, True, everything)
+        for quantities, t, own in _evaluated(trajectory, case, instants, True, everything)
     ]
     velocity, acceleration, jerk = (np.concatenate(shares) for shares in zip(*parts, strict=True))
     return velocity, acceleration, jerk

@@ -13,6 +13,8 @@ from cases.errors import CaseError, FileProblem, HexciteError, ProgramError
 from cases.files import read_whole
 from cases.scaffold import readiness
 from cases.schema import Case
+from identification.limit import LimitKind
+from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import has_steps
 from planner.families.ptp import steps_of
 from planner.plan_folder import DIGITS
@@ -20,6 +22,7 @@ from planner.plans import Plan
 from planner.request import Request
 from postprocessors.dialects import DIALECTS, MOST_PROGRAM, Dialect, Program, dialect_of_file, read_program
 from postprocessors.dialects import dialect as dialect_named
+from postprocessors.reading import Reading
 from postprocessors.writing import proven_program
 
 SLOWEST = 0.01  # share of the planned speed; slower, a run of seconds takes half an hour
@@ -65,9 +68,15 @@ def write(
         language.start,
     )
     accepted = (accept,) if isinstance(accept, str) else accept
-    without = plan.without if steps_of(plan.case, language.name) else ()
+    without = plan.without if steps_of(plan.case, language.name) or _follows(plan, language) else ()
     program = proven_program(plan.motion, plan.case, language, path, header, speed, accepted, without)
     return replace(program, remarks=tuple(plan.stale))
+
+
+def _follows(plan: Plan, language: Dialect) -> bool:
+    """Whether a plan is a path that the controller follows point by point, whatever its jerk."""
+    guarantees = language.guarantees(Reading(language.name, (), 0), plan.case)
+    return isinstance(plan.motion, PolynomialMotion) and LimitKind.JERK not in guarantees.enforced
 
 
 def _require_law(plan: Plan, dialect_name: str) -> None:

@@ -1,58 +1,174 @@
 """A planned motion at the pace that a controller or its limits allow.
 
-Point-to-point moves get the jerk-limited law that a controller computes online, in whole cycles (ruckig). Other paths
-are slowed as a whole, until they satisfy every limit.
+By ruckig, point-to-point moves get the jerk-limited law that a controller computes online, in whole cycles; other paths
+are slowed as a whole, until they satisfy every limit. By toppra, any path is run as fast as rates, accelerations,
+struts, torques and sensor forces allow everywhere along it, for controllers that do not limit jerk.
 """
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from enum import StrEnum
 from functools import partial
 from pathlib import Path
 from time import perf_counter
+from typing import NoReturn
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from cases.errors import InfeasiblePlan
+from cases.errors import HexciteError, InfeasiblePlan, choice
 from cases.schema import Case
-from identification.limit_proof import prove
-from identification.motion import Joined, Standstill, Trajectory
+from identification.limit import LimitKind
+from identification.limit_proof import PROOF_RATE, prove
+from identification.motion import Array, Joined, Motion, Standstill, Trajectory
 from identification.trajectories.curves import FourierMotion, PolynomialMotion
-from identification.trajectories.moves import CircularMove, StraightMove, limits_along, ruckig_profile
-from planner.families import Settings
+from identification.trajectories.moves import CircularMove, StraightMove, UntimedMotion, limits_along, ruckig_profile
+from identification.trajectories.path_timing import Shares, rounded
+from identification.trajectories.path_timing import retime as timed_path
 from planner.families.manual import fastest_within_limits
+from planner.families.ptp import with_steps
+from planner.families.settings import require_plannable_without
 from planner.plans import Plan
 from planner.rating import PlannedMotion, rated_plan
 from planner.request import LONGEST
 from planner.search.feasibility import MARGIN
+from planner.search.problem import near_limits
 
 _REMEDY = "no pace helps; plan again for this case"
 
 
-def retime(plan: Plan) -> Plan:
-    """A plan of the same path at another pace: moves as a controller times them, other paths inside every limit.
+class Method(StrEnum):
+    """What times a path."""
+
+    RUCKIG = "ruckig"
+    TOPPRA = "toppra"
+
+    @classmethod
+    def _missing_(cls, value: object) -> NoReturn:
+        """Refuses what is not one of them."""
+        raise HexciteError(f"--with {value!r} is unknown; {choice(str(value), cls)}")
+
+
+def retime(plan: Plan, method: str = Method.RUCKIG, without: str | None = None) -> Plan:
+    """A plan of the same path at another pace.
+
+    Args:
+        plan: plan of a motion.
+        method: `ruckig` times moves as a controller does and slows other paths inside every limit; `toppra` runs any
+            path as fast as its limits allow but for jerk, which it cannot limit.
+        without: jerk, where the machine bears steps of acceleration; toppra needs it where the case limits jerk.
 
     Raises:
         InfeasiblePlan: no pace satisfies every limit, or the motion lasts too long; the message says which.
-        HexciteError: a plan of poses.
+        HexciteError: a plan of poses; limits of jerk that toppra cannot keep.
     """
     start, case, request = perf_counter(), plan.case, plan.of_motion[0]
-    motion, method = plan.motion, "ruckig"
-    if isinstance(motion, Joined):
+    require_plannable_without(without)
+    by, step_time, made_with = Method(method), 0.0, str(method)
+    motion = plan.motion
+    if by is Method.TOPPRA:
+        motion, step_time = as_fast_as_possible(motion, case, plan.name, without)
+    elif without is not None:
+        raise HexciteError(f"--without {without} goes with --with toppra; ruckig keeps jerk: leave it out")
+    elif isinstance(motion, Joined):
         motion = by_controller(motion, case, plan.name)
     elif isinstance(motion, FourierMotion | PolynomialMotion):
-        motion, method = fastest_within_limits(case, motion.slowed, plan.name, _REMEDY), "one slower pace"
+        motion, made_with = fastest_within_limits(case, motion.slowed, plan.name, _REMEDY), "one slower pace"
     if not motion.duration <= LONGEST:
         raise InfeasiblePlan(f"the motion takes {motion.duration:.0f} s, longer than {LONGEST:g} s; shorten it")
-    limits = prove(motion, case)
+    limits = with_steps(prove(motion, case), step_time)
     if violations := limits.violations:
         raise InfeasiblePlan(f"the re-timed motion is not a plan: {violations[0].sentence()}")
-    settings: Settings = {
-        "retimed_with": method,
+    settings: dict[str, str | float] = {
+        "retimed_with": made_with,
         "retimed_from": str((plan.folder or Path(plan.name)).resolve()),
         "duration_before_s": plan.duration,
     }
+    if step_time:
+        settings["without"] = LimitKind.JERK
     rated = rated_plan(request, case, PlannedMotion(motion, settings, limits), perf_counter() - start)
     return replace(rated, stale=plan.stale)
+
+
+HURRY = 10.0  # times its own pace, at most: near its rests a path that rests by itself may be passed at any
+WINDOW = 0.02  # [s] within which accelerations change from one extreme to the other, that is as good as step
+PIECE = 0.01  # [s] of a polynomial through the motion
+STEP = 1.0 / PROOF_RATE  # [s] between samples of the proof, by which jerks are what they are
+
+
+def as_fast_as_possible(
+    motion: Trajectory, case: Case, place: str, without: str | None = None
+) -> tuple[PolynomialMotion, float]:
+    """The path of a motion, timed by toppra; moves and arcs one by one, pauses as they are.
+
+    Args:
+        place: name of the motion, for messages.
+        without: jerk where it may be left out.
+
+    Returns:
+        Polynomials along it, inside every limit but jerk, rounded by some hundredths of a millimetre; and the time
+        behind the jerks of its proof, 0 where the case limits none [s].
+
+    Raises:
+        HexciteError: the case limits jerk, which is not left out.
+        InfeasiblePlan: no pace satisfies the limits.
+    """
+    limited = case.need_motion("re-timing")[1].limits_jerk
+    if limited and without is None:
+        raise HexciteError(
+            f"limits.motion of case {case.name} states jerk, which toppra cannot limit: re-time with --without jerk if "
+            "the machine bears steps of acceleration, or with --with ruckig"
+        )
+    own = case.without_jerk()
+    forces = force_shares(own)
+    timed: list[Trajectory] = []
+    for number, part in enumerate(motion.parts if isinstance(motion, Joined) else (motion,), start=1):
+        if isinstance(part, Standstill):
+            timed.append(part)
+            continue
+        path = Way(part) if isinstance(part, StraightMove | CircularMove) else part
+        try:
+            timed.append(timed_path(path, own, HURRY, forces))
+        except UntimedMotion as error:
+            where = f"{place}, move {number}" if isinstance(motion, Joined) else place
+            raise InfeasiblePlan(where, f"{error}; {_REMEDY}") from error
+    whole = PolynomialMotion.of_pieces(rounded(Joined(tuple(timed)), WINDOW, PIECE))
+    slowed = fastest_within_limits(own, whole.slowed, place, _REMEDY)  # what is between gridpoints, and sensors at rest
+    assert isinstance(slowed, PolynomialMotion)
+    return slowed, STEP if limited else 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """The way of a move at an even pace, whatever its own time law: the pace alone brings it from rest to rest."""
+
+    move: StraightMove | CircularMove
+
+    @property
+    def duration(self) -> float:
+        """Duration of the move [s]."""
+        return self.move.duration
+
+    def at(self, t: ArrayLike) -> Motion:
+        """The motion at times t, shape (n,) [s]."""
+        time = np.asarray(t, dtype=float)
+        none = np.zeros(len(time))
+        share = np.clip(time / self.duration, 0.0, 1.0)
+        return self.move.along(time, (share, np.full(len(time), 1.0 / self.duration), none, none))
+
+
+def force_shares(case: Case) -> Shares | None:
+    """Shares of the limits of torques and sensor forces that come close in the motion box; None without any."""
+    kinds = LimitKind.JOINT_TORQUE, LimitKind.JOINT_FORCE, LimitKind.SENSOR_FORCE, LimitKind.SENSOR_MOMENT
+    kernels = [kernel for kind, _, kernel in near_limits(case) if kind in kinds]
+    if not kernels:
+        return None
+
+    def shares(pose: Array, rates: Array, accelerations: Array) -> Array:
+        states = np.hstack([pose, rates, accelerations, np.zeros((len(pose), 1))])
+        return np.hstack([kernel.values(states) for kernel in kernels])
+
+    return shares
 
 
 def by_controller(motion: Joined, case: Case, place: str) -> Joined:

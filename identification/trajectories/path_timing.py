@@ -7,6 +7,7 @@ is smooth at its ends. Where the limits allow, the pace stays the planned one.
 This method has no jerk limit: accelerations step where the pace changes from one extreme to the other.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -75,11 +76,23 @@ class RetimedMotion:
         )
 
 
-def retime(path: Trajectory, case: Case) -> RetimedMotion:
-    """The motion along a path, never faster, inside the limits of rates and accelerations of coordinates and struts.
+Shares = Callable[[Array, Array, Array], Array]
+"""Pose, rates and accelerations, each (k, n) -> shares of further limits between -1 and 1, (k, r).
 
-    Its pace, not its shape, is changed. Raises UntimedMotion where the path does not begin and end at rest, is not
-    finite, or no pace satisfies the limits.
+They are sums of a part of the pose, one that is quadratic in the rates and one that is linear in the accelerations, as
+torques and forces are.
+"""
+
+
+def retime(path: Trajectory, case: Case, hurry: float = 1.0, forces: Shares | None = None) -> RetimedMotion:
+    """The motion along a path inside the limits of rates and accelerations of coordinates and struts.
+
+    Its pace, not its shape, is changed. A path that does not rest at an end gets its rest from the pace. Raises
+    UntimedMotion where the path is not finite, or no pace satisfies the limits.
+
+    Args:
+        hurry: how many times its own pace the motion may have; at 1 it is never faster.
+        forces: shares of limits of torques and forces.
     """
     try:
         from toppra.algorithm import TOPPRA  # takes 0.7 s to import
@@ -91,12 +104,13 @@ def retime(path: Trajectory, case: Case) -> RetimedMotion:
 
     steps = max(FEWEST_STEPS, int(np.ceil(path.duration * STEPS_PER_SECOND)))
     shares = np.linspace(0.0, 1.0, steps + 1)
-    constraint, geometry = _constraint(path, case, shares)
+    constraint, geometry = _constraint(path, case, shares, hurry, forces)
     solver = TOPPRA([constraint], geometry, gridpoints=shares, solver_wrapper="seidel")
-    planned = 1.0 / path.duration
-    end = min(planned, _largest_pace(solver.compute_feasible_sets()[-1]))
-    start = min(planned, _largest_pace(solver.compute_controllable_sets(end, end)[0]))
-    if not (start > 0.0 and end > 0.0):
+    limits, fastest = case.need_motion("re-timing")[1], hurry / path.duration
+    starts_at_rest, ends_at_rest = np.abs(path.at([0.0, path.duration]).rates / limits.rate).max(axis=1) <= AT_REST
+    end = min(fastest, _largest_pace(solver.compute_feasible_sets()[-1])) if ends_at_rest else 0.0
+    start = min(fastest, _largest_pace(solver.compute_controllable_sets(end, end)[0])) if starts_at_rest else 0.0
+    if (starts_at_rest and not start > 0.0) or (ends_at_rest and not end > 0.0):
         raise UntimedMotion(_NO_PACE)
     solver.compute_parameterization(start, end)
     code, paces = solver.problem_data.return_code, solver.problem_data.sd_vec
@@ -105,10 +119,50 @@ def retime(path: Trajectory, case: Case) -> RetimedMotion:
         raise UntimedMotion(_NO_PACE)
     motion = RetimedMotion(path, shares, np.concatenate([[0.0], np.cumsum(lengths)]), paces)
     # A motion that is slower than planned passes as much of its path between two instants as at the planned pace.
-    count = int(np.ceil(min(motion.duration, path.duration) * CHECK_RATE)) + 1
+    count = int(np.ceil(min(motion.duration, path.duration * hurry) * CHECK_RATE)) + 1
     worst = _worst(motion.at(np.linspace(0.0, motion.duration, count)), case)  # between gridpoints
     slower = worst * (1.0 + ROUNDER) if worst > 1.0 else 1.0
     return RetimedMotion(path, shares, motion.times * slower, paces / slower)
+
+
+QUADRATURE = 20  # parts of a window, by Simpson's rule
+
+
+def rounded(motion: Trajectory, window: float, step: float) -> list[tuple[Array, float]]:
+    """The mean of a motion over a sliding window, as quintic polynomials of equal length.
+
+    A motion whose accelerations step becomes one whose accelerations change within the window. Rates and accelerations
+    are means of those before, so that they exceed no limit of a coordinate; the path is rounded by an eighth of the
+    acceleration times the square of the window, at most. It begins and ends at rest half a window earlier and later.
+
+    Args:
+        window: its length [s].
+        step: length of a polynomial, at most [s].
+
+    Returns:
+        Coefficients c_0 to c_5, shape (6, n), and duration [s] of each.
+    """
+    duration = motion.duration + window
+    count = max(1, int(np.ceil(duration / step)))
+    times, length = np.linspace(0.0, duration, count + 1), duration / count
+    first, last = (np.clip(times + shift, 0.0, motion.duration) for shift in (-window, 0.0))
+    before, after = motion.at(first), motion.at(last)
+    v, a = (after.pose - before.pose) / window, (after.rates - before.rates) / window
+    weights = np.ones(QUADRATURE + 1)
+    weights[1:-1:2], weights[2:-1:2] = 4.0, 2.0
+    q = (
+        sum(
+            weight * motion.at(np.clip(times - window * k / QUADRATURE, 0.0, motion.duration)).pose
+            for k, weight in enumerate(weights)
+        )
+        / weights.sum()
+    )
+    v, a = v * length, a * length**2
+    way, rate, change = q[1:] - q[:-1] - v[:-1] - a[:-1] / 2, v[1:] - v[:-1] - a[:-1], a[1:] - a[:-1]
+    higher = 10 * way - 4 * rate + change / 2, -15 * way + 7 * rate - change, 6 * way - 3 * rate + change / 2
+    unit = q[:-1], v[:-1], a[:-1] / 2, *higher
+    table = np.stack([c / length**power for power, c in enumerate(unit)], axis=1)
+    return [(coefficients, length) for coefficients in table]
 
 
 def keeps_pace(path: Trajectory, case: Case) -> bool:
@@ -135,10 +189,11 @@ def _largest_pace(squares: Array) -> float:
     return float(np.sqrt(max(0.0, squares[1]))) * (1.0 - 1e-6) if np.isfinite(squares).all() else 0.0
 
 
-def _constraint(path: Trajectory, case: Case, shares: Array) -> tuple[Any, Any]:
-    """Limits of coordinates and struts in toppra's form, and the path.
+def _constraint(path: Trajectory, case: Case, shares: Array, hurry: float, forces: Shares | None) -> tuple[Any, Any]:
+    """Limits of coordinates, struts and forces in toppra's form, and the path.
 
-    With q the coordinates and l the strut lengths as functions of s: l' = l_s s', l'' = l_s s'' + l_ss s'^2.
+    With q the coordinates and l the strut lengths as functions of s: l' = l_s s', l'' = l_s s'' + l_ss s'^2. Forces are
+    a s'' + b s'^2 + c.
     """
     from toppra import SplineInterpolator
     from toppra.constraint import DiscretizationType, LinearConstraint
@@ -149,7 +204,7 @@ def _constraint(path: Trajectory, case: Case, shares: Array) -> tuple[Any, Any]:
     if not all(np.isfinite(v).all() for v in (motion.pose, motion.rates, motion.accelerations)):
         raise UntimedMotion("the path holds values that are not finite")
     ends = np.abs(motion.rates[[0, -1]]) / limits.rate
-    if ends.max() > AT_REST:
+    if hurry == 1.0 and ends.max() > AT_REST:
         raise UntimedMotion(f"the path has {100 * ends.max():.3g} % of a rate limit at an end; it must rest there")
     by_share = (motion.rates * path.duration, motion.accelerations * path.duration**2)
     struts, most = machine_of(case).further_drives(case, motion.pose, *by_share)
@@ -160,7 +215,17 @@ def _constraint(path: Trajectory, case: Case, shares: Array) -> tuple[Any, Any]:
     )
     with np.errstate(divide="ignore"):
         squares = np.min((velocity / np.abs(first)) ** 2, axis=1)
-    squares = np.minimum(squares, (1.0 / path.duration * (1.0 + 1e-6)) ** 2)
+    squares = np.minimum(squares, (hurry / path.duration * (1.0 + 1e-6)) ** 2)
+    constant = np.zeros_like(first)
+    if forces is not None:
+        still = np.zeros_like(motion.pose)
+        own = forces(motion.pose, still, still)
+        by_change = forces(motion.pose, still, by_share[0]) - own
+        by_square = forces(motion.pose, by_share[0], by_share[1]) - own
+        first, second, constant = (
+            np.hstack(pair) for pair in ((first, by_change), (second, by_square), (constant, own))
+        )
+        acceleration = np.concatenate([acceleration, np.full(own.shape[1], 1.0 - MARGIN)])
 
     class AllLimits(LinearConstraint):  # type: ignore[misc]
         """All limits at once, computed for all gridpoints in one go."""
@@ -172,12 +237,12 @@ def _constraint(path: Trajectory, case: Case, shares: Array) -> tuple[Any, Any]:
 
         def compute_constraint_params(self, _path: Any, gridpoints: Array) -> Any:
             """Coefficients of s'', s'^2 and 1, and the limits."""
-            twice = np.vstack([np.eye(len(velocity)), -np.eye(len(velocity))])
+            twice = np.vstack([np.eye(len(acceleration)), -np.eye(len(acceleration))])
             bounds = np.column_stack([np.zeros(len(gridpoints)), squares])
             both = np.concatenate([acceleration, acceleration])
             # Named the other way round there, but read as bounds of s'' first, of s'^2 second.
             return canlinear_colloc_to_interpolate(
-                first, second, np.zeros_like(first), twice, both, None, bounds, gridpoints, identical=True
+                first, second, constant, twice, both, None, bounds, gridpoints, identical=True
             )
 
     # Of the path the solver asks the number of coordinates and the interval of s alone: the coefficients are above.

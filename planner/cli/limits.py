@@ -53,6 +53,13 @@ def bound(
 
 def retime(
     source: Annotated[Path, argument("Plan folder.")],
+    method: Annotated[
+        str,
+        option("ruckig: moves as a controller times them, other paths slower; toppra: as fast as possible.", "--with"),
+    ] = "ruckig",
+    without: Annotated[
+        str | None, option("toppra: jerk, which it cannot limit, if the machine bears steps of acceleration.")
+    ] = None,
     case: console.OwnCase = None,
     output: Annotated[Path | None, out("Plan folder of the re-timed motion.")] = None,
     stale: console.Stale = False,
@@ -61,14 +68,15 @@ def retime(
 ) -> None:
     """Make a plan of the same path at another pace.
 
-    Moves are timed as a jerk-limited controller times them, other paths slowed until they satisfy every limit. Prints
-    figures before and after; without -o nothing is written.
+    With ruckig, moves are timed as a jerk-limited controller times them, other paths slowed until they satisfy every
+    limit. With toppra, any path runs as fast as all limits but jerk allow, for controllers that do not limit jerk.
+    Prints figures before and after; without -o nothing is written.
     """
     if output is not None:
         check_folder(output, PLAN, [source], overwrite)
     plan = hx.Plan.load(source, None if case is None else hx.load_case(case), stale)
     with console.status("re-timing", json) as report:
-        result = hx.retime(plan)
+        result = hx.retime(plan, method, without)
         if output is not None:
             report("writing")
             console.save_with_page(result, PLAN, output, overwrite)

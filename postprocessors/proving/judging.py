@@ -79,7 +79,9 @@ def _timed(part: Timed, by: Guarantees) -> Iterable[LimitCheck]:
         report = worst_of([report, LimitReport(steps)])
     for check in report.checks:
         kind = check.kind.family
-        if by.follows_paths:
+        if kind in by.without and by.status_of(check.kind) is Status.LEFT_OUT:
+            yield replace(check, status=Status.LEFT_OUT, binding=False)
+        elif by.follows_paths:
             yield check
         elif kind in SENSED:
             yield by.sensed(check)

@@ -10,10 +10,13 @@ from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import load_case
 from identification.limit_proof import prove
 from identification.motion import Joined, Standstill
+from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_profile
+from identification.trajectories.path_timing import retime as timed_path
+from identification.trajectories.path_timing import rounded
 from planner.families.manual import fastest_within_limits
 from planner.plans import Plan
-from planner.retiming import by_controller
+from planner.retiming import Way, as_fast_as_possible, by_controller, force_shares
 from tests.helpers import few
 from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed
@@ -183,3 +186,92 @@ def test_bad_requests_are_refused_in_one_line(arguments: tuple[object, ...], wor
 def test_what_is_not_there_is_refused(tmp_path: Path):
     assert "cannot be read" in refused("retime", tmp_path / "none")
     assert "plan.json" in refused("retime", tmp_path)
+
+
+def test_toppra_runs_moves_and_paths_as_fast_as_all_limits_but_jerk_allow_and_keeps_their_way(series: Path):
+    """Moves that need time for jerk become faster; somewhere along them a limit is used up."""
+    for motion in (moves(1.0), Plan.load(series).motion):
+        after, steps = as_fast_as_possible(motion, CASE, "path", "jerk")
+        assert after.duration < motion.duration
+        assert steps > 0.0
+        report = prove(after, CASE)
+        assert {c.kind.family for c in report.violations} == {"jerk"}
+        others = [c.ratio for c in report.checks if c.kind.family != "jerk"]
+        assert 0.98 < max(others) <= 1.0
+        ends = after.at([0.0, after.duration])
+        assert np.abs(ends.rates).max() < 1e-9
+        way = motion.at(np.linspace(0.0, motion.duration, 4000)).pose[:, :3]
+        for place in after.at(np.linspace(0.0, after.duration, 300)).pose[:, :3]:
+            assert np.linalg.norm(way - place, axis=1).min() < 1.5e-3  # half a step of `way`, and the rounding
+
+
+def test_pauses_stay_as_long_as_they_are():
+    after, _ = as_fast_as_possible(Joined((*moves(1.0).parts[:-1], Standstill(HOME, 2.0))), CASE, "moves", "jerk")
+    tail = after.at(np.linspace(after.duration - 1.9, after.duration, 50))
+    assert np.abs(tail.rates).max() < 1e-9
+
+
+def test_a_force_that_follows_the_acceleration_slows_down_as_a_limit_of_it_does():
+    """A force of a mass, and of its weight: m (a + g) within m A / 2 + m g is an acceleration within A / 2 one way."""
+    own = CASE.without_jerk()
+    path = StraightMove.fastest(HOME, HOME + np.array([0.2, 0.0, 0.0, 0.0, 0.0, 0.0]), BOX.rate, BOX.acceleration)
+    half = 0.5 * BOX.acceleration[0]
+
+    def forces(pose: np.ndarray, rates: np.ndarray, accelerations: np.ndarray) -> np.ndarray:
+        return (accelerations[:, :1] + 9.81) / (half + 9.81)
+
+    way = Way(path)
+    free, held = (timed_path(way, own, 10.0, f) for f in (None, forces))
+    assert free.duration == pytest.approx(path.duration, rel=0.01)
+    largest = held.at(np.linspace(0.0, held.duration, 5000)).accelerations[:, 0]
+    assert largest.max() == pytest.approx(half, rel=0.01)
+    assert largest.min() == pytest.approx(-BOX.acceleration[0], rel=0.01)  # braking may be as hard as before
+    assert held.duration > free.duration
+
+
+def test_forces_that_come_close_are_those_of_the_machine():
+    arm = load_case("ur10_wrist")
+    home, box = arm.need_motion("this test")
+    shares = force_shares(arm)
+    assert shares is not None
+    still = np.zeros((1, len(home)))
+    now, faster = (shares(home[None], still, scale * box.acceleration[None])[0] for scale in (0.0, 1.0))
+    assert np.abs(faster - now).max() > 0.01
+    assert shares(home[None], still, 2 * box.acceleration[None])[0] - now == pytest.approx(2 * (faster - now), abs=1e-9)
+
+
+def test_a_limit_of_jerk_is_left_out_by_name_only(by_hand: Path, tmp_path: Path):
+    line = refused("retime", by_hand, "--with", "toppra", "-o", tmp_path / "after")
+    for word in ("jerk", "--without jerk", "--with ruckig"):
+        assert word in line
+    assert "--with toppra" in refused("retime", by_hand, "--without", "jerk")
+    assert "choose ruckig, toppra" in refused("retime", by_hand, "--with", "magic")
+
+
+def test_what_toppra_timed_is_a_plan_that_says_so_and_can_be_posted(by_hand: Path, tmp_path: Path):
+    out = tmp_path / "after"
+    answer = call("retime", by_hand, "--with", "toppra", "--without", "jerk", "-o", out, "--json").json()
+    assert answer["method"] == "toppra"
+    assert answer["after"]["duration_s"] < answer["before"]["duration_s"]
+    saved = Plan.load(out)
+    assert saved.without == ("jerk",)
+    assert {str(c.status) for c in saved.limits.checks if c.kind.family == "jerk"} == {"left out, as planned"}
+    accept = ("--accept", "acceleration,strut-acceleration,sensor-force,strut-velocity,velocity")
+    program = call("post", out, *accept, "--dialect", "linuxcnc", "-o", tmp_path / "run.ngc", "--json").json()
+    assert program["excitation_s"] > 0.99 * saved.motion.duration  # its blocks may need more time
+    assert "leaves out as planned: jerk" in (tmp_path / "run.ngc").read_text(encoding="utf-8")
+    assert "jerk" in refused("post", out, "--dialect", "sinumerik", "-o", tmp_path / "run.mpf")  # which limits it
+
+
+def test_a_rounded_motion_is_a_mean_that_exceeds_nothing():
+    steps = StraightMove.fastest(HOME, HOME + WAYS[0], BOX.rate, BOX.acceleration)
+    after = PolynomialMotion.of_pieces(rounded(steps, 0.02, 0.01))
+    assert after.duration == pytest.approx(steps.duration + 0.02)
+    t = np.linspace(0.0, after.duration, 5000)
+    before, now = steps.at(np.linspace(0.0, steps.duration, 5000)), after.at(t)
+    assert np.all(np.abs(now.rates) <= np.abs(before.rates).max(axis=0) * 1.001)
+    assert np.all(np.abs(now.accelerations) <= np.abs(before.accelerations).max(axis=0) * 1.1)
+    window = np.linspace(-0.01, 0.01, 201)
+    for middle in (0.05, 0.3 * after.duration, after.duration / 2):
+        times = np.clip(middle - 0.01 + window, 0.0, steps.duration)
+        assert after.at([middle]).pose[0] == pytest.approx(steps.at(times).pose.mean(axis=0), abs=2e-5)
