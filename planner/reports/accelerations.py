@@ -10,9 +10,10 @@ from identification.motion import Trajectory, sample
 from identification.result import Estimate
 from identification.runs.evaluation import Run
 from identification.symbolic import over_samples
-from planner.reports.chart import Axis, Chart, lines
+from planner.reports.chart import Axis, Chart, Dash, lines
 
 RATE = 200.0  # [1/s] at which a plan is drawn
+POINTS = 700  # of a line: there are twelve on a page
 AXES = (("translation", slice(0, 3), ("x", "y", "z"), "m/s²"), ("rotation", slice(3, 6), ("a", "b", "c"), "rad/s²"))
 Accelerations = tuple[Array, Array]
 """Times, shape (n,) [s], and twist rates in {B}, shape (n, 6) [m/s^2, rad/s^2]."""
@@ -49,10 +50,10 @@ def acceleration_charts(
     """
     charts = []
     for kind, own, labels, unit in AXES:
-        series = () if measured is None else lines(measured[0], measured[1][:, own], labels, 1.2)
+        series = () if measured is None else lines(measured[0], measured[1][:, own], labels, 1.2, most=POINTS)
         if planned is not None:
-            dash = "dash" if measured is not None else "solid"
-            series += lines(planned[0], planned[1][:, own], labels, 1.2, dash)  # type: ignore[arg-type]
+            dash: Dash = "dash" if measured is not None else "solid"
+            series += lines(planned[0], planned[1][:, own], labels, 1.2, dash, most=POINTS)
         words = "lines: by the drives, behind the evaluation's filter; dashed: planned"
         if planned is None or measured is None:
             words = "planned" if measured is None else "by the drives, behind the evaluation's filter"

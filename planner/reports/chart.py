@@ -10,7 +10,7 @@ from cases.units import Array
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 GREY = "#8593a1"
-MOST_POINTS = 2000  # points of a line: more cannot be seen, and the page stays small
+MOST_POINTS = 1500  # points of a line: more cannot be seen, and the page stays small
 
 Dash = Literal["solid", "dash", "dot"]
 
@@ -142,10 +142,16 @@ class Chart:
 
 
 def lines(
-    x: Array, y: Array, names: Sequence[str], width: float = 1.5, dash: Dash = "solid", dots: bool = False
+    x: Array,
+    y: Array,
+    names: Sequence[str],
+    width: float = 1.5,
+    dash: Dash = "solid",
+    dots: bool = False,
+    most: int = MOST_POINTS,
 ) -> tuple[Line, ...]:
     """A line for each column of `y`, shape (n, k), each in its colour; dashed ones go without the legend."""
-    drawn = (thinned(x, column) for column in y.T)
+    drawn = (thinned(x, column, most) for column in y.T)
     return tuple(
         Line(*points, name, colour(k), width, dash, dots, in_legend=dash == "solid")
         for k, (points, name) in enumerate(zip(drawn, names, strict=True))

@@ -13,7 +13,8 @@ from planner.reports.chart import Axis, Chart, Dash, Line, Points, colour
 from planner.reports.figures import powers, unit_of
 
 WIDTH = 4.0  # standard deviations to either side of the widest density
-POINTS = 161  # of a density
+POINTS = 81  # of a density
+TINY = 1e-300  # in place of zero
 QUANTILES = 300  # of the residuals of a channel
 SHOWN = ("m", "xC", "yC", "zC")  # parameters whose densities stand side by side in a comparison
 
@@ -24,18 +25,19 @@ def density(x: np.ndarray, std: float) -> np.ndarray:
 
 
 def density_charts(parameters: Mapping[str, Value]) -> tuple[Chart, ...]:
-    """Densities of the parameters of a result about their values, a figure a unit, factors of deformation apart.
+    """Densities of the parameters of a result about their values, a figure a unit; factors of deformation in percent.
 
     Factors of each sensor (K1, K3, K4) and parameters that are given are left out.
     """
-    groups: dict[tuple[str, bool], list[str]] = {}
+    groups: dict[str, list[str]] = {}
     for name, value in parameters.items():
         if value.reported > 1e-9 * abs(value.value) and not name.startswith("K"):
-            groups.setdefault((value.unit, name.startswith("k")), []).append(name)
+            groups.setdefault("%" if name.startswith("k") else value.unit, []).append(name)
     charts = []
-    for number, ((si, _), names) in enumerate(groups.items()):
+    for number, (si, names) in enumerate(groups.items()):
         scale, unit = legible(si)
-        std = {name: parameters[name].reported * scale for name in names}
+        shares = {name: 100.0 / max(abs(parameters[name].value), TINY) if si == "%" else scale for name in names}
+        std = {name: parameters[name].reported * share for name, share in shares.items()}
         x = np.linspace(-WIDTH, WIDTH, POINTS) * max(std.values())
         series = tuple(Line(x, density(x, s), name, colour(k)) for k, (name, s) in enumerate(std.items()))
         charts.append(

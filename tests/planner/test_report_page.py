@@ -32,6 +32,7 @@ from tests.planner.command_line import call
 from tests.postprocessors.changed_case import changed
 from tests.simulated_machine import PoseExecution
 
+FIGURES = 14  # of a result: forces, residuals, spectrum, order; 2 of accelerations, 5 of densities, 3 of correlations
 HEAD = Head("All is well.", True, "hexapod")
 HOSTILE = "<img src=x onerror=\"document.title='taken over'\"><b>column</b></script>"
 CHART = re.compile(r'data-plot="[^"]+">(.*?)</script>', re.DOTALL)
@@ -196,7 +197,7 @@ def test_plotly_accepts_every_attribute_of_a_chart(page_file: Path, result_page:
     from plotly.graph_objects import Figure
 
     charts = [c for file in (page_file, result_page) for c in CHART.findall(file.read_text(encoding="utf-8"))]
-    assert len(charts) == 6 + 4
+    assert len(charts) == 6 + FIGURES
     for chart in charts:
         Figure(json.loads(chart))
 
@@ -293,7 +294,7 @@ def test_what_is_printed_stays_inside_the_paper_and_is_white(browser: Browser, r
         )
         assert right <= width + 1
         shown = tab.page.locator("figure .still")
-        assert shown.count() == tab.page.locator("figure").count() == 4
+        assert shown.count() == tab.page.locator("figure").count() == FIGURES
         for place in (".plot", ".player", ".screen", ".modebar"):
             assert not any(each.is_visible() for each in tab.page.locator(place).all()), place
 
@@ -317,7 +318,7 @@ def test_pictures_stand_where_no_script_runs(browser: Browser, result_page: Path
         tab = context.new_page()
         tab.goto(result_page.resolve().as_uri())
         pictures = tab.locator("figure .still")
-        assert pictures.count() == 4
+        assert pictures.count() == FIGURES
         for picture in pictures.all():
             assert picture.is_visible()
             assert picture.bounding_box()["height"] > 150
