@@ -14,7 +14,7 @@ _MACHINE = ("setup", "gravity_m_s2", "sensor_frame", "machine")
 _MOTION = ("setup", "machine", "workspace", "limits", "controller.cycle_ms")
 _BOUND = (*_MACHINE, "workspace", "limits", "controller.cycle_ms")
 _PLAN = (*_BOUND, "sensors", "nominal", "payloads")
-_RESULT = (*_MACHINE, "sensors", "recording")
+_RESULT = (*_MACHINE, "sensors", "recording", "tolerances")
 _OF_PLANS = ("sensors.pose_error_N", "sensors.pose_error_length_mm")  # results find them, and do without them
 # A plan states the rate that its predictions assume; what is handed to a robot is computed when it is.
 _NOT_COMPUTED_WITH = ("recording.rate_Hz", "machine.chain.flange", "sensor_frame.transducer.flange")
@@ -37,7 +37,7 @@ def recording_basis(case: Case) -> dict[str, Any]:
 
 
 def result_basis(case: Case) -> dict[str, Any]:
-    """Values behind a result by dotted key: machine, sensors, gravity, and how the recording was read and filtered."""
+    """Values behind a result by dotted key: machine and its tolerances, sensors, gravity, how the run was read."""
     return {name: value for name, value in values(case, _RESULT).items() if name not in _OF_PLANS}
 
 

@@ -34,6 +34,7 @@ from cases.tables import (
     read_tables,
     spelled,
 )
+from cases.tolerances import KINDS, Tolerances
 from cases.units import DEG, MINUTE, MM, Array, as_html
 
 # 9.76 on the highest mountain of the tropics to 9.83 at the poles; other values are typing errors or in another unit.
@@ -84,6 +85,8 @@ class Case(Heading):
     """Candidates for measuring at standstills."""
     controller: Controller | None = None
     """How the controller is set up."""
+    tolerances: Tolerances | None = None
+    """How far the machine may be from all this; deviations of results count it."""
     nominal: RigidBody | None = None
     """Expected values of the moving body: mass, centre of gravity, inertia."""
     simulation: Simulation | None = None
@@ -289,6 +292,20 @@ class Case(Heading):
     def missing(self, part: str, purpose: str) -> NoReturn:
         """Raises CaseError: `part` of the case is needed for `purpose`."""
         raise CaseError(f"case {self.name}", part, f"is missing; {purpose} needs it: add the table to the case file")
+
+    @property
+    def not_counted(self) -> list[str]:
+        """Kinds of tolerances that this machine has and the case does not state: no deviation counts them."""
+        stated = set() if self.tolerances is None else {KINDS[key] for key, _ in self.tolerances.stated()}
+        own = {
+            "drawing": self.machine is not None or self.sensor_frame.bars is not None,
+            "gains": True,
+            "alignment": self.sensor_frame.transducer is not None,
+            "gravity": True,
+            "encoders": self.machine is not None,
+            "clock": self.setup != "1a",
+        }
+        return [kind for kind, has in own.items() if has and kind not in stated]
 
     @property
     def hexapod(self) -> HexapodMachine | None:

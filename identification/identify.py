@@ -28,6 +28,7 @@ from identification.findings.drift import drift_findings, drift_of
 from identification.findings.fit_checks import fit_findings
 from identification.findings.noise_level import doubtful, louder_than_stated
 from identification.findings.systematic import allowed_for, noisy_drives, not_shown, systematic_findings, systematic_of
+from identification.findings.tolerances import budget_findings
 from identification.formats.reading import files_of
 from identification.model import Model, full_model, identification_model
 from identification.outcome import RUN_ENTRIES, Result
@@ -336,4 +337,5 @@ def _estimated(recording: Recording, case: Case, model: Model, method: Method) -
     findings += fit_findings(recording, case, fitted)
     allowed = allowed_for(fitted, systematic)
     findings += not_shown(allowed, systematic)
+    findings += budget_findings(fitted, allowed, () if systematic is None else systematic.tolerances, case)
     return estimate_of(allowed, recording.source, case, tuple(findings))

@@ -18,7 +18,15 @@ from cases.units import Array, as_html
 from identification.estimation.fit import Value
 from identification.finding import Finding, sentences
 from identification.model import Model, identification_model
-from identification.precision import aligned, carries_rods, parameter_lines, std_text, value_cells, value_text
+from identification.precision import (
+    aligned,
+    budget_lines,
+    carries_rods,
+    parameter_lines,
+    std_text,
+    value_cells,
+    value_text,
+)
 from identification.result import SCHEMA_VERSION, Estimate, ResultEntries, of_version_0_2, physical_values
 from identification.signals import Residuals
 
@@ -73,6 +81,22 @@ class Result:
     def findings(self) -> tuple[Finding, ...]:
         """What speaks against it, and what is good to know."""
         return self.record.findings
+
+    def _quantity(self, name: str) -> Any:
+        """What a finding says in numbers; None where none has it."""
+        return next((finding.quantity[name] for finding in self.findings if name in finding.quantity), None)
+
+    @property
+    def budget(self) -> Mapping[str, Mapping[str, float]]:
+        """Of each parameter the parts of its deviation by their causes [SI]; their squares add up to that of the
+        reported one. Empty where the case states no tolerances.
+        """
+        return self._quantity("budget") or {}
+
+    @property
+    def not_counted(self) -> list[str]:
+        """Kinds of tolerances that no deviation counts, for the case states none."""
+        return self._quantity("not_counted") or []
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -197,9 +221,18 @@ class Result:
         which = (
             "+- is the larger of std (28), right for white noise, and of std robust, which allows for noise that is not"
         )
+        if missing := self.not_counted:
+            which += f";\n  they count no tolerances of {', '.join(missing)}: the case states none, see [tolerances]"
         lag = self.record.delay_s
         lines = [] if lag is None else [f"forces lag the motion by {lag.value * 1e3:.3f} +- {lag.std * 1e3:.3f} ms"]
-        table = [*parameter_lines(self.parameters), which, *lines, *self._tared(), *self.notes]
+        table = [
+            *parameter_lines(self.parameters),
+            which,
+            *budget_lines(self.parameters, self.budget),
+            *lines,
+            *self._tared(),
+            *self.notes,
+        ]
         return "\n".join([*self._warned(), *table, *self._summary()])
 
     def _tared(self) -> list[str]:

@@ -125,14 +125,16 @@ class LeftOut:
         count = len(self.model.names)
         orders = [{"delay": 1, "smoothing": 2}[name] for name in names[count:]]
         more = [self._derivative(self.expected, order)[:, :, None] for order in orders]
-        weights = (self.motion.known * self.scale)[:, None, None]
-        return np.asarray(np.concatenate([self.matrices, *more], axis=2) * weights)
+        return self.weighted(np.concatenate([self.matrices, *more], axis=2))
 
     def alternatives(self) -> Iterator[Alternative]:
         """All that this kind of run can show."""
-        weights = (self.motion.known * self.scale)[:, None, None]
         for alternative in self._all():
-            yield alternative._replace(columns=alternative.columns * weights)
+            yield alternative._replace(columns=self.weighted(alternative.columns))
+
+    def weighted(self, columns: Array) -> Array:
+        """Effects on the forces as a fit sees them, shape (n, 6, k)."""
+        return np.asarray(columns * (self.motion.known * self.scale)[:, None, None])
 
     def _all(self) -> Iterator[Alternative]:
         if self.larger is not None:
@@ -189,7 +191,7 @@ class LeftOut:
     def _of_bars(self) -> Iterator[Alternative]:
         if self.bars is None:
             return
-        into, (lower, upper) = self._into_channels[0], self.bars
+        into, (lower, upper) = self.into_channels[0], self.bars
         for ring, place in (("lower", lower), ("upper", upper)):
             for what, ways, unit, word in ring_changes(place):
                 if ring == "upper" and what == "height":
@@ -201,9 +203,25 @@ class LeftOut:
                 yield Alternative("bars", "the loads on all channels", cause, columns, unit)
 
     def _of_frame(self) -> Iterator[Alternative]:
+        for k, name in enumerate("xyz"):
+            cause = f"a sensor frame that is {{}} mm further along its {name} than the case says"
+            yield Alternative("frame", "the turning of the load", cause, self.by_place[:, :, k : k + 1], MILLIMETRES)
+        for k, name in enumerate("xyz"):
+            cause = f"a sensor frame that is turned about its {name} by {{}} deg against the case"
+            yield Alternative("frame", "gravity and acceleration", cause, self.by_axes[:, :, k : k + 1], DEGREES)
+        axes, columns = self.by_gravity
+        for k, axis in enumerate(axes[1:], 1):
+            along = ", ".join(f"{v + 0.0:.2g}" for v in axis)
+            cause = f"gravity that leans by {{}} deg towards ({along})"
+            yield Alternative("gravity", "the direction of gravity", cause, columns[:, :, k : k + 1], DEGREES)
+
+    @cached_property
+    def by_place(self) -> Array:
+        """How the forces change where the sensor lies further along its axes, shape (n, 6, 3) [1/m]."""
         m, still = self.load, np.zeros((len(self.t), 3))
         omega, alpha = m.twist[:, 3:], m.twist_rate[:, 3:]
-        for name, axis in zip("xyz", np.eye(3), strict=True):
+        columns = []
+        for axis in np.eye(3):
             arm = self.turn @ axis
             swing = np.cross(alpha, arm) + np.cross(omega, np.cross(omega, arm))
             moved = replace(
@@ -212,29 +230,43 @@ class LeftOut:
                 twist=m.twist + STEP * np.hstack([np.cross(omega, arm), still]),
                 twist_rate=m.twist_rate + STEP * np.hstack([swing, still]),
             )
-            cause = f"a sensor frame that is {{}} mm further along its {name} than the case says"
-            yield Alternative("frame", "the turning of the load", cause, self._change(moved)[:, :, None], MILLIMETRES)
-        for name, axis in zip("xyz", np.eye(3), strict=True):
-            angles = (Rotation.from_matrix(self.turn) * Rotation.from_rotvec(STEP * axis)).as_euler("xyz")
-            turned = replace(m, pose=np.hstack([m.pose[:, :3], angles]))
-            cause = f"a sensor frame that is turned about its {name} by {{}} deg against the case"
-            yield Alternative("frame", "gravity and acceleration", cause, self._change(turned)[:, :, None], DEGREES)
-        size = float(np.linalg.norm(self.model.gravity))
-        if size > 0.0:
-            for axis in np.linalg.svd(self.model.gravity[None] / size)[2][1:]:
-                leaning = replace(m, twist_rate=m.twist_rate - STEP * size * np.r_[axis, np.zeros(3)])
-                along = ", ".join(f"{v + 0.0:.2g}" for v in axis)
-                cause = f"gravity that leans by {{}} deg towards ({along})"
-                yield Alternative(
-                    "gravity", "the direction of gravity", cause, self._change(leaning)[:, :, None], DEGREES
-                )
+            columns.append(self.change(moved))
+        return np.stack(columns, axis=2)
 
-    def _change(self, motion: Kinematics) -> Array:
+    @cached_property
+    def by_axes(self) -> Array:
+        """How the forces change where the sensor is turned about its axes, shape (n, 6, 3) [1/rad]."""
+        columns = []
+        for axis in np.eye(3):
+            angles = (Rotation.from_matrix(self.turn) * Rotation.from_rotvec(STEP * axis)).as_euler("xyz")
+            columns.append(self.change(replace(self.load, pose=np.hstack([self.load.pose[:, :3], angles]))))
+        return np.stack(columns, axis=2)
+
+    @cached_property
+    def by_gravity(self) -> tuple[Array, Array]:
+        """Three axes, the first along gravity, shape (3, 3), and how the forces change with what gravity has more along
+        each of them, as a share of its size, shape (n, 6, 3); none of both where there is no gravity.
+        """
+        size = float(np.linalg.norm(self.model.gravity))
+        axes = np.linalg.svd(self.model.gravity[None] / size)[2] if size > 0.0 else np.zeros((0, 3))
+        columns, m = [np.zeros((len(self.t), 6, 0))], self.load
+        for axis in axes:
+            other = replace(m, twist_rate=m.twist_rate - STEP * size * np.r_[axis, np.zeros(3)])
+            columns.append(self.change(other)[:, :, None])
+        return axes, np.concatenate(columns, axis=2)
+
+    @cached_property
+    def by_clock(self) -> Array:
+        """How the forces change with the rate of the motion's clock, shape (n, 6)."""
+        m = self.load
+        return self.change(replace(m, twist=m.twist * (1.0 + STEP), twist_rate=m.twist_rate * (1.0 + 2.0 * STEP)))
+
+    def change(self, motion: Kinematics) -> Array:
         """Change of the forces for a unit of what differs by `STEP`, shape (n, 6)."""
         return np.asarray((self.forces(motion) - self.expected) / STEP)
 
     @cached_property
-    def _into_channels(self) -> Array:
+    def into_channels(self) -> Array:
         """J^T, force and moment on the load in the axes of {P} -> channels, shape (n or 1, 6, 6)."""
         poses = self.load.pose if self.model.struts is not None else None
         rows = 1 if poses is None else len(self.t)
@@ -244,7 +276,7 @@ class LeftOut:
     def pulled(self, forces: Array) -> Array:
         """What channels read of forces on the origin of {P} along x, y and z of {B}, shape (n, 3) -> (n, 6, 3)."""
         local = self.turn.transpose(0, 2, 1) * forces[:, None, :]
-        return np.asarray(self._into_channels[:, :, :3] @ local)
+        return np.asarray(self.into_channels[:, :, :3] @ local)
 
     def _of_surroundings(self) -> Iterator[Alternative]:
         position, speed = self.load.pose[:, :3], self.load.twist[:, :3]
@@ -263,10 +295,8 @@ class LeftOut:
 
     def _of_clocks(self) -> Iterator[Alternative]:
         assert self.late is not None
-        m = self.load
-        fast = replace(m, twist=m.twist * (1.0 + STEP), twist_rate=m.twist_rate * (1.0 + 2.0 * STEP))
         cause = "time stamps that are {} % too far apart"
-        yield Alternative("clock", "the acceleration", cause, self._change(fast)[:, :, None], PERCENT)
+        yield Alternative("clock", "the acceleration", cause, self.by_clock[:, :, None], PERCENT)
         span = (self.t - self.t.mean()) / max(float(np.ptp(self.t)), self.step)
         rate = self._derivative(self.expected, 1)
         cause = "clocks of forces and motion that drift apart by {} ms over the run"
@@ -321,12 +351,20 @@ class LeftOut:
             return None
         still = np.zeros((len(self.t), 6, drives[0].shape[1]))
         place, speed, acceleration = (
-            np.stack([self._change(self.motion.moved(*_with(drives, order, k))) for k in range(still.shape[2])], 2)
+            np.stack([self.change(self.motion.moved(*_with(drives, order, k))) for k in range(still.shape[2])], 2)
             if order == 0 or self.late is not None
             else still
             for order in range(3)
         )
         return place, speed, acceleration
+
+    @cached_property
+    def by_scales(self) -> Array:
+        """How the forces change with the scale of each drive, about its mean place, shape (n, 6, k)."""
+        assert self.by_drives is not None
+        assert self.motion.drives is not None
+        (place, speed, acceleration), (q, v, a) = self.by_drives, self.motion.drives
+        return np.asarray(place * (q - q.mean(axis=0))[:, None] + speed * v[:, None] + acceleration * a[:, None])
 
     def attenuation(self, w: Array) -> Array | None:
         """Sum of E^T W E u over the samples, E what noise of the drives adds to A on average, shape (u,).
@@ -349,8 +387,7 @@ class LeftOut:
     def _of_drives(self) -> Iterator[Alternative]:
         if self.by_drives is None or self.motion.drives is None:
             return
-        (place, speed, acceleration), (q, v, a) = self.by_drives, self.motion.drives
-        gains = place * (q - q.mean(axis=0))[:, None] + speed * v[:, None] + acceleration * a[:, None]
+        (place, speed, acceleration), (_, v, _), gains = self.by_drives, self.motion.drives, self.by_scales
         for k, name in enumerate(self.names.drives):
             unit, word = (DEGREES, "deg") if self.names.turns[k] else (MILLIMETRES, "mm")
             cause = f"a zero of {name} that is wrong by {{}} {word}"
@@ -378,13 +415,13 @@ class LeftOut:
         machine = self.motion.machine
         if not isinstance(machine, Hexapod):
             return
-        before = self._strut_motion(machine.base, machine.platform)
+        before = self.strut_motion(machine.base, machine.platform)
         for ring, points in (("base", machine.base), ("platform", machine.platform)):
             for what, ways, unit, word in ring_changes(points):
                 if what == "height":
                     continue  # of the base or of the platform, it moves the pose as a whole
                 moved = points + STEP * ways
-                after = self._strut_motion(*((moved, machine.platform) if ring == "base" else (machine.base, moved)))
+                after = self.strut_motion(*((moved, machine.platform) if ring == "base" else (machine.base, moved)))
                 change = [(b - a) / STEP for a, b in zip(before, after, strict=True)]
                 columns = -sum(
                     (by * own_change[:, None]).sum(axis=2, keepdims=True)
@@ -393,7 +430,7 @@ class LeftOut:
                 cause = f"a {what} of the {ring} joints' ring that is {{}} {word} larger than the case says"
                 yield Alternative("ring", "the pose", cause, np.asarray(columns), unit)
 
-    def _strut_motion(self, base: Array, platform: Array) -> tuple[Array, Array, Array]:
+    def strut_motion(self, base: Array, platform: Array) -> tuple[Array, Array, Array]:
         """Lengths, speeds and accelerations of struts between joints, shapes (6, 3), in the motion, shapes (n, 6)."""
         arms = platform @ self.turn.transpose(0, 2, 1)
         omega, alpha = self.load.twist[:, None, 3:], self.load.twist_rate[:, None, 3:]

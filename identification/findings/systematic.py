@@ -20,6 +20,7 @@ from identification.findings.drift import Drift, drift_of
 from identification.findings.left_out import LeftOut
 from identification.findings.noise_level import channel_words
 from identification.findings.remains import excerpt_of, free_basis, remainder_of
+from identification.findings.tolerances import Share, shares_of
 from identification.parameters import offset_columns
 from identification.precision import with_deviation
 from identification.samples import Fitted, MotionOfSamples
@@ -47,6 +48,7 @@ class Systematic(NamedTuple):
     drives: Array | None  # bias of the values of the fit by noise of the drives, shape (v,), where that is measured
     residuals: Array  # of each channel, rms, shape (6,) [N, or N and N m]
     motion: MotionOfSamples
+    tolerances: tuple[Share, ...]  # what stated tolerances add to the covariance of the values
     hidden: tuple[Unseen, ...]  # how well the run shows each effect of one size; answers are of the fit's values
 
 
@@ -65,6 +67,7 @@ def systematic_of(fitted: Fitted, case: Case, odd: OddClock | None = None) -> Sy
     left_out = LeftOut.of(fitted, motion, case)
     rest = remainder_of(fitted, left_out.regressors(fitted.regression.names))
     half, back = rest.half, np.linalg.inv(rest.root).T
+    tolerances = shares_of(left_out, rest, basis, case.tolerances)
     drift, bias, seen = drift_of(whole), np.zeros((basis.shape[1],) * 2), list[Seen]()
     if drift is not None:
         rest = rest.beside((drift.shape[part] * samples.scale)[:, None, None] * np.eye(6))
@@ -99,7 +102,7 @@ def systematic_of(fitted: Fitted, case: Case, odd: OddClock | None = None) -> Sy
         bias += np.outer(drives, drives)
     rms = np.sqrt(np.mean(residuals**2, axis=0))
     hidden = [of._replace(answer=basis @ of.answer) for of in unseen(alternatives, rest)]
-    return Systematic(tuple(seen), drift, bias, drives, rms, motion, tuple(hidden))
+    return Systematic(tuple(seen), drift, bias, drives, rms, motion, tolerances, tuple(hidden))
 
 
 def _odds(chance: float) -> float:
@@ -108,11 +111,12 @@ def _odds(chance: float) -> float:
 
 
 def allowed_for(fitted: Fitted, systematic: Systematic | None) -> Fitted:
-    """The fit with deviations that allow for what its residuals show."""
+    """The fit with deviations that allow for what its residuals show, and for the stated tolerances of the machine."""
     if systematic is None:
         return fitted
     fit = fitted.fit
-    return fitted._replace(fit=replace(fit, covariance_robust=fit.covariance_robust + systematic.bias))
+    more = systematic.bias + sum(share.covariance for share in systematic.tolerances)
+    return fitted._replace(fit=replace(fit, covariance_robust=fit.covariance_robust + more))
 
 
 MUCH_NOISE = 0.05  # share of the residuals' squares, from which on an effect is one to act on whatever it does

@@ -1,0 +1,88 @@
+"""How far a machine may be from its case: what a drawing and data sheets promise, not what a run shows."""
+
+from collections.abc import Iterator
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import BeforeValidator, PlainSerializer
+
+from cases.tables import NonNegative, Part
+
+KINDS = {
+    "joints_mm": "drawing",
+    "bars_mm": "drawing",
+    "joint_zeros_deg": "drawing",
+    "joint_zeros_mm": "drawing",
+    "gain_percent": "gains",
+    "common_gain_percent": "gains",
+    "sensor_mm": "alignment",
+    "sensor_deg": "alignment",
+    "gravity_deg": "gravity",
+    "gravity_percent": "gravity",
+    "encoder_scale_ppm": "encoders",
+    "clock_ppm": "clock",
+}
+"""Kinds of tolerances by their keys."""
+
+
+class Spread(Part):
+    """A standard deviation, or a limit that nothing exceeds; exactly one of them."""
+
+    std: NonNegative = 0.0
+    """Standard deviation."""
+    limit: NonNegative | None = None
+    """Largest deviation to either side, all within alike (rectangular): its deviation is the limit over root three."""
+
+    @property
+    def deviation(self) -> float:
+        """The standard deviation."""
+        return self.std if self.limit is None else self.limit / float(np.sqrt(3.0))
+
+
+def _spread(value: Any) -> Any:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return value
+    return {"std": float(value)}
+
+
+def _as_written(value: Spread | None) -> Any:
+    return None if value is None else value.std if value.limit is None else {"limit": value.limit}
+
+
+Tolerance = Annotated[Spread, BeforeValidator(_spread), PlainSerializer(_as_written)]
+
+
+class Tolerances(Part):
+    """Deviations of the machine from its case, each of its own sign and size: `0.03`, a standard deviation, or
+    `{ limit = 0.05 }`. What is not stated is not counted, and results say so."""
+
+    joints_mm: Tolerance | None = None
+    """Each coordinate of each joint of base and platform."""
+    bars_mm: Tolerance | None = None
+    """Each coordinate of each end of the bars."""
+    sensor_mm: Tolerance | None = None
+    """Each coordinate of the origin of a force/torque sensor, against where the case has it."""
+    sensor_deg: Tolerance | None = None
+    """The axes of a force/torque sensor, about each of them."""
+    joint_zeros_deg: Tolerance | None = None
+    """The zero of each joint of a chain that turns."""
+    joint_zeros_mm: Tolerance | None = None
+    """The zero of each joint of a chain that slides."""
+    encoder_scale_ppm: Tolerance | None = None
+    """The scale of each encoder."""
+    gain_percent: Tolerance | None = None
+    """The gain of each channel by itself."""
+    common_gain_percent: Tolerance | None = None
+    """A gain that all channels have in common: no run shows it, masses are wrong by as much."""
+    gravity_deg: Tolerance | None = None
+    """The direction of gravity, about each horizontal axis: the machine is not level."""
+    gravity_percent: Tolerance | None = None
+    """The size of gravity."""
+    clock_ppm: Tolerance | None = None
+    """The rate of the clock that recorded the run."""
+
+    def stated(self) -> Iterator[tuple[str, float]]:
+        """Keys with their standard deviations, in the units of the keys."""
+        for name in type(self).model_fields:
+            if (spread := getattr(self, name)) is not None:
+                yield name, spread.deviation

@@ -1,0 +1,158 @@
+"""What the stated tolerances of a machine do to an estimate: a budget of its deviations.
+
+Drawing, gains, alignment, gravity, encoders and clock are not as the case says, by sizes p_j of known deviations. To
+first order the estimate is off by B p, where B = A^+ D, and D is how the forces that the model expects at the recorded
+drives change with p: its share of the covariance is B diag(var p) B^T. Least squares do not use what is known of p.
+"""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from cases.schema import Case
+from cases.tolerances import KINDS, Tolerances
+from cases.units import DEG, MM, Array
+from identification.estimation.alternatives import Remainder
+from identification.finding import Finding, Kind, note
+from identification.findings.left_out import STEP, LeftOut, in_channel, structure_of
+from identification.hexapod import Hexapod
+from identification.parameters import physical_form
+from identification.samples import Fitted
+
+PPM, PERCENT = 1e-6, 1e-2
+SMALL = 0.1  # of a deviation: a part that adds 0.5 % to it is not said
+NOISE, MEMORY, SHOWN = "noise", "noise with memory", "seen in residuals"
+
+
+class Share(NamedTuple):
+    """What tolerances of one kind add to a covariance."""
+
+    kind: str  # such as drawing
+    covariance: Array  # of the values of a fit, shape (v, v)
+
+
+UNITS = {"mm": MM, "deg": DEG, "percent": PERCENT, "ppm": PPM}
+
+
+def shares_of(left_out: LeftOut, rest: Remainder, basis: Array, tolerances: Tolerances | None) -> tuple[Share, ...]:
+    """What the tolerances of a case add to the covariance of a fit, by kind.
+
+    Args:
+        left_out: the fit with its motion.
+        rest: what the fit leaves.
+        basis: what was free in the fit, shape (v, free).
+        tolerances: those of the case.
+    """
+    total: dict[str, Array] = {}
+    for key, deviation in () if tolerances is None else tolerances.stated():
+        kind = KINDS[key]
+        biases = deviation * UNITS[key.rpartition("_")[2]] * biases_of(left_out, rest, basis, key)
+        total[kind] = total.get(kind, np.zeros((len(basis),) * 2)) + biases @ biases.T
+    return tuple(Share(kind, covariance) for kind, covariance in total.items())
+
+
+def biases_of(left_out: LeftOut, rest: Remainder, basis: Array, key: str) -> Array:
+    """By how much a unit of each size that a tolerance is one of puts the values of a fit off, shape (v, k) [SI].
+
+    Arguments are those of `shares_of`; k is 0 where the machine has none of that kind.
+    """
+    _, inside = rest.without_fit(rest.root @ left_out.weighted(_effects(left_out, key)))
+    return np.asarray(basis @ (rest.half @ inside))
+
+
+def _effects(of: LeftOut, key: str) -> Array:
+    """How the forces change with each size that a tolerance is one of, shape (n, 6, k) [SI]; k is 0 where none is."""
+    none = np.zeros((len(of.t), 6, 0))
+    found: Array | None = None
+    if key == "joints_mm":
+        found = np.concatenate([none, *_of_joints(of)], axis=2)
+    elif key == "bars_mm" and of.bars is not None:
+        found = _of_bars(of, *of.bars)
+    elif key.startswith("joint_zeros") and of.by_drives is not None and not of.motion.of_pose:
+        found = of.by_drives[0][:, :, np.array(of.names.turns) == key.endswith("deg")]
+    elif key.startswith("sensor") and of.bars is None:
+        found = of.by_place if key.endswith("mm") else of.by_axes
+    elif key == "gain_percent":
+        found = np.concatenate([in_channel(of.expected[:, k], k) for k in range(6)], axis=2)
+    elif key == "common_gain_percent":
+        found = of.expected[:, :, None]
+    elif key.startswith("gravity"):
+        found = of.by_gravity[1][:, :, 1:] if key.endswith("deg") else of.by_gravity[1][:, :, :1]
+    elif key == "encoder_scale_ppm" and of.by_drives is not None:
+        found = of.by_scales
+    elif key == "clock_ppm" and of.late is not None:
+        found = of.by_clock[:, :, None]
+    return none if found is None else found
+
+
+def _of_joints(of: LeftOut) -> Iterator[Array]:
+    """Of each coordinate of the joints of base and platform: then struts seem to have other lengths."""
+    machine = of.motion.machine
+    if not isinstance(machine, Hexapod) or of.by_drives is None:
+        return
+    before = of.strut_motion(machine.base, machine.platform)
+    for ring in ("base", "platform"):
+        points = getattr(machine, ring)
+        for joint, axis in np.ndindex(6, 3):
+            moved = points.copy()
+            moved[joint, axis] += STEP
+            after = of.strut_motion(*((moved, machine.platform) if ring == "base" else (machine.base, moved)))
+            yield -np.asarray(
+                sum(
+                    (by * ((new - old) / STEP)[:, None]).sum(axis=2, keepdims=True)
+                    for by, new, old in zip(of.by_drives, after, before, strict=True)
+                )
+            )
+
+
+def _of_bars(of: LeftOut, lower: Array, upper: Array) -> Array:
+    """Of each coordinate of the ends of the bars."""
+    into, columns = of.into_channels[0], []
+    for end, joint, axis in np.ndindex(2, 6, 3):
+        moved = [lower.copy(), upper.copy()]
+        moved[end][joint, axis] += STEP
+        change = (structure_of(*moved) - structure_of(lower, upper)) / STEP
+        columns.append(-of.of_load @ (into @ change).T)
+    return np.stack(columns, axis=2)
+
+
+def budget_findings(before: Fitted, allowed: Fitted, shares: tuple[Share, ...], case: Case) -> list[Finding]:
+    """What deviations do not count, and the budget of each parameter where tolerances are stated.
+
+    A budget has standard deviations by their causes, whose squares add up to that of the reported deviation.
+
+    Args:
+        before: the fit by its noise alone.
+        allowed: the fit with deviations that allow for all that its residuals show, and for tolerances.
+        shares: what tolerances add to its covariance.
+        case: case of the recording.
+    """
+    found = [note(Kind.NOISE, "", not_counted=case.not_counted)] if case.not_counted else []
+    if not shares:
+        return found
+    model, own = before.samples.model, slice(len(before.samples.model.names))
+    form, u = physical_form(model), before.fit.values[own]
+
+    def variances(covariance: Array) -> Array:
+        return np.diag(form.of(u, covariance[own, own])[1]).clip(0.0)
+
+    white, robust = variances(before.fit.covariance), variances(before.fit.covariance_robust)
+    total = np.maximum(white, variances(allowed.fit.covariance_robust))
+    by_kind = {share.kind: variances(share.covariance) for share in shares}
+    stated = np.sum(list(by_kind.values()), axis=0)
+    memory = np.maximum(robust - white, 0.0)
+    seen = np.maximum(variances(allowed.fit.covariance_robust) - robust - stated, 0.0)
+    parts = {NOISE: np.maximum(total - memory - seen - stated, 0.0), MEMORY: memory, SHOWN: seen} | by_kind
+    rows = {
+        p.name: {kind: float(np.sqrt(variance[k])) for kind, variance in parts.items()}
+        for k, p in enumerate(form.parameters)
+    }
+    first = next(iter(rows))
+    largest = sorted(rows[first], key=lambda kind: -rows[first][kind])
+    unit = form.parameters[0].unit
+    words = ", ".join(
+        f"{kind} {rows[first][kind]:.2g}" for kind in largest if rows[first][kind] > 0.1 * total[0] ** 0.5
+    )
+    sentence = f"the deviation of {first} has parts [{unit}]: {words}"
+    return [*found, note(Kind.NOISE, sentence, budget=rows)]
