@@ -25,6 +25,20 @@ KINDS = {
 """Kinds of tolerances by their keys."""
 
 
+TYPICAL = {
+    "joints_mm": 0.03,
+    "bars_mm": 0.05,
+    "sensor_mm": 0.1,
+    "sensor_deg": 0.1,
+    "joint_zeros_deg": 0.02,
+    "encoder_scale_ppm": 20.0,
+    "gain_percent": 0.2,
+    "gravity_deg": 0.05,
+    "clock_ppm": 50.0,
+}
+"""Values to begin from: parts ground to a few hundredths, a load cell's class, a spirit level, a quartz."""
+
+
 class Spread(Part):
     """A standard deviation, or a limit that nothing exceeds; exactly one of them."""
 

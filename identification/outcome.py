@@ -20,7 +20,7 @@ from identification.finding import Finding, sentences
 from identification.model import Model, identification_model
 from identification.precision import (
     aligned,
-    budget_lines,
+    budget_cells,
     carries_rods,
     parameter_lines,
     std_text,
@@ -228,7 +228,7 @@ class Result:
         table = [
             *parameter_lines(self.parameters),
             which,
-            *budget_lines(self.parameters, self.budget),
+            *aligned(*budget_cells(self.parameters, self.budget)),
             *lines,
             *self._tared(),
             *self.notes,

@@ -11,7 +11,7 @@ from cases.units import Array
 from identification.findings.noise_level import noise_of_channels, stated_noise
 from identification.model_choice import figures_of, table_3
 from identification.outcome import RUN_ENTRIES, Result
-from identification.precision import carries_rods, legible, value_cells, value_text, with_deviation
+from identification.precision import budget_cells, carries_rods, legible, value_cells, value_text, with_deviation
 from identification.signals import Residuals
 from planner.reports.accelerations import (
     acceleration_charts,
@@ -148,11 +148,21 @@ def parameter_blocks(result: Result) -> tuple[Block, ...]:
         words, value, widest, *stds, _ = value_cells(name, p, rods)
         rows.append((words, value, widest, unit, *ends, *stds))
     delay = delay_words(result)
+    stated = f" They count no tolerances of {', '.join(result.not_counted)}: the case states none in [tolerances]."
+    missing = stated if result.not_counted else ""
     return (
         table(PARAMETER_COLUMNS, rows),
-        note("± is the larger of std (28), which takes the noise as white, and std robust, which does not."),
+        note(f"± is the larger of std (28), which takes the noise as white, and std robust, which does not.{missing}"),
+        *_budget(result),
         *map(note, [*([] if delay is None else [delay]), *result.notes]),
     )
+
+
+def _budget(result: Result) -> tuple[Block, ...]:
+    """The parts of each deviation by their causes; nothing where the case states no tolerances."""
+    head, *rows = budget_cells(result.parameters, result.budget) or [()]
+    about = "Squares of the parts add up to that of ±; tolerances are carried through to first order."
+    return (table(head, rows), note(about)) if rows else ()
 
 
 def delay_words(result: Result) -> str | None:
