@@ -5,6 +5,7 @@ from typing import Annotated
 
 import hexcite as hx
 from cases.files import PLAN, check_folder, output_place
+from identification.precision import aligned
 from planner.cli import console
 from planner.cli.console import argument, option, out
 
@@ -27,6 +28,10 @@ def poses(
             "them."
         ),
     ] = None,
+    least: Annotated[
+        bool,
+        option("Say the fewest poses of each criterion (Algorithm 1 until rank is lost) and write nothing.", "--least"),
+    ] = False,
     output: Annotated[Path | None, out("Folder to write; named after the case by default.")] = None,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
@@ -39,6 +44,9 @@ def poses(
     from identification.model import static_model
 
     loaded = hx.load_case(case)
+    if least:
+        _say_least(loaded, static_model(loaded) if model is None else model, candidates, seed, json)
+        return
     folder = output_place(output, Path(f"{loaded.name}-poses"), overwrite)
     check_folder(folder, PLAN, [find_case(case)], overwrite)
     with console.status("choosing poses", json) as remark:
@@ -61,3 +69,17 @@ def poses(
     answer["identifiability"] = (told := hx.identifiability(plan)).to_json()
     texts = (f"identifiability: {told.words}",) if told.sentences else ()
     console.answered(answer, json, f"plan written: {folder}, with its report {folder}/report.html", plan, *texts)
+
+
+def _say_least(case: "hx.Case", model: int, candidates: int | None, seed: int, json: bool) -> None:
+    """Prints the fewest poses of each criterion."""
+    from planner.poses.planned_poses import least_poses
+    from planner.request import PoseRequest
+
+    with console.status("removing poses", json) as remark:
+        found = least_poses(
+            PoseRequest(model=model, candidates=candidates, seed=seed), case, lambda rest: remark(f"{rest} poses")
+        )
+    rows = [(each.criterion, each.method, str(each.poses), f"{each.condition:.4g}") for each in found]
+    answer = {"model": model, "least": [each._asdict() for each in found]}
+    console.answered(answer, json, *aligned(("criterion", "method", "fewest poses", "condition"), *rows))

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.criteria import (
     POSE_CRITERIA,
+    Criterion,
     candidate_scaling,
     pose_regressors,
     singular_values,
@@ -37,6 +39,43 @@ MOST = 200_000  # candidates; 20 000 take seconds and half a GB, and more never 
 JOINT_CANDIDATES = 2048  # default number for a chain
 ROUNDING = 1e-9  # [m] poses on the very edge of the ring are in it
 SAME = 2e-3  # [mm, deg] distance of equal poses: what controls can tell apart is more
+
+
+class LeastPoses(NamedTuple):
+    """Where Algorithm 1 ends for a criterion: every further removal would lose rank."""
+
+    criterion: str  # letter of Table 4
+    method: str  # reading of Algorithm 1: `backward` or `backward-change`
+    poses: int  # how many are left
+    condition: float  # mu_1 / mu_u of them, in the scaling of the candidates
+
+
+def least_poses(request: PoseRequest, case: Case, done: Callable[[int], None] = lambda _: None) -> list[LeastPoses]:
+    """The fewest poses that Algorithm 1 leaves for each criterion; both readings of it for K, which differ.
+
+    Args:
+        request: model, candidates and their seed count.
+        done: called with the number of poses after each removal.
+
+    Raises:
+        HexciteError: too many candidates, of which every removal is evaluated.
+        InfeasiblePlan: there is no valid pose.
+        IdentificationError: all candidates together do not determine the model.
+    """
+    model, candidates = standing_model(case, request.model), candidates_of(request, case)
+    unscaled = pose_regressors(model, candidates)
+    regressors = unscaled * candidate_scaling(unscaled)
+    _require_rank(model, regressors)
+    _require_few(candidates)
+    found = []
+    for letter in Criterion:
+        for change in (False, True) if letter is Criterion.K else (False,):
+            rest, _ = reduce_best(regressors, POSE_CRITERIA[letter], 1, done, change)
+            condition = float(np.sqrt(np.linalg.cond(total_information(regressors[rest]))))
+            found.append(LeastPoses(letter, "backward-change" if change else "backward", len(rest), condition))
+    return found
+
+
 PROOF_RATE_OF_MOVES = 1000.0  # [1/s]; moves between poses are smooth and take about half a second
 
 
@@ -262,11 +301,8 @@ def _choose(
     if request.method == "all":
         return poses, METHODS["all"]
     change = request.method == "backward-change"
-    if len(poses) > MOST_EXHAUSTIVE and (change or not criterion.losses_grow):
-        raise HexciteError(
-            f"every removal is evaluated for method backward-change and criteria A, K and N, of {MOST_EXHAUSTIVE} "
-            f"candidates at most, here are {len(poses)}; choose backward for criterion D, or fewer --candidates"
-        )
+    if change or not criterion.losses_grow:
+        _require_few(poses)
     indices, _ = reduce_best(regressors, criterion, count, done, change)
     if len(indices) > count:
         raise InfeasiblePlan(
@@ -277,3 +313,12 @@ def _choose(
         return poses[indices], "as many as asked for"
     refined, status = refine(case, model, scaling, criterion, poses[indices])
     return refined, f"refined: {status}"
+
+
+def _require_few(poses: Array) -> None:
+    """Raises HexciteError for more candidates than of which every removal can be evaluated."""
+    if len(poses) > MOST_EXHAUSTIVE:
+        raise HexciteError(
+            f"every removal is evaluated for method backward-change and criteria A, K and N, of {MOST_EXHAUSTIVE} "
+            f"candidates at most, here are {len(poses)}; choose backward for criterion D, or fewer --candidates"
+        )

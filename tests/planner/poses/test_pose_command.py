@@ -224,3 +224,17 @@ def test_damaged_measurements_of_a_plan_are_refused(
     line = refused("post", tmp_path, "--dialect", "sinumerik", "-o", tmp_path / "no.mpf")
     assert "plan.json" in line
     assert "plan again" in line
+
+
+def test_the_fewest_poses_of_each_criterion_are_said_and_nothing_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Model 0 has ten parameters: two poses of six sensors at least; where Algorithm 1 ends, any removal loses rank."""
+    monkeypatch.chdir(tmp_path)
+    answer = call("poses", "hexapod", "--least", "--model", 0, "--candidates", 40, "--json").json()
+    found = answer["least"]
+    assert [(each["criterion"], each["method"]) for each in found] == [
+        ("A", "backward"), ("D", "backward"), ("K", "backward"), ("K", "backward-change"), ("N", "backward"),
+    ]  # fmt: skip
+    assert all(2 <= each["poses"] <= 4 for each in found)
+    assert not list(tmp_path.iterdir())
