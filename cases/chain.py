@@ -302,9 +302,10 @@ Box = MotionLimits | JointMotionLimits
 
 
 class Margin(Part):
-    """What planned motions leave free before each end of a way: of axes, joints, lengths of struts, and boxes.
+    """What motions that are searched for leave free before each end of a way: of axes, joints, struts, motion boxes.
 
-    It is a share of the way, but not more than a length or an angle. The proof judges by the limits themselves.
+    It is a share of the way, but not more than a length or an angle. The proof judges by the limits themselves. Motions
+    by hand and grids of poses go where they are stated to, and boxes are kept as they are stated: make these larger.
     """
 
     travel_percent: Annotated[NonNegative, Field(le=MOST_MARGIN)] = 0.5

@@ -18,7 +18,7 @@ from postprocessors.block_writer import LEAST_WAY
 from postprocessors.blocks import Block, Blocks, TimedPath, ToHome, Trigger, timed_path
 from postprocessors.dialects import Dialect, Program, leaving_out, left_out
 from postprocessors.proving.guarantees import Guarantees
-from postprocessors.proving.proof import ProgramProof, prove_program, remarks
+from postprocessors.proving.proof import ProgramProof, override_remarks, prove_program, remarks
 from postprocessors.reading import Reading, Stretch, Timed, Untimed
 
 # Twice the last decimal of the words: the program as read back must be the plan, up to rounding [m or rad].
@@ -64,7 +64,8 @@ def proven_program(
         _require_same(program, reading, guarantees)
     else:
         dialect.same(program, reading, case)
-    content = dialect.write((*header, *_findings(proof), *program), case)
+    findings = (*_findings(proof), *override_remarks(reading, guarantees))
+    content = dialect.write((*header, *findings, *program), case)
     again = dialect.read(content, str(path), case)
     if not _same_stretches(again, reading):
         raise ProgramError(path, 0, 0, "the header changes how the program reads; report this")

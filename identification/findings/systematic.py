@@ -7,7 +7,7 @@ silently below a threshold.
 """
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from identification.findings.noise_level import channel_words
 from identification.findings.remains import excerpt_of, free_basis, remainder_of
 from identification.findings.tolerances import Share, shares_of
 from identification.parameters import offset_columns
-from identification.precision import with_deviation
+from identification.precision import parameter_words, with_deviation
 from identification.samples import Fitted, MotionOfSamples
 
 CERTAIN = 1e-7  # chance below which an alternative is seen: some seventy are tried in each run
@@ -159,7 +159,7 @@ def not_shown(fitted: Fitted, systematic: Systematic | None) -> list[Finding]:
     """Effects that this run shows so badly that they may bias a parameter by more than its deviation unseen.
 
     Of each the size that about half of all runs like this one would show, and the parameter that it would bias most, as
-    an entry without a sentence.
+    an entry; a sentence tells of the worst.
 
     Args:
         fitted: the fit with deviations that allow for what its residuals show.
@@ -168,7 +168,7 @@ def not_shown(fitted: Fitted, systematic: Systematic | None) -> list[Finding]:
         return []
     fit, names = fitted.fit, fitted.samples.model.names
     variance = np.maximum(np.diag(fit.covariance), np.diag(fit.covariance_robust))[: len(names)]
-    free, entries = variance > 0.0, []
+    free, entries = variance > 0.0, list[dict[str, Any]]()
     for effect in systematic.hidden:
         size, of = SHOWN * effect.std, effect.alternative
         bias = size * effect.answer[: len(names)]
@@ -177,10 +177,18 @@ def not_shown(fitted: Fitted, systematic: Systematic | None) -> list[Finding]:
         if ratios[worst] > HARM:
             cause = of.cause.format(f"{size / of.unit:.2g}") if "{}" in of.cause else of.cause
             entry = {"key": of.key, "follows": of.follow, "as_with": cause, "size": size, "parameter": names[worst]}
-            deviations = float(ratios[worst])
-            entries.append((deviations, entry | {"bias": float(bias[worst]), "deviations": deviations}))
-    ordered = [entry for _, entry in sorted(entries, key=lambda pair: -pair[0])]
-    return [note(Kind.MODEL, "", not_shown=ordered)] if ordered else []
+            entries.append(entry | {"bias": float(bias[worst]), "deviations": float(ratios[worst])})
+    if not entries:
+        return []
+    ordered = sorted(entries, key=lambda entry: -entry["deviations"])
+    first, units = ordered[0], {p.name: p.unit for p in fitted.samples.model.parameters}
+    amount = f"{first['bias']:+.2g} {units[first['parameter']]}"
+    more = f"; {len(ordered) - 1} more, smaller ones stand in not_shown of result.json" if len(ordered) > 1 else ""
+    sentence = (
+        f"half of all runs like this one would not show {first['as_with']}, which biases "
+        f"{parameter_words(first['parameter'])} by {amount} ({first['deviations']:.3g} deviations){more}"
+    )
+    return [note(Kind.MODEL, sentence, not_shown=ordered)]
 
 
 def systematic_findings(case: Case, fitted: Fitted, systematic: Systematic | None) -> list[Finding]:

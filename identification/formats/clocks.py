@@ -37,6 +37,7 @@ _ALIKE = 0.2  # share by which stamps may be off a stated period to say at all w
 _NEARLY = 0.2  # step that may be missing in the mean of stamps of few digits behind a lost sample
 _ROUNDS = 5  # of fits, between which late stamps are left out
 _FIRST = 512  # stamps by which a step is known well enough to count on
+_MOST_RATES = 20_000  # rates on either side that are tried
 _ENOUGH = 20_000  # stamps that show a step as well as more of them
 _SLOWER = (1e-4, 0.05)  # share by which lost samples that cannot be seen singly make a stated period look longer
 _BACKWARDS = "is not later than the time stamp above it, but time must increase"
@@ -231,6 +232,8 @@ def _lattice(marks: _Marks, section: Indices, usual: float, scatter: float) -> f
     while True:
         chosen = np.unique(np.linspace(0, used - 1, min(used, _ENOUGH)).astype(np.int64))
         fine = share / (t[chosen[-1]] - t[0])
+        if reach / fine > _MOST_RATES:  # stamps that are years apart, or a pause of many times what was recorded
+            return None
         rates = rate + fine * np.arange(-ceil(reach / fine), ceil(reach / fine) + 1)
         starts = np.flatnonzero(np.diff(place[chosen], prepend=-1))
         turns = (np.add.reduceat(np.exp(2j * np.pi * (tried * t[chosen] % 1.0)), starts) for tried in rates)

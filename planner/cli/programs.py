@@ -79,6 +79,8 @@ def lines_of(violations: Sequence[Violation]) -> list[str]:
 
 def answer_of_program(program: "hx.Program") -> dict[str, Any]:
     """The JSON answer of a program that was written."""
+    from postprocessors.proving.proof import override_remarks
+
     proof = program.proof
     return {
         "program": str(program.path),
@@ -89,7 +91,7 @@ def answer_of_program(program: "hx.Program") -> dict[str, Any]:
         "verdict": proof.verdict,
         "relies_on": list(proof.relies_on),
         "without": list(proof.without),
-        "remarks": list(program.remarks),
+        "remarks": [*program.remarks, *override_remarks(program.reading, program.guarantees)],
         "limits": proof.limits.to_json(),
     }
 

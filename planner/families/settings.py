@@ -298,10 +298,13 @@ class PointToPoint(FamilySettings):
                 "--for virtual, whose motion keeps it on controllers that limit jerk"
             )
         if self.without is not None and not steps:
-            whom = f"{controller} limits the jerk" if controller else "no controller is named"
+            if controller:
+                raise HexciteError(
+                    f"--without {self.without}: {controller} limits the jerk, and keeps it; leave it out"
+                )
             raise HexciteError(
-                f"--without {self.without} goes with --for a controller that does not limit it, such as linuxcnc, and "
-                f"{whom}; leave it out, or name that controller"
+                f"--without {self.without} leaves it out for a controller that does not limit it, and none is named; "
+                "name it (--for linuxcnc), or leave --without out"
             )
 
     def families(self, case: Case, duration: float) -> tuple[Family, ...]:

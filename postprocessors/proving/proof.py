@@ -179,8 +179,7 @@ def remarks(reading: Reading, guarantees: Guarantees) -> Iterator[str]:
     end = last.end if isinstance(last, Untimed) else last.points.at([last.points.duration]).pose[0]
     if distance := _away(end, home, limits):
         yield f"the program does not end at home, {distance}"
-    if guarantees.override_remedy and not reading.override_off and case.need_controller("a program").overdriven:
-        yield f"a feed override above 100 % makes it faster than what is proven; {guarantees.override_remedy}"
+    yield from override_remarks(reading, guarantees)
     if reading.stops:
         lines = f"line{'s' if len(reading.stops) > 1 else ''} {', '.join(map(str, reading.stops))}"
         yield f"{lines}: the machine waits for its operator, who must not move it; the recording goes on meanwhile"
@@ -188,6 +187,13 @@ def remarks(reading: Reading, guarantees: Guarantees) -> Iterator[str]:
         yield f"line {reading.left_on}: the trigger is never switched off again"
     elif not any(part.trigger for part in reading.stretches):
         yield "the trigger is never switched on: a recording would not know what to evaluate"
+
+
+def override_remarks(reading: Reading, guarantees: Guarantees) -> Iterator[str]:
+    """What to do about a feed override that may make the motion faster than what is proven; nothing where none can."""
+    controller = guarantees.case.need_controller("a program")
+    if guarantees.override_remedy and not reading.override_off and controller.overdriven:
+        yield f"a feed override above 100 % makes it faster than what is proven; {guarantees.override_remedy}"
 
 
 # Peaks of rate, acceleration and jerk of a quintic from rest to rest over 1 in the time 1

@@ -64,7 +64,7 @@ BEHIND_HOME = {"name": "vice", "x_mm": [-30.0, 30.0], "y_mm": [-30.0, 30.0], "z_
             ("--for", "linuxcnc"),
             ("limits.motion", "jerk", "linuxcnc does not limit", "--without jerk", "--for virtual"),
         ),
-        (("--without", "jerk"), ("no controller is named", "--for", "leave it out")),
+        (("--without", "jerk"), ("none is named", "--for linuxcnc", "leave --without out")),
         (("--without", "jerk", "--for", "sinumerik"), ("sinumerik limits the jerk", "leave it out")),
         (("--without", "velocity", "--for", "linuxcnc"), ("'velocity'", "choose jerk")),
         (("--without", "jerk", "--family", "fourier"), ("--without does nothing", "--family ptp")),

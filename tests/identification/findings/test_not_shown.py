@@ -6,7 +6,7 @@ from identification.identify import estimate_parameters
 from identification.result import Estimate
 from tests.damaged.kinds import DAMAGES
 from tests.damaged.runs import SOUND, STATED, Change, Machine, Waves, machine, recorded
-from tests.helpers import few
+from tests.helpers import few, tells
 
 OF = {damage.name: damage for damage in DAMAGES}
 PREDICTED = [
@@ -33,6 +33,10 @@ def test_what_is_not_shown_biases_the_parameter_by_as_much_as_is_told(
     assert entries[-1]["deviations"] > 1.0
     (entry,) = (e for e in entries if words in e["as_with"])
     assert in_si < entry["size"]
+    (told,) = (f.sentence for f in sound.findings if "not_shown" in f.quantity)
+    assert tells(
+        told, entries[0]["as_with"], f"({entries[0]['parameter']})", f"{entries[0]['deviations']:.3g} deviations"
+    )
     assert damaged.warnings == sound.warnings == ()
     k = sound.model.names.index(entry["parameter"])
     bias = damaged.fit.values[k] - sound.fit.values[k]

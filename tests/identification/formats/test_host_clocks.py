@@ -253,3 +253,15 @@ def test_a_recorder_that_loses_many_samples_for_a_while_keeps_its_rate(seed: int
     assert isinstance(even, Even), even
     np.testing.assert_array_equal(even.numbers, numbers[kept])
     np.testing.assert_allclose(even.t, STEP * numbers[kept], atol=1e-9)
+
+
+@pytest.mark.parametrize("pause", [1e3, 1e6, 1e12])
+def test_a_pause_of_any_length_among_late_stamps_is_a_pause_or_refused(pause: float) -> None:
+    """It took as much memory as the pause has steps."""
+    stamps = late(0.3, 1)
+    stamps[200:] += pause
+    found = evened(stamps)
+    if isinstance(found, Even):
+        assert found.t[200] - found.t[199] == pytest.approx(pause, rel=1e-2)
+        before, behind = np.diff(found.t[:200]), np.diff(found.t[200:])
+        assert max(before.max(), behind.max()) < 1.5 * STEP
