@@ -109,7 +109,7 @@ def test_what_cannot_be_asked_is_refused(what: str, run: Path, tmp_path: Path) -
     assert not (tmp_path / "r").exists()
 
 
-@pytest.mark.parametrize("option", ["--estimator=robust", "--biases=result", "--terms=K1", "--symmetric", "--flexible"])
+@pytest.mark.parametrize("option", ["--biases=result", "--terms=K1", "--flexible"])
 def test_options_of_earlier_versions_are_refused(option: str, run: Path) -> None:
     answer = call("identify", run / "run.csv", "--case", "hexapod", option)
     assert answer.code == 2
