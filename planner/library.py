@@ -1,6 +1,5 @@
 """Plans from Python: what notebooks and the command line call."""
 
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import TypedDict, Unpack
@@ -14,10 +13,9 @@ from planner.families.manual import load_poses
 from planner.families.settings import Best, FamilySettings
 from planner.planning import make_until_ctrl_c, require_plannable
 from planner.plans import Plan
+from planner.progress import Follower
 from planner.request import DURATION, PoseRequest, Request
-from planner.search import Failed
-from planner.search.parallel import Listener, silent
-from planner.search.solving import Start
+from planner.search.parallel import silent
 
 
 class Settings(TypedDict, total=False):
@@ -79,7 +77,7 @@ def planned(request: Request, case: Case, progress: Callable[[str], None] | None
     """`plan` for settings that are one value."""
     require_plannable(request, case)
     with threadpool_limits(limits=1, user_api="blas"):  # matrices are small: threads of BLAS would wait for each other
-        return make_until_ctrl_c(request, case, silent if progress is None else follower(progress))
+        return make_until_ctrl_c(request, case, silent if progress is None else Follower(case, progress))
 
 
 def plan_poses(
@@ -110,20 +108,3 @@ def plan_poses(
     own = load_poses(Path(at), case.need_motion("a plan of poses")[1].columns) if isinstance(at, Path | str) else at
     with threadpool_limits(limits=1, user_api="blas"):
         return poses_planned(request, case, progress or (lambda _: None), own)
-
-
-def follower(remark: Callable[[str], None]) -> Listener:
-    """A listener that shows a line while starts are under way, and as each of them ends."""
-    began, results = time.monotonic(), list[Start | Failed]()
-
-    def follow(event: Request | Start | Failed | None) -> None:
-        nonlocal began, results
-        if isinstance(event, Request):
-            began, results = time.monotonic(), []
-            return
-        results += [] if event is None else [event]
-        best = max((r.record for r in results if isinstance(r, Start)), key=lambda r: r.criterion_value, default=None)
-        found = "" if best is None else f", criterion {best.criterion_value:.4g}, log det {best.logdet:.4g}"
-        remark(f"{len(results)} starts done{found}, {time.monotonic() - began:.0f} s")
-
-    return follow

@@ -25,6 +25,7 @@ from planner.search.feasibility import keep_limits, remedy, require_identifiable
 from planner.search.parallel import (
     Listener,
     Outcome,
+    Planned,
     Runner,
     Schedule,
     enough,
@@ -127,6 +128,8 @@ class _Rounds:
         wanted = request.family.refinements(request.criterion)
         left = self.until - time.monotonic()
         schedule = self._explorations(number, self.until - REFINING * left if wanted else self.until)
+        least, exactly = self._least(), request.starts is not None
+        self.listener(Planned("start", least, exactly, schedule.until))
         results, early = self.run(schedule, self.listener)
         explored, score = _without_failures(results), max(score, _best_refined(results))
         # An exploration overestimates, and never underestimates: one below the best result so far cannot win.
@@ -135,6 +138,7 @@ class _Rounds:
         )
         refinements = [self._task(s.family, s.record.seed, s.begin) for s in promising[:wanted]]
         if refinements and (schedule.late or not early):
+            self.listener(Planned("refinement", len(refinements), True, self.until))
             second, early = self.run(Schedule.of(refinements, self.until), self.listener)
             results = results + second
         return results, early
@@ -143,13 +147,21 @@ class _Rounds:
         own = self.request
         return Task(self.case, own.model, family, own.criterion, seed, own.payload, begin, self.reference, own.solver)
 
+    def _least(self) -> int:
+        """Number of starts at least. Where there is a choice the first make it; those that follow may gain nothing."""
+        request = self.request
+        if request.starts is not None:
+            return request.starts
+        choices = len(request.family.families(self.case, request.duration))
+        return max(choices, 1) + request.family.idle(request.criterion)
+
     def _explorations(self, number: int, until: float) -> Schedule:
         """The starts of a round. Each of several choices has one first; those that follow go to the best of them."""
         request = self.request
         idle = request.family.idle(request.criterion)
         families = request.family.families(self.case, request.duration)[: request.starts]
         parameters, most = len(identification_model(self.case, request.model).names), most_starts(request)
-        first = max(len(families), min(1 + idle, most))
+        first, least = max(len(families), min(1 + idle, most)), self._least()
         each = max(first, most)
         seeds = seeds_of(request.seed, (number + 1) * each)[number * each :]
         settings = [family.settings for family in families]
@@ -170,8 +182,6 @@ class _Rounds:
             return self._task(family, seeds[k])
 
         def are_enough(results: Sequence[Start | Failed]) -> bool:
-            # where there is a choice the first starts make it, and only those that follow may gain nothing
-            least = first + idle if len(families) > 1 and request.starts is None else first
             return len(results) >= least and enough(results, request, parameters)
 
         return Schedule(task, are_enough, until)

@@ -63,7 +63,9 @@ def plan(
     payload: Annotated[
         str, option("How many of the case's payloads are mounted: a number, or a range such as 0-5.")
     ] = "0",
-    starts: Annotated[int | None, option("Number of random starts; by default as many as pay.")] = None,
+    starts: Annotated[
+        int | None, option("Number of random starts, of that many choices at most; by default as many as pay.")
+    ] = None,
     seconds: Annotated[
         float | None, option("How long to search in s, then to keep the best; by default as long as it pays.")
     ] = None,

@@ -77,9 +77,30 @@ def gain(criterion: Criterion, parameters: int, old: float, new: float) -> float
 POLL = 0.2  # [s] between two looks at the running starts
 
 
-Listener = Callable[[Request | Start | Failed | None], None]
-"""Follows a search: called with a request as a search begins (one plan may take several), with each result as it
-arrives, and with None between the results, while starts are running."""
+@dataclass(frozen=True, slots=True)
+class Planned:
+    """Starts that are about to run."""
+
+    what: str  # what each is: start or refinement
+    least: int  # their number at least
+    exactly: bool  # whether there will not be more
+    until: float  # when they are to end, by `time.monotonic` [s]; infinity without such a time
+
+
+@dataclass(frozen=True, slots=True)
+class UnderWay:
+    """How far a running start is."""
+
+    seed: int
+    share: float  # of the iterations that it has at most
+
+
+News = Request | Planned | UnderWay | Start | Failed | None
+"""What a search tells: a request as it begins (one plan may take several), starts that are about to run, how far they
+are, each result as it arrives, and None now and then while starts are running."""
+
+Listener = Callable[[News], None]
+"""Follows a search."""
 
 Outcome = tuple[list[Start | Failed], bool]
 """Results of starts in their order, and whether Ctrl-C or their time ended them early."""
@@ -125,17 +146,19 @@ class Results:
             self.enough = self.schedule.enough(self.in_order)
 
 
-def silent(event: Request | Start | Failed | None) -> None:
+def silent(event: News) -> None:
     """The listener that shows nothing."""
 
 
 _stop: Any = None
+_shares: Any = None
+TELLING = 1.0  # [s] between two times that a start tells how far it is
 
 
-def _begin(stop: Any) -> None:
-    """Gives a worker process its end of the event."""
-    global _stop
-    _stop = stop
+def _begin(stop: Any, shares: Any) -> None:
+    """Gives a worker process its ends of the event and of the queue by which starts tell how far they are."""
+    global _stop, _shares
+    _stop, _shares = stop, shares
     threadpool_limits(limits=1, user_api="blas")  # there is a process for each core
     os.environ["OPENBLAS_NUM_THREADS"] = "1"  # for that of CasADi, which comes with IPOPT and which nobody else limits
     Thread(target=_end_with_parent, daemon=True).start()
@@ -150,7 +173,17 @@ def _end_with_parent() -> None:
 
 
 def _work(task: Task) -> Start | Failed:
-    return run_safely(task, lambda objective: bool(_stop.is_set()))
+    calls, told = 0, time.monotonic()
+
+    def watch(objective: float) -> bool:
+        nonlocal calls, told
+        calls += 1
+        if time.monotonic() - told >= TELLING:
+            told = time.monotonic()
+            _shares.put(UnderWay(task.seed, min(calls / task.most_calls, 1.0)))
+        return bool(_stop.is_set())
+
+    return run_safely(task, watch)
 
 
 Runner = Callable[[Schedule, Listener], Outcome]
@@ -229,9 +262,9 @@ def workers(pressed: Event, most: int | None = None) -> Iterator[Runner]:
         pressed: event that Ctrl-C sets.
     """
     context = get_context("spawn")  # not forked: MUMPS and threads of a parent do not survive that
-    stop = context.Event()
+    stop, shares = context.Event(), context.SimpleQueue()
     width = most or cores()
-    pool = ProcessPoolExecutor(width, mp_context=context, initializer=_begin, initargs=(stop,))
+    pool = ProcessPoolExecutor(width, mp_context=context, initializer=_begin, initargs=(stop, shares))
 
     def run(schedule: Schedule, listener: Listener) -> Outcome:
         stop.clear()
@@ -245,11 +278,11 @@ def workers(pressed: Event, most: int | None = None) -> Iterator[Runner]:
                     upcoming += 1
                 if not running:
                     break
-                _take(running, results, listener)
+                _take(running, results, listener, shares)
         early = not results.enough and (pressed.is_set() or schedule.late)
         stop.set()  # for starts that are not waited for, and for those that leave what they have reached
         while running:
-            _take(running, results, listener)
+            _take(running, results, listener, shares)
         behind = sorted(results.early.items()) if early or pressed.is_set() else []
         return [*results.in_order, *(result for _, result in behind)], early or pressed.is_set()
 
@@ -260,9 +293,11 @@ def workers(pressed: Event, most: int | None = None) -> Iterator[Runner]:
         pool.shutdown(wait=False, cancel_futures=True)  # they end beside what follows
 
 
-def _take(running: dict[Future[Start | Failed], int], results: Results, listener: Listener) -> None:
-    """Waits a moment for starts, and takes those that are done."""
+def _take(running: dict[Future[Start | Failed], int], results: Results, listener: Listener, shares: Any) -> None:
+    """Waits a moment for starts, takes how far they are, and those that are done."""
     finished, _ = wait(running, POLL, FIRST_COMPLETED)
+    while not shares.empty():
+        listener(shares.get())
     listener(None)
     for future in finished:
         result = _result(future)

@@ -19,7 +19,7 @@ from planner.families import Family
 from planner.noise import PoseErrors, expected_noise, information_of, seen_through
 from planner.request import Solver
 from planner.search import Failed, SolverStatus, StartRecord
-from planner.search.annealing import annealed_start
+from planner.search.annealing import TEMPERATURES, annealed_start
 from planner.search.feasibility import MARGIN, keep_limits, require_rest
 from planner.search.problem import build_program, largest_shares
 from planner.search.solvers import Barrier, Watch, solve
@@ -70,6 +70,12 @@ class Task:
     def moves(self) -> bool:
         """Whether the start is an annealed walk, which is refined at once."""
         return self.family.walks is not None
+
+    @property
+    def most_calls(self) -> int:
+        """How often a watch is called at most, but for what is solved again."""
+        stages = sum(iterations for _, _, iterations in _stages(self))
+        return stages + (TEMPERATURES if self.moves else 0)
 
 
 OTHERWISE = 60  # iterations by A, K and N, which begin from a D-optimal motion

@@ -34,6 +34,7 @@ from tests.bench.pose_errors import pose_error_rows
 from tests.bench.poses import pose_figures, pose_tables
 from tests.bench.programs import programs
 from tests.bench.robot import robot_figures
+from tests.bench.searches import FAMILIES, searches
 from tests.bench.silent import silent_rows
 from tests.bench.single_moves import single_moves_rows
 from tests.bench.size import sizes
@@ -44,6 +45,7 @@ from tests.bench.wall_times import wall_time_rows
 
 HEXCITE = Path(sys.executable).parent / "hexcite"
 SEEDS = 100
+SEARCHED = ("hexapod", "ur10_wrist", "five_axis_table", "panda", "small")  # machines of the table of searches
 
 
 def command(*words: str) -> tuple[float, str]:
@@ -136,6 +138,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         families(Path(name), command)
     portfolio()
+    searches(SEARCHED, FAMILIES, (0, 1, 2), None, ())
     for title, rows in sections():
         print_table(title, ("figure", "measured", "wanted"), rows)
         sys.stdout.flush()

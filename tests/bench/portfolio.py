@@ -52,12 +52,14 @@ class Done:
         megabytes: largest resident memory of its largest process.
         answer: its JSON; None where it failed.
         error: the last line that it said where it failed.
+        processor: processor time of all its processes, where the computer is not idle the better figure.
     """
 
     seconds: float
     megabytes: float
     answer: dict[str, Any] | None
     error: str
+    processor: float = 0.0
 
     @property
     def cost(self) -> list[str]:
@@ -94,7 +96,8 @@ def command(words: Sequence[str], deadline: float = float("inf")) -> Done:
         err.seek(0)
         answer = json.load(out) if process.returncode == 0 else None
         said = err.read().strip().splitlines() or [f"ended with {process.returncode}"]
-    return Done(seconds, ended[2].ru_maxrss / 1024, answer, said[-1])
+    usage = ended[2]
+    return Done(seconds, usage.ru_maxrss / 1024, answer, said[-1], usage.ru_utime + usage.ru_stime)
 
 
 def read_best_known() -> dict[str, Any]:
