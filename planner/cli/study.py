@@ -18,6 +18,9 @@ def study(
     ] = None,
     insecure: Annotated[bool, option("Use a scheduler without TLS, tcp://host:port.", "--insecure")] = False,
     workers: Workers = None,
+    one_process: Annotated[
+        bool, option("Compute here, one cell after the other: nothing listens on a port.", "--one-process")
+    ] = False,
     output: Annotated[Path | None, out("Study folder; continued if it is there.")] = None,
     json: Json = False,
 ) -> None:
@@ -37,6 +40,7 @@ def study(
             scheduler=scheduler,
             certificates=certificates,
             insecure=insecure,
+            one_process=one_process,
             progress=remark,
         )
     answer = {**result.to_json(), "report": str(result.write_page())}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cases.controller import ControllerName
-from cases.errors import FileProblem, HexciteError
+from cases.errors import FileProblem, HexciteError, Interrupted
 from cases.files import atomic_file
 from cases.schema import Case
 from planner.request import Request
@@ -80,6 +80,8 @@ def work(case: Case, request: Request, execute: ExecutionSpec | None = None) -> 
     begin = time.perf_counter()
     try:
         plan = make(request, case, silent, run_here)
+        if plan.interrupted:  # no worker of a cluster is; in this process the best until then is not the cell's
+            raise Interrupted
         worth = plan.of_motion[1]
         rows.append(
             {

@@ -217,6 +217,23 @@ def run_tasks(
         client.cancel(list(pending))
 
 
+def run_one_by_one(tasks: Iterator[tuple[str, Callable[[], Any]]]) -> Iterator[tuple[str, Any]]:
+    """Runs tasks in this process, one after the other; yields key and answer of each, see `run_tasks`.
+
+    Nothing listens on a port, and nothing bounds a task's time and memory. One that fails is tried once more.
+    """
+    for key, task in tasks:
+        for attempt in range(2):
+            try:
+                answer = task()
+            except Exception as error:
+                answer = HexciteError(_reason(error))
+                if attempt == 0:
+                    continue
+            yield key, answer
+            break
+
+
 def _on_worker(task: Callable[[], Any], time_limit: float) -> Any:
     """The answer of a task; a watchdog ends the process also where code blocks the interpreter."""
     with open(os.devnull, "w") as nowhere:
@@ -231,7 +248,11 @@ def _answer(future: "Future", time_limit: float) -> Any:
     error = future.exception()
     if error is None:
         return future.result()
-    reason = " ".join(f"{type(error).__name__}: {error}".split())
+    reason = _reason(error)
     if type(error).__name__ == "KilledWorker":
         reason = f"its worker died twice: too little memory, or past its limit of {time_limit:g} s"
     return HexciteError(reason)
+
+
+def _reason(error: BaseException) -> str:
+    return " ".join(f"{type(error).__name__}: {error}".split())

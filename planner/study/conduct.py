@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict, dataclass
 from functools import partial
 from importlib.metadata import version
@@ -21,10 +22,11 @@ from planner.reports.page import Head, note, page, section, table
 from planner.request import require_workers
 from planner.study import SETTINGS, CellSettings, Spec, cells_of, command_of, load_spec, request_of
 from planner.study.cell_rows import FAILED, ROWS, failure, file_of, keep, read_rows, work
-from planner.study.cluster import local_client, remote_client, require_dask, run_tasks
+from planner.study.cluster import local_client, remote_client, require_dask, run_one_by_one, run_tasks
 
 if TYPE_CHECKING:
     import pyarrow as pa
+    from distributed import Client
 
 ABOUT = "study.json"
 
@@ -157,6 +159,7 @@ def study(
     scheduler: str | None = None,
     certificates: Path | str | None = None,
     insecure: bool = False,
+    one_process: bool = False,
     progress: Callable[[str], None] = lambda remark: None,
 ) -> Study:
     """Plans, runs and identifies every cell of a grid of settings; a study that was stopped goes on.
@@ -171,6 +174,8 @@ def study(
         scheduler: a running Dask scheduler instead, tls://host:port.
         certificates: folder with ca.pem, cert.pem and key.pem, which it wants; Dask's own configuration unless given.
         insecure: whether a scheduler without TLS, tcp://host:port, will do.
+        one_process: whether cells are computed here, one after the other: nothing listens on a port, Dask is not
+            needed, and no limit of a cell's time and memory holds.
         progress: shows a line at the start and at the end of each cell.
 
     Raises:
@@ -181,17 +186,23 @@ def study(
     case.need_motion("a study")
     if asked.execute is not None:
         case.need_simulation("a study that executes its plans")
+    if one_process and (scheduler is not None or workers is not None):
+        raise HexciteError("--one-process starts no other, --workers and --scheduler do; drop one")
     if scheduler is not None and workers is not None:
         raise HexciteError("--workers counts processes on this computer, --scheduler names another cluster; drop one")
     require_workers(workers)
-    require_dask()
+    if not one_process:
+        require_dask()
     place = Path(f"{case.name}-{asked.name}-study") if folder is None else Path(folder)
     cells = cells_of(asked, case)
     _require_own(place, asked, case)
     missing = [cell for cell in cells if not file_of(place, cell).exists()]
     computed = 0
     if missing:
-        if scheduler is None:
+        context: AbstractContextManager[Client | None]
+        if one_process:
+            context = nullcontext()
+        elif scheduler is None:
             context = local_client(workers, asked.cells.memory_GB)
         else:
             context = remote_client(scheduler, None if certificates is None else Path(certificates), insecure)
@@ -203,7 +214,10 @@ def study(
                 write_text(place / ABOUT, json_text(about))
                 progress(f"{len(missing)} of {len(cells)} cells to do, in {place}")
                 tasks = ((cell, partial(work, case, request_of(cells[cell]), asked.execute)) for cell in missing)
-                for cell, answer in run_tasks(client, tasks, asked.cells.time_limit_s):
+                answers = (
+                    run_one_by_one(tasks) if client is None else run_tasks(client, tasks, asked.cells.time_limit_s)
+                )
+                for cell, answer in answers:
                     rows = [failure(answer)] if isinstance(answer, HexciteError) else answer
                     keep(file_of(place, cell), [{**cells[cell], "cell": cell, **shared, **row} for row in rows])
                     computed += 1

@@ -2,7 +2,9 @@
 
 import os
 import signal
+import socket
 import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import nullcontext
@@ -55,7 +57,7 @@ class Pretended:
 def run(spec: Spec, case: Case, folder: Path, monkeypatch: pytest.MonkeyPatch, stop_after: int = 10**9) -> Pretended:
     cluster = Pretended(stop_after)
     monkeypatch.setattr(conduct, "run_tasks", cluster)
-    monkeypatch.setattr(conduct, "local_client", lambda workers, memory: nullcontext())
+    monkeypatch.setattr(conduct, "local_client", lambda workers, memory: nullcontext(cluster))
     conduct.study(case, spec, folder)
     return cluster
 
@@ -272,3 +274,29 @@ def test_solvers_are_compared_by_the_best_that_any_of_them_found_with_the_same_s
     assert "Solvers and start values" in text
     assert "70.0 %" in text
     assert tells(repr(result), "ipopt", "70.0 %")
+
+
+def test_in_one_process_cells_are_computed_without_dask_and_without_a_port(
+    hexapod_case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A cell that breaks twice is a row with its reason; one that breaks once is computed."""
+    for module in ("dask", "distributed", "cryptography"):
+        monkeypatch.setitem(sys.modules, module, None)
+    monkeypatch.setattr(socket.socket, "listen", lambda *_: pytest.fail("something listens"))
+    tried: list[int] = []
+
+    def breaks(case: Case, request: Request, execute: ExecutionSpec | None) -> list[dict[str, Any]]:
+        order = int(request.family.order)
+        tried.append(order)
+        if order == 4 or (order == 3 and tried.count(3) == 1):
+            raise ZeroDivisionError("nothing\nleft")
+        return work(case, request, execute) if order == 2 else [{"noise_seed": PLANNED, "status": DONE}]
+
+    monkeypatch.setattr(conduct, "work", breaks)
+    found = conduct.study(hexapod_case, study(1, [2, 3, 4]), tmp_path / "s", one_process=True)
+    assert (found.computed, found.done, found.failed) == (3, 2, 1)
+    assert sorted(tried) == [2, 3, 3, 4, 4]
+    assert found.rows.filter(pc.field("status") == FAILED)["reason"].to_pylist() == ["ZeroDivisionError: nothing left"]
+    assert 0.0 < found.best["D"].efficiencies[0] < 1.0
+    with pytest.raises(HexciteError, match="--one-process starts no other"):
+        conduct.study(hexapod_case, study(1, [2]), tmp_path / "s", one_process=True, workers=2)
