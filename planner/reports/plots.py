@@ -14,6 +14,7 @@ from cases.units import MM
 from identification.limited_chain import chain_frames
 from identification.motion import Array, StandingPoses
 from planner.reports.scene import box_outlines, room, tool_outlines
+from planner.reports.still import Shown
 
 Lines = dict[str, tuple[str, Iterable[Array]]]
 """Entry of the legend -> colour, and lines of points, shapes (n, 3) [mm]."""
@@ -28,7 +29,7 @@ def case_figure(case: Case) -> Figure:
     Joints and sensors are numbered or named; of a hexapod, radii and heights of its rings and the lengths of its struts
     at home, which a control displays too, stand beside it.
     """
-    figure = Figure(figsize=(13, 8), layout="constrained")
+    figure = Shown(figsize=(13, 8), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(1.25, 1.0))
     space: Axes3D = figure.add_subplot(grid[:, 0], projection="3d")
     above, beside = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])

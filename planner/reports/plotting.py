@@ -6,7 +6,7 @@ import numpy as np
 
 from cases.units import DEG, MM
 from identification.motion import sample
-from planner.reports.chart import Axis, Chart, lines
+from planner.reports.chart import Axis, Chart, Line, Points, colour, lines
 from planner.reports.figures import unit_of
 from planner.reports.still import drawn, machine_figure
 
@@ -16,20 +16,29 @@ if TYPE_CHECKING:
     from cases.schema import Case
     from identification.external import ExternalForce
     from identification.identifiability import Identifiability
+    from identification.model_choice import ModelChoice
     from identification.outcome import Result
     from identification.recording import Recording
+    from planner.bounds.information_limit import Bound
     from planner.comparison.comparison import Comparison
+    from planner.comparison.validation import Validation
     from planner.plans import Plan
 
 DRAWN_RATE = 500.0  # [1/s]
+SPAN = 3.0  # of log det for each parameter that is drawn of a bound
 
 
-def plot(value: "Case | Plan | Recording | Result | Comparison | Identifiability | ExternalForce") -> "Figure":
+def plot(
+    value: "Case | Plan | Recording | Result | Comparison | Validation | ModelChoice | Identifiability | Bound "
+    "| ExternalForce",
+) -> "Figure":
     """A matplotlib figure of a value: its `savefig` writes it, a notebook shows it.
 
     A case is drawn at home, a plan as motion with its limits (poses as machine in some of them), a recording as what
-    moved and what was measured, a result as forces and residuals (as correlations where it was loaded), a comparison as
-    standard deviations side by side, identifiability as correlations and R (Figure 3), an external force over time.
+    moved and what was measured, a result as forces, residuals and accelerations (as correlations where it was loaded),
+    a comparison as standard deviations side by side and accelerations of its runs, a validation with its residuals over
+    the load, models of a run by what they predict, identifiability as correlations and R (Figure 3), a bound as
+    D-efficiency up to it, an external force over time.
 
         hx.plot(result).savefig("residuals.pdf")
     """
@@ -44,14 +53,24 @@ def plot(value: "Case | Plan | Recording | Result | Comparison | Identifiability
             return drawn(_recording(value))
         case "Result":
             return drawn(_result(value))
+        case "Bound":
+            return drawn([_bound(value)])
+        case "ModelChoice":
+            return drawn([_models(value)])
+        case "Validation":
+            from planner.reports.compare import std_chart
+            from planner.reports.validation import growth_chart
+
+            return drawn([std_chart(value.comparison.groups), growth_chart(value)])  # type: ignore[union-attr, arg-type]
         case "Identifiability":
             from planner.reports.identifiability import identifiability_charts
 
             return drawn(identifiability_charts(value))  # type: ignore[arg-type]
         case "Comparison":
-            from planner.reports.compare import std_chart
+            from planner.reports.compare import acceleration_blocks, std_chart
 
-            return drawn([std_chart(value.groups)])  # type: ignore[union-attr]
+            groups = value.groups  # type: ignore[union-attr]
+            return drawn([std_chart(groups), *(b for b in acceleration_blocks(groups) if isinstance(b, Chart))])
         case _:
             return drawn(_force(value))
 
@@ -88,10 +107,51 @@ def _recording(recording: Any) -> list[Chart]:
 
 
 def _result(result: Any) -> list[Chart]:
-    from planner.reports.identify import correlation_chart, residual_charts
+    from planner.reports.identify import acceleration_blocks, correlation_chart, residual_charts
 
     residuals = result.residuals
-    return [correlation_chart(result)] if residuals is None else residual_charts(result.case, residuals)
+    if residuals is None:
+        return [correlation_chart(result)]
+    accelerations = [block for block in acceleration_blocks(result) if isinstance(block, Chart)]
+    return [*residual_charts(result.case, residuals), *accelerations]
+
+
+def _bound(bound: Any) -> Chart:
+    """D-efficiency over log det, up to the bound, with the best design that was found."""
+    best = bound.efficiency(bound.design_logdet)
+    ends = bound.logdet - SPAN * bound.parameters, bound.logdet
+    x = np.linspace(*ends, 200)
+    y = np.exp((x - bound.logdet) / bound.parameters)
+    return Chart(
+        "bound",
+        f"D-efficiency of a motion over the log det of its mean information, {bound.parameters} parameters. No motion "
+        f"inside the box exceeds the end of the line ({bound.label}).",
+        (
+            Line(x, y, "D-efficiency", colour(0)),
+            Points(np.array([bound.design_logdet]), np.array([best]), "best design found, no motion", colour(1)),
+            Points(np.array([bound.logdet]), np.ones(1), f"bound ({bound.label})", colour(2), hollow=True),
+        ),
+        Axis("log det F, reference scaling"),
+        Axis("D-efficiency", ends=(0.0, 1.05)),
+    )
+
+
+def _models(choice: Any) -> Chart:
+    """What each model leaves of the forces that it was fitted to, and of those that were left out."""
+    rows = [row for row in choice.rows if row.reason is None]
+    at = np.arange(len(rows), dtype=float)
+    names = tuple(f"model {row.model}{' (preferred)' if row.model == choice.best else ''}" for row in rows)
+    return Chart(
+        "models",
+        f"Each model of a run: s0 (27), and the rms of its errors on {choice.blocks} blocks of {choice.of} that were "
+        "left out, behind the evaluation's filter.",
+        (
+            Points(at, np.array([row.predicted for row in rows]), "predicted, left out", colour(0)),
+            Points(at, np.array([row.s0 for row in rows]), "s0 (27)", colour(1), hollow=True),
+        ),
+        Axis(ends=(-0.6, len(rows) - 0.4), names=names, tilt=60.0),
+        Axis("force [N, or 1 where weighted]", logarithmic=True),
+    )
 
 
 def _force(force: Any) -> list[Chart]:

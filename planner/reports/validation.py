@@ -42,16 +42,10 @@ def validation_page(validation: Validation) -> str:
     by_method: dict[str, list[Trial]] = {}
     for trial in validation.trials:
         by_method.setdefault(trial.method, []).append(trial)
-    caption = "s0 over the load: vibration and errors of the pose make it grow with the mass that is moved."
-    series: list[Line] = []
     tables: list[Block] = []
-    for k, (method, own) in enumerate(by_method.items()):
+    for method, own in by_method.items():
         words = f"{method} ({METHODS[method].label}), {own[0].duration:.1f} s, model {own[0].estimate.model.number}"
         tables += [note(words), table(TABLE_7, table_7(own))]
-        loads, s0 = np.array([t.load for t in own]), np.array([t.s0 for t in own])
-        series.append(Line(loads, s0, method, colour(k), dots=True))
-    load, noise = Axis("load [kg]"), Axis("s0 [N]", logarithmic=True)
-    growth = Chart("s0", caption, tuple(series), load, noise, height=340)
     entries = comparison.entries
     mounted = ", ".join(dict.fromkeys(f"{trial.load:.0f}" for trial in validation.trials))
     return page(
@@ -74,5 +68,16 @@ def validation_page(validation: Validation) -> str:
             table(("", *(entry.name for entry in entries)), figure_rows(entries)),
         ),
         section("Values and deviations from theory (Table 7)", note(THEORY), *tables),
-        section("Residuals grow with the load", growth),
+        section("Residuals grow with the load", growth_chart(validation)),
     )
+
+
+def growth_chart(validation: Validation) -> Chart:
+    """Values of s0 by each method over the load."""
+    caption = "s0 over the load: vibration and errors of the pose make it grow with the mass that is moved."
+    series = []
+    for k, method in enumerate(dict.fromkeys(trial.method for trial in validation.trials)):
+        own = [trial for trial in validation.trials if trial.method == method]
+        loads, s0 = np.array([t.load for t in own]), np.array([t.s0 for t in own])
+        series.append(Line(loads, s0, method, colour(k), dots=True))
+    return Chart("s0", caption, tuple(series), Axis("load [kg]"), Axis("s0 [N]", logarithmic=True), height=340)

@@ -10,6 +10,8 @@ import hexcite as hx
 from cases.errors import HexciteError
 from identification.hexapod import Hexapod
 from identification.simulate import simulate_recording
+from planner.bounds.information_limit import Bound
+from tests.bench.table_3 import standing_run
 from tests.helpers import Harmonic
 from tests.simulated_machine import PoseExecution
 
@@ -57,6 +59,35 @@ def test_plans_cases_and_forces_are_drawn(run: hx.Recording, result: hx.Result, 
     force, moment = hx.plot(found).axes
     assert (force.get_ylabel(), moment.get_ylabel()) == ("force [N]", "moment [N m]")
     assert force.get_lines()[0].get_ydata().max() == pytest.approx(found.wrench[:, 0].max())
+
+
+def test_a_notebook_shows_what_plot_returns():
+    """Also one in which nothing has set matplotlib up."""
+    assert hx.plot(hx.load_case("hexapod"))._repr_png_().startswith(b"\x89PNG")
+
+
+def test_models_identifiability_and_a_bound_are_drawn():
+    case = hx.load_case("hexapod")
+    run = standing_run(case, 1.0, 0)
+    choice = hx.identify_models(run, case)
+    predicted = {row.model: row.predicted for row in choice.rows if row.reason is None}
+    (axes,) = hx.plot(choice).axes
+    assert [label.get_text() for label in axes.get_xticklabels()][4] == "model 5 (preferred)"
+    np.testing.assert_allclose(axes.get_lines()[0].get_ydata(), list(predicted.values()))
+    found = hx.identifiability(run, 5, case)
+    columns, qr = (axes for axes in hx.plot(found).axes if axes.images)
+    np.testing.assert_allclose(columns.images[0].get_array(), np.abs(found.correlation))
+    np.testing.assert_allclose(qr.images[0].get_array(), np.abs(found.r), atol=1e-12)
+    bound = Bound(10.0, 20.0, 20, "by hand", True, 8.0)
+    (axes,) = hx.plot(bound).axes
+    line = axes.get_lines()[0]
+    assert line.get_ydata()[-1] == pytest.approx(1.0)
+    assert np.interp(8.0, line.get_xdata(), line.get_ydata()) == pytest.approx(np.exp(-0.1), rel=1e-4)
+
+
+def test_a_result_is_drawn_with_its_accelerations(result: hx.Result):
+    titles = [axes.get_ylabel() for axes in hx.plot(result).axes]
+    assert [t for t in titles if t.startswith("acceleration")] == ["acceleration [m/s²]", "acceleration [rad/s²]"]
 
 
 def test_what_has_no_figure_says_what_has():
