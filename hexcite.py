@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from identification import Prior as Prior
     from identification import Recording as Recording
     from identification import Result as Result
+    from identification import Treatment as Treatment
     from identification import force as force
     from identification import identify_models as identify_models
     from identification import look as look

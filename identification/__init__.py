@@ -21,5 +21,6 @@ if TYPE_CHECKING:
     from identification.payloads import payload as payload
     from identification.recording import Recording as Recording
     from identification.recording import read as read
+    from identification.runs.treatment import Treatment as Treatment
 
 __getattr__, __dir__ = door(__name__)

@@ -38,6 +38,7 @@ from identification.result import Estimate, entries_of, estimate_of
 from identification.runs.preparation import delimited, moving_run, on_one_clock, stands_only
 from identification.runs.sample_checks import scan
 from identification.runs.standstills import among, average, find_standstills, match, standstills
+from identification.runs.treatment import Treatment
 from identification.runs.wrist import widest_band, wrist_run
 from identification.samples import GAUSS_MARKOV, Fitted, Samples, fit_samples
 
@@ -51,6 +52,7 @@ def identify(
     average_standstills: bool = False,
     poses: Array | None = None,
     plan: Planned | Sequence[Planned] | None = None,
+    treatment: Treatment | None = None,
 ) -> Result:
     """Parameters with standard deviations from a recorded run.
 
@@ -62,6 +64,7 @@ def identify(
         average_standstills: average the run's standstills, wherever they are.
         poses: poses whose standstills the run holds, shape (n, k) [m or rad]; a run of hexcite knows its own.
         plan: plan of the run, or plans of which one may be that of the run; what was different is a finding.
+        treatment: another treatment of a moving run; the result then holds what it changes beside the default.
 
     Raises:
         IdentificationError: the run does not determine the parameters; the message names them.
@@ -75,7 +78,7 @@ def identify(
     beside = None if plan is None else closest(whole, case, plan)
     differences = () if plan is None else as_planned(beside, plan)
     try:
-        found = _identified(recording, whole, case, model, how, average_standstills, poses, differences)
+        found = _identified(recording, whole, case, model, how, average_standstills, poses, differences, treatment)
     except (IdentificationError, RecordingError) as error:
         raise error.beside(sentences(differences, "warning")) from error
     if beside is None or beside.share < ANOTHER or found.estimate is None:
@@ -92,6 +95,7 @@ def _identified(
     average_standstills: bool,
     poses: Array | None,
     differences: tuple[Finding, ...],
+    treatment: Treatment | None,
 ) -> Result:
     """`identify` of a recording that is on one clock, `whole`, with its differences from a plan."""
     try:
@@ -104,7 +108,7 @@ def _identified(
     own = recording.record.get("case")
     method = how if isinstance(how, Method) else how(identification_model(case, number))
     try:
-        estimate = estimate_parameters(run, case, number, method)
+        estimate = estimate_parameters(run, case, number, method, treatment)
     except (IdentificationError, RecordingError) as error:
         if own not in (None, case.name):
             raise IdentificationError(f"{error.typed}; it was recorded with the case {own}, not {case.name}") from error
@@ -120,7 +124,13 @@ def _identified(
     if seconds is None and run.t is not None:
         seconds = estimate.evaluated.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter
     taken = {key: run.record[key] for key in ("simulated", *RUN_ENTRIES) if key in run.record}
-    optional = {"stale": recording.remarks or None, "run": taken if run.record else None, "standstills": standing}
+    effect = None if treatment is None else _effect(run, case, estimate, method, treatment)
+    optional = {
+        "treatment": effect,
+        "stale": recording.remarks or None,
+        "run": taken if run.record else None,
+        "standstills": standing,
+    }
     try:
         record = entries_of(
             estimate,
@@ -183,7 +193,11 @@ def standing_of(
 
 
 def estimate_parameters(
-    recording: Recording, case: Case, number: int | None = None, how: Method = GAUSS_MARKOV
+    recording: Recording,
+    case: Case,
+    number: int | None = None,
+    how: Method = GAUSS_MARKOV,
+    treatment: Treatment | None = None,
 ) -> Estimate:
     """The estimate of a model's parameters from one recording, whose standstills are averaged already.
 
@@ -196,7 +210,7 @@ def estimate_parameters(
     try:
         with threadpool_limits(limits=1, user_api="blas"):
             try:
-                estimate = _estimated(recording, case, model, how)
+                estimate = _estimated(recording, case, model, how, treatment)
             except (IdentificationError, RecordingError) as error:
                 if not error.doubtful:
                     raise
@@ -212,6 +226,27 @@ def estimate_parameters(
         return replace(estimate, findings=(*estimate.findings, tried))
     except (IdentificationError, RecordingError) as error:
         raise error.at(recording.source).beside(sentences(recording.findings, "warning")) from error
+
+
+def _effect(run: Recording, case: Case, estimate: Estimate, how: Method, treatment: Treatment) -> dict[str, Any]:
+    """What a treatment changes beside the default: entries of `Result.record.treatment`."""
+    with threadpool_limits(limits=1, user_api="blas"):
+        usual = estimate_of(fitted_run(run, case, estimate.model, how).fitted, run.source, case, ())
+    both = {"default": usual, "treated": estimate}
+    figures = {
+        "s0": {key: e.s0 for key, e in both.items()},
+        "white_noise": {key: e.fit.white_noise for key, e in both.items()},
+        "samples": {key: e.evaluated.samples for key, e in both.items()},
+    }
+    parameters = {
+        name: {
+            "default": value._asdict(),
+            "treated": estimate.physical[name]._asdict(),
+            "deviations": (estimate.physical[name].value - value.value) / value.reported if value.reported else 0.0,
+        }
+        for name, value in usual.physical.items()
+    }
+    return {**treatment.to_json(), **figures, "parameters": parameters}
 
 
 def require_fit(recording: Recording, case: Case) -> None:
@@ -271,8 +306,10 @@ def samples_of(recording: Recording, case: Case, model: Model) -> Samples:
     return evaluated_samples(scan(run, case)[1], case, model)
 
 
-def evaluated_samples(recording: Recording, case: Case, model: Model) -> Samples:
+def evaluated_samples(recording: Recording, case: Case, model: Model, treatment: Treatment | None = None) -> Samples:
     """Samples of a recording on one clock without what no estimate may use, ready to be evaluated."""
+    if treatment is not None:
+        return treatment.run(recording, case, model)
     if recording.t is None or case.setup == "1a":
         return standstills(recording, case, model)
     if recording.struts is None:
@@ -290,7 +327,9 @@ class FittedRun(NamedTuple):
     findings: tuple[Finding, ...]  # about the recording
 
 
-def fitted_run(recording: Recording, case: Case, model: Model, method: Method) -> FittedRun:
+def fitted_run(
+    recording: Recording, case: Case, model: Model, method: Method, treatment: Treatment | None = None
+) -> FittedRun:
     """The fit of a model to a recording; errors as of `identify`."""
     if len(recording.forces) > 1:
         require_alive(recording.forces)
@@ -303,7 +342,7 @@ def fitted_run(recording: Recording, case: Case, model: Model, method: Method) -
         )
     scanned, recording = scan(recording, case)
     plain = Method(weights=method.weights_for(case.sensors))
-    samples = evaluated_samples(recording, case, model)
+    samples = evaluated_samples(recording, case, model, treatment)
     delay = None if samples.wide is None else fit_samples(samples.wide, plain, case.sensors).delay
     fitted, contacts = free_of_contact(recording, fit_samples(samples, method, case.sensors, fixed_delay=delay))
     if contacts and samples.wide is not None:
@@ -321,9 +360,11 @@ def refined(fitted: Fitted) -> Fitted:
     return fitted if rich is fitted.samples else fitted.again(rich)
 
 
-def _estimated(recording: Recording, case: Case, model: Model, method: Method) -> Estimate:
+def _estimated(
+    recording: Recording, case: Case, model: Model, method: Method, treatment: Treatment | None = None
+) -> Estimate:
     """The estimate with all that its residuals say; errors as of `identify`."""
-    recording, fitted, contacts, scanned = fitted_run(recording, case, model, method)
+    recording, fitted, contacts, scanned = fitted_run(recording, case, model, method, treatment)
     odd = odd_clock(recording, case) if fitted.samples.nuisances else None
     systematic = systematic_of(fitted, case, odd)
     drift = drift_of(fitted) if systematic is None else systematic.drift

@@ -22,7 +22,9 @@ from identification.precision import (
     aligned,
     budget_cells,
     carries_rods,
+    legible,
     parameter_lines,
+    parameter_words,
     std_text,
     value_cells,
     value_text,
@@ -230,10 +232,15 @@ class Result:
             which,
             *aligned(*budget_cells(self.parameters, self.budget)),
             *lines,
+            *self._treated(),
             *self._tared(),
             *self.notes,
         ]
         return "\n".join([*self._warned(), *table, *self._summary()])
+
+    def _treated(self) -> list[str]:
+        """A table of the parameters with another treatment of the data beside the default."""
+        return [] if self.record.treatment is None else aligned(*treatment_rows(self.record.treatment))
 
     def _tared(self) -> list[str]:
         """A table of the offsets before and after a tare."""
@@ -250,6 +257,23 @@ class Result:
         return aligned(("offset", "before", "after", "change", "+-", "unit"), *rows)
 
     _repr_html_ = as_html
+
+
+def treatment_rows(treatment: Mapping[str, Any]) -> list[tuple[str, ...]]:
+    """Rows of a table, the head first: what a treatment of the data changes beside the default."""
+    rows: list[tuple[str, ...]] = [("beside the default", "default", "+-", "treated", "+-", "by deviations")]
+    for name, of in treatment["parameters"].items():
+        usual, treated = (Value(**of[key]) for key in ("default", "treated"))
+        scale, unit = legible(usual.unit)
+        cells = (
+            text
+            for value in (usual, treated)
+            for text in (value_text(value.value * scale, value.reported * scale), std_text(value.reported * scale))
+        )
+        rows.append((f"{parameter_words(name)} [{unit}]", *cells, f"{of['deviations']:+.2g}"))
+    for key, words in (("s0", "s0 (27)"), ("white_noise", "white noise"), ("samples", "samples")):
+        rows.append((words, f"{treatment[key]['default']:.4g}", "", f"{treatment[key]['treated']:.4g}", "", ""))
+    return rows
 
 
 def case_of_result(path: Path) -> Case:

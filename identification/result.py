@@ -150,6 +150,7 @@ class Origin(BaseModel, strict=True, frozen=True, allow_inf_nan=False, populate_
     run: Entries | None = None
     standstills: Entries | None = None
     models: Entries | None = None  # all models of the run, see `ModelChoice`, where this one was chosen among them
+    treatment: Entries | None = None  # another treatment of the data, and what it changes beside the default
     tared_with: str | None = None
     tared: Mapping[str, Entries] | None = None  # of each channel its offset `before` and `after`, with `change_std`
     stale: tuple[str, ...] = ()

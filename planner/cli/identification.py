@@ -1,5 +1,6 @@
 """Options of identify, and a result as JSON."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ from identification.estimation.priors import Prior
 from identification.model import Model
 from identification.outcome import Result
 from identification.parameters import physical_form
+from identification.runs.treatment import Treatment
 from planner.request import read_value
 
 ESTIMATORS = ("linear", "nonlinear")
@@ -57,6 +59,19 @@ def number_of(text: str) -> int:
         return int(text)
     except ValueError:
         raise HexciteError(f"--model {text}", "is neither a number of Table 2 nor all", "give 0 to 9, or all") from None
+
+
+def treatment_of(
+    accelerated: float | None, period: float | None, harmonics: int, cutoff: str | None
+) -> Treatment | None:
+    """The treatment of the data that is asked for; None for the default."""
+    if accelerated is None and period is None and cutoff is None:
+        return None
+    try:
+        frequency = None if cutoff is None else math.inf if cutoff == "none" else float(cutoff)
+    except ValueError:
+        raise HexciteError(f"--cutoff {cutoff}", "is neither a frequency in Hz nor none", "give 40, or none") from None
+    return Treatment(accelerated, period, harmonics, frequency)
 
 
 def answer_of_result(result: Result, folder: Path) -> dict[str, Any]:

@@ -48,6 +48,21 @@ def identify(
             "too."
         ),
     ] = "linear",
+    accelerated: Annotated[
+        float | None,
+        option(
+            "Evaluate samples from this share of the run's largest acceleration on alone: 0.3. Shown beside default."
+        ),
+    ] = None,
+    period: Annotated[
+        float | None,
+        option("Replace the motion by a Fourier series (34)-(36) of this period in s. Shown beside the default."),
+    ] = None,
+    harmonics: Annotated[int, option("Harmonics of that series.")] = 7,
+    cutoff: Annotated[
+        str | None,
+        option("Low-pass in Hz in place of the case's, or none: the widest there is. Shown beside the default."),
+    ] = None,
     plan: Annotated[
         Path | None,
         option(
@@ -73,7 +88,7 @@ def identify(
     from identification.formats.reading import files_of
     from identification.formats.table import require_file
     from identification.recording import record_of
-    from planner.cli.identification import answer_of_result, method_of, number_of
+    from planner.cli.identification import answer_of_result, method_of, number_of, treatment_of
     from planner.plan_at_hand import plans_at_hand
 
     if verify is not None:
@@ -107,6 +122,7 @@ def identify(
             average_standstills=standstills,
             poses=planned,
             plan=plans_at_hand(run) if named is None else named,
+            treatment=treatment_of(accelerated, period, harmonics, cutoff),
         )
         if choice is not None:
             result = result.chosen_among(choice.to_json())
