@@ -31,6 +31,12 @@ WRONG: dict[str, tuple[Callable[[Case], Any], tuple[str, ...]]] = {
     "run": (lambda case: hx.run(3, case), ("program = 3", "Program | Path")),
     "identify": (lambda case: hx.identify("run.csv"), ("recording = 'run.csv'", "Recording")),
     "identify by a method": (lambda case: hx.identify(RECORDING, how="robust"), ("how = 'robust'", "Method")),
+    "identify_models": (lambda case: hx.identify_models("run.csv"), ("recording = 'run.csv'", "Recording")),
+    "identifiability": (lambda case: hx.identifiability("plan", 9), ("thing = 'plan'", "Plan")),
+    "identify treated": (
+        lambda case: hx.identify(RECORDING, treatment="fourier"),
+        ("treatment = 'fourier'", "Treatment"),
+    ),
     "compare": (lambda case: hx.compare("plan"), ("things = 'plan'", "Plan")),
     "compare numbers": (lambda case: hx.compare([3]), ("things = [3]", "Plan")),
     "validate": (lambda case: hx.validate("hexapod"), ("case = 'hexapod'", "is not Case")),
