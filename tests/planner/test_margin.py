@@ -1,6 +1,7 @@
 """Plans stop before the ends of ways by what `limits.margin` states; proofs judge by the ends themselves."""
 
 from copy import deepcopy
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,13 +12,17 @@ from hypothesis import strategies as st
 from cases.chain import Margin
 from cases.errors import CaseError
 from cases.schema import Case, load_case
+from identification.hexapod import Hexapod
 from identification.limit import LimitKind
 from identification.limit_proof import limited_machine
 from identification.motion import sample
+from identification.runs.sample_checks import scan
+from identification.simulate import simulate_recording
 from planner import Fourier, PointToPoint, Spline, plan
 from planner.families.settings import FamilySettings
 from tests.cases.editing import edited
-from tests.helpers import few
+from tests.helpers import Harmonic, few
+from tests.simulated_machine import PoseExecution
 
 SHORT = (800.0, 1180.0)  # strut lengths that bind long before the box does [mm]
 
@@ -88,3 +93,17 @@ def test_a_margin_that_leaves_no_way_is_refused(tmp_path: Any) -> None:
     file = edited(tmp_path, "travel_percent = 0.5", "travel_percent = 50.0")
     with pytest.raises(CaseError, match=r"limits\.margin\.travel_percent"):
         load_case(file)
+
+
+@pytest.mark.parametrize(("left", "told"), [(1.0, False), (0.0, False), (-1.5, True)])
+def test_a_noisy_run_of_a_plan_that_keeps_the_margin_gets_no_word_about_the_workspace(left: float, told: bool) -> None:
+    """Struts come as near to their ends as a plan may, and encoders stray beyond them by less than the margin [mm]."""
+    case = load_case("hexapod")
+    run = simulate_recording(case, PoseExecution(Hexapod.of(case), Harmonic(duration=1.0)), np.array([[0.1, 0.9]]), 0)
+    struts = run.struts + 2e-4 * np.random.default_rng(0).normal(size=run.struts.shape)
+    data = deepcopy(case.model_dump())
+    ends = 1e3 * run.struts.min() - left, 1e3 * run.struts.max() + left
+    for table in (data["limits"]["motion"], data["workspace"]):
+        table["strut_length_mm"] = ends
+    findings, _ = scan(replace(run, struts=struts), Case.model_validate(data))
+    assert any("outside the workspace" in f.sentence for f in findings) is told

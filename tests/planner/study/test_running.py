@@ -298,5 +298,5 @@ def test_in_one_process_cells_are_computed_without_dask_and_without_a_port(
     assert sorted(tried) == [2, 3, 3, 4, 4]
     assert found.rows.filter(pc.field("status") == FAILED)["reason"].to_pylist() == ["ZeroDivisionError: nothing left"]
     assert 0.0 < found.best["D"].efficiencies[0] < 1.0
-    with pytest.raises(HexciteError, match="one.process starts no other"):
+    with pytest.raises(HexciteError, match=r"one.process starts no other"):
         conduct.study(hexapod_case, study(1, [2]), tmp_path / "s", one_process=True, workers=2)
