@@ -46,7 +46,7 @@ VALIDATION = FolderKind(
 )
 DEMO = FolderKind(
     "a demo",
-    frozenset({"plan", "recording", "result", "report.html"})
+    frozenset({"plan", "recording", "result", "report.html", "manual", "fourier"})
     | {f"excitation{suffix}" for suffix in (".ngc", ".mpf", ".nc", ".csv", ".script", ".yaml")},
     "plan/plan.json",
 )

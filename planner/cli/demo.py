@@ -20,18 +20,23 @@ def demo(
     overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
-    """Plan, program, prove, execute, identify and report, end to end."""
+    """Plan, program, prove, execute, identify and report, end to end.
+
+    A hand-made motion, a Fourier series and seven-segment moves go the same way and are compared with the truth.
+    """
     from planner.cli.identification import answer_of_result
     from planner.cli.plan import answer_of_plan
     from planner.cli.programs import answer_of_program, answer_of_proof, answer_of_run
-    from planner.reports.demo import TRUTH_COLUMNS, demo_page, truth_cells
+    from planner.reports.demo import MOTION_COLUMNS, TRUTH_COLUMNS, demo_page, motion_rows, truth_cells
 
     loaded = hx.load_case(case)
     place = output_place(output, Path("hexcite-demo"), overwrite)
     check_folder(place, DEMO, overwrite=overwrite)
     chain = hx.demo(loaded, place, on, seed=seed, starts=starts, progress=lambda line: None if json else say(line))
-    for value, folder in ((chain.plan, "plan"), (chain.result, "result")):
-        hx.report(value, place / folder / "report.html")
+    for each in chain.all:
+        home = place if each is chain.moves else place / each.plan.family
+        for value, folder in ((each.plan, "plan"), (each.result, "result")):
+            hx.report(value, home / folder / "report.html")
     answer: dict[str, Any] = {
         "plan": answer_of_plan(chain.plan, place / "plan"),
         "post": answer_of_program(chain.program),
@@ -39,10 +44,14 @@ def demo(
         "run": answer_of_run(chain.recording, place / "recording"),
         "identify": answer_of_result(chain.result, place / "result"),
         "truth": list(chain.truth),
+        "comparison": chain.comparison.to_json(),
+        "motions": [dict(zip(MOTION_COLUMNS, row, strict=True)) for row in motion_rows(chain)],
+        "left_out": list(chain.left_out),
     }
     file = place / "report.html"
     write_text(file, demo_page(chain))
     summary = {"report": str(file), "controller": answer["run"]["controller"], "worst_error_in_std": chain.worst}
     table = aligned(TRUTH_COLUMNS, *map(truth_cells, chain.truth))
     error = f"largest error: {chain.worst:.2f} reported standard deviations"
-    answered(summary | answer, json, *table, error, f"report written: {file}")
+    motions = aligned(MOTION_COLUMNS, *motion_rows(chain))
+    answered(summary | answer, json, *table, error, *motions, f"report written: {file}")

@@ -58,6 +58,15 @@ def demo_page(chain: Demo) -> str:
             note(f"{inside} of {len(chain.truth)} truths lie in the 95 % interval of their estimate."),
             table(TRUTH_COLUMNS, map(truth_cells, chain.truth)),
         ),
+        section(
+            "Motions compared",
+            table(MOTION_COLUMNS, motion_rows(chain)),
+            *map(note, (*chain.comparison.sentences, *(f"Left out: {words}" for words in chain.left_out))),
+            note(
+                "Each was planned, programmed, proven, run and identified the same way. Deviations: the geometric mean "
+                "of the reported standard deviations over those of the best."
+            ),
+        ),
         section("The machine along the plan", moving_machine(case, planned_excitation(chain.program))),
         section(
             "Proof of the program's text",
@@ -67,6 +76,34 @@ def demo_page(chain: Demo) -> str:
         ),
         section("Forces and residuals", *residual_blocks(case, result.residuals)),
     )
+
+
+MOTION_COLUMNS = (
+    "motion", "s planned", "s run", "D-efficiency planned", "as executed", "s0", "largest error in std", "deviations",
+)  # fmt: skip
+MOTIONS = {"manual": "by hand", "fourier": "Fourier series", "ptp": "seven-segment moves"}
+
+
+def motion_rows(chain: Demo) -> list[tuple[str, ...]]:
+    """Rows of `MOTION_COLUMNS`, one a motion, the moves last."""
+    ratios = list(chain.comparison.ratios.values())
+    rows: list[tuple[str, ...]] = []
+    for number, each in enumerate(chain.all):
+        run = each.recording.record
+        ratio = f"{ratios[number]:.2f} times" if len(ratios) == len(chain.all) else "-"
+        rows.append(
+            (
+                MOTIONS.get(each.plan.family, each.plan.family),
+                f"{run['planned_s']:.2f}",
+                f"{run['executed_s']:.2f}",
+                f"{each.plan.of_motion[1].d_efficiency:.3f}",
+                f"{run['d_efficiency']:.3f}",
+                f"{each.result.record.s0:.3g}",
+                f"{each.worst:.2f}",
+                ratio,
+            )
+        )
+    return rows
 
 
 AGREES = 4.0  # reported standard deviations: none of twenty errors is beyond it by chance

@@ -65,7 +65,18 @@ def page(demo: dict[str, Any]) -> Page:
 
 
 def test_it_answers_with_each_step(demo: dict[str, Any]):
-    assert {"report", "controller", "plan", "post", "check", "run", "identify", "truth"} <= set(demo)
+    assert {
+        "report",
+        "controller",
+        "plan",
+        "post",
+        "check",
+        "run",
+        "identify",
+        "truth",
+        "motions",
+        "comparison",
+    } <= set(demo)
     assert demo["check"]["ok"]
     assert demo["check"]["relies_on"] == demo["check"]["without"] == []
     assert "EXCEEDED" not in demo["check"]["verdict"]
@@ -84,7 +95,29 @@ def test_every_estimate_lies_within_four_standard_deviations_of_the_truth(demo: 
 
 def test_it_leaves_everything_that_it_made(demo: dict[str, Any]):
     folder = Path(demo["report"]).parent
-    assert {p.name for p in folder.iterdir()} == {"plan", "excitation.mpf", "recording", "result", "report.html"}
+    own = {"plan", "excitation.mpf", "recording", "result"}
+    assert {p.name for p in folder.iterdir()} == own | {"report.html", "manual", "fourier"}
+    for name in ("manual", "fourier"):
+        assert {p.name for p in (folder / name).iterdir()} == own
+
+
+def test_a_hand_made_motion_a_series_and_moves_are_compared_as_planned_run_and_with_the_truth(
+    demo: dict[str, Any], page: Page
+):
+    motions = {row["motion"]: row for row in demo["motions"]}
+    assert list(motions) == ["by hand", "Fourier series", "seven-segment moves"]
+    assert demo["left_out"] == []
+    for row in motions.values():
+        assert float(row["largest error in std"]) < 4.0
+        assert float(row["s run"]) == pytest.approx(float(row["s planned"]), abs=0.1)
+        assert row["motion"] in page.text
+    planned = [float(row["D-efficiency planned"]) for row in motions.values()]
+    assert planned == sorted(planned)
+    assert demo["comparison"]["recommendation"]["level"] == "identified"
+    assert len(demo["comparison"]["rows"]) == 3
+    ratios = [float(row["deviations"].split()[0]) for row in motions.values()]
+    assert min(ratios) == 1.0
+    assert ratios[0] > ratios[-1]
 
 
 def test_it_plans_moves_for_the_controller_whose_program_it_writes(demo: dict[str, Any]):
