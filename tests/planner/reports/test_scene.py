@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from playwright.sync_api import Browser
+from scipy.spatial.transform import Rotation
 
 from cases.schema import load_case
 from identification.limited_chain import chain_frames
@@ -85,3 +86,21 @@ def test_printed_poses_are_numbered():
     text = machine_picture(posing_machine(chain_case(6), around_home(6, 12)))
     assert "pose 1" in text
     assert "pose 12" in text
+
+
+def test_poses_are_shown_with_their_orientations_as_in_figure_4():
+    """Three unit vectors of a length at every pose, from its origin, turned as the platform is; none along a motion."""
+    case = load_case("hexapod")
+    poses = case.machine.home.vector + np.array([[0.1, 0.0, 0.0, 0.2, -0.1, 0.3], [-0.1, 0.05, 0.02, 0.0, 0.3, 0.0]])
+    scene = posing_machine(case, poses)
+    triads = [part for part in scene.parts if "at the poses" in part.name]
+    assert [part.name[0] for part in triads] == ["x", "y", "z"]
+    for number, pose in enumerate(poses):
+        turn = Rotation.from_euler("xyz", pose[3:]).as_matrix()
+        for k, part in enumerate(triads):
+            line, frames = part.lines[number]
+            assert set(frames) == {0}  # in {B}, where it stays
+            assert line[0] == pytest.approx(1e3 * pose[:3])
+            assert (line[1] - line[0]) / np.linalg.norm(line[1] - line[0]) == pytest.approx(turn[:, k])
+    moving = moving_machine(case, Harmonic(seed=3, duration=2.0))
+    assert not [part for part in moving.parts if "at the poses" in part.name]
