@@ -233,6 +233,9 @@ def notes(planned: PlannedMotion, smooth: tuple[float, float] | None = None) -> 
             words.append(
                 f"with limited jerk the same moves take {smooth[0]:.3g} s, at a D-efficiency of {smooth[1]:.3f}"
             )
+    counts = {walks.moves for start in planned.starts if (walks := start.family.walks) is not None}
+    if len(counts) > 1 and "moves" in settings:
+        words.append(f"{settings['moves']} moves are the best of {', '.join(map(str, sorted(counts)))}")
     tried = {(s["order"], s["period_s"]) for s in (start.family.settings for start in planned.starts) if "order" in s}
     if len(tried) > 1:
         chosen = f"order {settings['order']} with period {settings['period_s']:.4g} s"

@@ -10,7 +10,8 @@ from cases.schema import Case
 from identification.criteria import box_middle
 from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, Status
 from planner.families.fourier import FourierFamily
-from planner.rating import FULL, PlannedMotion, search_notes, weaknesses
+from planner.families.ptp import PointToPointFamily
+from planner.rating import FULL, PlannedMotion, notes, search_notes, weaknesses
 from planner.request import Request
 from planner.search import SolverStatus, StartRecord
 from planner.search.solving import DRAWN_BACK, Start
@@ -107,3 +108,12 @@ def test_no_limit_of_speed_is_used(kind: LimitKind, found: PlannedMotion, said: 
 def test_what_was_made_by_hand_is_not_judged(found: PlannedMotion, said: Said):
     slow = LimitReport((check(LimitKind.VELOCITY, "x", 0.2),))
     assert said(found._replace(starts=(), limits=slow)) == ()
+
+
+def test_a_plan_of_moves_says_of_which_numbers_its_own_is_the_best(
+    found: PlannedMotion, start: Start, hexapod_case: Case
+) -> None:
+    few, many = (replace(start, family=PointToPointFamily.of(hexapod_case, n, 6.0)) for n in (12, 20))
+    both = found._replace(starts=(many, few), settings=many.family.settings)
+    assert any("20 moves" in note and "12, 20" in note for note in notes(both))
+    assert not any("moves are" in note for note in notes(both._replace(starts=(many,))))
