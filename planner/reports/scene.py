@@ -94,9 +94,9 @@ def _scene(case: Case, motion: Motion, steps: bool) -> Scene:
     frames, parts = _hexapod(case, motion) if case.chain is None else _chain(case, motion)
     moving = Scene(steps, motion.t, frames, parts, np.zeros((3, 2)))
     shown = np.unique(np.linspace(0, len(motion.t) - 1, min(len(motion.t), 60)).astype(int))
-    triads = _triads(moving) if steps else ()
-    standing = [line for part in triads for line in part.placed(moving, 0)]
-    points = np.vstack([moving.path, *standing, *(x for k in shown for part in parts for x in part.placed(moving, k))])
+    points = np.vstack([moving.path, *(line for k in shown for part in parts for line in part.placed(moving, k))])
+    triads = _triads(moving, TRIAD * float(np.ptp(points, axis=0).max())) if steps else ()
+    points = np.vstack([points, *(line for part in triads for line in part.placed(moving, 0))])
     keep_out = case.chain.keep_out if case.chain is not None else case.need_machine("the picture")[1].keep_out
     low, high = room(points.min(axis=0), points.max(axis=0), keep_out)
     boxes = box_outlines(keep_out, low, high)
@@ -104,14 +104,13 @@ def _scene(case: Case, motion: Motion, steps: bool) -> Scene:
     return Scene(steps, motion.t, frames, (*parts, *triads, *walls), np.column_stack([low, high]))
 
 
-TRIAD, LEAST_TRIAD = 0.05, 20.0  # length of an axis at a pose, as a share of the width of all poses, and at least [mm]
+TRIAD = 0.07  # length of an axis at a pose, as a share of the width of the picture
 AXES = "xyz"
 
 
-def _triads(scene: Scene) -> tuple[Part, ...]:
+def _triads(scene: Scene, size: float) -> tuple[Part, ...]:
     """The axes of the last frame at every pose, as in Figure 4: where the platform is, and how it is turned."""
     turns, origins = scene.frames[:, -1, :, :3], scene.path
-    size = max(TRIAD * float(np.ptp(origins, axis=0).max()), LEAST_TRIAD)
     return tuple(
         Part(
             f"{axis} of {{P}} at the poses",
