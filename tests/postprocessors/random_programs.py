@@ -12,7 +12,7 @@ from postprocessors.execute import ControllerLog
 from postprocessors.execute.linuxcnc.configuration import AxisLayout
 from postprocessors.proving.homing import motions
 from postprocessors.proving.proof import prove_program
-from postprocessors.reading import Reading, Still, Timed
+from postprocessors.reading import Reading, Still, Timed, Untimed
 
 Array = np.ndarray
 Step = Callable[[], list[str]]
@@ -200,7 +200,9 @@ def differences(program: Program, log: ControllerLog) -> list[str]:
         taken = (int(rows[-1]) + 1 - first) * log.period
         # Slow blocks of a path last up to a cycle longer, and LinuxCNC gets into a path and out of it within a block.
         late = len(lines) * log.period + float(np.diff(part.points.times).max()) if isinstance(part, Timed) else 0.0
-        if not -1.0 <= (taken - motion.duration) / (CYCLES * log.period + LONGER * motion.duration + late) <= 1.0:
+        allowed = CYCLES * log.period + LONGER * motion.duration + late
+        longer = log.period if isinstance(part, Untimed) and part.arc is not None else 0.0  # measured, of fast arcs
+        if not -allowed <= taken - motion.duration <= allowed + longer:
             found.append(f"line {part.line}: takes {taken:.4f} s, {motion.duration:.4f} s proven")
         t = np.arange(max(1, rows[-1] - 1 - first)) * log.period  # the last ones may be of the motion after it
         if len(t) < 3:

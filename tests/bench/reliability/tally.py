@@ -70,8 +70,9 @@ class Tally:
         return answer
 
     def defect(self, seed: int, words: str) -> None:
-        """Notes a defect."""
+        """Notes a defect, and prints it: a night may be stopped before its end."""
         self.defects.append(f"{self.what}, seed {seed}: {words}")
+        print(self.defects[-1], file=sys.stderr, flush=True)
 
     def row(self) -> list[str]:
         """The row of a table of figures."""
@@ -97,10 +98,7 @@ def tallied(what: str, seeds: range, one: Callable[[int, Tally], None]) -> Tally
     """The tally of a kind of input; `one` tries one seed."""
     tally = Tally(what)
     for seed in seeds:
-        known = len(tally.defects)
         one(seed, tally)
-        for defect in tally.defects[known:]:
-            print(defect, file=sys.stderr, flush=True)
         if tally.tried % PROGRESS == 0:
             print(*tally.row(), file=sys.stderr, flush=True)
     return tally
