@@ -9,6 +9,7 @@ from cases.scaffold import readiness
 from cases.schema import Case
 from cases.tables import find_case
 from cases.units import as_html
+from planner.proposal import ProposedBox, proposed_box
 from planner.reach import Reach
 from planner.reach import reach as reach_of
 from planner.reports.case_figures import case_figures, has_motion_box, leftovers, share_sentences
@@ -23,12 +24,14 @@ class CaseCheck:
     missing: Mapping[str, tuple[str, ...]]  # command -> what it misses in the case; empty where it is ready
     remarks: tuple[str, ...]  # what a person should look at
     reach: Reach | None  # reachable share of the motion box; None where the case has none
+    proposal: ProposedBox | None = None  # a box that is within reach, where one was asked for
 
     def to_json(self) -> dict[str, Any]:
         """Entries for programs."""
         missing = {command: list(lacks) for command, lacks in self.missing.items()}
         answer = {"figures": dict(self.figures), "missing": missing, "remarks": list(self.remarks)}
-        return answer if self.reach is None else answer | {"reach": self.reach.to_json()}
+        parts = {"reach": self.reach, "proposal": self.proposal}
+        return answer | {name: part.to_json() for name, part in parts.items() if part is not None}
 
     def __repr__(self) -> str:
         """What it is, what it is ready for, and its reach."""
@@ -38,18 +41,33 @@ class CaseCheck:
             commands = ", ".join(command for command, lacks in self.missing.items() if lacks == missing)
             lines.append(f"not ready for: {commands}; the case misses {', '.join(missing)}")
         lines += [f"look at {remark}" for remark in self.remarks]
-        return "\n".join(lines if self.reach is None else [*lines, share_sentences(self.reach)])
+        lines += [] if self.reach is None else [share_sentences(self.reach)]
+        return "\n".join([*lines, *self._proposed()])
+
+    def _proposed(self) -> list[str]:
+        """The proposal in lines."""
+        box = self.proposal
+        if box is None:
+            return []
+        if self.reach is not None and self.reach.whole:
+            return ["no other box is needed: all of the stated one is within reach"]
+        head = (
+            f"a box of {100 * box.share:.2g} % of its volume is within reach, as far as {box.poses} poses show; sides "
+            "of [limits.motion], relative to home:"
+        )
+        return [head, *(f"    {line}" for line in box.lines)]
 
     _repr_html_ = as_html
 
 
-def check_case(case: Path | str) -> CaseCheck:
+def check_case(case: Path | str, propose: bool = False) -> CaseCheck:
     """Validates a case and says how much of its motion box is reachable.
 
         hx.check_case("mill").missing
 
     Args:
         case: built-in name, folder or case file.
+        propose: whether to look for a motion box that is within reach as a whole.
 
     Raises:
         CaseError: the case is not valid, or the machine cannot stand at home; `problems` has all that was found.
@@ -57,4 +75,5 @@ def check_case(case: Path | str) -> CaseCheck:
     loaded = Case.load(str(case))
     figures = case_figures(loaded, str(find_case(str(case))))
     reach = reach_of(loaded) if has_motion_box(loaded) else None
-    return CaseCheck(loaded, figures, readiness(loaded), leftovers(loaded), reach)
+    proposal = proposed_box(loaded) if propose else None
+    return CaseCheck(loaded, figures, readiness(loaded), leftovers(loaded), reach, proposal)

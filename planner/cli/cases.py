@@ -31,10 +31,12 @@ def list_cases(json: console.Json = False) -> None:
 @app.command("check")
 def check(
     case: Annotated[str, argument("Built-in name, folder or case file.")],
+    propose: Annotated[bool, option("Look for a motion box that is within reach as a whole.", "--propose")] = False,
     json: console.Json = False,
 ) -> None:
     """Validate a case and say how much of its motion box is reachable."""
-    checked = hx.check_case(case)
+    with console.status("looking for a box", json or not propose):
+        checked = hx.check_case(case, propose)
     if console.answered({"ok": True, **checked.to_json()}, json):
         return
     console.say(checked)

@@ -12,6 +12,7 @@ from cases.machine import POSE
 from cases.schema import Case, load_case
 from identification.limit_proof import prove
 from identification.motion import StandingPoses
+from planner.proposal import proposed_box
 from planner.reach import reach
 from tests.cases.editing import written
 from tests.helpers import few, tells
@@ -128,3 +129,38 @@ def test_the_reach_of_a_chain_ends_where_its_bodies_touch():
     assert not found.whole
     assert found.exceeded["distance from pillar"] > 0.0
     assert found.share == pytest.approx(kept_poses(case, poses).mean(), abs=0.15)
+
+
+@pytest.mark.parametrize("struts", few(STRUTS, [240.0, 310.0]))
+def test_a_proposed_box_is_within_reach_and_none_of_its_sides_could_be_much_wider(
+    hexapod_case: Case, struts: list[float]
+):
+    case = small_platform(hexapod_case, struts)
+    assert not reach(case).whole
+    box = proposed_box(case)
+    sides = np.array(list(box.sides.values()))
+    stated = {key: getattr(case.limits.motion, key) for key in POSE}
+    for (low, high), limits in zip(sides, stated.values(), strict=True):
+        assert limits[0] <= low <= 0.0 <= high <= limits[1]
+    proposed = changed(case, **{f"limits__motion__{key}": list(side) for key, side in box.sides.items()})
+    own = reach(proposed)
+    assert own.share == 1.0
+    assert own.worst.ratio <= 1.001
+    assert box.share == pytest.approx(np.prod(np.ptp(sides, axis=1) / [np.ptp(v) for v in stated.values()]), rel=1e-6)
+    for key, side in box.sides.items():
+        for k in (0, 1):
+            if abs(side[k]) > 0.95 * abs(stated[key][k]):
+                continue
+            wider = list(side)
+            wider[k] += 0.1 * stated[key][k]
+            assert not reach(changed(proposed, **{f"limits__motion__{key}": wider}), 2000).whole, (key, k)
+
+
+def test_the_command_proposes_lines_of_the_case_file(hexapod_case: Case, tmp_path: Path):
+    file = written(tmp_path, small_platform(hexapod_case).model_dump(mode="json", exclude_none=True))
+    answer = call("case", "check", file, "--propose", "--json").json()["proposal"]
+    said = call("case", "check", file, "--propose").out
+    for key, side in answer["limits_motion"].items():
+        assert f"{key} = [{side[0]}, {side[1]}]" in said
+    assert "proposal" not in call("case", "check", file, "--json").json()
+    assert "no other box is needed" in call("case", "check", "ur10_wrist", "--propose").out
