@@ -82,8 +82,8 @@ class Identifiability:
             if len(names) == count:
                 said.append(f"{together(names)} change{'s' * (count == 1)} no force here")
             else:
-                combinations = "a combination" if count == 1 else f"{count} combinations"
-                said.append(f"{together(names)} cannot be told apart: {combinations} of them change no force")
+                words = "a combination of them changes" if count == 1 else f"{count} combinations of them change"
+                said.append(f"{together(names)} cannot be told apart: {words} no force")
         if pairs := self.nearly_alike:
             words = ", ".join(f"{a} and {b} ({value:+.3f})" for a, b, value in pairs[:SHOWN])
             words += f" and {len(pairs) - SHOWN} more pairs" if len(pairs) > SHOWN else ""

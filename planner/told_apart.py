@@ -46,38 +46,34 @@ def identifiability_of_models(
     thing: Plan | Recording | Result | Array, case: Case | None = None
 ) -> tuple[Identifiability, ...]:
     """The same of all models that the sensors can have, by number; errors as of `identifiability`."""
-    own, _, evaluate, placed = _looked_at(thing, case)
-    models = {number: model for number, model in models_of(own).items() if placed or not model.needs_position}
-    return of_models(models, evaluate)
+    own, _, evaluate, known = _looked_at(thing, case)
+    return of_models({number: model for number, model in models_of(own).items() if known(model)}, evaluate)
 
 
 def _looked_at(
     thing: Plan | Recording | Result | Array, case: Case | None
-) -> tuple[Case, int, Callable[[Model], Array], bool]:
-    """The case, the number of the usual model, what gives A for a model, and whether positions are known."""
+) -> tuple[Case, int, Callable[[Model], Array], Callable[[Model], bool]]:
+    """The case, the number of the usual model, what gives A for a model, and of which models it can."""
     match thing:
         case Plan():
             own = thing.case if case is None else case
             if len(thing.poses):
-                return own, thing.model, lambda model: _at_poses(model, thing.poses), True
+                return own, thing.model, lambda model: _at_poses(model, thing.poses), _any
             motion = sample(thing.motion, min(RATE, MOST_INSTANTS / thing.duration))
             states = motion.pose, motion.rates, motion.accelerations
-            return own, thing.model, lambda model: over_samples(model.coordinate_regressor, *states)[0], True
+            return own, thing.model, lambda model: over_samples(model.coordinate_regressor, *states)[0], _any
         case Recording():
             own_case = thing.case if case is None else case
             if own_case is None:
                 raise HexciteError(thing.source, "does not say which machine it is from", "give its case")
-            first = identification_model(own_case, 0)
-            samples = samples_of(thing, own_case, first)
-            return own_case, default_model(thing, own_case), _at_samples(samples, 0.0), thing.struts is not None
+            usual = default_model(thing, own_case)
+            samples = samples_of(thing, own_case, identification_model(own_case, usual))
+            return own_case, usual, *_at_samples(samples, 0.0)
         case Result():
             if thing.estimate is None:
                 raise HexciteError(thing.source, "was loaded without its samples", "give its recording")
             own = thing.case if case is None else case
-            samples = thing.estimate.evaluated
-            load = samples.excerpt().motion(thing.estimate.at)
-            placed = load is not None and load.drives is not None
-            return own, thing.record.model, _at_samples(samples, thing.estimate.at), placed
+            return own, thing.record.model, *_at_samples(thing.estimate.evaluated, thing.estimate.at)
         case _:
             if case is None:
                 raise HexciteError("identifiability", "poses belong to a machine", "give its case")
@@ -87,7 +83,7 @@ def _looked_at(
                 problem = f"poses of {poses.shape[1]} coordinates"
                 raise HexciteError("identifiability", problem, f"{case.name} has {count} [m or rad]")
             usual = 5 if 5 in models_of(case) else 0
-            return case, usual, lambda model: _at_poses(model, poses), True
+            return case, usual, lambda model: _at_poses(model, poses), _any
 
 
 def _at_poses(model: Model, poses: Array) -> Array:
@@ -95,18 +91,29 @@ def _at_poses(model: Model, poses: Array) -> Array:
     return over_samples(model.coordinate_regressor, poses, 0.0 * poses, 0.0 * poses)[0]
 
 
-def _at_samples(samples: Samples, delay: float) -> Callable[[Model], Array]:
-    """What gives A for a model at samples, or a part of many that stands for all."""
+def _any(model: Model) -> bool:
+    """Of every model: the whole motion is known."""
+    del model
+    return True
+
+
+def _at_samples(samples: Samples, delay: float) -> tuple[Callable[[Model], Array], Callable[[Model], bool]]:
+    """What gives A for a model at samples, or a part of many that stands for all, and of which models it can."""
     part = samples.excerpt()
-    motion = part.motion(delay)
+    motion = None if isinstance(part, Run) else part.motion(delay)
+
+    def known(model: Model) -> bool:
+        if isinstance(part, Run) or model.names == part.model.names:
+            return True
+        return motion is not None and (motion.drives is not None or not model.needs_position)
 
     def evaluate(model: Model) -> Array:
         if model.names == part.model.names:
             return part.regressors(delay)
         if isinstance(part, Run):
             return replace(part, model=model).regressors(delay)
-        if motion is None or (model.needs_position and motion.drives is None):  # as `require_position` says of a fit
+        if motion is None or not known(model):  # as `require_position` says of a fit
             raise IdentificationError(f"model {model.number} needs more of the motion than the recording holds")
         return regressors(model, motion.load)[motion.known]
 
-    return evaluate
+    return evaluate, known

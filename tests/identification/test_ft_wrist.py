@@ -7,12 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import hexcite as hx
 from cases.errors import IdentificationError
 from cases.schema import Case, load_case
 from identification.identify import estimate_parameters
 from identification.model import identification_model
 from identification.recording import Recording, read
 from identification.runs.wrist import wrist_run
+from planner.reports.identify import identify_page
+from planner.told_apart import identifiability_of_models
 from tests.helpers import few, one_line, tells
 
 FILE = Path(__file__).parents[3] / "shared/data/ft_wrist_ntnu/0-calibration_fts-accel.csv"
@@ -159,3 +162,17 @@ def test_a_push_against_the_tool_is_found_within_50_ms_and_left_out(push: float)
     free = estimate_parameters(run, CASE)
     assert abs(estimate.physical["m"].value - free.physical["m"].value) < 0.3 * free.physical["m"].reported
     assert abs(estimate.delay.value - free.delay.value) < free.delay.std
+
+
+def test_of_a_motion_that_no_drive_says_the_own_model_is_looked_at() -> None:
+    """Positions, and so other models, are not known; the page of a result is made all the same."""
+    result = hx.identify(moving(CASE), CASE)
+    (own,) = identifiability_of_models(result)
+    assert (own.model, own.determined) == (result.record.model, True)
+    assert hx.identifiability(moving(CASE), case=CASE).names == own.names
+    assert "Which parameters can be told apart" in identify_page(result)
+
+
+def test_all_models_of_a_wrist_are_those_that_its_orientations_carry() -> None:
+    choice = hx.identify_models(moving(CASE), CASE)
+    assert {row.model for row in choice.rows} == {0, 6}
