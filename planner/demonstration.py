@@ -25,7 +25,7 @@ from planner.library import Settings
 from planner.library import plan as motion
 from planner.plan_program import usual_dialect, write
 from planner.plans import Plan
-from planner.request import Solver
+from planner.request import Solver, require_seed, require_starts
 from postprocessors.dialects import Dialect, Program, dialect
 
 
@@ -129,6 +129,8 @@ def demo(
     """
     place = Path(folder)
     case.need_simulation("the demo")
+    require_starts(starts)  # before the first motion, which needs none, is written
+    require_seed(seed)
     check_folder(place, DEMO, overwrite=True)
     # All limits are kept unless a real controller is asked for that cannot keep them.
     real = on == ControllerName.LINUXCNC

@@ -32,6 +32,12 @@ def require_seed(seed: int) -> None:
         raise HexciteError(f"seed {seed} is negative; choose 0 or more")
 
 
+def require_starts(starts: int | None) -> None:
+    """Raises HexciteError where a number of starts cannot be."""
+    if starts is not None and not 1 <= starts <= 1000:
+        raise HexciteError(f"{starts} starts; choose --starts 1 to 1000")
+
+
 def require_workers(workers: int | None) -> None:
     """Raises HexciteError where a number of processes cannot be."""
     if workers is not None and not 1 <= workers <= 1000:
@@ -74,8 +80,7 @@ class Request:
         if not abs(self.duration) <= LONGEST:
             raise HexciteError(f"duration {self.duration:g} s is not at most {LONGEST:g} s; choose about 12 s")
         self.family.check(self.duration)
-        if self.starts is not None and not 1 <= self.starts <= 1000:
-            raise HexciteError(f"{self.starts} starts; choose --starts 1 to 1000")
+        require_starts(self.starts)
         require_seed(self.seed)
         require_workers(self.workers)
         if self.seconds is not None and not 0.0 < self.seconds <= LONGEST_SEARCH:

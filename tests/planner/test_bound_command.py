@@ -39,7 +39,7 @@ def test_people_read_that_it_is_not(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("hexapod", "--model", 10), ("model 10", "0, 1, 2")),
+        (("hexapod", "--model", 11), ("model 11", "0, 1, 2")),
         (("hexapod", "--time-limit", "nan"), ("--time-limit", "above 0")),
         (("hexapod", "--time-limit", "0"), ("--time-limit", "above 0")),
         (("ft_wrist",), ("machine", "information limit")),

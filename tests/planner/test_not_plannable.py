@@ -29,7 +29,7 @@ BEHIND_HOME = {"name": "vice", "x_mm": [-30.0, 30.0], "y_mm": [-30.0, 30.0], "z_
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("--model", "10"), ("model 10", "choose 0, 1")),
+        (("--model", "11"), ("model 11", "choose 0, 1")),
         (("--model", "-1"), ("model -1",)),
         (("--payload", "6"), ("payloads.weights", "are 5", "6 cannot be mounted")),
         (("--payload", "-1"), ("'-1'", "neither a number of payloads nor a range", "0-5")),
@@ -78,7 +78,7 @@ BEHIND_HOME = {"name": "vice", "x_mm": [-30.0, 30.0], "y_mm": [-30.0, 30.0], "z_
         (("--family", "ptp", "--order", "5"), ("--order does nothing with --family ptp", "choose --family fourier")),
         (("--family", "ptp", "--sequence", "s.toml"), ("--sequence does nothing", "manual")),
         (("--family", "fourier", "--moves", "12"), ("--moves does nothing with --family fourier", "ptp")),
-        (("--knots", "60", "--moves", "20"), ("--moves does nothing with --family spline", "ptp")),
+        (("--knots", "60", "--moves", "20"), ("does nothing with --family", "leave it out")),
         (("--family", "manual", "--sequence", "none.toml"), ("none.toml", "cannot be read", "TOML file of steps")),
         (("--family", "manual", "--sequence", "none.csv"), ("none.csv", "cannot be read", "CSV of poses")),
         (("--family", "manual", "--sequence", "."), ("cannot be read (Is a directory)", "TOML file of steps")),
@@ -253,7 +253,7 @@ def test_any_word_for_any_option_is_taken_or_refused_in_one_line(option: str, va
 
 
 @given(
-    command=st.sampled_from([("poses", "hexapod", "--model", "9"), ("bound", "hexapod", "--model", "10")]),
+    command=st.sampled_from([("poses", "hexapod", "--model", "9"), ("bound", "hexapod", "--model", "11")]),
     option=st.sampled_from(["--count", "--candidates", "--seed", "--model", "--time-limit"]),
     value=NUMBERS,
 )
