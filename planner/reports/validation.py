@@ -20,6 +20,13 @@ THEORY = (
 )
 
 
+UNDISTURBED = (
+    "The order of the methods is that of this machine with its vibration, ripple and errors of the pose. Without them "
+    "it may be another, as for a motion by hand (D9M) and a Fourier series (D9N), Table 6: compare results of runs on "
+    "the virtual controller, which are undisturbed."
+)
+
+
 def table_7(trials: Sequence[Trial]) -> list[list[str]]:
     """Rows as in Table 7, one a load: values with their relative deviation from theory."""
     rows = []
@@ -67,7 +74,7 @@ def validation_page(validation: Validation) -> str:
             table(parameter_columns(entries), parameter_rows(entries)),
             table(("", *(entry.name for entry in entries)), figure_rows(entries)),
         ),
-        section("Values and deviations from theory (Table 7)", note(THEORY), *tables),
+        section("Values and deviations from theory (Table 7)", note(THEORY), note(UNDISTURBED), *tables),
         section("Residuals grow with the load", growth_chart(validation)),
     )
 

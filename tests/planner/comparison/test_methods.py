@@ -18,7 +18,7 @@ def test_the_papers_methods_and_ours_are_what_the_paper_and_we_say():
         "Q5M": PoseRequest(method="all"),
         "Q5N": PoseRequest(criterion=Criterion.N, count=30, method="backward"),
         "D9M": Request(Manual()),
-        "D9N": Request(Fourier(order=3, period=4.0), criterion=Criterion.N),
+        "D9N": Request(Fourier(order=3, free_period=True), criterion=Criterion.N),
         "ptp": Request(PointToPoint(controller="virtual")),
         "ptp-steps": Request(PointToPoint(controller="linuxcnc", without="jerk")),
         "spline": Request(Spline()),
