@@ -31,7 +31,7 @@ FULL = 0.9  # share of a limit that a good motion uses of at least one
 ORDER_1 = (
     "order 1 moves on ellipses: accelerations are -w^2 times the way from the middle, all at one frequency; only the "
     "ways in and out, and gravity as it turns, tell inertia from offsets and from errors that depend on the pose; "
-    "order 3 or more carries about three times the information"
+    "plan order 3 too and compare the predicted deviations"
 )
 SPARE = 0.05  # share of the duration that a free period may leave before it is said
 NEEDLESS = 0.01  # share of the information that harmonics may carry and yet be called needless
