@@ -30,7 +30,7 @@ FINER = 1e-4  # part of that share for excess between the instants of the quick 
 TIGHTER = 3  # times at most that limits are constrained at more instants, and tightened by the remaining excess
 NEAR = 0.8  # share of a limit from which its instants are then constrained
 DRAWN_BACK = 0.98  # share: a motion that had to shrink to less is searched for once more, from inside
-REFINE = 80  # iterations at most of refinements: most end before, where no more is gained
+REFINE = 200  # iterations at most of refinements: most end before, where no more is gained
 FURTHER = 25  # the same of a motion that is drawn back from
 SHARPER = (2, 5, 8)  # halvings of the p-norms of K and N, one round after the other: p = 8, 64, 512
 
