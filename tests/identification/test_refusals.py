@@ -127,8 +127,8 @@ def test_the_highest_cutoff_that_is_named_is_taken() -> None:
 
 
 def test_another_model_is_answered_with_the_choices() -> None:
-    with pytest.raises(IdentificationError, match=r"model 10\b.*choose 0, 1, 2"):
-        estimate_parameters(RUN, CASE, 10)
+    with pytest.raises(IdentificationError, match=r"model 11\b.*choose 0, 1, 2"):
+        estimate_parameters(RUN, CASE, 11)
 
 
 def test_struts_of_a_case_without_machine_are_refused_by_the_case() -> None:

@@ -21,7 +21,8 @@ def copy(saved_plan: Plan, tmp_path: Path) -> Path:
 def test_plan_json_is_the_answer_of_the_command(saved_plan: Plan, planned: dict[str, Any]):
     content = one_json_object((saved_plan.folder / "plan.json").read_text(encoding="utf-8"))
     paths = {"plan": str(saved_plan.folder), "report": str(saved_plan.folder / "report.html")}
-    assert paths | content == planned
+    assert paths | content == {key: value for key, value in planned.items() if key != "identifiability"}
+    assert planned["identifiability"]["model"] == content["model"]
 
 
 def test_motion_csv_is_the_motion_in_millimetres_and_degrees_a_thousand_times_a_second(saved_plan: Plan):

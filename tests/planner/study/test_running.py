@@ -262,7 +262,7 @@ def test_solvers_are_compared_by_the_best_that_any_of_them_found_with_the_same_s
             yield key, [plan | {"seconds": 2.0, "iterations": 10, "d_efficiency": efficiency}]
 
     monkeypatch.setattr(conduct, "run_tasks", answers)
-    monkeypatch.setattr(conduct, "local_client", lambda workers, memory: nullcontext())
+    monkeypatch.setattr(conduct, "local_client", lambda workers, memory: nullcontext("a client"))
     spec = Spec(schema_version=1, name="x", grid=Grid(order=[3, 5], solver=list(efficiencies), seed=[0, 1]))
     result = conduct.study(hexapod_case, spec, tmp_path / "study")
     found = {summary.solver: summary for summary in conduct.solver_summaries(groups(result.rows))}

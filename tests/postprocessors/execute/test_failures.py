@@ -74,7 +74,14 @@ def test_a_run_that_loses_cycles_is_repeated_more_slowly_and_given_up_in_the_end
     speeds: list[float] = []
 
     def pretended(
-        program: Path, lines: list[str], case: Case, headroom: float, timed: bool, speed: float, limit: float
+        program: Path,
+        lines: list[str],
+        case: Case,
+        headroom: float,
+        timed: bool,
+        speed: float,
+        limit: float,
+        override: float,
     ):
         speeds.append(speed)
         report = REPORT | {"samples": 4, "lost": int(len(speeds) <= losses), "started": 0, "ended": 4}

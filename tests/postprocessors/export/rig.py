@@ -70,7 +70,7 @@ def run_rig(
         "HEXCITE_MODULES": "{folder}",
         "LD_PRELOAD": f"{{folder}}/{session.CLOCK_FILE}:{{folder}}/modules.so",
     }
-    code = run_session(folder, ["-r", configuration.INI_FILE, session.PROGRAM_FILE, "60"], environment, 100.0)
+    code = run_session(folder, ["-r", configuration.INI_FILE, session.PROGRAM_FILE, "60", "1.0"], environment, 100.0)
     output = (folder / "linuxcnc.out").read_text(errors="replace")
     assert (folder / "status.json").exists(), output
     status = json.loads((folder / "status.json").read_text())

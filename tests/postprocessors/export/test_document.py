@@ -46,7 +46,7 @@ def test_what_is_written_is_what_the_schema_beside_the_code_says(name: str, numb
     data = json.loads(json_document(with_drives(calibration(tmp_path, name, number))))
     jsonschema.validate(data, SCHEMA)
     assert set(data) == set(SCHEMA["properties"])
-    for damage in ({"schema_version": 2}, {"model": 10}, {"gravity_m_s2": [1.0]}, {"more": 1}):
+    for damage in ({"schema_version": 2}, {"model": 11}, {"gravity_m_s2": [1.0]}, {"more": 1}):
         with pytest.raises(jsonschema.ValidationError):
             jsonschema.validate(data | damage, SCHEMA)
 
