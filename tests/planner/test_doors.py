@@ -104,6 +104,7 @@ def test_a_case_begins_and_is_checked_the_same_by_both(tmp_path: Path, monkeypat
     assert "exists" in refused("case", "new", "mill")
 
 
+@pytest.mark.slow
 def test_a_study_is_the_same_from_both(tmp_path: Path, hexapod_case: Case, monkeypatch: pytest.MonkeyPatch):
     """Without a cluster: its tasks are answered at once."""
 

@@ -44,6 +44,7 @@ def closest(case: Case, family: FamilySettings) -> float:
     return float(min(lengths.min() - SHORT[0], SHORT[1] - lengths.max()))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", few(Fourier(order=2), PointToPoint(), Spline(), kept=1))
 def test_struts_stop_a_millimetre_before_their_ends(family: FamilySettings) -> None:
     assert closest(hexapod_of_short_struts(), family) >= 1.0 - 1e-6

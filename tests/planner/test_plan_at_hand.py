@@ -38,6 +38,7 @@ def test_the_plan_that_a_run_names_is_found_beside_it(slow: Path, tmp_path: Path
     assert "2.00 times slower than planned" in (tmp_path / "r" / "report.html").read_text()
 
 
+@pytest.mark.slow
 def test_without_a_plan_nothing_is_said(slow: Path, tmp_path: Path) -> None:
     alone = tmp_path / "alone"
     shutil.copytree(slow / "run", alone)

@@ -156,6 +156,7 @@ def test_a_proposed_box_is_within_reach_and_none_of_its_sides_could_be_much_wide
             assert not reach(changed(proposed, **{f"limits__motion__{key}": wider}), 2000).whole, (key, k)
 
 
+@pytest.mark.slow
 def test_the_command_proposes_lines_of_the_case_file(hexapod_case: Case, tmp_path: Path):
     file = written(tmp_path, small_platform(hexapod_case).model_dump(mode="json", exclude_none=True))
     answer = call("case", "check", file, "--propose", "--json").json()["proposal"]

@@ -217,6 +217,7 @@ def test_numbers_of_a_chart_reach_the_page_whatever_they_are():
     assert json.loads(script_json([1.0, None, float("nan"), float("inf")])) == [1.0, None, None, None]
 
 
+@pytest.mark.slow
 def test_a_pose_set_is_stepped_through(browser: Browser, hexapod_case: Case, motion: Harmonic, tmp_path: Path):
     """Beside a box, with a tool on the platform."""
     box = {"name": "wall", "x_mm": [600.0, 5000.0], "y_mm": [-5000.0, 5000.0], "z_mm": [0.0, 3000.0]}

@@ -24,6 +24,7 @@ def test_however_short_the_time_what_is_found_is_proven(family: FamilySettings, 
     assert found.starts[0].record.logdet > -200.0
 
 
+@pytest.mark.slow
 def test_more_time_finds_more_than_its_beginning(hexapod_case: Case):
     """Rounds go on while there is time, each from further seeds."""
     request = Request(PointToPoint(moves=8), 2.0, model=0, seconds=4.0)

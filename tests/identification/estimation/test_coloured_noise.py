@@ -11,7 +11,7 @@ from identification.estimation.fit import Fit, Regression, gauss_markov
 from identification.estimation.force_noise import coloured_covariance, turned
 from identification.hexapod import Hexapod
 from tests.bench.coverage import coloured_coverage
-from tests.helpers import Harmonic
+from tests.helpers import Harmonic, few
 from tests.simulated_machine import PoseExecution
 
 SAMPLES, UNKNOWNS = 300, 6
@@ -54,6 +54,7 @@ def test_the_white_formula_fails_where_noise_has_memory() -> None:
     assert share_inside(lambda s: memory(s, 0.9), lambda fit: np.sqrt(np.diag(fit.covariance))) < 0.75
 
 
+@pytest.mark.slow
 def test_noise_that_channels_share_counts_as_such() -> None:
     """One disturbance that shakes all channels: the parameters' errors are larger than independent noise makes them."""
     mixing = np.ones((6, 6)) + np.diag(np.full(6, 0.1))
@@ -73,7 +74,7 @@ def test_noise_nearly_as_slow_as_the_run_is_no_surprise() -> None:
     assert 0.9 <= share_inside(lambda s: memory(s, 0.98), coloured) <= 0.985
 
 
-@pytest.mark.parametrize("phi", [0.0, 0.9])
+@pytest.mark.parametrize("phi", few(0.9, 0.0))
 def test_sections_with_gaps_between_are_no_neighbours(phi: float) -> None:
     """Of 300 samples 20 in 50: as one series, noise would seem to forget itself at every gap."""
     places = np.flatnonzero(np.arange(SAMPLES) % 50 < 20)

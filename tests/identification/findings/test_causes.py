@@ -66,6 +66,7 @@ def test_turned_signs_of_channels_are_named(signs: str) -> None:
     assert f"force channels {those} are turned" in str(caught.value)
 
 
+@pytest.mark.slow
 def test_all_signs_turned_at_once_are_named_with_the_remedy() -> None:
     """The residuals are those of the right signs; only the mass tells."""
     whole = run(1)
@@ -74,6 +75,7 @@ def test_all_signs_turned_at_once_are_named_with_the_remedy() -> None:
     assert tells(one_line(caught.value), 'sensor_frame.bars.sense = "tension"')
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("channel", few(4, 0, 1, 2, 3, 5))
 def test_a_turned_sign_of_a_force_torque_sensor_does_not_pass_unnoticed(channel: int) -> None:
     """Moments of inertia take up much of a turned moment; but no body has such ones."""
@@ -104,6 +106,7 @@ def test_silent_sensors_are_not_blamed_on_their_cables() -> None:
         estimate_parameters(replace(whole, forces=np.zeros_like(whole.forces)), CASE)
 
 
+@pytest.mark.slow
 def test_exchanged_drives_are_mended_where_drives_are_named() -> None:
     """Struts that are computed from drives have no columns of their own."""
     drives = Drives(sign=(1.0,) * 6, offset_mm=(0.0,) * 6, order=(6, 5, 4, 3, 2, 1))

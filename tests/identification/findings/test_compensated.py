@@ -11,6 +11,7 @@ from identification.identify import estimate_parameters
 from identification.model import machine_of
 from identification.recording import Recording
 from tests.chains import ROBOT, standing_forces, swing, swung_forces
+from tests.helpers import few
 
 T = np.arange(0.0, 8.0, 0.002)
 MOVING = swing(T)[0], T, swung_forces(T)
@@ -38,7 +39,7 @@ def recorded(run: str, change: Callable[[np.ndarray, np.ndarray], np.ndarray]) -
 
 
 @pytest.mark.parametrize("run", RUNS)
-@pytest.mark.parametrize("change", [in_base, weightless])
+@pytest.mark.parametrize("change", few(in_base, weightless))
 def test_what_was_done_to_the_readings_does_not_pass_unnoticed(change, run: str) -> None:
     try:
         said = " ".join(estimate_parameters(recorded(run, change), ROBOT).warnings)
@@ -55,11 +56,11 @@ def test_another_load_is_not_refused(share: float, run: str) -> None:
 
 @pytest.mark.parametrize(
     ("change", "words"),
-    [
+    few(
         (lambda q, forces: -forces, "signs of force channels 1, 2, 3, 4, 5, 6"),
         (lambda q, forces: forces[:, [1, 0, 2, 3, 4, 5]], "force channels 1 and 2"),
         (lambda q, forces: forces[:, [3, 4, 5, 0, 1, 2]], "force channels 1 and 4, 2 and 5, 3 and 6"),
-    ],
+    ),
 )
 def test_wrong_cables_are_named_as_such(change: Callable[[np.ndarray, np.ndarray], np.ndarray], words: str) -> None:
     with pytest.raises(IdentificationError, match=words):

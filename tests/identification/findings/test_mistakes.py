@@ -71,6 +71,7 @@ def test_a_mistake_is_named(of: str, name: str) -> None:
     assert all(entry.residuals < 1.3 for entry in found.explanations)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("of", "names"),
     few(
@@ -89,6 +90,7 @@ def test_two_mistakes_at_once_are_named_together(of: str, names: tuple[str, str]
         assert mistake(of, name).named_in(text), text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("of", "name"),
     few(

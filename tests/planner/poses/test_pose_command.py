@@ -175,6 +175,7 @@ def test_30_poses_take_at_most_81_s(tmp_path: Path) -> None:
     assert 54.0 < answer["duration_s"] <= 81.0
 
 
+@pytest.mark.slow
 def test_standstills_are_averaged_wherever_they_are_if_asked_for(folder: Path, recorded: Path, quick: Path) -> None:
     """Without trigger and without plan; home counts too where the machine rests there long enough."""
     with (recorded / "recording.csv").open(encoding="utf-8") as file:

@@ -37,6 +37,7 @@ def test_the_fast_algorithm_keeps_the_poses_of_the_slow_one(sample: Setting, let
     assert sorted([*removed, *kept]) == list(range(100))
 
 
+@pytest.mark.slow
 def test_the_fast_algorithm_keeps_its_word_where_bounds_must_be_renewed(grid: Setting) -> None:
     """Against exact values of every removal, step by step, on the symmetric grid, where many are equally good."""
     for criterion in POSE_CRITERIA.values():

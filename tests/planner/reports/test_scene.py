@@ -14,7 +14,7 @@ from planner.reports.page import Head, page, section
 from planner.reports.scene import Part, Scene, moving_machine, posing_machine
 from planner.reports.still import machine_picture
 from tests.chains import chain_case
-from tests.helpers import Harmonic
+from tests.helpers import Harmonic, few
 from tests.planner.browser import opened
 
 
@@ -27,7 +27,7 @@ def around_home(joints: int, count: int) -> np.ndarray:
     return home + 0.2 * np.random.default_rng(joints).normal(size=(count, joints))
 
 
-@pytest.mark.parametrize("joints", [5, 6, 7])
+@pytest.mark.parametrize("joints", few(6, 5, 7))
 def test_joints_of_a_chain_are_drawn_where_its_frames_are(joints: int):
     poses = around_home(joints, 4)
     scene = posing_machine(chain_case(joints), poses)
@@ -62,7 +62,7 @@ def test_struts_join_base_and_platform():
     assert lengths == pytest.approx(np.linalg.norm(platform[:6] - base, axis=1))
 
 
-@pytest.mark.parametrize("joints", [5, 6])
+@pytest.mark.parametrize("joints", few(6, 5))
 def test_a_chain_moves_on_its_page(browser: Browser, joints: int, tmp_path: Path):
     """The page turns the parts with its own code: they stand where this module places them."""
     scene = posing_machine(chain_case(joints), around_home(joints, 6))
@@ -82,6 +82,7 @@ def test_a_chain_moves_on_its_page(browser: Browser, joints: int, tmp_path: Path
         assert tab.errors == []
 
 
+@pytest.mark.slow
 def test_printed_poses_are_numbered():
     text = machine_picture(posing_machine(chain_case(6), around_home(6, 12)))
     assert "pose 1" in text

@@ -180,6 +180,7 @@ def annealed(
     return annealed
 
 
+@pytest.mark.slow
 def test_annealing_finds_more_than_chance_and_the_same_again(
     annealed: Callable[[int], np.ndarray], hexapod_case: Case, model: Model, scaling: np.ndarray,
     family: PointToPointFamily,

@@ -137,6 +137,7 @@ def test_nothing_keeps_running_when_hexcite_is_ended(
         assert [path.name for path in folder.iterdir() if path.suffix != ".lock"] == []
 
 
+@pytest.mark.slow
 @pytest.mark.linuxcnc
 def test_runs_without_namespaces_too(write: Callable[[str], Path], folder: Path) -> None:
     """Inside outer namespaces, where it cannot meet the sessions of other tests."""

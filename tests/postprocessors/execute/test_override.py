@@ -9,6 +9,7 @@ from cases.schema import Case
 from postprocessors.dialects import Program, dialect
 from postprocessors.execute import ControllerLog
 from postprocessors.execute.linuxcnc.session import run_linuxcnc
+from tests.helpers import few
 from tests.postprocessors.edited import path
 from tests.postprocessors.execute.test_start import there_and_back
 
@@ -33,7 +34,7 @@ def moving(log: ControllerLog) -> float:
     return float(rows[-1] - rows[0]) * log.period
 
 
-@pytest.mark.parametrize("made", [there_and_back, dense_path])
+@pytest.mark.parametrize("made", few(there_and_back, dense_path))
 def test_an_override_does_not_make_a_program_faster_unless_it_leaves_the_knob_on(
     made: Callable[[Case], Program], hexapod_case: Case
 ) -> None:
