@@ -38,7 +38,7 @@ class Identifiability:
 
     @property
     def zero(self) -> float:
-        """The numerical zero of Figure 3, m n eps max |R_ii|."""
+        """The numerical zero of Figure 3, `m n eps max |R_ii|`."""
         return float(self.rows * np.finfo(float).eps * np.abs(np.diag(self.r)).max())
 
     @property
@@ -58,7 +58,7 @@ class Identifiability:
 
     @property
     def below_zero(self) -> tuple[str, ...]:
-        """Parameters with |R_ii| below the numerical zero: those before them in (17) make the same forces."""
+        """Parameters with `|R_ii|` below the numerical zero: those before them in (17) make the same forces."""
         return tuple(name for name, r in zip(self.names, np.abs(np.diag(self.r)), strict=True) if r < self.zero)
 
     def strongest(self, count: int = 5) -> list[tuple[str, str, float]]:
