@@ -75,13 +75,14 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
     own, step_time = controlled(case, made_for)
     rounds = _Rounds(request, own.within_margin(), case, listener, run, until)  # the proof asks the limits themselves
     results: list[Start | Failed] = []
-    ended_early = False
+    ended_early = late = False
     for number in count():
         more, ended_early = rounds.one(number, _best_refined(results))
         results += more
-        if ended_early or request.seconds is None or all(isinstance(result, Failed) for result in more):
+        late = time.monotonic() >= until
+        if ended_early or late or request.seconds is None or all(isinstance(result, Failed) for result in more):
             break
-    out_of_time = ended_early and time.monotonic() >= until
+    out_of_time = late
     starts = sorted(_without_failures(results), key=lambda s: -s.record.criterion_value)
     failed = tuple(r for r in results if isinstance(r, Failed))
     if not starts:
@@ -137,7 +138,8 @@ class _Rounds:
             (s for s in explored if not s.record.refined and s.promise > score), key=lambda s: -s.promise
         )
         refinements = [self._task(s.family, s.record.seed, s.begin) for s in promising[:wanted]]
-        if refinements and (schedule.late or not early):
+        early = early and not schedule.late  # the end of its time leaves some to refine, or to go on
+        if refinements and not early:
             self.listener(Planned("refinement", len(refinements), True, self.until))
             second, early = self.run(Schedule.of(refinements, self.until), self.listener)
             results = results + second
