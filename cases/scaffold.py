@@ -14,7 +14,7 @@ from cases.errors import CaseError, FileProblem, printable
 from cases.files import toml_value, write_text
 from cases.schema import Case, load_case
 from cases.tables import CASE_FILE, Part, built_in_cases, find_case
-from cases.tolerances import KINDS, TYPICAL, Tolerances
+from cases.tolerances import TYPICAL, Tolerances
 from cases.urdf import read_urdf
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
@@ -71,17 +71,13 @@ def new_case(name: str, like: str = "hexapod", folder: Path | str | None = None)
 
 def _tolerances(case: Case) -> list[str]:
     """The table of tolerances as comments, with values to begin from."""
-    own = [key for key in TYPICAL if KINDS[key] in case.model_copy(update={"tolerances": None}).not_counted]
-    if case.chain is None:
-        own = [key for key in own if not key.startswith("joint_zeros")]
-    foreign = {"joints_mm": case.hexapod is None, "bars_mm": case.sensor_frame.bars is None}
     words = explanations(Tolerances)
     about = (
         "How far the machine may be from all this: deviations of results count what is stated here, and say what is "
         "not. Standard deviations, or limits as { limit = 0.05 }. Typical values, to be replaced by those of drawing "
         "and data sheets:"
     )
-    rows = [f"# {key} = {TYPICAL[key]:g} # {words[key]}" for key in own if not foreign.get(key, False)]
+    rows = [f"# {key} = {TYPICAL[key]:g} # {words[key]}" for key in TYPICAL if key in case.tolerable]
     return ["", *_comment(about), "# [tolerances]", *rows]
 
 

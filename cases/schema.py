@@ -136,7 +136,7 @@ class Case(Heading):
 
     @model_validator(mode="after")
     def _consistent(self) -> "Case":
-        if problems := [*self._of_its_machine(), *self._of_its_sensors()]:
+        if problems := [*self._of_its_machine(), *self._of_its_sensors(), *self._of_its_tolerances()]:
             raise ValueError(ALSO.join(problems))
         return self
 
@@ -223,6 +223,13 @@ class Case(Heading):
                 "pose_error_length_mm"
             )
 
+    def _of_its_tolerances(self) -> Iterator[str]:
+        """Problems of tolerances of what the machine does not have: they would count for nothing."""
+        for key, _ in () if self.tolerances is None else self.tolerances.stated():
+            if key not in self.tolerable:
+                own = ", ".join(self.tolerable)
+                yield f"tolerances.{key} is of something that this machine does not have; it has {own}"
+
     @cached_property
     def doubts(self) -> tuple[str, ...]:
         """Sentences on values that contradict others of the case, or that no machine has; see `cases.doubts`."""
@@ -293,19 +300,27 @@ class Case(Heading):
         """Raises CaseError: `part` of the case is needed for `purpose`."""
         raise CaseError(f"case {self.name}", part, f"is missing; {purpose} needs it: add the table to the case file")
 
+    @cached_property
+    def tolerable(self) -> tuple[str, ...]:
+        """Keys of `[tolerances]` that this machine has something for."""
+        turns = [] if self.chain is None else [joint.turns for joint in self.chain.joints]
+        own = {
+            "joints_mm": self.hexapod is not None,
+            "bars_mm": self.sensor_frame.bars is not None,
+            "sensor_mm": self.sensor_frame.transducer is not None,
+            "sensor_deg": self.sensor_frame.transducer is not None,
+            "joint_zeros_deg": any(turns),
+            "joint_zeros_mm": not all(turns),
+            "encoder_scale_ppm": self.machine is not None,
+            "clock_ppm": self.setup != "1a",
+        }
+        return tuple(key for key in KINDS if own.get(key, True))
+
     @property
     def not_counted(self) -> list[str]:
         """Kinds of tolerances that this machine has and the case does not state: no deviation counts them."""
         stated = set() if self.tolerances is None else {KINDS[key] for key, _ in self.tolerances.stated()}
-        own = {
-            "drawing": self.machine is not None or self.sensor_frame.bars is not None,
-            "gains": True,
-            "alignment": self.sensor_frame.transducer is not None,
-            "gravity": True,
-            "encoders": self.machine is not None,
-            "clock": self.setup != "1a",
-        }
-        return [kind for kind, has in own.items() if has and kind not in stated]
+        return [kind for kind in dict.fromkeys(KINDS[key] for key in self.tolerable) if kind not in stated]
 
     @property
     def hexapod(self) -> HexapodMachine | None:

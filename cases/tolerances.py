@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BeforeValidator, PlainSerializer
+from pydantic import BeforeValidator, PlainSerializer, model_validator
 
 from cases.tables import NonNegative, Part
 
@@ -42,15 +42,21 @@ TYPICAL = {
 class Spread(Part):
     """A standard deviation, or a limit that nothing exceeds; exactly one of them."""
 
-    std: NonNegative = 0.0
+    std: NonNegative | None = None
     """Standard deviation."""
     limit: NonNegative | None = None
     """Largest deviation to either side, all within alike (rectangular): its deviation is the limit over root three."""
 
+    @model_validator(mode="after")
+    def _one_of_them(self) -> "Spread":
+        if (self.std is None) == (self.limit is None):
+            raise ValueError("give a standard deviation, such as 0.03, or { limit = 0.05 }, not both or none")
+        return self
+
     @property
     def deviation(self) -> float:
         """The standard deviation."""
-        return self.std if self.limit is None else self.limit / float(np.sqrt(3.0))
+        return self.std if self.std is not None else (self.limit or 0.0) / float(np.sqrt(3.0))
 
 
 def _spread(value: Any) -> Any:

@@ -378,5 +378,5 @@ def _estimated(
     findings += fit_findings(recording, case, fitted)
     allowed = allowed_for(fitted, systematic)
     findings += not_shown(allowed, systematic)
-    findings += budget_findings(fitted, allowed, () if systematic is None else systematic.tolerances, case)
+    findings += budget_findings(fitted, allowed, None if systematic is None else systematic.tolerances, case)
     return estimate_of(allowed, recording.source, case, tuple(findings))

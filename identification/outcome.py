@@ -224,7 +224,8 @@ class Result:
             "+- is the larger of std (28), right for white noise, and of std robust, which allows for noise that is not"
         )
         if missing := self.not_counted:
-            which += f";\n  they count no tolerances of {', '.join(missing)}: the case states none, see [tolerances]"
+            why = "the case states none, see [tolerances]" if missing == self.case.not_counted else "see the notes"
+            which += f";\n  they count no tolerances of {', '.join(missing)}: {why}"
         lag = self.record.delay_s
         lines = [] if lag is None else [f"forces lag the motion by {lag.value * 1e3:.3f} +- {lag.std * 1e3:.3f} ms"]
         table = [

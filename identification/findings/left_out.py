@@ -387,7 +387,7 @@ class LeftOut:
     def _of_drives(self) -> Iterator[Alternative]:
         if self.by_drives is None or self.motion.drives is None:
             return
-        (place, speed, acceleration), (_, v, _), gains = self.by_drives, self.motion.drives, self.by_scales
+        place, v, gains = self.by_drives[0], self.motion.drives[1], self.by_scales
         for k, name in enumerate(self.names.drives):
             unit, word = (DEGREES, "deg") if self.names.turns[k] else (MILLIMETRES, "mm")
             cause = f"a zero of {name} that is wrong by {{}} {word}"
@@ -399,7 +399,7 @@ class LeftOut:
             yield Alternative("zero", "the pose", cause, -place.sum(axis=2, keepdims=True), MILLIMETRES)
             cause = "a scale of all struts that is wrong by {} %"
             yield Alternative("scale", "the pose", cause, -gains.sum(axis=2, keepdims=True), PERCENT)
-            yield from self._of_joints(place, speed, acceleration)
+            yield from self._of_joints()
         if self.late is not None:
             each = self._each("the sign of the speed of {}", self.names.drives)
             yield Alternative(
@@ -410,25 +410,36 @@ class LeftOut:
                 each=each,
             )
 
-    def _of_joints(self, place: Array, speed: Array, acceleration: Array) -> Iterator[Alternative]:
+    def _of_joints(self) -> Iterator[Alternative]:
         """Rings of joints of a hexapod that are not as the case says: then struts seem to have other lengths."""
         machine = self.motion.machine
         if not isinstance(machine, Hexapod):
             return
-        before = self.strut_motion(machine.base, machine.platform)
         for ring, points in (("base", machine.base), ("platform", machine.platform)):
             for what, ways, unit, word in ring_changes(points):
                 if what == "height":
                     continue  # of the base or of the platform, it moves the pose as a whole
-                moved = points + STEP * ways
-                after = self.strut_motion(*((moved, machine.platform) if ring == "base" else (machine.base, moved)))
-                change = [(b - a) / STEP for a, b in zip(before, after, strict=True)]
-                columns = -sum(
-                    (by * own_change[:, None]).sum(axis=2, keepdims=True)
-                    for by, own_change in zip((place, speed, acceleration), change, strict=True)
-                )
+                columns = -self.by_joints(machine, ring, ways)  # the run is of the larger ring
                 cause = f"a {what} of the {ring} joints' ring that is {{}} {word} larger than the case says"
-                yield Alternative("ring", "the pose", cause, np.asarray(columns), unit)
+                yield Alternative("ring", "the pose", cause, columns, unit)
+
+    def by_joints(self, machine: Hexapod, ring: str, ways: Array) -> Array:
+        """How the expected forces change where joints of a ring are moved in the case, shape (n, 6, 1).
+
+        Args:
+            machine: the hexapod; its struts then seem to have other lengths.
+            ring: base or platform.
+            ways: how its joints move for 1 m or rad, shape (6, 3).
+        """
+        assert self.by_drives is not None
+        rings = {"base": machine.base, "platform": machine.platform}
+        before = self.strut_motion(**rings)
+        after = self.strut_motion(**(rings | {ring: rings[ring] + STEP * ways}))
+        changes = (
+            (by * ((old - new) / STEP)[:, None]).sum(axis=2, keepdims=True)
+            for by, old, new in zip(self.by_drives, before, after, strict=True)
+        )
+        return np.asarray(sum(changes))
 
     def strut_motion(self, base: Array, platform: Array) -> tuple[Array, Array, Array]:
         """Lengths, speeds and accelerations of struts between joints, shapes (6, 3), in the motion, shapes (n, 6)."""

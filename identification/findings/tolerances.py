@@ -5,6 +5,7 @@ first order the estimate is off by B p, where B = A^+ D, and D is how the forces
 drives change with p: its share of the covariance is B diag(var p) B^T. Least squares do not use what is known of p.
 """
 
+import itertools
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -91,19 +92,10 @@ def _of_joints(of: LeftOut) -> Iterator[Array]:
     machine = of.motion.machine
     if not isinstance(machine, Hexapod) or of.by_drives is None:
         return
-    before = of.strut_motion(machine.base, machine.platform)
-    for ring in ("base", "platform"):
-        points = getattr(machine, ring)
-        for joint, axis in np.ndindex(6, 3):
-            moved = points.copy()
-            moved[joint, axis] += STEP
-            after = of.strut_motion(*((moved, machine.platform) if ring == "base" else (machine.base, moved)))
-            yield -np.asarray(
-                sum(
-                    (by * ((new - old) / STEP)[:, None]).sum(axis=2, keepdims=True)
-                    for by, new, old in zip(of.by_drives, after, before, strict=True)
-                )
-            )
+    for ring, joint, axis in itertools.product(("base", "platform"), range(6), range(3)):
+        ways = np.zeros((6, 3))
+        ways[joint, axis] = 1.0
+        yield of.by_joints(machine, ring, ways)
 
 
 def _of_bars(of: LeftOut, lower: Array, upper: Array) -> Array:
@@ -117,7 +109,7 @@ def _of_bars(of: LeftOut, lower: Array, upper: Array) -> Array:
     return np.stack(columns, axis=2)
 
 
-def budget_findings(before: Fitted, allowed: Fitted, shares: tuple[Share, ...], case: Case) -> list[Finding]:
+def budget_findings(before: Fitted, allowed: Fitted, shares: tuple[Share, ...] | None, case: Case) -> list[Finding]:
     """What deviations do not count, and the budget of each parameter where tolerances are stated.
 
     A budget has standard deviations by their causes, whose squares add up to that of the reported deviation.
@@ -125,9 +117,15 @@ def budget_findings(before: Fitted, allowed: Fitted, shares: tuple[Share, ...], 
     Args:
         before: the fit by its noise alone.
         allowed: the fit with deviations that allow for all that its residuals show, and for tolerances.
-        shares: what tolerances add to its covariance.
+        shares: what tolerances add to its covariance; None where they cannot be carried through.
         case: case of the recording.
     """
+    if shares is None:
+        words = (
+            "no tolerance of [tolerances] is counted: that is not done with --prior, nor where no drive says the motion"
+        )
+        kinds = list(dict.fromkeys(KINDS[key] for key in case.tolerable))
+        return [note(Kind.NOISE, words if case.tolerances is not None else "", not_counted=kinds)]
     found = [note(Kind.NOISE, "", not_counted=case.not_counted)] if case.not_counted else []
     if not shares:
         return found

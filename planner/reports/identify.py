@@ -152,7 +152,7 @@ def parameter_blocks(result: Result) -> tuple[Block, ...]:
         words, value, widest, *stds, _ = value_cells(name, p, rods)
         rows.append((words, value, widest, unit, *ends, *stds))
     delay = delay_words(result)
-    stated = f" They count no tolerances of {', '.join(result.not_counted)}: the case states none in [tolerances]."
+    stated = f" They count no tolerances of {', '.join(result.not_counted)}; see [tolerances]."
     missing = stated if result.not_counted else ""
     return (
         table(PARAMETER_COLUMNS, rows),

@@ -9,6 +9,8 @@ import pytest
 from cases.schema import Case
 from cases.tolerances import Tolerances
 from cases.units import DEG, MM
+from identification.estimation.estimators import Method
+from identification.estimation.priors import Prior
 from identification.findings.left_out import LeftOut
 from identification.findings.remains import free_basis, remainder_of
 from identification.findings.tolerances import biases_of
@@ -143,7 +145,26 @@ def test_a_limit_is_rectangular_and_a_common_gain_is_all_of_the_mass() -> None:
     assert estimate.quantities["budget"]["m"]["gains"] == pytest.approx(0.01 * mass / np.sqrt(3.0), rel=0.02)
 
 
-@pytest.mark.parametrize("wrong", [{"joints_mm": -0.1}, {"gain_percent": {"limit": "0.2"}}, {"gains": 0.2}])
+def test_tolerances_of_what_a_machine_does_not_have_are_refused_with_those_that_it_has() -> None:
+    for name, key in (("ur10_wrist", "joints_mm"), ("hexapod", "sensor_mm"), ("hexapod", "joint_zeros_deg")):
+        data = machine(name).case.model_dump(mode="json", exclude_unset=True) | {"tolerances": {key: 0.1}}
+        with pytest.raises(ValueError, match=rf"tolerances\.{key} .* it has .*gain_percent"):
+            Case.model_validate(data)
+
+
+def test_with_a_prior_no_tolerance_is_counted_and_that_is_said() -> None:
+    of, recording = run("hexapod")
+    case = of.case.model_copy(update={"tolerances": Tolerances.model_validate({"gain_percent": 0.2})})
+    known = Method(priors=(Prior("m", of.truth["m"], 0.1),))
+    estimate = estimate_parameters(recording, case, how=known)
+    assert any(tells(text, "no tolerance of [tolerances] is counted", "--prior") for text in estimate.notes)
+    assert "gains" in estimate.quantities["not_counted"]
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"joints_mm": -0.1}, {"gain_percent": {"limit": "0.2"}}, {"gains": 0.2}, {"bars_mm": {"std": 0.1, "limit": 0.2}}],
+)
 def test_tolerances_that_cannot_be_are_refused_by_key(wrong: dict) -> None:
     (key,) = wrong
     with pytest.raises(ValueError, match=key):
