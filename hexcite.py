@@ -68,5 +68,6 @@ if TYPE_CHECKING:
     from postprocessors import Program as Program
     from postprocessors import read_program as read_program
     from postprocessors.export import export as export
+    from postprocessors.export import preview as preview
 
 __getattr__, __dir__ = door(__name__, checked=True)

@@ -12,22 +12,36 @@ def export(
     result: Annotated[Path, argument("Result folder of hexcite identify or tare.")],
     to: Annotated[
         str,
-        option("c (C99), linuxcnc (HAL component), st (IEC 61131-3), urscript, json.", "--to"),
+        option(
+            "The model: c (C99), linuxcnc (HAL component), st (IEC 61131-3), json. The load for a robot: urscript, "
+            "kuka, rapid, franka, xarm, table (to type in: FANUC and others). For ROS 2: ros2, ft-tools. As a link: "
+            "urdf, mjcf, sdf.",
+            "--to",
+        ),
     ],
     case: OwnCase = None,
+    frame: Annotated[
+        str | None, option("Of urdf, mjcf and sdf: count from the sensor (default) or the flange.", "--frame")
+    ] = None,
+    preview: Annotated[bool, option("Print what would be written, and write nothing.", "--preview")] = False,
     force: Annotated[bool, option("Export a result with warnings; they are written into the file.", "--force")] = False,
     output: Annotated[Path | None, out("File to write; for c a folder.")] = None,
     stale: Stale = False,
     overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
-    """Write the calibrated model for a controller."""
+    """Write the calibrated model, or the load that it found, for a controller."""
     identified = hx.Result.load(result, None if case is None else hx.load_case(case), stale)
-    files = hx.export(identified, to, output, force=force, overwrite=overwrite)
     warnings = [*identified.warnings, *identified.remarks]
-    names, case_name, model = [str(file) for file in files], identified.case.name, identified.model.number
-    answer = {"file": names[0], "files": names, "target": to, "case": case_name, "model": model, "warnings": warnings}
+    case_name, model = identified.case.name, identified.model.number
+    answer = {"target": to, "case": case_name, "model": model, "warnings": warnings}
+    if preview:
+        texts = dict(hx.preview(identified, to, frame=frame))
+        answered(answer | {"texts": texts}, json, *(text.rstrip("\n") for text in texts.values()))
+        return
+    names = [str(file) for file in hx.export(identified, to, output, frame=frame, force=force, overwrite=overwrite)]
     told = (f"warning, also in the file: {warning}" for warning in warnings)
+    answer = {"file": names[0], "files": names, **answer}
     answered(answer, json, *told, f"model {model} of case {case_name} written: {', '.join(names)}")
 
 

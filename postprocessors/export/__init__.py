@@ -6,5 +6,6 @@ from cases import door
 
 if TYPE_CHECKING:
     from postprocessors.export.targets import export as export
+    from postprocessors.export.targets import preview as preview
 
 __getattr__, __dir__ = door(__name__)

@@ -5,18 +5,16 @@ import re
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from cases.errors import FileProblem, IdentificationError
+from cases.errors import FileProblem
 from cases.files import json_text
 from cases.schema import Case
-from cases.units import Array
-from identification.model import Model
 from identification.outcome import Result
-from identification.parameters import INERTIA
+from postprocessors.export.load import has_inertia, load_of
 
 
 def require_exportable(result: Result, force: bool = False) -> None:
@@ -98,48 +96,20 @@ def json_document(result: Result) -> str:
     )
 
 
-class Load(NamedTuple):
-    """The rigid body that a force/torque sensor carries, as a robot counts it: from its flange, along its axes."""
-
-    mass: float  # [kg]
-    centre: Array  # centre of gravity, shape (3,) [m]
-    inertia: Array  # about it, shape (3, 3) [kg m^2]
-    sensor: Array  # axes and origin of {P} in the flange, shape (4, 4) [-, m]
-
-
-def load_at_flange(result: Result) -> Load:
-    """The load in the frame of the robot's flange.
-
-    Raises:
-        CaseError: the case does not say where the flange is.
-        IdentificationError: the model has no inertia of the load alone.
-    """
-    if not _has_load(result.model):
-        problem = (
-            "set_target_payload needs the inertia of a load alone, which models 6 to 9 have, of sensors at the load"
-        )
-        raise IdentificationError(result.source, problem, "export --to c, linuxcnc or st")
-    place = result.case.need_flange("a payload")
-    turn, value = place[:3, :3], {name: v.value for name, v in result.parameters.items()}
-    xx, xy, xz, yy, yz, zz = (value[f"IC{k}"] for k in ("11", "12", "13", "22", "23", "33"))
-    centre = turn @ [value["xC"], value["yC"], value["zC"]] + place[:3, 3]
-    return Load(value["m"], centre, turn @ [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]] @ turn.T, place)
-
-
-def _has_load(model: Model) -> bool:
-    return INERTIA in model.blocks and (model.struts is None or model.struts.sensors.at != "drive")
-
-
 def _flange(result: Result) -> dict[str, Any] | None:
     """The flange's entry of the document; None where the case states none."""
     place = result.case.in_flange
     if place is None:
         return None
-    load = load_at_flange(result) if _has_load(result.model) else None
+    load = load_of(result, place) if has_inertia(result.model) else None
     return {
         "sensor": {"origin_m": place[:3, 3].tolist(), "axes": place[:3, :3].tolist()},
         "load": load
-        and {"mass_kg": load.mass, "centre_of_gravity_m": load.centre.tolist(), "inertia_kg_m2": load.inertia.tolist()},
+        and {
+            "mass_kg": load.mass,
+            "centre_of_gravity_m": load.centre.tolist(),
+            "inertia_kg_m2": np.array(load.inertia).tolist(),
+        },
     }
 
 

@@ -1,33 +1,62 @@
 """From a result to files: the targets, their names, and files that appear as a whole or not at all."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
-import numpy as np
-
-from cases.errors import FileProblem, HexciteError, IdentificationError, choice
+from cases.errors import FileProblem, HexciteError, choice
 from cases.files import FolderKind, atomic_folder, check_file, check_folder, output_place, write_text
-from cases.units import DEG, MM, Array
 from identification.outcome import Result
-from postprocessors.export.calibration import (
-    checked_name,
-    comment_lines,
-    default_name,
-    json_document,
-    load_at_flange,
-    require_exportable,
-)
+from postprocessors.export import robots, ros2, simulators
+from postprocessors.export.calibration import checked_name, default_name, json_document, require_exportable
 from postprocessors.export.code import c_sources, linuxcnc_component, structured_text
+from postprocessors.export.load import FrameName
 
-# target that is one file -> its suffix, what it holds, and whether the file's name becomes the name of the model
-SINGLE_FILES: dict[str, tuple[str, Callable[[Result, str], str], bool]] = {
-    "linuxcnc": (".comp", linuxcnc_component, True),
-    "st": (".st", structured_text, True),
-    "json": (".json", lambda result, _: json_document(result), False),
-    "urscript": (".script", lambda result, _: urscript_payload(result), False),
+
+class Target(NamedTuple):
+    """What can be written as one file.
+
+    Args:
+        suffix: of the file.
+        text: its text, of the result and the name of model or module.
+        named: whether the file's name becomes that name.
+        what: a few words for people.
+    """
+
+    suffix: str
+    text: Callable[[Result, str], str]
+    named: bool
+    what: str
+
+
+class LinkTarget(NamedTuple):
+    """A target whose text is counted from the sensor or from the flange, as is chosen."""
+
+    suffix: str
+    text: Callable[[Result, str, FrameName], str]
+    named: bool
+    what: str
+
+
+SINGLE_FILES: dict[str, Target | LinkTarget] = {
+    "linuxcnc": Target(".comp", linuxcnc_component, True, "HAL component"),
+    "st": Target(".st", structured_text, True, "IEC 61131-3"),
+    "json": Target(".json", lambda result, _: json_document(result), False, "the whole model"),
+    "urscript": Target(".script", robots.urscript, False, "Universal Robots"),
+    "kuka": Target(".dat", robots.kuka, False, "LOAD_DATA"),
+    "rapid": Target(".mod", robots.rapid, True, "ABB loaddata"),
+    "franka": Target(".yaml", robots.franka, False, "setLoad"),
+    "xarm": Target(".py", robots.xarm, False, "UFACTORY"),
+    "table": Target(".txt", robots.table, False, "to type in: FANUC and others"),
+    "ros2": Target(".yaml", ros2.broadcaster, False, "force_torque_sensor_broadcaster"),
+    "ft-tools": Target(".yaml", ros2.ft_tools, False, "calibration of ft_tools"),
+    "urdf": LinkTarget(".xml", simulators.urdf, False, "<inertial>"),
+    "mjcf": LinkTarget(".xml", simulators.mjcf, False, "<inertial>"),
+    "sdf": LinkTarget(".xml", simulators.sdf, False, "<inertial>"),
 }
 
 TARGETS = ("c", *SINGLE_FILES)
+FRAMES: tuple[FrameName, ...] = ("sensor", "flange")
 
 
 def export(
@@ -35,15 +64,17 @@ def export(
     target: str,
     output: Path | str | None = None,
     *,
+    frame: str | None = None,
     force: bool = False,
     overwrite: bool = False,
 ) -> list[Path]:
-    """Writes the calibrated model for a controller.
+    """Writes the calibrated model, or the load that it found, for a controller or a simulator.
 
     Args:
         result: identified parameters.
         target: one of `TARGETS`.
         output: file, or folder for `c`; by default named after the case, in the current folder.
+        frame: "sensor" (the default) or "flange": of a link, the frame that its load is counted in.
         force: whether to export in spite of warnings, which are written into the file.
         overwrite: whether to replace the files of an earlier export.
 
@@ -53,19 +84,61 @@ def export(
     Raises:
         HexciteError: the target is unknown, cannot carry the model or cannot be written.
         FileProblem: the result carries warnings and `force` is not set.
+
+    Example:
+        `hx.export(result, "kuka", "load.dat")` writes LOAD_DATA with the load counted from the flange.
     """
-    require_exportable(result, force)
+    own = _target(target)
     place = None if output is None else Path(output)
-    if target == "c":
+    require_exportable(result, force)
+    if own is None:
+        _require_no_frame(target, frame)
         return _c_folder(result, place, overwrite)
-    if target not in SINGLE_FILES:
-        raise HexciteError(f"target {target!r} is unknown; {choice(target, TARGETS)}")
-    suffix, text, named = SINGLE_FILES[target]
-    usual = Path(f"{default_name(result.case)}{suffix}")
-    file = output_place(place, usual, overwrite, "_" if named else "-")  # no name of a model holds "-"
-    check_file(file, [suffix], [Path(result.source)], overwrite)
-    write_text(file, text(result, checked_name(file.stem, file) if named else file.stem))
+    usual = Path(f"{default_name(result.case)}{own.suffix}")
+    file = output_place(place, usual, overwrite, "_" if own.named else "-")  # no name of a model holds "-"
+    check_file(file, [own.suffix], [Path(result.source)], overwrite)
+    write_text(file, _text(result, target, own, checked_name(file.stem, file) if own.named else file.stem, frame))
     return [file]
+
+
+def preview(result: Result, target: str, *, frame: str | None = None) -> Mapping[str, str]:
+    """What `export` would write, warnings or not: the text of each file by its usual name.
+
+    Raises:
+        HexciteError: the target is unknown, or cannot carry the model.
+
+    Example:
+        `print(*hx.preview(result, "kuka").values())` shows LOAD_DATA.
+    """
+    own, name = _target(target), default_name(result.case)
+    if own is None:
+        _require_no_frame(target, frame)
+        header, source = c_sources(result, name)
+        return {f"{name}.h": header, f"{name}.c": source}
+    return {f"{name}{own.suffix}": _text(result, target, own, name, frame)}
+
+
+def _target(target: str) -> Target | LinkTarget | None:
+    """The target of that name; None for `c`."""
+    if target not in TARGETS:
+        raise HexciteError(f"target {target!r} is unknown; {choice(target, TARGETS)}")
+    return SINGLE_FILES.get(target)
+
+
+def _text(result: Result, target: str, own: Target | LinkTarget, name: str, frame: str | None) -> str:
+    if isinstance(own, Target):
+        _require_no_frame(target, frame)
+        return own.text(result, name)
+    known = next((known for known in FRAMES if known == (frame or FRAMES[0])), None)
+    if known is None:
+        raise HexciteError(f"frame {frame!r} is unknown; {choice(str(frame), FRAMES)}")
+    return own.text(result, name, known)
+
+
+def _require_no_frame(target: str, frame: str | None) -> None:
+    if frame is not None:
+        links = [name for name, own in SINGLE_FILES.items() if isinstance(own, LinkTarget)]
+        raise HexciteError(f"target {target} has a frame of its own; leave frame out, or choose {', '.join(links)}")
 
 
 def _c_folder(result: Result, output: Path | None, overwrite: bool) -> list[Path]:
@@ -82,48 +155,3 @@ def _c_folder(result: Result, output: Path | None, overwrite: bool) -> list[Path
         (part / names[0]).write_text(source, encoding="ascii")
         (part / names[1]).write_text(header, encoding="ascii")
     return [folder / n for n in names]
-
-
-LARGEST = 133.0  # [kg m^2] largest element of the inertia
-ROUNDING = 1e-9  # share of the largest principal inertia: tolerance of the triangle inequality for rounding
-
-
-def urscript_payload(result: Result) -> str:
-    """A URScript program that sets the load of the force sensor, a rigid body, as payload of the robot.
-
-    Script manual: mass, centre of gravity from the tool flange in metres, inertia about the centre of gravity along the
-    flange's axes, in the order Ixx, Iyy, Izz, Ixy, Ixz, Iyz. The command zeroes the robot's own force sensor.
-
-    Raises:
-        CaseError: the case does not say where the flange is.
-        IdentificationError: a static model, which has no inertia, an inertia that no body has or no robot takes, or
-            sensors in struts at the drive, whose body is the platform with the rods.
-    """
-    load = load_at_flange(result)
-    i = load.inertia
-    moments = smallest, middle, largest = np.linalg.eigvalsh(i)
-    if smallest <= 0.0 or smallest + middle < largest * (1.0 - ROUNDING) or i.diagonal().max() > LARGEST:
-        problem = f"no load of a robot has the principal inertias {', '.join(f'{v:.4g}' for v in moments)} kg m^2"
-        raise IdentificationError(result.source, f"{problem}; identify from a run that turns the machine more")
-    centre = ", ".join(f"{v + 0.0:.5f}" for v in load.centre)
-    elements = ", ".join(f"{v + 0.0:.6f}" for v in (*i.diagonal(), i[0, 1], i[0, 2], i[1, 2]))
-    lines = [
-        *(f"# {line}" for line in comment_lines(result)),
-        "# payload: everything that the force sensor carries; add what is between flange and sensor, and the sensor",
-        f"# from the tool flange, in its axes: the case's sensor frame lies in it at {_words(load.sensor)}",
-        "# m from the flange, kg m^2 about the centre of gravity",
-        f"set_target_payload({load.mass:.4f}, [{centre}], [{elements}])",
-    ]
-    return "def payload():\n" + "".join(f"  {line}\n" for line in lines) + "end\n"
-
-
-def _words(place: Array) -> str:
-    """Origin and angles of a frame, shape (4, 4)."""
-    r = place[:3, :3]
-    roll, yaw = np.arctan2(r[2, 1], r[2, 2]), np.arctan2(r[1, 0], r[0, 0])
-    pitch = np.arctan2(-r[2, 0], np.hypot(r[0, 0], r[1, 0]))
-    origin, angles = (
-        ", ".join(f"{round(float(v), 2) + 0.0:.2f}" for v in values)
-        for values in (place[:3, 3] / MM, np.array([roll, pitch, yaw]) / DEG)
-    )
-    return f"{origin} mm, turned by {angles} deg (roll, pitch, yaw)"

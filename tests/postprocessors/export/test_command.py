@@ -24,7 +24,7 @@ CASE = load_case("hexapod")
 
 def machine(target: str) -> tuple[str, int]:
     """A built-in machine whose result a target takes, and the model: payloads are of robots."""
-    return ("ur10_wrist", 6) if target == "urscript" else ("hexapod", 9)
+    return ("hexapod", 9) if target in ("c", "linuxcnc", "st", "json", "urdf", "mjcf", "sdf") else ("ur10_wrist", 6)
 
 
 @pytest.fixture

@@ -1,0 +1,148 @@
+"""The rigid body that the force sensors carry, in the frame in which a robot or a simulator counts it."""
+
+from itertools import permutations
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from cases.errors import CaseError, IdentificationError
+from cases.schema import Case
+from cases.units import DEG, MM, Array
+from identification.model import Model
+from identification.outcome import Result
+from identification.parameters import INERTIA
+
+FrameName = Literal["sensor", "flange"]
+
+
+class Load(NamedTuple):
+    """A rigid body in a frame: everything that the force sensors carry.
+
+    Args:
+        mass: [kg].
+        centre: centre of gravity, shape (3,) [m].
+        inertia: about the centre of gravity along the frame's axes, shape (3, 3) [kg m^2]; None of a standing run,
+            which does not determine it.
+        frame_from_sensor: axes and origin of {P} in the frame, shape (4, 4) [-, m].
+    """
+
+    mass: float
+    centre: Array
+    inertia: Array | None
+    frame_from_sensor: Array
+
+
+def load_of(result: Result, frame_from_sensor: Array) -> Load:
+    """The load in a frame.
+
+    Args:
+        frame_from_sensor: axes and origin of {P} in it, shape (4, 4) [-, m].
+
+    Raises:
+        IdentificationError: no body has that inertia, or sensors in struts at the drive, whose body is the platform
+            with the rods.
+    """
+    struts = result.model.struts
+    if struts is not None and struts.sensors.at == "drive":
+        problem = "its body is the platform with the rods of the struts, no load alone"
+        raise IdentificationError(result.source, f"{problem}; export --to c, linuxcnc, st or json")
+    rotation, value = frame_from_sensor[:3, :3], {name: v.value for name, v in result.parameters.items()}
+    centre = rotation @ [value["xC"], value["yC"], value["zC"]] + frame_from_sensor[:3, 3]
+    if not has_inertia(result.model):
+        return Load(value["m"], centre, None, frame_from_sensor)
+    xx, xy, xz, yy, yz, zz = (value[f"IC{k}"] for k in ("11", "12", "13", "22", "23", "33"))
+    inertia = rotation @ [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]] @ rotation.T
+    return Load(value["m"], centre, inertia, frame_from_sensor)
+
+
+def has_inertia(model: Model) -> bool:
+    """Whether a model has the inertia of the load alone."""
+    return INERTIA in model.blocks and (model.struts is None or model.struts.sensors.at != "drive")
+
+
+def load_at_flange(result: Result) -> Load:
+    """The load in the frame of the robot's flange; raises CaseError where the case does not say where that is."""
+    return load_of(result, result.case.need_flange("a payload"))
+
+
+def load_in(result: Result, frame: FrameName) -> Load:
+    """The load in the sensor's frame {P}, or that of the robot's flange."""
+    return load_at_flange(result) if frame == "flange" else load_of(result, np.eye(4))
+
+
+ROUNDING = 1e-9  # share of the largest principal inertia: tolerance of the triangle inequality for rounding
+
+
+def require_body(load: Load, result: Result) -> Load:
+    """The load itself; raises IdentificationError where no rigid body has its inertia."""
+    if load.inertia is not None:
+        moments = smallest, middle, largest = np.linalg.eigvalsh(load.inertia)
+        if smallest <= 0.0 or smallest + middle < largest * (1.0 - ROUNDING):
+            problem = f"no body has the principal inertias {', '.join(f'{v:.4g}' for v in moments)} kg m^2"
+            raise IdentificationError(result.source, f"{problem}; identify from a run that turns the machine more")
+    return load
+
+
+def require_inertia(load: Load, result: Result, receiver: str) -> Array:
+    """The inertia; raises IdentificationError where the model has none, or no body has it."""
+    if load.inertia is None:
+        problem = f"{receiver} needs an inertia, which models 6 to 10 of a moving run determine"
+        raise IdentificationError(result.source, f"{problem}; identify from a moving run")
+    require_body(load, result)
+    return load.inertia
+
+
+def principal_axes(inertia: Array) -> tuple[Array, Array]:
+    """Principal inertias and their axes, in the order and with the signs that turn the axes least.
+
+    Args:
+        inertia: symmetric, shape (3, 3).
+
+    Returns:
+        Moments, shape (3,), and a rotation matrix whose columns are the axes, shape (3, 3):
+        inertia = axes diag(moments) axes^T.
+    """
+    moments, vectors = np.linalg.eigh(inertia)
+    order = list(max(permutations(range(3)), key=lambda columns: float(np.abs(vectors[:, list(columns)]).trace())))
+    moments, vectors = moments[order], vectors[:, order]
+    vectors = vectors * np.where(vectors.diagonal() < 0.0, -1.0, 1.0)
+    if np.linalg.det(vectors) < 0.0:
+        least = int(np.argmin(vectors.diagonal()))
+        vectors[:, least] *= -1.0
+    return moments, vectors
+
+
+def deviations_words(result: Result) -> str:
+    """Reported deviations of mass and centre of gravity, along the sensor's axes."""
+    m, *centre = (result.parameters[name].reported for name in ("m", "xC", "yC", "zC"))
+    return f"deviations: mass {m:.2g} kg, centre of gravity {', '.join(f'{v / MM:.2g}' for v in centre)} mm in {{P}}"
+
+
+def place_words(place: Array) -> str:
+    """Origin and angles of a frame, shape (4, 4)."""
+    r = place[:3, :3]
+    roll, yaw = np.arctan2(r[2, 1], r[2, 2]), np.arctan2(r[1, 0], r[0, 0])
+    pitch = np.arctan2(-r[2, 0], np.hypot(r[0, 0], r[1, 0]))
+    origin, angles = (
+        ", ".join(f"{round(float(v), 2) + 0.0:.2f}" for v in values)
+        for values in (place[:3, 3] / MM, np.array([roll, pitch, yaw]) / DEG)
+    )
+    return f"{origin} mm, turned by {angles} deg (roll, pitch, yaw)"
+
+
+def numbers(values: Array, decimals: int) -> str:
+    """Values with commas between them, without a negative zero."""
+    return ", ".join(f"{round(float(v), decimals) + 0.0:.{decimals}f}" for v in values)
+
+
+def require_transducer(case: Case, receiver: str) -> str:
+    """Which force the channels count: "load_on_sensor" or "sensor_on_load".
+
+    Raises:
+        CaseError: the machine has no six-axis force/torque sensor.
+    """
+    transducer = case.sensor_frame.transducer
+    if transducer is None:
+        problem = f"is that of no robot: {receiver} is for setup R, a force/torque sensor at a flange"
+        raise CaseError(f"case {case.name}", "setup", f"{problem}; export --to c, linuxcnc, st or json")
+    return transducer.sense

@@ -1,0 +1,163 @@
+"""The load as payload of a robot, in the words of its controller: frame, order, axes and units differ from maker to
+maker.
+
+All of them count from the robot's flange, and the load is everything that the force sensors carry: what is between
+flange and sensor, and the sensor, come on top.
+"""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from cases.errors import IdentificationError
+from cases.units import MM
+from identification.outcome import Result
+from postprocessors.export.calibration import comment_lines
+from postprocessors.export.load import (
+    Load,
+    deviations_words,
+    load_at_flange,
+    numbers,
+    place_words,
+    principal_axes,
+    require_body,
+    require_inertia,
+)
+
+LARGEST = 133.0  # [kg m^2] largest element of the inertia in set_target_payload
+KGF_CM_S2 = 9.80665 * 0.01  # [kg m^2] FANUC's unit of inertia
+CM = 0.01  # [m]
+POINT = "the run did not determine the inertia: the load counts as a point mass"
+
+
+def _remarks(result: Result, load: Load) -> list[str]:
+    """Where the values are from, what they count, and how sure they are: lines for people."""
+    return [
+        *comment_lines(result),
+        "payload: everything that the force sensor carries; add what is between flange and sensor, and the sensor",
+        f"counted from the robot's flange, along its axes: the case's sensor frame lies in it at "
+        f"{place_words(load.frame_from_sensor)}",
+        deviations_words(result),
+        *([] if load.inertia is not None else [POINT]),
+    ]
+
+
+def urscript(result: Result, name: str) -> str:
+    """A URScript program that sets the load as payload of the robot.
+
+    Script manual: mass, centre of gravity from the tool flange in metres, inertia about the centre of gravity along the
+    flange's axes, in the order Ixx, Iyy, Izz, Ixy, Ixz, Iyz. The command zeroes the robot's own force sensor.
+
+    Raises:
+        CaseError: the case does not say where the flange is.
+        IdentificationError: an inertia that no body has or no robot takes, or none.
+    """
+    load = load_at_flange(result)
+    inertia = require_inertia(load, result, "set_target_payload")
+    if inertia.diagonal().max() > LARGEST:
+        problem = f"an inertia of {inertia.diagonal().max():.4g} kg m^2, at most {LARGEST:g} is taken by the robot"
+        raise IdentificationError(result.source, f"{problem}; identify from a run that turns the machine more")
+    elements = numbers(np.array([*inertia.diagonal(), inertia[0, 1], inertia[0, 2], inertia[1, 2]]), 6)
+    lines = [
+        *(f"# {line}" for line in _remarks(result, load)),
+        "# kg, m from the flange, kg m^2 about the centre of gravity",
+        f"set_target_payload({load.mass:.4f}, [{numbers(load.centre, 5)}], [{elements}])",
+    ]
+    return "def payload():\n" + "".join(f"  {line}\n" for line in lines) + "end\n"
+
+
+def kuka(result: Result, name: str) -> str:
+    """Load data of a KUKA robot, for $config.dat or a program.
+
+    KRL: mass in kg, centre of gravity in mm from the flange; A, B, C turn the flange's axes about z, y, x in degrees to
+    the principal axes of inertia; J are the moments of inertia about these [kg m^2].
+    """
+    load = require_body(load_at_flange(result), result)
+    moments, axes = (np.zeros(3), np.eye(3)) if load.inertia is None else principal_axes(load.inertia)
+    x, y, z = (numbers(np.array([v]), 3) for v in load.centre / MM)
+    a, b, c = (numbers(np.array([v]), 4) for v in Rotation.from_matrix(axes).as_euler("ZYX", degrees=True))
+    jx, jy, jz = (numbers(np.array([v]), 7) for v in moments)
+    centre = f"CM {{X {x},Y {y},Z {z},A {a},B {b},C {c}}}"
+    return _commented(
+        ";",
+        [*_remarks(result, load), "of tool 1: change the number to that of your tool"],
+        f"LOAD_DATA[1]={{M {load.mass:.4f},{centre},J {{X {jx},Y {jy},Z {jz}}}}}",
+    )
+
+
+def rapid(result: Result, name: str) -> str:
+    """A RAPID module with the load as `loaddata`, the third part of a `tooldata` (tload).
+
+    RAPID: mass in kg, centre of gravity in mm; the quaternion turns the wrist's axes to the principal axes of inertia,
+    and ix, iy, iz are the moments about these [kg m^2], 0 for a point mass. The load of a tool counts from the wrist
+    coordinate system, whose origin is the centre of the flange.
+    """
+    load = require_body(load_at_flange(result), result)
+    moments, axes = (np.zeros(3), np.eye(3)) if load.inertia is None else principal_axes(load.inertia)
+    w, *vector = Rotation.from_matrix(axes).as_quat(canonical=True, scalar_first=True)
+    data = (
+        f"[{load.mass:.4f},[{numbers(load.centre / MM, 3)}],[{numbers(np.array([w, *vector]), 8)}],"
+        f"{numbers(moments, 7)}]"
+    )
+    remarks = [
+        *_remarks(result, load),
+        "use it as tload of a tooldata; a load of GripLoad counts from the tool's frame instead",
+    ]
+    body = _commented("!", remarks, f"PERS loaddata tool_load:={data};").splitlines()
+    return f"MODULE {name}\n" + "".join(f"  {line}\n" for line in body) + "ENDMODULE\n"
+
+
+def franka(result: Result, name: str) -> str:
+    """A request of franka_msgs/srv/SetLoad, whose entries are the arguments of libfranka's setLoad.
+
+    Mass in kg, centre of mass in metres from the flange, inertia about the centre of mass as a 3 x 3 matrix, column by
+    column [kg m^2].
+    """
+    load = load_at_flange(result)
+    inertia = require_inertia(load, result, "setLoad")
+    entries = [
+        f"mass: {load.mass:.4f}",
+        f"center_of_mass: [{numbers(load.centre, 6)}]",
+        f"load_inertia: [{numbers(inertia.T.ravel(), 8)}]",
+    ]
+    return _commented("#", _remarks(result, load), "\n".join(entries))
+
+
+def xarm(result: Result, name: str) -> str:
+    """A Python function that sets the load of a UFACTORY xArm: kg, and mm from the flange; it takes no inertia."""
+    load = load_at_flange(result)
+    lines = [
+        "def set_payload(arm):",
+        '    """Sets the load of an XArmAPI: kg, mm from the flange."""',
+        f"    return arm.set_tcp_load(weight={load.mass:.4f}, center_of_gravity=[{numbers(load.centre / MM, 2)}])",
+    ]
+    return _commented("#", _remarks(result, load), "\n".join(lines))
+
+
+def table(result: Result, name: str) -> str:
+    """The load in the units of screens where it is typed in: FANUC's PAYLOAD SET among them."""
+    load = require_body(load_at_flange(result), result)
+    remarks = "".join(f"{line}\n" for line in _remarks(result, load))
+    rows = [("mass [kg]", f"{load.mass:.4f}")]
+    for axis, v in zip("XYZ", load.centre, strict=True):
+        rows.append((f"centre of gravity {axis} [mm]  [cm]  [m]", f"{v / MM:.3f}  {v / CM:.4f}  {v:.6f}"))
+    if load.inertia is not None:
+        for axis, v in zip("XYZ", load.inertia.diagonal(), strict=True):
+            rows.append((f"inertia I{axis}{axis} [kg m^2]  [kgf cm s^2]", f"{v:.6g}  {v / KGF_CM_S2:.6g}"))
+        for a, b in ("XY", "XZ", "YZ"):
+            v = load.inertia["XYZ".index(a), "XYZ".index(b)]
+            rows.append((f"inertia I{a}{b} [kg m^2]", f"{v:.6g}"))
+        moments, axes = principal_axes(load.inertia)
+        for k, v in enumerate(moments):
+            rows.append((f"principal inertia {k + 1} [kg m^2], axis", f"{v:.6g}  ({numbers(axes[:, k], 5)})"))
+    width = max(len(words) for words, _ in rows)
+    body = "".join(f"{words:<{width}}  {value}\n" for words, value in rows)
+    about = (
+        "inertias are about the centre of gravity; Ixy is the element of the tensor, not its negative. FANUC's PAYLOAD "
+        "SET takes\nmass, centre [cm] and IXX, IYY, IZZ [kgf cm s^2] along the flange's axes\n"
+    )
+    return f"{remarks}\n{body}\n{about}"
+
+
+def _commented(sign: str, remarks: list[str], text: str) -> str:
+    """Remarks as comments of a language, and the text behind them."""
+    return "".join(f"{sign} {line}\n" for line in remarks) + text + "\n"
