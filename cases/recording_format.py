@@ -89,6 +89,8 @@ class Clock(Part):
 
     unit: Literal["s", "ms", "us", "ns", "filetime", "min", "h"] | None = None
     """Unit of a stamp; `filetime`: 100 ns. By default s; of `twincat-scope` ms."""
+    nanoseconds: str | None = None
+    """The file's name of a second column of the stamps, where they are in two: seconds, and nanoseconds on top."""
     period_ms: Positive | None = None
     """Time between rows, for files without stamps."""
     offset_s: dict[StreamName, Number] = Field(default_factory=dict)
@@ -167,9 +169,9 @@ class TextFile(Part):
     """Names of the file's columns in their order, for files that have none."""
     encoding: Literal["utf-8", "cp1252"] = "utf-8"
     """Encoding of the text; UTF-16 with its mark needs none."""
-    empty: Literal["missing", "hold"] | None = None
-    """What an empty field stands for: `missing`, no value; `hold`, the last one. By default missing, in traces of a
-    SINUMERIK the last one."""
+    empty: Literal["missing", "hold", "apart"] | None = None
+    """What an empty field stands for: `missing`, no value; `hold`, the last one; `apart`, nothing, for rows of several
+    recorders or topics stand among each other. By default missing, in traces of a SINUMERIK the last one."""
 
     @property
     def separator(self) -> str:

@@ -32,7 +32,6 @@ from identification.formats.proposal import (
     missing_parts,
     proposal_of_run,
     proposed,
-    rate_of,
     stated_of,
 )
 from identification.formats.reading import bag_of, is_bag, is_parquet, read_tables
@@ -178,7 +177,7 @@ def _tables(files: Sequence[Path], case: Case | None, own: str | None) -> Look:
         (file, *(_as_stated(file, case) if reads and case is not None else (_table(file), case))) for file in files
     ]
     proposals = [(file, table, proposed(table, its_case, reads)) for file, table, its_case in found]
-    settings = proposal_of_run([(file.name, proposal.settings) for file, _, proposal in proposals])
+    settings = proposal_of_run([(file.name, proposal) for file, _, proposal in proposals])
     if reads and case is not None and case.recording.files:
         settings = stated_of(case.recording)
     problem, read_with, said = _trial(files, settings, case)
@@ -197,8 +196,7 @@ def _tables(files: Sequence[Path], case: Case | None, own: str | None) -> Look:
     unchanged = case is not None and read_with == case.recording
     columns = [column for _, table, proposal in proposals for column in _columns(table, proposal)]
     rows = max((len(column.values) for column in columns), default=0)
-    _, table, proposal = proposals[0]
-    rate = rate_of(proposal.places, proposal.units, table.numbers, settings)
+    rate = max((proposal for _, _, proposal in proposals), key=lambda proposal: proposal.has_forces).rate
     file = files[0]
     odd = _sentences(problem, [*doubts, *said])
     return Look(file, rows, tuple(columns), settings, odd, problem, unchanged, (), rate, tuple(files[1:]))

@@ -79,7 +79,10 @@ def _require_values(table: ColumnTable) -> None:
             )
             remedy = "record again, or give a file of its own to what is sampled less often"
             if count < len(column):
-                held = "if a value stands there only where it has changed, set recording.empty = 'hold'"
+                held = (
+                    "set recording.empty = 'apart' if rows of several topics or recorders stand among each other, "
+                    "'hold' if a value stands there only where it has changed"
+                )
                 remedy = f"{held}; else {remedy}"
             raise RecordingError(table.place(int(np.argmax(missing)), ours), problem, remedy)
 

@@ -14,6 +14,7 @@ from cases.recording_format import CLOCK, TICKS, FileFormat
 from cases.units import Array
 from identification.formats import dates, halsampler, plain
 from identification.formats.content import LONGEST_LINE, Content, content_of, section_of
+from identification.formats.echoed import echoed_names
 from identification.formats.known import TextFormat, described, format_of
 from identification.formats.meaning import known_among
 from identification.formats.plain import SAMPLE
@@ -60,14 +61,16 @@ def look_at_text(file: Path, stated: FileFormat | None = None) -> TextColumns:
         numeric = list(range(len(layout.fields)))
     clocks = sorted({field.clock for field in layout.fields if field.clock is not None})
     wanted = {str(k): k for k in numeric if k not in clocks and (layout.fields[k].name or known.guessed)}
-    sparse = [k for k in wanted.values() if _is_sparse([row[k] for row in rows])]
-    if sparse and known.guessed and stated is None:
-        settings["empty"] = "hold"
+    apart = known.guessed and stated is None and _stand_apart([[row[k] for row in rows] for k in wanted.values()])
+    sparse = not apart and any(_is_sparse([row[k] for row in rows]) for k in wanted.values())
+    if apart or (sparse and known.guessed and stated is None):
+        settings["empty"] = "apart" if apart else "hold"
+    filled = replace(layout, hold=layout.hold or sparse, apart=layout.apart or apart)
     numbers: dict[int, Array] = {}
     clock: tuple[int, str] | None = None
     names, units = _names(layout, stated), [field.unit for field in layout.fields]
     names = ["" if k in clocks[1:] else name for k, name in enumerate(names)]
-    for table in known.tables(content, replace(layout, hold=layout.hold or bool(sparse)), wanted, [*wanted]):
+    for table in known.tables(content, filled, wanted, [*wanted]):
         numbers |= {wanted[ours]: column for ours, column in table.values.items() if np.isfinite(column).any()}
         if table.stamps is None or clock is not None:
             continue
@@ -153,6 +156,21 @@ def _is_sparse(column: Sequence[str]) -> bool:
     return empty > MOST_MISSING * len(column) and column[0].strip() not in EMPTY
 
 
+_TOGETHER = 3  # columns at least whose values stand in the same rows: a vector
+
+
+def _stand_apart(columns: Sequence[Sequence[str]]) -> bool:
+    """Whether rows of several clocks stand among each other: vectors whose values are in rows of their own.
+
+    A value that stands only where it has changed has no such company, and comes in the first row.
+    """
+    rows_of = Counter(tuple(field.strip() not in EMPTY for field in column) for column in columns)
+    groups = [np.array(rows) for rows, count in rows_of.items() if count >= _TOGETHER and any(rows) and not all(rows)]
+    overlaps = [np.count_nonzero(a & b) for k, a in enumerate(groups) for b in groups[k + 1 :]]
+    fewest = min((np.count_nonzero(rows) for rows in groups), default=0)
+    return len(groups) > 1 and bool(max(overlaps) < fewest / 2)
+
+
 def _guessed(content: Content, head: Sequence[bytes]) -> dict[str, Any]:
     """Settings that read a table of text, as far as they differ from the usual ones; raises RecordingError."""
     encoding, lines = _decoded(content.file, head)
@@ -173,7 +191,9 @@ def _guessed(content: Content, head: Sequence[bytes]) -> dict[str, Any]:
     if below := _rows_below(content, first, form, numeric, aligned):
         settings["trailing_rows"] = below
     if not names_row:
-        settings["column_names"] = [f"column {k}" for k in range(1, len(numeric) + 1)]
+        rows = [split(line, form.separator) for line in sample if _is_row(form, line, numeric, aligned)]
+        numbered = [f"column {k}" for k in range(1, len(numeric) + 1)]
+        settings["column_names"] = echoed_names(rows) or numbered
     return settings | ({"encoding": encoding} if encoding != "utf-8" else {})
 
 

@@ -43,6 +43,7 @@ def layout(content: Content, head: Sequence[bytes], form: FileFormat) -> Layout:
         period=form.clock.period,
         aligned=aligned,
         hold=form.empty == "hold",
+        apart=form.empty == "apart",
         header=tuple(header),
     )
 

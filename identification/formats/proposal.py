@@ -7,6 +7,7 @@ sentence.
 import re
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import permutations
 from typing import Any
 
 import numpy as np
@@ -50,6 +51,7 @@ _NEARER = 3.0  # times nearer to home, from which on one unit fits and the other
 _BEYOND = 1.0  # degrees or millimetres beyond the ends of a joint that a recording may have
 _RUNNING = 0.04  # share of the steps of a clock that go on, at least: others stand for many rows
 _ONWARD = 0.5  # sum of all steps over that of their sizes, at least: others begin anew again and again
+_LEAST_NANOSECONDS = 1e6  # in a column of nanoseconds that adds to seconds: a thousandth of a second
 
 LAYOUT = frozenset(
     {"format", "delimiter", "decimal", "header_rows", "names_row", "trailing_rows", "column_names", "encoding", "empty"}
@@ -67,6 +69,12 @@ class Proposal:
     names: tuple[str, ...]  # of the columns, those that the case gives them where the file does not
     settings: Mapping[str, Any]  # `[recording]` by key
     doubts: tuple[str, ...]  # what a person should compare or complete, a sentence each
+    rate: float | None = None  # rows per second; None where there is no clock
+
+    @property
+    def has_forces(self) -> bool:
+        """Whether the readings of the force sensors are in the file."""
+        return bool({WRENCH[0], BAR_FORCES[0]} & self.places.keys())
 
 
 def stated_of(form: FileFormat) -> dict[str, Any]:
@@ -94,7 +102,7 @@ def proposed(table: TextColumns, case: Case | None, as_stated: bool = False) -> 
     settings = draft.settings()
     return Proposal(
         draft.places, draft.units, frozenset(draft.guessed), draft.names, settings,
-        tuple(dict.fromkeys(draft.doubts)),
+        tuple(dict.fromkeys(draft.doubts)), rate_of(draft.places, draft.units, draft.numbers, settings),
     )  # fmt: skip
 
 
@@ -116,6 +124,7 @@ class _Draft:
         self.guessed: dict[str, str] = {}
         self.orientation: str | None = None
         self.bit: int | None = None  # of the trigger's column
+        self.nanoseconds: str | None = None  # column that adds nanoseconds to the stamps
         self.clock_unit_stated = False  # whether the settings must state it, though it is the usual one
         self.doubts: list[str] = []
 
@@ -163,13 +172,28 @@ class _Draft:
         if CLOCK in self.places:
             return
         running = [k for k in self.said.clocks if k in self.numbers and runs(self.numbers[k])]
-        if running:
+        if (parts := self._clock_in_two()) is not None:
+            seconds, nanoseconds = parts
+            self.places[CLOCK], self.nanoseconds = seconds, self.names[nanoseconds]
+            whole = self.numbers[seconds] - self.numbers[seconds][0]
+            self.numbers = {**self.numbers, seconds: whole + 1e-9 * self.numbers[nanoseconds]}
+        elif running:
             self.places[CLOCK] = running[0]
             if others := [self.names[k] for k in running[1:]]:
                 self.doubts.append(f"{self.name(CLOCK)} is taken for the clock; {', '.join(others)} runs on too")
         elif self.said.clocks:
             which = ", ".join(repr(self.names[k]) for k in self.said.clocks)
             self.doubts.append(f"{which}: by the name a time, but no number that runs on with the rows")
+
+    def _clock_in_two(self) -> tuple[int, int] | None:
+        """Columns of whole seconds and of nanoseconds on top, as headers of ROS have them; None: there are none."""
+        possible = [k for k in self.said.clocks if k in self.numbers and _whole(self.numbers[k])]
+        for seconds, nanoseconds in permutations(possible, 2):
+            whole, part = self.numbers[seconds], self.numbers[nanoseconds]
+            within = len(whole) == len(part) and bool(((part >= 0.0) & (part < 1e9)).all())
+            if within and part.max(initial=0.0) > _LEAST_NANOSECONDS and runs(whole - whole[0] + 1e-9 * part):
+                return seconds, nanoseconds
+        return None
 
     def choose_single(self) -> None:
         """The trigger and the override: the only candidate, or the only one that changes."""
@@ -332,6 +356,7 @@ class _Draft:
             if not dated and (stated or self.clock_unit_stated or self.units.get(CLOCK, "s") != "s"):
                 clock = {"unit": self.units[CLOCK], **clock}
         clock |= result.pop("clock", {})
+        clock |= {} if self.nanoseconds is None else {"nanoseconds": self.nanoseconds}
         result |= {"clock": clock} if clock else {}
         result |= {"orientation": self.orientation} if self.orientation is not None else {}
         own = LAYOUT | {"columns", "units", "clock", "filter_cutoff_Hz", "rate_Hz", "files"}
@@ -392,13 +417,17 @@ _OF_A_FILE = LAYOUT | {"columns", "units", "clock", "orientation", "scale", "off
 """Keys of `[recording]` that may differ between the files of a run."""
 
 
-def proposal_of_run(proposals: Sequence[tuple[str, Mapping[str, Any]]]) -> dict[str, Any]:
-    """`[recording]` of a run from that of each of its files, by name: one table where they agree, else one for each."""
-    own = [{key: value for key, value in settings.items() if key in _OF_A_FILE} for _, settings in proposals]
-    common = {key: value for _, settings in reversed(proposals) for key, value in settings.items()}
+def proposal_of_run(proposals: Sequence[tuple[str, Proposal]]) -> dict[str, Any]:
+    """`[recording]` of a run from that of each of its files, by name: one table where they agree, else one for each.
+
+    Samples are counted by those of the forces.
+    """
+    own = [{key: value for key, value in of.settings.items() if key in _OF_A_FILE} for _, of in proposals]
+    by_forces = sorted(proposals, key=lambda named: named[1].has_forces)
+    common = {key: value for _, of in by_forces for key, value in of.settings.items()}
     machine = {key: value for key, value in common.items() if key not in _OF_A_FILE}
     if "filter_cutoff_Hz" in machine:
-        machine["filter_cutoff_Hz"] = min(settings["filter_cutoff_Hz"] for _, settings in proposals)
+        machine["filter_cutoff_Hz"] = min(of.settings["filter_cutoff_Hz"] for _, of in proposals)
     alike = all({**table, "columns": None} == {**own[0], "columns": None} for table in own)
     columns: dict[str, str] = {}
     for table in own:
@@ -432,7 +461,10 @@ def rate_of(
     if CLOCK not in places or places[CLOCK] not in numbers or len(numbers[places[CLOCK]]) < 2:
         return None
     stamps = numbers[places[CLOCK]]
+    forces = next((numbers[places[ours]] for ours in (WRENCH[0], BAR_FORCES[0]) if ours in places), stamps)
     step = float(np.median(np.diff(stamps)))
+    if settings.get("empty") == "apart" and len(forces) > 1:  # rows of the forces alone
+        step = float((stamps[-1] - stamps[0]) / (len(forces) - 1))
     if step <= 0.0:  # stamps that stand for some rows each
         step = float((stamps[-1] - stamps[0]) / (len(stamps) - 1))
     step *= TICKS[units[CLOCK]]

@@ -55,6 +55,7 @@ class Layout:
     remarks: bool = False  # text may follow behind the last field
     no_rows: tuple[bytes, ...] = ()  # words that stand in a line of their own and are not a row
     hold: bool = False  # whether a field that is empty has its last value
+    apart: bool = False  # whether rows of several clocks stand among each other, and fields of the others are empty
     header: tuple[str, ...] = ()  # the lines above the rows
 
     @property
@@ -137,10 +138,11 @@ def tables(
         ours: chosen.get(CLOCK) if (own := layout.fields[k].clock) is None else own for ours, k in positions.items()
     }
     clocks = sorted({clock for clock in clock_of.values() if clock is not None})
+    parts_of_stamps = [*clocks, *_nanoseconds(content, layout, chosen)]
     require_room(content.file, sum(section.rows for section in layout.sections), len(positions) + len(clocks))
     wanted = _Wanted(
-        tuple(sorted({*positions.values(), *clocks})),
-        frozenset(clocks),
+        tuple(sorted({*positions.values(), *parts_of_stamps})),
+        frozenset(parts_of_stamps),
         frozenset(positions[ours] for ours in switches if ours in positions),
         _of_dates(content, layout, clocks),
     )
@@ -152,7 +154,9 @@ def tables(
         raise RecordingError(content.file, "has a header but no rows", "record or export it again")
     lines = _lines(content, layout, counts)
     columns = {k: _concatenated([part[k] for part in parts]) for k in wanted.positions}
-    stamps = {k: _stamps(content, layout, k, columns[k], counts, lines) for k in clocks}
+    stamps = {k: _stamps(content, layout, k, columns[k], counts, lines) for k in parts_of_stamps}
+    if len(parts_of_stamps) > len(clocks):
+        stamps = {clocks[0]: _in_two_columns(content, layout, [stamps[k] for k in parts_of_stamps], lines)}
     own_of = {ours: _own_clock(layout, k, clock_of[ours], stamps, columns[k], counts) for ours, k in positions.items()}
     units = {ours: layout.fields[k].unit for ours, k in chosen.items() if layout.fields[k].unit}
     recorded = False
@@ -161,7 +165,8 @@ def tables(
         if shared[0] is None or len(shared[0]):  # else it is a channel that was not recorded
             recorded = True
             table = _table(content, layout, {ours: positions[ours] for ours in group}, columns, shared, lines)
-            yield replace(table, unit_cells=units, header=layout.header)
+            table = replace(table, unit_cells=units, header=layout.header)
+            yield from _apart(table) if layout.apart else [table]
     if not recorded:
         empty = "has time stamps in no row" if clocks else "has values in no row"
         raise RecordingError(content.file, empty, "record or export it again, with the time of each row")
@@ -196,6 +201,22 @@ def _table(
         field.name for field in layout.fields
     )
     return ColumnTable(str(content.file), layout.form, layout.names, values, stamps, tick, lines, stamped)
+
+
+def _apart(table: ColumnTable) -> Iterator[ColumnTable]:
+    """A table for the columns that have their values in the same rows, and of these rows alone."""
+    groups: dict[bytes, list[str]] = {}
+    for ours, column in table.values.items():
+        groups.setdefault(np.isfinite(column).tobytes(), []).append(ours)
+    for mask, group in groups.items():
+        rows = np.frombuffer(mask, dtype=bool)
+        if rows.any():
+            yield replace(
+                table,
+                values={ours: table.values[ours][rows] for ours in group},
+                stamps=None if table.stamps is None else table.stamps[rows],
+                lines=table.lines.without(np.flatnonzero(~rows).tolist()),
+            )
 
 
 def _own_clock(
@@ -245,6 +266,41 @@ def _stamps(
     if any(layout.starts):
         stamps = stamps + np.repeat(layout.starts, counts)[:count] / layout.tick
     return stamps, layout.tick
+
+
+_A_SECOND = 1_000_000_000  # [ns]
+
+
+def _nanoseconds(content: Content, layout: Layout, chosen: Mapping[str, int]) -> list[int]:
+    """Position of the field that adds nanoseconds to the stamps, where the case states one.
+
+    Raises RecordingError where it is not there, or the seconds are not.
+    """
+    name = layout.form.clock.nanoseconds
+    if name is None or CLOCK not in chosen:
+        return []
+    places = [k for k, field in enumerate(layout.fields) if name in (field.name, *field.also)]
+    if len(places) != 1:
+        problem = f"has no column {shown(name)}" if not places else f"has several columns {shown(name)}"
+        remedy = "correct recording.clock.nanoseconds in the case"
+        raise RecordingError(content.file, f"{problem}; it has {listed(layout.names)}", remedy)
+    return places
+
+
+def _in_two_columns(content: Content, layout: Layout, parts: Sequence[_Clock], lines: Lines) -> _Clock:
+    """Stamps of whole seconds and nanoseconds on top; raises RecordingError where they are not such."""
+    (whole, _), (part, _) = parts
+    assert whole is not None
+    assert part is not None
+    column, odd = layout.form.clock.nanoseconds, (part < 0) | (part >= _A_SECOND) | (part != np.floor(part))
+    if odd.any() or layout.form.tick != 1.0:
+        row = int(np.argmax(odd))
+        problem = f"{part[row].item():g} is no count of nanoseconds within a second"
+        if layout.form.tick != 1.0:
+            problem = "adds nanoseconds to stamps that are not in seconds"
+        place = f"{content.file}, {lines.place(row)}, {shown(str(column))}"
+        raise RecordingError(place, problem, "correct recording.clock in the case")
+    return whole.astype(np.int64) * _A_SECOND + part.astype(np.int64), 1.0 / _A_SECOND
 
 
 def _groups(clocks: Mapping[str, _Clock]) -> list[tuple[str, ...]]:
