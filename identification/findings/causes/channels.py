@@ -100,9 +100,11 @@ def of_channels(case: Case) -> Iterator[Hypothesis]:
     for order in orders(6):
         pairs = sum(place != k for k, place in enumerate(order)) // 2
         swapped = all(order[place] == k for k, place in enumerate(order))
+        axes = case.sensor_frame.has_moments and swapped and _exchanged_axes(order)
         yield Hypothesis(
             family=Family.CHANNELS, words=order_words(order, what, numbers), channels=matrix_of(order),
-            edit=mapped(names, order), mistakes=pairs if swapped else 1.5, single=pairs > 1 and swapped,
+            edit=mapped(names, order), mistakes=pairs if swapped and not axes else 1.5,
+            single=pairs > 1 and swapped and not axes,
         )  # fmt: skip
     yield from _cycles(case) if case.sensor_frame.has_moments else ()
     yield from _signs(case)
@@ -120,6 +122,11 @@ def _cycles(case: Case) -> Iterator[Hypothesis]:
             family=Family.CHANNELS, words=f"forces and moments are in another order: {words}",
             channels=matrix_of(order), edit=mapped(names, order), mistakes=1.5,
         )  # fmt: skip
+
+
+def _exchanged_axes(order: Sequence[int]) -> bool:
+    """Whether an order exchanges two axes of force and moment alike: one mistake, though it moves four channels."""
+    return all(order[k + 3] == order[k] + 3 for k in range(3))
 
 
 def _signs(case: Case) -> Iterator[Hypothesis]:

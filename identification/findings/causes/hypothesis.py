@@ -122,8 +122,15 @@ def pace_of(trial: Trial) -> float:
 
 
 def case_of(trial: Trial, case: Case, places: Sequence[str] = ("recording", "case", "either")) -> Case:
-    """The case with the edits of hypotheses whose mistakes are in some places."""
-    for hypothesis in trial:
+    """The case with the edits of hypotheses whose mistakes are in some places.
+
+    What was read is mended in the order in which it takes effect. Frames and axes are nested the other way: what takes
+    effect last on a reading, as a turn of the sensor, is nearest to the machine that the case describes.
+    """
+    read = [hypothesis for hypothesis in trial if hypothesis.place == "recording"]
+    drawn = [hypothesis for hypothesis in trial if hypothesis.place != "recording"]
+    drawn.sort(key=lambda hypothesis: -FAMILIES.index(hypothesis.family))
+    for hypothesis in (*read, *drawn):
         if hypothesis.edit is not None and hypothesis.place in places:
             case = hypothesis.edit(case)
     return case

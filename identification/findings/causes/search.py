@@ -7,7 +7,7 @@ is named beside it, for it predicts the same forces.
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from itertools import combinations
+from itertools import combinations, product
 from typing import NamedTuple
 
 import numpy as np
@@ -309,6 +309,9 @@ def _pairs(instants: Instants, singles: Sequence[Tried]) -> list[Tried]:
     found += _on_all(instants, _beside_sizes(instants, coarse, closed, columns))
     if min((entry.residuals for entry in found), default=np.inf) <= CLEAN:
         return found
+    found += _on_all(instants, _beside_several(coarse, closed, tables))
+    if min((entry.residuals for entry in found), default=np.inf) <= CLEAN:
+        return found
     own = [entry for entry in singles if entry.instants is instants]
     for entry in sorted(own, key=lambda entry: entry.residuals)[:GREEDY]:
         found += _on_all(instants, _sized(instants, coarse, entry.trial))
@@ -342,10 +345,22 @@ def _beside_sizes(
     trials: list[Trial] = []
     for _, each, start, beside in sorted(left, key=lambda entry: entry[0])[:REFINED]:
         trials += refined(instants, coarse, [replace(each, starts=(start,))], beside)
-    for row in sorted(rows, key=lambda row: moments_about(coarse, row).residuals)[:REFINED]:
-        of_point = [each for each in sized_of(coarse, row) if each.family is Family.POINT]
-        trials += refined(instants, coarse, of_point, row)
+    if not coarse.case.sensor_frame.has_moments:
+        return trials
+    plain = [*rows, *forces]
+    for beside in sorted(plain, key=lambda trial: moments_about(coarse, trial).residuals)[:REFINED]:
+        of_point = [each for each in sized_of(coarse, beside) if each.family is Family.POINT]
+        trials += refined(instants, coarse, of_point, beside)
     return trials
+
+
+def _beside_several(instants: Instants, rows: Sequence[Trial], tables: Tables) -> list[Trial]:
+    """What exchanges or turns several channels at once, beside one hypothesis without a size."""
+    several = [hypothesis for hypothesis in tables.forces if hypothesis.single]
+    plain = [hypothesis for hypothesis in (*tables.bars, *tables.forces) if not hypothesis.single]
+    both = [together(*pair) for pair in product(plain, several) if _compatible(*pair)]
+    trials = _best(instants, rows, [(hypothesis,) for hypothesis in several])
+    return [*trials, *_best(instants, [AS_RECORDED], both)]
 
 
 def _compatible(*hypotheses: Hypothesis) -> bool:

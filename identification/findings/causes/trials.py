@@ -15,7 +15,17 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import Array, Flags
 from identification.estimation.fit import column_scale
-from identification.findings.causes.hypothesis import RECORDED, SENSED, Trial, case_of, channels_of, drives_of, pace_of
+from identification.findings.causes.hypothesis import (
+    FAMILIES,
+    RECORDED,
+    SENSED,
+    Family,
+    Trial,
+    case_of,
+    channels_of,
+    drives_of,
+    pace_of,
+)
 from identification.findings.causes.instants import Instants
 from identification.hexapod import kinematics_of_hexapods
 from identification.model import identification_model
@@ -158,7 +168,10 @@ class About(NamedTuple):
 
 
 def moments_about(instants: Instants, trial: Trial) -> About:
-    """The point that moments must be about for a trial to leave least: the forces depend on it linearly."""
+    """The point that moments must be about for a trial to leave least: the forces depend on it linearly.
+
+    It is in the axes in which moments were taken, before a turn of the sensor takes effect on them.
+    """
     regressors, motion = regressors_of(instants, [trial])
     if not motion.closed[0]:
         return About(np.zeros(3), np.inf)
@@ -166,6 +179,8 @@ def moments_about(instants: Instants, trial: Trial) -> About:
     root = (instants.weights[:, None] / np.sqrt(own**2 @ instants.noise**2))[:, :, None]
     rows = (regressors[0] * root).reshape(-1, regressors.shape[3])
     basis = np.linalg.qr(rows * column_scale(rows))[0]
+    later = channels_of(trial, FAMILIES[FAMILIES.index(Family.POINT) + 1 :])
+    earlier = np.linalg.inv(later)
     best: Array = np.zeros(3)
     least = np.inf
     for forces in _forces(instants, [trial], own[None], motion.rotations)[0]:
@@ -173,7 +188,8 @@ def moments_about(instants: Instants, trial: Trial) -> About:
             (len(forces), 6, 4)
         )  # the forces, and what a metre along each axis does to the moments
         columns[:, :, 0] = forces
-        columns[:, 3:, 1:] = np.cross(np.eye(3), forces[:, None, :3]).transpose(0, 2, 1)
+        columns[:, 3:, 1:] = np.cross(np.eye(3), (forces @ earlier.T)[:, None, :3]).transpose(0, 2, 1)
+        columns[:, :, 1:] = later @ columns[:, :, 1:]
         whole: Array = (columns * root).reshape(-1, 4)
         weighted = whole - basis @ (basis.T @ whole)
         point = np.asarray(np.linalg.lstsq(weighted[:, 1:], -weighted[:, 0], rcond=SINGULAR)[0], dtype=float)

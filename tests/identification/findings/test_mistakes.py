@@ -1,16 +1,31 @@
 """Mistakes that people make are named with a remedy that works; what is none of them, and sound runs, are not."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError
 from cases.schema import Case, load_case
 from identification.findings.causes.answer import mended, words_of
-from identification.findings.causes.hypothesis import case_of
+from identification.findings.causes.channels import of_point, of_turn
+from identification.findings.causes.drives import of_joints, of_offset
+from identification.findings.causes.hypothesis import (
+    AS_RECORDED,
+    Family,
+    Hypothesis,
+    Trial,
+    case_of,
+    channels_of,
+    drives_of,
+    together,
+)
+from identification.findings.causes.instants import instants_of
 from identification.findings.causes.search import Search, search
+from identification.findings.causes.trials import tried
 from identification.identify import default_model, estimate_parameters
 from identification.model import identification_model
 from identification.recording import Recording, read, write_recording
@@ -81,6 +96,9 @@ def test_a_mistake_is_named(of: str, name: str) -> None:
         ("five_axis_table", ("sign of channel 3", "time twice too slow")),
         ("five_axis_table", ("gravity +z in the case", "sensor turned 90 about z")),
         (WRIST, ("orientation as zyx intrinsic", "axes of the base")),
+        ("ur10_wrist", ("sensor turned -90 about y", "sensor 70 mm off")),
+        ("panda", ("channels 1-2, 4-5 exchanged", "gravity +z in the case")),
+        ("hexapod", ("channels 1-2, 4-5 exchanged", "upper ends 3-4 exchanged")),
         kept=1,
     ),
 )
@@ -88,6 +106,53 @@ def test_two_mistakes_at_once_are_named_together(of: str, names: tuple[str, str]
     text = said(of, *names)
     for name in names:
         assert mistake(of, name).named_in(text), text
+
+
+TURN = Rotation.from_euler("y", -90.0, degrees=True)
+
+
+@pytest.mark.parametrize(
+    "both",
+    [
+        lambda case: (of_point(case, np.array([0.03, -0.05, 0.09]), 1.0), of_turn(case, TURN)),
+        lambda case: (other_way(case, 3), of_offset(case.chain, 3, 40.0)),
+    ],
+    ids=["sensor moved and turned", "joint that turns the other way from another zero"],
+)
+def test_keys_of_two_remedies_mend_what_both_did_to_the_readings(
+    both: Callable[[Case], tuple[Hypothesis, Hypothesis]],
+) -> None:
+    sound = run("ur10_wrist", 0)
+    trial, recorded = together(*both(sound.case)), sound.recording
+    assert recorded.struts is not None
+    drives = drives_of(trial, recorded.struts.shape[1])
+    wrong = replace(
+        recorded,
+        forces=recorded.forces @ np.linalg.inv(channels_of(trial)).T,
+        struts=(recorded.struts - drives.offset) @ np.linalg.inv(drives.matrix).T,
+    )
+    assert left(wrong, sound.case) > 10.0
+    assert left(wrong, sound.case, trial) < 1.3
+    assert left(wrong, case_of(trial, sound.case)) < 1.3
+
+
+def left(recording: Recording, case: Case, trial: Trial = AS_RECORDED) -> float:
+    """What is left of a run, over its noise."""
+    instants = instants_of(recording, case, identification_model(case, default_model(recording, case)))
+    assert instants is not None
+    return float(tried(instants.part(40), [trial], [AS_RECORDED]).residuals[0, 0])
+
+
+def other_way(case: Case, joint: int) -> Hypothesis:
+    """A joint of a chain that turns the other way."""
+    assert case.chain is not None
+    return next(
+        hypothesis
+        for hypothesis in of_joints(case, case.chain)
+        if hypothesis.family is Family.SIGNS
+        and hypothesis.drives is not None
+        and np.flatnonzero(np.diag(hypothesis.drives.matrix) < 0.0).tolist() == [joint]
+    )
 
 
 @pytest.mark.slow
