@@ -13,9 +13,9 @@ def export(
     to: Annotated[
         str,
         option(
-            "The model: c (C99), linuxcnc (HAL component), st (IEC 61131-3), json. The load for a robot: urscript, "
-            "kuka, rapid, franka, xarm, table (to type in: FANUC and others). For ROS 2: ros2, ft-tools. As a link: "
-            "urdf, mjcf, sdf.",
+            "The model: c (C99), linuxcnc (HAL component), st (IEC 61131-3), python, json. The load for a robot: "
+            "urscript, kuka, rapid, franka, xarm, table (to type in: FANUC and others). For ROS 2: ros2, ft-tools. "
+            "As a link: urdf, mjcf, sdf.",
             "--to",
         ),
     ],

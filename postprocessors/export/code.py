@@ -1,4 +1,4 @@
-"""The measurement model as code: C99, a component of LinuxCNC, Structured Text.
+"""The measurement model as code: C99, a component of LinuxCNC, Structured Text, Python.
 
 A CasADi function becomes straight-line code: the instructions of its evaluation, and how a language spells them. The
 mathematics stays CasADi's own expression graph; only the spelling of `a + b` or `sin(a)` is decided here. Templates
@@ -15,6 +15,7 @@ from cases.units import DEG
 from identification.hexapod import Hexapod
 from identification.model import Model
 from identification.outcome import Result
+from identification.serial_chain import SerialChain
 from identification.symbolic import rotation, twist, twist_rate
 from postprocessors.export.calibration import number, rendered
 
@@ -84,6 +85,35 @@ def linuxcnc_component(result: Result, name: str) -> str:
     )
 
 
+def python_module(result: Result, name: str) -> str:
+    """The text of a Python module called `name`, which needs NumPy alone."""
+    calls = {
+        ca.OP_SQRT: "math.sqrt({0})",
+        ca.OP_SIN: "math.sin({0})",
+        ca.OP_COS: "math.cos({0})",
+        ca.OP_ATAN2: "math.atan2({0}, {1})",
+    }
+    spelling = Spelling(
+        INFIX | calls,
+        temporary="t{0}",
+        first="{} = {}",
+        assignment="{} = {}",
+        structure="u",
+        member="u.",
+        given="{0}",
+        written="{0}",
+    )
+    half = half_window(result.case)
+    return rendered(
+        "model.py.jinja",
+        result,
+        name,
+        half_window=number(half),
+        window_meaning=f"half gain at {_HALF_GAIN / half:.3g} Hz",
+        functions=[spelled(f, spelling, result.model.names) for f in functions_of(result)],
+    )
+
+
 def structured_text(result: Result, name: str) -> str:
     """The text of a model called `name`: structure, constants, functions and function block."""
     camel = "".join(part.capitalize() for part in name.split("_"))
@@ -146,6 +176,8 @@ def spelled(function: ca.Function, spelling: Spelling, parameters: list[str]) ->
         "name": function.name(),
         "comment": f"({', '.join(function.name_in())}) -> {', '.join(function.name_out())}",
         "arguments": arguments,
+        "inputs": list(function.name_in()),
+        "outputs": [(n, function.numel_out(k)) for k, n in enumerate(function.name_out())],
         "statements": list(_statements(function, spelling, parameters)),
         "slots": function.sz_w(),
     }
@@ -194,6 +226,29 @@ def measurement(model: Model) -> ca.Function:
     )
 
 
+def joint_measurement(model: Model, chain: SerialChain) -> ca.Function:
+    """(joints, rates, accelerations, u, forces) -> external (6,), residuals (6,), pose (6,), as `measurement`.
+
+    The model takes the chain's rotation itself; only the reported pose has angles, which say little where roll and yaw
+    turn about one axis.
+    """
+    joints, rates, accelerations = (ca.SX.sym(name, chain.count) for name in ("joints", "rates", "accelerations"))
+    forces, u = ca.SX.sym("forces", 6), ca.SX.sym("u", len(model.parameters))
+    position, turn, motion, rate = chain.frame(joints, rates, accelerations)
+    residuals = forces - model.expression(position, turn, motion, rate) @ u
+    level = ca.sqrt(turn[2, 1] ** 2 + turn[2, 2] ** 2)
+    angles = ca.atan2(turn[2, 1], turn[2, 2]), ca.atan2(-turn[2, 0], level), ca.atan2(turn[1, 0], turn[0, 0])
+    pose = ca.vertcat(position, *angles)
+    return ca.Function(
+        "joint_measurement",
+        [joints, rates, accelerations, u, forces],
+        [ca.densify(v) for v in (-model.structure_at(pose) @ residuals, residuals, pose)],
+        ["joints", "rates", "accelerations", "u", "forces"],
+        ["external", "residuals", "pose"],
+        {"cse": True},
+    )
+
+
 def coordinates() -> ca.Function:
     """(pose, rates, accelerations) -> twist (6,), twist_rate (6,): (37) and (38)."""
     pose, rates, accelerations = (ca.SX.sym(name, 6) for name in ("pose", "rates", "accelerations"))
@@ -227,6 +282,9 @@ def mechanics(hexapod: Hexapod) -> tuple[ca.Function, ...]:
 
 
 def functions_of(result: Result) -> list[ca.Function]:
-    """All functions of a model; those of the mechanics where there is a hexapod."""
-    own = mechanics(Hexapod.of(result.case)) if result.case.hexapod is not None else ()
-    return [measurement(result.model), coordinates(), *own]
+    """All functions of a model; those of the mechanics where there is a hexapod or a chain."""
+    case, model = result.case, result.model
+    own: tuple[ca.Function, ...] = () if case.hexapod is None else mechanics(Hexapod.of(case))
+    if case.chain is not None:
+        own = (joint_measurement(model, SerialChain.of(case)),)
+    return [measurement(model), coordinates(), *own]

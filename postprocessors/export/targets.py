@@ -9,7 +9,7 @@ from cases.files import FolderKind, atomic_folder, check_file, check_folder, out
 from identification.outcome import Result
 from postprocessors.export import robots, ros2, simulators
 from postprocessors.export.calibration import checked_name, default_name, json_document, require_exportable
-from postprocessors.export.code import c_sources, linuxcnc_component, structured_text
+from postprocessors.export.code import c_sources, linuxcnc_component, python_module, structured_text
 from postprocessors.export.load import FrameName
 
 
@@ -41,6 +41,7 @@ class LinkTarget(NamedTuple):
 SINGLE_FILES: dict[str, Target | LinkTarget] = {
     "linuxcnc": Target(".comp", linuxcnc_component, True, "HAL component"),
     "st": Target(".st", structured_text, True, "IEC 61131-3"),
+    "python": Target(".py", python_module, True, "a module that needs NumPy"),
     "json": Target(".json", lambda result, _: json_document(result), False, "the whole model"),
     "urscript": Target(".script", robots.urscript, False, "Universal Robots"),
     "kuka": Target(".dat", robots.kuka, False, "LOAD_DATA"),

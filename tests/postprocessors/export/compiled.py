@@ -17,27 +17,28 @@ SYSTEM_PATH = "/usr/bin:/bin:/usr/sbin:/sbin"  # halcompile belongs to the syste
 OK, BAD_INPUT, NOT_CLOSED, FILLING = range(4)
 
 
-class Sample(ctypes.Structure):
-    """What the signal chain gives."""
+def structures(width: int) -> tuple[type[ctypes.Structure], type[ctypes.Structure]]:
+    """What the signal chain gives, and the chain itself, for so many positions a cycle."""
+    positions = ctypes.c_double * width
 
-    _fields_ = [(name, Six) for name in ("position", "velocity", "acceleration", "force")]
+    class Sample(ctypes.Structure):
+        _fields_ = [*((name, positions) for name in ("position", "velocity", "acceleration")), ("force", Six)]
 
+    class Signals(ctypes.Structure):
+        _fields_ = [
+            ("step", ctypes.c_double),
+            ("half", ctypes.c_int),
+            ("motion_late", ctypes.c_int),
+            ("motion_part", ctypes.c_double),
+            ("force_late", ctypes.c_int),
+            ("force_part", ctypes.c_double),
+            ("filled", ctypes.c_int),
+            ("next", ctypes.c_int),
+            ("position", positions * RING),
+            ("force", Six * RING),
+        ]
 
-class Signals(ctypes.Structure):
-    """The signal chain."""
-
-    _fields_ = [
-        ("step", ctypes.c_double),
-        ("half", ctypes.c_int),
-        ("motion_late", ctypes.c_int),
-        ("motion_part", ctypes.c_double),
-        ("force_late", ctypes.c_int),
-        ("force_part", ctypes.c_double),
-        ("filled", ctypes.c_int),
-        ("next", ctypes.c_int),
-        ("position", Six * RING),
-        ("force", Six * RING),
-    ]
+    return Sample, Signals
 
 
 class Compiled:
@@ -71,7 +72,7 @@ class Compiled:
 
     def __call__(self, function: str, *arguments: object) -> int:
         """Calls a function of the model; arrays are copied in."""
-        passed = [Six(*a) if isinstance(a, np.ndarray) else a for a in arguments]
+        passed = [(ctypes.c_double * len(a))(*a) if isinstance(a, np.ndarray) else a for a in arguments]
         call = getattr(self.library, f"{self.name}_{function}")
         return int(call(ctypes.byref(self.model), *passed) or 0)
 
@@ -95,9 +96,10 @@ class Compiled:
 class Chain:
     """The signal chain of a compiled model."""
 
-    def __init__(self, compiled: Compiled, step: float, half_window: float, delay: float) -> None:
+    def __init__(self, compiled: Compiled, step: float, half_window: float, delay: float, width: int = 6) -> None:
         self.library, self.name = compiled.library, compiled.name
-        self.signals, self.sample = Signals(), Sample()
+        sample, signals = structures(width)
+        self.signals, self.sample = signals(), sample()
         start = getattr(self.library, f"{self.name}_signals_init")
         settings = (ctypes.c_double(v) for v in (step, half_window, delay))
         self.status = int(start(ctypes.byref(self.signals), *settings))
@@ -105,7 +107,14 @@ class Chain:
     def push(self, position: Array, force: Array) -> int:
         """One cycle; the result is in `sample`."""
         push = getattr(self.library, f"{self.name}_signals_push")
-        return int(push(ctypes.byref(self.signals), Six(*position), Six(*force), ctypes.byref(self.sample)))
+        return int(
+            push(
+                ctypes.byref(self.signals),
+                (ctypes.c_double * len(position))(*position),
+                Six(*force),
+                ctypes.byref(self.sample),
+            )
+        )
 
 
 def build_component(source: Path) -> Path:

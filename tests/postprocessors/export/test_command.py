@@ -24,7 +24,11 @@ CASE = load_case("hexapod")
 
 def machine(target: str) -> tuple[str, int]:
     """A built-in machine whose result a target takes, and the model: payloads are of robots."""
-    return ("hexapod", 9) if target in ("c", "linuxcnc", "st", "json", "urdf", "mjcf", "sdf") else ("ur10_wrist", 6)
+    return (
+        ("hexapod", 9)
+        if target in ("c", "linuxcnc", "st", "python", "json", "urdf", "mjcf", "sdf")
+        else ("ur10_wrist", 6)
+    )
 
 
 @pytest.fixture
