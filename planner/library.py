@@ -1,6 +1,6 @@
 """Plans from Python: what notebooks and the command line call."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TypedDict, Unpack
 
@@ -14,8 +14,9 @@ from planner.families.settings import Best, FamilySettings
 from planner.planning import make_until_ctrl_c, require_plannable
 from planner.plans import Plan
 from planner.progress import Follower
-from planner.request import DURATION, PoseRequest, Request
+from planner.request import DURATION, LONGEST_WANTED, PoseRequest, Request
 from planner.search.parallel import silent
+from planner.shortest import shortest
 
 
 class Settings(TypedDict, total=False):
@@ -27,9 +28,10 @@ class Settings(TypedDict, total=False):
     payload_from: int | None
     starts: int | None
     seed: int
-    solver: str
+    solver: str | None
     workers: int | None
     seconds: float | None
+    target: Mapping[str, float]  # [SI]
 
 
 class PoseSettings(TypedDict, total=False):
@@ -47,7 +49,7 @@ class PoseSettings(TypedDict, total=False):
 def plan(
     case: Case,
     family: FamilySettings | None = None,
-    duration: float = DURATION,
+    duration: float | None = None,
     *,
     progress: Callable[[str], None] | None = None,
     **settings: Unpack[Settings],
@@ -61,14 +63,18 @@ def plan(
     Args:
         case: machine and limits.
         family: family of motions; unless given the one of which the best motion is found, of moves, splines and series.
-        duration: duration of the excitation [s].
+        duration: duration of the excitation [s], 12 s by default; with a target the longest that is tried, by default
+            60 s.
         progress: shows a line now and then.
-        **settings: criterion, model, payload, payload_from, starts, seed, solver, workers, seconds; see `Settings`.
+        **settings: criterion, model, payload, payload_from, starts, seed, solver, workers, seconds, target; see
+            `Settings`. With a target, predicted deviations by parameter [SI], the shortest motion that reaches them.
 
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.
     """
     settings.setdefault("model", full_model(case))
+    if duration is None:
+        duration = LONGEST_WANTED if settings.get("target") else DURATION
     request = Request(family or Best(), duration, **settings)  # type: ignore[arg-type]  # a letter will do
     return planned(request, case, progress)
 
@@ -76,8 +82,11 @@ def plan(
 def planned(request: Request, case: Case, progress: Callable[[str], None] | None = None) -> Plan:
     """`plan` for settings that are one value."""
     require_plannable(request, case)
+    follower = silent if progress is None else Follower(case, progress)
     with threadpool_limits(limits=1, user_api="blas"):  # matrices are small: threads of BLAS would wait for each other
-        return make_until_ctrl_c(request, case, silent if progress is None else Follower(case, progress))
+        if request.target:
+            return shortest(request, case, lambda own: make_until_ctrl_c(own, case, follower))
+        return make_until_ctrl_c(request, case, follower)
 
 
 def plan_poses(

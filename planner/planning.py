@@ -8,12 +8,13 @@ from itertools import count
 
 import numpy as np
 
-from cases.errors import IdentificationError, InfeasiblePlan, Interrupted
+from cases.errors import HexciteError, IdentificationError, InfeasiblePlan, Interrupted, choice
 from cases.schema import Case
 from cases.units import Array
 from identification.limit import LimitKind
 from identification.limit_proof import PROOF_RATE, prove
 from identification.model import identification_model
+from identification.parameters import physical_form
 from planner.families import Family
 from planner.families.ptp import controlled, with_steps
 from planner.families.settings import Best
@@ -55,9 +56,22 @@ def require_plannable(request: Request, case: Case) -> None:
     """
     case.need_motion("planning")
     require_identifiable(case, identification_model(case, request.model))
+    require_targets(request, case)
     case.body(request.payload)
     request.family.require_plannable(case, request.duration)
     require_rest(case)
+
+
+def require_targets(request: Request, case: Case) -> None:
+    """Raises HexciteError where a target is not the positive deviation of a parameter [SI], or nothing is searched."""
+    names = [p.name for p in physical_form(identification_model(case, request.model)).parameters]
+    if request.target and not request.family.optimised:
+        raise HexciteError(f"a target does nothing with family {request.name}, whose duration is given; leave it out")
+    for name, value in request.target.items():
+        if name not in names:
+            raise HexciteError(f"target {name}", f"is not a parameter of model {request.model}; {choice(name, names)}")
+        if not 0.0 < value < math.inf:
+            raise HexciteError(f"target {name}", f"{value:g} is not a deviation to reach; give one above 0")
 
 
 def search(request: Request, case: Case, listener: Listener, run: Runner) -> PlannedMotion:

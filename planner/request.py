@@ -22,6 +22,7 @@ from planner.families.settings import (
 OWNERS = {setting.name: name for name, kind in FAMILIES.items() for setting in fields(kind)}
 """Settings of one family alone, and its name."""
 DURATION = 12.0  # [s] unless another is asked for
+LONGEST_WANTED = 60.0  # [s] longest motion that is tried for a target unless another is asked for
 LONGEST = 600.0  # [s] longest excitation; the method is for production breaks
 LONGEST_SEARCH = 1e5  # [s]
 
@@ -70,13 +71,17 @@ class Request:
     payload_from: int | None = None
     starts: int | None = None  # number of random starts; None for as many as pay
     seed: int = 0  # seed of the starts
-    solver: Solver = Solver.IPOPT  # what optimises each start; its name will do
+    # what optimises each start; its name will do. None for active-set where few unknowns are explored, else ipopt
+    solver: Solver | None = None
     workers: int | None = field(default=None, compare=False)  # processes that search; None for one a core
     seconds: float | None = None  # how long to search [s]; None for as long as it pays
+    # predicted standard deviations to reach, by physical parameter [SI]: where there are any, the shortest motion that
+    # reaches them is planned, and `duration` is the longest that it may have until it is
+    target: Mapping[str, float] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "criterion", Criterion(self.criterion))
-        object.__setattr__(self, "solver", Solver(self.solver))
+        object.__setattr__(self, "solver", None if self.solver is None else Solver(self.solver))
         if not abs(self.duration) <= LONGEST:
             raise HexciteError(f"duration {self.duration:g} s is not at most {LONGEST:g} s; choose about 12 s")
         self.family.check(self.duration)
@@ -113,7 +118,13 @@ class Request:
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json` that say what was asked for, beside criterion and model."""
-        entries = {"duration_s": self.duration, "starts": self.starts, "seconds": self.seconds, "solver": self.solver}
+        entries: dict[str, Any] = {
+            "duration_s": self.duration,
+            "starts": self.starts,
+            "seconds": self.seconds,
+            "solver": self.solver,
+        }
+        entries |= {"target": dict(self.target)} if self.target else {}
         own = {name: str(v) if isinstance(v, Path) else v for name, v in asdict(self.family).items()}
         return {"seed": self.seed, "asked": entries | {"family": own}}
 
@@ -131,8 +142,9 @@ class Request:
             None if fewest == data["payload"] else int(fewest),
             asked["starts"],
             int(data["seed"]),
-            Solver(asked.get("solver", Solver.IPOPT)),  # which older plans do not have, nor the next
+            None if (solver := asked.get("solver")) is None else Solver(solver),  # older plans have none, nor the next
             seconds=asked.get("seconds"),
+            target={str(name): float(value) for name, value in asked.get("target", {}).items()},
         )
 
 
@@ -170,6 +182,7 @@ def read_value(text: str, units: Mapping[str, str], option: str, example: str, m
         raise HexciteError(f"{option} {text}", words)
     factor, for_people = legible(units[name])
     scales = {re.sub(r"[ ^]", "", own): scale for own, scale in ((units[name], 1.0), (for_people, 1.0 / factor))}
+    scales |= {"g": 1e-3} if units[name] == "kg" else {}
     if unit not in scales:
         problem = f"unit {match['unit']} does not fit {name}" if unit else "has no unit"
         raise HexciteError(f"{option} {text}", f"{problem}; give {' or '.join(scales)}")

@@ -12,7 +12,15 @@ from cases.files import PLAN, check_folder, output_place
 from planner.cli import console
 from planner.cli.console import argument, option, out
 
-SEARCHED = ("duration", "starts", "seconds", "seed", "solver", "workers")  # options of families that are optimised
+SEARCHED = (
+    "duration",
+    "target",
+    "starts",
+    "seconds",
+    "seed",
+    "solver",
+    "workers",
+)  # options of families that are optimised
 OPTIONS = {"controller": "for"}  # options whose names differ from those of their parameters
 
 
@@ -24,7 +32,20 @@ def plan(
         option("Family of motions: manual, fourier, ptp, spline; by default the best of the last three, by trying."),
     ] = None,
     criterion: console.Criterion = "D",
-    duration: Annotated[float, option("Whole duration in s; a multiple of --period where that is given.")] = 12.0,
+    duration: Annotated[
+        float | None,
+        option(
+            "Whole duration in s, by default 12; a multiple of --period where that is given. With --target the longest "
+            "that is tried, by default 60."
+        ),
+    ] = None,
+    target: Annotated[
+        list[str] | None,
+        option(
+            "Standard deviation to reach: m=5g, xC=0.02mm. Repeatable. Plans the shortest motion whose predicted "
+            "deviations reach all."
+        ),
+    ] = None,
     order: Annotated[int, option("fourier: harmonics, 1 to 7; 1 is ellipses, with ways in and out.")] = 5,
     period: Annotated[float | None, option("fourier: period in s; by default about 2, to fit --duration.")] = None,
     free_order: Annotated[bool, option("fourier: search the best order, 2 to 7.", "--free-order")] = False,
@@ -71,8 +92,12 @@ def plan(
     ] = None,
     seed: Annotated[int, option("Seed of the random starts.")] = 0,
     solver: Annotated[
-        str, option("What optimises a start: ipopt (interior point), sqp, or active-set (quasi-Newton).")
-    ] = "ipopt",
+        str | None,
+        option(
+            "What optimises a start: ipopt (interior point), sqp, or active-set (quasi-Newton); by default active-set "
+            "where few unknowns are explored (fourier), ipopt else."
+        ),
+    ] = None,
     workers: console.Workers = None,
     output: Annotated[Path | None, out("Folder to write; named after case and family by default.")] = None,
     overwrite: console.Overwrite = False,
@@ -87,7 +112,7 @@ def plan(
     from planner.families.settings import Best, family_class
     from planner.library import planned
     from planner.planning import require_plannable
-    from planner.request import OWNERS, Request, Solver
+    from planner.request import DURATION, LONGEST_WANTED, OWNERS, Request, Solver
     from planner.search.parallel import first_ctrl_c
 
     options = context.params
@@ -100,25 +125,30 @@ def plan(
         refuse_foreign(given, family)
     most, fewest = read_payloads(payload)
     loaded = hx.load_case(case)
+    number = full_model(loaded) if model is None else model
+    targets = targets_of(target or (), loaded, number)
+    if duration is None:
+        duration = LONGEST_WANTED if targets else DURATION
     request = Request(
         kind(**{option: options[option] for option, owner in OWNERS.items() if owner == family}),
         duration=duration,
         criterion=Criterion(criterion),
-        model=full_model(loaded) if model is None else model,
+        model=number,
         payload=most,
         payload_from=fewest,
         starts=starts,
         seed=seed,
-        solver=Solver(solver),
+        solver=None if solver is None else Solver(solver),
         workers=workers,
         seconds=seconds,
+        target=targets,
     )
     optimised = request.family.optimised
     folder = output_place(output, Path(f"{loaded.name}-{family or 'plan'}"), overwrite)
     check_folder(folder, PLAN, overwrite=overwrite)
     require_plannable(request, loaded)  # before anything is said
     if not json:
-        text = f"{duration:g} s, criterion {criterion}, " if optimised else ""
+        text = f"{'up to ' if targets else ''}{duration:g} s, criterion {criterion}, " if optimised else ""
         console.say(f"Planning for {loaded.name}: {family or 'any family'}, {text}model {request.model}")
     with console.status("searching" if optimised else "timing", json) as remark:
         result = planned(request, loaded, remark)
@@ -136,6 +166,24 @@ def read_payloads(text: str) -> tuple[int, int | None]:
     if match is None:
         raise hx.HexciteError(f"payload {text!r} is neither a number of payloads nor a range of them; give 2, or 0-5")
     return int(match[2]), None if match[1] is None else int(match[1])
+
+
+def targets_of(texts: Sequence[str], case: "hx.Case", model: int) -> dict[str, float]:
+    """Deviations to reach by parameter [SI]; raises HexciteError where one is not understood or stands twice."""
+    from identification.model import identification_model
+    from identification.parameters import physical_form
+    from planner.request import read_value
+
+    units = {p.name: p.unit for p in physical_form(identification_model(case, model)).parameters} if texts else {}
+    targets: dict[str, float] = {}
+    for text in texts:
+        typed = read_value(text, units, "--target", "m=5g", model)
+        if typed.std is not None:
+            raise hx.HexciteError(f"--target {text}", "a deviation to reach has none of its own; write --target m=5g")
+        if typed.name in targets:
+            raise hx.HexciteError(f"--target {text}", f"{typed.name} has a target already; give one of them")
+        targets[typed.name] = typed.value
+    return targets
 
 
 def refuse_foreign(given: Sequence[str], family: str) -> None:

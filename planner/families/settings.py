@@ -64,6 +64,11 @@ class FamilySettings:
     def require_plannable(self, case: Case, duration: float) -> None:
         """Raises HexciteError where no search can succeed on this machine."""
 
+    @property
+    def step(self) -> float:
+        """Between two durations that a search for the shortest may try: a hundredth of a second [s]."""
+        return 0.01
+
     def made_for(self, case: Case) -> str | None:
         """The controller whose time law the motion is planned with; None where all limits of the case count."""
         return None
@@ -143,6 +148,11 @@ class Fourier(FamilySettings):
                 f"duration {duration:g} s is one period of order 1, which needs two: one is spent on the ways in and "
                 f"out; choose --duration {self.fewest * self.period:g} or more"
             )
+
+    @property
+    def step(self) -> float:
+        """Between two durations: a period where one is stated [s]."""
+        return super(Fourier, self).step if self.period is None else self.period
 
     def require_plannable(self, case: Case, duration: float) -> None:
         """Raises HexciteError unless the filter of the evaluation passes the highest harmonic."""

@@ -59,7 +59,7 @@ class Task:
     payload: int = 0  # number of the case's payloads that are mounted, for the noise
     begin: Array | None = None  # result of an exploration, which is refined; None for a random start
     reference: Case | None = None  # case of the reference scaling, where `case` has margins; None for the same
-    solver: Solver = Solver.IPOPT
+    solver: Solver | None = None  # None for the one that suits each stage
 
     @property
     def refine(self) -> bool:
@@ -78,6 +78,9 @@ class Task:
         return stages + (TEMPERATURES if self.moves else 0)
 
 
+# Unknowns up to which an active-set method explores: with quasi-Newton curvature it converges in less time than
+# interior points with exact second derivatives take for their first iterations. With more its programs cost more.
+FEW = 150
 OTHERWISE = 60  # iterations by A, K and N, which begin from a D-optimal motion
 
 # Far from an optimum the barrier adapts (None) and second derivatives are convex: better optima, sooner.
@@ -124,7 +127,11 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
         raise InfeasiblePlan(
             f"start {task.seed} found no motion inside the limits that determines all parameters of model "
             f"{task.model}; widen [limits.motion], allow a longer --duration or choose a smaller --model"
-            + ("" if task.solver is Solver.IPOPT else f", or leave --solver {task.solver} out: {run.status.words}")
+            + (
+                ""
+                if task.solver in (None, Solver.IPOPT)
+                else f", or leave --solver {task.solver} out: {run.status.words}"
+            )
         )
     promise = run.rate(unknowns) if exploring else after
     record = StartRecord(
@@ -194,7 +201,10 @@ class _Run:
             self.status, self.converged = SolverStatus.STOPPED, False
             return unknowns
         program = replace(self.program, convex=convex)
-        solution, self.status, count = solve(program, unknowns, iterations, self.stops, barrier, self.task.solver)
+        exploring = not (self.task.refine or self.task.moves)
+        usual = Solver.ACTIVE_SET if exploring and program.unknowns <= FEW else Solver.IPOPT
+        solver = self.task.solver or usual
+        solution, self.status, count = solve(program, unknowns, iterations, self.stops, barrier, solver)
         self.iterations += count
         self.converged = self.status.converged and bool(np.isfinite(solution).all())
         if not np.isfinite(solution).all():

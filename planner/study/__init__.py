@@ -47,7 +47,7 @@ class Grid(Part):
     moves: Values[Whole | None] = (None,)
     knots: Values[Whole | None] = (None,)
     equal_start: Values[bool] = (False,)
-    solver: Values[str] = (str(_USUAL.solver),)
+    solver: Values[str | None] = (None,)
     payload: Values[Whole] = (_USUAL.payload,)
     seed: Values[Whole] = (_USUAL.seed,)
 

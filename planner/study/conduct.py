@@ -314,7 +314,9 @@ def solver_summaries(settings_groups: list[SettingsGroup]) -> list[SolverSummary
         best[rest] = max(best.get(rest, 0.0), *group.efficiencies, 0.0)
     kinds: dict[tuple[str, bool], list[SettingsGroup]] = {}
     for group in settings_groups:
-        kinds.setdefault((str(group.settings["solver"]), bool(group.settings.get("equal_start"))), []).append(group)
+        kinds.setdefault(
+            (str(group.settings.get("solver", "by default")), bool(group.settings.get("equal_start"))), []
+        ).append(group)
     summaries = []
     for (solver, equal), several in sorted(kinds.items()):
         done = [group for group in several if group.done]

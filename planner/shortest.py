@@ -1,0 +1,179 @@
+"""The shortest motion whose predicted deviations reach targets, found by planning motions of several durations.
+
+White noise alone lets deviations fall with the root of the duration. Errors that depend on the pose do not average out
+where a motion returns, and a short motion has no room for long ways: so each duration is planned, and what earlier ones
+reached only says which is next.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+
+from cases.errors import HexciteError, InfeasiblePlan, Interrupted
+from cases.schema import Case
+from identification.model import identification_model
+from identification.parameters import physical_form
+from identification.precision import legible, std_text
+from planner.plans import Plan
+from planner.request import DURATION, Request
+
+CLOSE = 1.04  # ratio of the shortest duration that reaches the targets to the longest below it that does not
+MOST = 14  # durations at most
+LONGER, SHORTER = 4.0, 0.25  # ratio of a duration to the one before, at most and at least
+AMONG = 0.15  # nearest share of the way, in logarithms, between two durations at which the next one lies
+STEEPEST, FLATTEST = -2.0, -0.05  # powers of the duration by which deviations are taken to change
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """A duration that was planned."""
+
+    duration: float  # that was asked for [s]
+    plan: Plan | None  # None where there is no motion of this duration
+    excess: float  # largest ratio of a predicted deviation to its target; infinity without a motion
+    problem: HexciteError | None = None  # why there is no motion
+
+
+def shortest(request: Request, case: Case, plan_of: Callable[[Request], Plan]) -> Plan:
+    """The shortest motion that reaches the targets of a request, whose duration is the longest allowed.
+
+    Where the family is open, the first motion that succeeds determines it. The motion is one of those that were
+    planned, with what was asked for but the duration found.
+
+    Args:
+        plan_of: request without targets -> its plan.
+
+    Raises:
+        InfeasiblePlan: no duration reaches the targets; the message says by what the best motion misses them.
+        Interrupted: Ctrl-C before a motion reached them.
+    """
+    targets, longest, family = request.target, request.duration, request.family
+    trials: list[Trial] = []
+    wanted: float | None = _whole(min(DURATION, longest), family.step)
+    while wanted is not None and len(trials) < MOST:
+        asked = replace(request, family=family, duration=wanted, target={})
+        trial = _trial(asked, targets, plan_of)
+        trials.append(trial)
+        if trial.plan is not None:
+            family = trial.plan.of_motion[0].family
+            if trial.plan.interrupted:
+                break
+        wanted = following(trials, longest, family.step)
+    enough = [trial for trial in trials if trial.excess <= 1.0]
+    if not enough:
+        raise _missed(trials, request, case)
+    best = min(enough, key=lambda trial: trial.duration)
+    assert best.plan is not None
+    own, worth = best.plan.of_motion
+    interrupted = any(trial.plan is not None and trial.plan.interrupted for trial in trials)
+    worth = replace(worth, notes=(_note(best, trials, targets, case, own.model), *worth.notes))
+    return replace(best.plan, request=replace(own, target=targets), worth=worth, interrupted=interrupted)
+
+
+def _trial(request: Request, targets: Mapping[str, float], plan_of: Callable[[Request], Plan]) -> Trial:
+    try:
+        plan = plan_of(request)
+    except HexciteError as error:  # too short for its family, or for what the model has to determine
+        return Trial(request.duration, None, math.inf, error)
+    return Trial(request.duration, plan, max(plan.predicted_std[name] / at for name, at in targets.items()))
+
+
+def following(trials: list[Trial], longest: float, step: float) -> float | None:
+    """The duration to plan next [s]; None where none is worth it.
+
+    Args:
+        trials: in the order of planning.
+        longest: [s].
+        step: between two durations [s].
+    """
+    reached = [trial for trial in trials if trial.excess <= 1.0]
+    upper = min(reached, key=lambda trial: trial.duration, default=None)
+    below = [t for t in trials if t.excess > 1.0 and (upper is None or t.duration < upper.duration)]
+    lower = max(below, key=lambda trial: trial.duration, default=None)
+    if upper is None:
+        assert lower is not None
+        power = -0.5 if len(below) < 2 else _power(*sorted(below, key=lambda trial: trial.duration)[-2:])
+        ratio = lower.excess ** (-1.0 / power) if math.isfinite(lower.excess) else 2.0
+        wanted = min(lower.duration * min(max(ratio, CLOSE), LONGER), longest)
+    elif lower is None:
+        wanted = upper.duration * min(max(upper.excess**2, SHORTER), 0.9)
+    elif upper.duration <= CLOSE * lower.duration:
+        return None
+    else:
+        share = 0.5
+        if math.isfinite(lower.excess):
+            share = math.log(lower.excess) / math.log(lower.excess / upper.excess)
+        share = min(max(share, AMONG), 1.0 - AMONG)
+        wanted = lower.duration * (upper.duration / lower.duration) ** share
+    wanted = _whole(wanted, step)
+    if lower is not None:
+        wanted = max(wanted, _whole(lower.duration + step, step))
+    if upper is not None:
+        wanted = min(wanted, _whole(upper.duration - step, step))
+    known = {trial.duration for trial in trials}
+    return wanted if wanted not in known and step / 2 < wanted <= longest else None
+
+
+def _whole(duration: float, step: float) -> float:
+    """The nearest whole number of steps, at least one, without the noise of the product."""
+    return round(max(round(duration / step), 1) * step, 9)
+
+
+def _power(shorter: Trial, longer: Trial) -> float:
+    """The power of the duration with which deviations changed between two."""
+    if not math.isfinite(shorter.excess):
+        return -0.5
+    slope = math.log(longer.excess / shorter.excess) / math.log(longer.duration / shorter.duration)
+    return min(max(slope, STEEPEST), FLATTEST)
+
+
+def deviations_in_words(names: Iterable[str], values: Mapping[str, float], case: Case, model: int) -> str:
+    """Deviations for people, such as `m 0.0049 kg, xC 0.02 mm`."""
+    units = {p.name: legible(p.unit) for p in physical_form(identification_model(case, model)).parameters}
+    return ", ".join(f"{name} {std_text(values[name] * units[name][0])} {units[name][1]}" for name in names)
+
+
+def _predicted(trial: Trial, targets: Mapping[str, float], case: Case, model: int) -> str:
+    assert trial.plan is not None
+    return deviations_in_words(targets, trial.plan.predicted_std, case, model)
+
+
+def _note(best: Trial, trials: list[Trial], targets: Mapping[str, float], case: Case, model: int) -> str:
+    """What was asked for, what the motion predicts, and what the longest shorter one does."""
+    words = (
+        f"{best.duration:g} s is the shortest of {len(trials)} durations that reaches "
+        f"{deviations_in_words(targets, targets, case, model)}: it predicts {_predicted(best, targets, case, model)}"
+    )
+    shorter = [trial for trial in trials if trial.duration < best.duration]
+    if not shorter:
+        return words
+    last = max(shorter, key=lambda trial: trial.duration)
+    less = "has no motion" if last.plan is None else f"predicts {_predicted(last, targets, case, model)}"
+    return f"{words}; {last.duration:g} s {less}"
+
+
+def _missed(trials: list[Trial], request: Request, case: Case) -> HexciteError | Interrupted:
+    """Why no motion reaches the targets."""
+    planned = [trial for trial in trials if trial.plan is not None]
+    if not planned:
+        problem = trials[-1].problem
+        assert problem is not None
+        return problem
+    best = min(planned, key=lambda trial: trial.excess)
+    if any(trial.plan is not None and trial.plan.interrupted for trial in trials):
+        return Interrupted()
+    targets, model = request.target, request.model
+    longest = max(trial.duration for trial in planned)
+    return InfeasiblePlan(
+        f"no motion of up to {longest:g} s reaches {deviations_in_words(targets, targets, case, model)}",
+        f"the best, of {best.duration:g} s, predicts {_predicted(best, targets, case, model)}, {best.excess:.2f} times "
+        "as much as asked for" + _remedy(planned, longest, request),
+    )
+
+
+def _remedy(planned: list[Trial], longest: float, request: Request) -> str:
+    """What to do: allow more time where that would help, else ask for less."""
+    last = sorted(planned, key=lambda trial: trial.duration)[-2:]
+    if len(last) == 2 and _power(*last) > -0.25:
+        return "; longer motions hardly help: ask for larger deviations"
+    return "; allow a longer --duration, or ask for larger deviations"
