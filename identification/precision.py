@@ -110,15 +110,15 @@ def parameter_words(name: str, rods: bool = False) -> str:
 
 
 def value_cells(name: str, value: "Value", rods: bool = False) -> tuple[str, ...]:
-    """A parameter for people: words, value, the larger standard deviation, that by (28), the robust one, unit."""
+    """A parameter for people: words, value, the larger standard deviation, U (k = 2), both deviations, unit."""
     scale, unit = legible(value.unit)
     if value.reported <= 1e-9 * abs(value.value):  # a given value deviates by rounding only
-        return parameter_words(name, rods), f"{value.value * scale:.6g}", "given", "-", "-", unit
-    deviations = (std_text(std * scale) for std in (value.reported, value.std, value.std_robust))
+        return parameter_words(name, rods), f"{value.value * scale:.6g}", "given", "-", "-", "-", unit
+    deviations = (std_text(std * scale) for std in (value.reported, value.expanded, value.std, value.std_robust))
     return parameter_words(name, rods), value_text(value.value * scale, value.reported * scale), *deviations, unit
 
 
-PARAMETER_COLUMNS = ("parameter", "value", "+-", "std (28)", "std robust", "unit")  # of `value_cells`
+PARAMETER_COLUMNS = ("parameter", "value", "+-", "U (k=2)", "std (28)", "std robust", "unit")  # of `value_cells`
 
 
 def aligned(*rows: Sequence[str]) -> list[str]:

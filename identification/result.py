@@ -194,9 +194,17 @@ class ResultEntries(Parameters):
         entries = self.model_dump(mode="json", exclude_unset=True)
         entries["linear"] = {key: entries.pop(key) for key in ("names", "values")}
         intervals = {name: list(p.interval(self.degrees_of_freedom)) for name, p in self.parameters.items()}
+        expanded = {name: p.expanded for name, p in self.parameters.items()}
         texts = {f"{severity}s": list(sentences(self.findings, severity)) for severity in SEVERITIES}
         quantities = {key: value for finding in entries["findings"] for key, value in finding["quantity"].items()}
-        return {"schema_version": SCHEMA_VERSION, **entries, "intervals_95": intervals, **texts, **quantities}
+        return {
+            "schema_version": SCHEMA_VERSION,
+            **entries,
+            "intervals_95": intervals,
+            "expanded_k2": expanded,
+            **texts,
+            **quantities,
+        }
 
 
 def of_version_0_2(entries: dict[str, Any]) -> dict[str, Any]:

@@ -17,6 +17,8 @@ from cases.sensors import PoseField
 from cases.units import Array, as_html
 from identification.finding import Finding
 
+COVERAGE_FACTOR = 2.0  # k of the expanded uncertainty
+
 
 class Value(NamedTuple):
     """An estimated quantity: SI value, standard deviation by (28), autocorrelation-robust one, and unit."""
@@ -30,6 +32,11 @@ class Value(NamedTuple):
     def reported(self) -> float:
         """The larger of the two standard deviations, which is what people are shown."""
         return max(self.std, self.std_robust)
+
+    @property
+    def expanded(self) -> float:
+        """Expanded uncertainty U (k = 2): twice the reported deviation."""
+        return COVERAGE_FACTOR * self.reported
 
     def interval(self, freedom: float, level: float = 0.95) -> tuple[float, float]:
         """Confidence interval from the reported standard deviation: what is printed, and what coverage rates."""

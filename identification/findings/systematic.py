@@ -20,7 +20,7 @@ from identification.findings.drift import Drift, drift_of
 from identification.findings.left_out import LeftOut
 from identification.findings.noise_level import channel_words
 from identification.findings.remains import excerpt_of, free_basis, remainder_of
-from identification.findings.tolerances import Share, shares_of
+from identification.findings.tolerances import Share, shares_of, without_tolerances
 from identification.parameters import offset_columns
 from identification.precision import parameter_words, with_deviation
 from identification.samples import Fitted, MotionOfSamples
@@ -48,7 +48,7 @@ class Systematic(NamedTuple):
     drives: Array | None  # bias of the values of the fit by noise of the drives, shape (v,), where that is measured
     residuals: Array  # of each channel, rms, shape (6,) [N, or N and N m]
     motion: MotionOfSamples
-    tolerances: tuple[Share, ...]  # what stated tolerances add to the covariance of the values
+    tolerances: tuple[Share, ...]  # what each stated tolerance does to the values
     hidden: tuple[Unseen, ...]  # how well the run shows each effect of one size; answers are of the fit's values
 
 
@@ -68,6 +68,7 @@ def systematic_of(fitted: Fitted, case: Case, odd: OddClock | None = None) -> Sy
     rest = remainder_of(fitted, left_out.regressors(fitted.regression.names))
     half, back = rest.half, np.linalg.inv(rest.root).T
     tolerances = shares_of(left_out, rest, basis, case.tolerances)
+    rest = without_tolerances(rest, tolerances)
     drift, bias, seen = drift_of(whole), np.zeros((basis.shape[1],) * 2), list[Seen]()
     if drift is not None:
         rest = rest.beside((drift.shape[part] * samples.scale)[:, None, None] * np.eye(6))

@@ -27,17 +27,28 @@ NOISE, MEMORY, SHOWN = "noise", "noise with memory", "seen in residuals"
 
 
 class Share(NamedTuple):
-    """What tolerances of one kind add to a covariance."""
+    """What one tolerance of a case does to a fit."""
 
-    kind: str  # such as drawing
-    covariance: Array  # of the values of a fit, shape (v, v)
+    key: str  # such as joints_mm
+    biases: Array  # of the values of the fit by one standard deviation of each of its sizes, shape (v, k)
+    left: Array  # what the fit leaves of the effects of these sizes on the forces, weighted, shape (n, 6, k)
+
+    @property
+    def kind(self) -> str:
+        """What it is a tolerance of, such as drawing."""
+        return KINDS[self.key]
+
+    @property
+    def covariance(self) -> Array:
+        """What it adds to the covariance of the values of the fit, shape (v, v)."""
+        return np.asarray(self.biases @ self.biases.T)
 
 
 UNITS = {"mm": MM, "deg": DEG, "percent": PERCENT, "ppm": PPM}
 
 
 def shares_of(left_out: LeftOut, rest: Remainder, basis: Array, tolerances: Tolerances | None) -> tuple[Share, ...]:
-    """What the tolerances of a case add to the covariance of a fit, by kind.
+    """What each of the tolerances of a case does to a fit.
 
     Args:
         left_out: the fit with its motion.
@@ -45,12 +56,28 @@ def shares_of(left_out: LeftOut, rest: Remainder, basis: Array, tolerances: Tole
         basis: what was free in the fit, shape (v, free).
         tolerances: those of the case.
     """
-    total: dict[str, Array] = {}
+    shares = []
     for key, deviation in () if tolerances is None else tolerances.stated():
-        kind = KINDS[key]
-        biases = deviation * UNITS[key.rpartition("_")[2]] * biases_of(left_out, rest, basis, key)
-        total[kind] = total.get(kind, np.zeros((len(basis),) * 2)) + biases @ biases.T
-    return tuple(Share(kind, covariance) for kind, covariance in total.items())
+        size = deviation * UNITS[key.rpartition("_")[2]]
+        left, inside = rest.without_fit(rest.root @ left_out.weighted(_effects(left_out, key)))
+        shares.append(Share(key, size * (basis @ (rest.half @ inside)), size * left))
+    return tuple(shares)
+
+
+def without_tolerances(rest: Remainder, shares: tuple[Share, ...]) -> Remainder:
+    """What a fit leaves, less what of it tolerances explain at their sizes.
+
+    Sizes are those that are likely with the residuals and with what is stated: sum (d_j / deviation_j)^2 + chi^2
+    is least. So residuals show nothing again that tolerances have counted, and all that is larger than stated.
+    """
+    left = np.concatenate([share.left for share in shares], axis=2) if shares else np.zeros((0, 6, 0))
+    if not left.shape[2]:
+        return rest
+    both = ((0, 1), (0, 1))
+    noise = float(np.mean(rest.residuals**2))
+    scores = np.tensordot(left, rest.residuals, both)
+    sizes = np.linalg.solve(np.tensordot(left, left, both) + noise * np.eye(len(scores)), scores)
+    return rest._replace(residuals=rest.residuals - left @ sizes)
 
 
 def biases_of(left_out: LeftOut, rest: Remainder, basis: Array, key: str) -> Array:
@@ -137,7 +164,9 @@ def budget_findings(before: Fitted, allowed: Fitted, shares: tuple[Share, ...] |
 
     white, robust = variances(before.fit.covariance), variances(before.fit.covariance_robust)
     total = np.maximum(white, variances(allowed.fit.covariance_robust))
-    by_kind = {share.kind: variances(share.covariance) for share in shares}
+    by_kind: dict[str, Array] = {}
+    for share in shares:
+        by_kind[share.kind] = by_kind.get(share.kind, 0.0) + variances(share.covariance)
     stated = np.sum(list(by_kind.values()), axis=0)
     memory = np.maximum(robust - white, 0.0)
     seen = np.maximum(variances(allowed.fit.covariance_robust) - robust - stated, 0.0)

@@ -26,7 +26,7 @@ from planner.reports.identifiability import identifiability_blocks
 from planner.reports.page import Block, Head, note, page, section, table, tiles
 from planner.told_apart import identifiability_of_models
 
-PARAMETER_COLUMNS = ("parameter", "value", "±", "unit", "95 % from", "to", "std (28)", "std robust")
+PARAMETER_COLUMNS = ("parameter", "value", "±", "U (k = 2)", "unit", "95 % from", "to", "std (28)", "std robust")
 
 
 def identify_page(result: Result) -> str:
@@ -149,8 +149,8 @@ def parameter_blocks(result: Result) -> tuple[Block, ...]:
         scale, unit = legible(p.unit)
         low, high = p.interval(freedom)
         ends = (value_text(v * scale, p.reported * scale) for v in (low, high))
-        words, value, widest, *stds, _ = value_cells(name, p, rods)
-        rows.append((words, value, widest, unit, *ends, *stds))
+        words, value, widest, expanded, *stds, _ = value_cells(name, p, rods)
+        rows.append((words, value, widest, expanded, unit, *ends, *stds))
     delay = delay_words(result)
     stated = f" They count no tolerances of {', '.join(result.not_counted)}; see [tolerances]."
     missing = stated if result.not_counted else ""

@@ -130,11 +130,26 @@ def test_deviations_count_what_the_case_tolerates_by_its_kinds() -> None:
     assert "budget" not in plain.quantities
     for name, value in counted.physical.items():
         assert np.sqrt(sum(part**2 for part in budget[name].values())) == pytest.approx(value.reported, rel=1e-6)
+        assert value.expanded == 2.0 * value.reported
         assert value.reported >= plain.physical[name].reported * (1.0 - 1e-9)
     mass = budget["m"]
     assert mass["gains"] > mass["drawing"] > 0.0
     assert mass["gains"] > 2.0 * mass["noise"]
     assert any(tells(text, "deviation of m", "gains") for text in counted.notes)
+
+
+def test_what_residuals_show_of_a_stated_tolerance_is_counted_once() -> None:
+    """A gain off by its tolerance is in the residuals: unstated they say so, stated they have nothing to add."""
+    of, recording = run("hexapod")
+    off = replace(recording, forces=recording.forces * (1.0 + 2e-2 * (np.arange(6) == 2)))
+    stated = of.case.model_copy(update={"tolerances": Tolerances.model_validate({"gain_percent": 2.0})})
+    small = of.case.model_copy(update={"tolerances": Tolerances.model_validate({"gain_percent": 0.02})})
+    without, counted, understated = (estimate_parameters(off, case) for case in (of.case, stated, small))
+    assert any(tells(text, "residuals of") for text in (*without.warnings, *without.notes))
+    mass = counted.quantities["budget"]["m"]
+    more = understated.quantities["budget"]["m"]["seen in residuals"]
+    assert mass["seen in residuals"] < 0.1 * more
+    assert more > 5.0 * understated.quantities["budget"]["m"]["gains"]
 
 
 def test_a_limit_is_rectangular_and_a_common_gain_is_all_of_the_mass() -> None:
