@@ -13,7 +13,7 @@ from planner.families.manual import load_poses
 from planner.families.settings import Best, FamilySettings
 from planner.planning import make_until_ctrl_c, require_plannable
 from planner.plans import Plan
-from planner.progress import Follower
+from planner.progress import Follower, Standing
 from planner.request import DURATION, LONGEST_WANTED, PoseRequest, Request
 from planner.search.parallel import silent
 from planner.shortest import shortest
@@ -76,10 +76,10 @@ def plan(
     if duration is None:
         duration = LONGEST_WANTED if settings.get("target") else DURATION
     request = Request(family or Best(), duration, **settings)  # type: ignore[arg-type]  # a letter will do
-    return planned(request, case, progress)
+    return planned(request, case, None if progress is None else lambda standing: progress(standing.line))
 
 
-def planned(request: Request, case: Case, progress: Callable[[str], None] | None = None) -> Plan:
+def planned(request: Request, case: Case, progress: Callable[[Standing], None] | None = None) -> Plan:
     """`plan` for settings that are one value."""
     require_plannable(request, case)
     follower = silent if progress is None else Follower(case, progress)

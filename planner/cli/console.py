@@ -1,18 +1,22 @@
 """What commands print: one JSON object, or tables for people; progress goes to stderr, and only to a terminal."""
 
 import json
+import math
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from cases.errors import legible
 from cases.files import FolderKind, atomic_folder
 from identification.precision import aligned
+
+if TYPE_CHECKING:
+    from planner.progress import Standing
 
 EVERY = 10.0  # [s] between two lines of progress where there is no terminal
 
@@ -67,7 +71,7 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]
 
 
 @contextmanager
-def status(text: str, quiet: bool) -> Iterator[Callable[[str], None]]:
+def status(text: str, quiet: bool) -> Iterator[Callable[[object], None]]:
     """A spinner on stderr; yields a function that shows a remark beside it, without a terminal as a line every 10 s."""
     if quiet:
         yield lambda _: None
@@ -82,13 +86,29 @@ def status(text: str, quiet: bool) -> Iterator[Callable[[str], None]]:
         return
     last_report = time.monotonic()
 
-    def report(remark: str) -> None:
+    def report(remark: object) -> None:
         nonlocal last_report
         if time.monotonic() - last_report >= EVERY:
             last_report = time.monotonic()
             print(legible(f"{text}: {remark}"), file=sys.stderr, flush=True)
 
     yield report
+
+
+def as_lines() -> "Callable[[Standing], None]":
+    """A listener that prints on stderr, as a JSON object a line, where a search stands: whatever is new, or a second
+    after the last one.
+    """
+    shown: tuple[float, tuple[object, ...]] = (-math.inf, ())
+
+    def report(standing: "Standing") -> None:
+        nonlocal shown
+        news = (standing.done, standing.least, standing.best)
+        if news != shown[1] or time.monotonic() - shown[0] >= 1.0:
+            shown = time.monotonic(), news
+            print(json.dumps(standing.to_json()), file=sys.stderr, flush=True)
+
+    return report
 
 
 def save_with_page(value: Any, kind: FolderKind, folder: Path, overwrite: bool) -> None:

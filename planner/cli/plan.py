@@ -102,6 +102,9 @@ def plan(
     output: Annotated[Path | None, out("Folder to write; named after case and family by default.")] = None,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
+    progress: Annotated[
+        bool, option("With --json: say on stderr how the search gets on, a JSON object a line.", "--progress")
+    ] = False,
 ) -> None:
     """Find the most informative motion inside the machine's limits.
 
@@ -151,7 +154,7 @@ def plan(
         text = f"{'up to ' if targets else ''}{duration:g} s, criterion {criterion}, " if optimised else ""
         console.say(f"Planning for {loaded.name}: {family or 'any family'}, {text}model {request.model}")
     with console.status("searching" if optimised else "timing", json) as remark:
-        result = planned(request, loaded, remark)
+        result = planned(request, loaded, console.as_lines() if json and progress else remark)
     with console.status("writing", json), first_ctrl_c():  # this takes a short time
         console.save_with_page(result, PLAN, folder, overwrite)
     written = f"plan written: {folder}, with its report {folder}/report.html"

@@ -1,5 +1,6 @@
 """The line that is shown while a search is under way says what is known, and nothing that was stored."""
 
+import json
 import math
 from dataclasses import replace
 
@@ -11,8 +12,9 @@ from hypothesis import strategies as st
 import hexcite as hx
 from cases.schema import Case
 from planner import progress
+from planner.cli import console
 from planner.families.settings import Fourier, PointToPoint
-from planner.progress import Follower, expected_best
+from planner.progress import Follower, Standing, expected_best
 from planner.request import Request
 from planner.search import Failed, SolverStatus, StartRecord
 from planner.search.parallel import Planned, UnderWay
@@ -42,7 +44,7 @@ def test_it_says_which_start_how_good_and_how_long(hexapod_case: Case, monkeypat
     unknowns = family.start(np.random.default_rng(1), lambda unknowns: 4.0 * float(np.abs(unknowns).max()))
     record = StartRecord(1, True, -3.0, -3.0, SolverStatus.SETTLED, True, 9, 4.0)
     start = Start(record, unknowns, family, 1.0, unknowns, -3.0)
-    follow = Follower(hexapod_case, lines.append)
+    follow = Follower(hexapod_case, lambda standing: lines.append(str(standing)))
     follow(request)
     follow(Planned("start", 5, False, math.inf))
     assert lines[-1] == "start 1 of at least 5"
@@ -73,3 +75,13 @@ def test_a_search_tells_from_its_beginning(hexapod_case: Case):
     assert any("start 2 of 2, best 0." in line for line in of_starts)
     first = [line for line in of_starts if line.startswith("start 1")]
     assert any("s left" in line for line in first)
+
+
+def test_programs_read_where_a_search_stands(capfd: pytest.CaptureFixture[str]):
+    said = console.as_lines()
+    said(Standing("start 1 of 3", 0, 3))
+    said(Standing("start 1 of 3, about 9 s left", 0, 3, None, 9.0))  # nothing new within a second
+    said(Standing("start 2 of 3, best 0.500", 1, 3, 0.5, 6.0))
+    first, second = (json.loads(line) for line in capfd.readouterr().err.splitlines())
+    assert (first["done"], first["best"]) == (0, None)
+    assert (second["done"], second["least"], second["best"], second["left_s"]) == (1, 3, 0.5, 6.0)
