@@ -28,7 +28,7 @@ class Joint(Frame):
     """A joint and the link behind it, whose frame is the joint's where the joint stands at 0.
 
     A `continuous` joint turns without end and has no `position_deg`; a `revolute` one has, a `prismatic` one has
-    `position_mm`.
+    `position_mm`. Evaluation asks for neither ends nor home; limits of motion go with both.
     """
 
     name: Annotated[str, spelled(JOINT_NAME.pattern, f"a name: {JOINT_NAME_WORDS}")]
@@ -64,16 +64,20 @@ class Joint(Frame):
         own, other = ("deg", "mm") if self.turns else ("mm", "deg")
         position, home = f"position_{own}", f"home_{own}"
         foreign = [f"position_{other}", f"home_{other}", "force_N" if self.turns else "torque_Nm"]
-        needed = [home] if self.kind == "continuous" else [home, position]
         for key in (*foreign, position) if self.kind == "continuous" else foreign:
             if getattr(self, key) is not None:
                 raise ValueError(f"{self.name}: is {self.kind} and has no {key}; remove it or change the kind")
-        if missing := [key for key in needed if getattr(self, key) is None]:
-            raise ValueError(f"{self.name}: {', '.join(missing)} is missing; a {self.kind} joint has it, add it")
         low, high = self.position
-        if not low <= self.home <= high:
+        if self.home < low or self.home > high:  # neither, where none is stated
             raise ValueError(f"{self.name}: {home} = {getattr(self, home):g} is outside {position}; choose one within")
         return self
+
+    @property
+    def lacks(self) -> tuple[str, ...]:
+        """Keys that it needs to be moved, and does not have."""
+        unit = "deg" if self.turns else "mm"
+        needed = (f"home_{unit}",) if self.kind == "continuous" else (f"home_{unit}", f"position_{unit}")
+        return tuple(key for key in needed if getattr(self, key) is None)
 
     @property
     def turns(self) -> bool:
@@ -87,14 +91,15 @@ class Joint(Frame):
 
     @property
     def position(self) -> tuple[float, float]:
-        """Lower and upper end [rad or m]; infinite of a continuous joint."""
+        """Lower and upper end [rad or m]; infinite of a continuous joint, and where the case states none."""
         ends = self.position_deg or self.position_mm
         return (-math.inf, math.inf) if ends is None else (ends[0] * self.unit, ends[1] * self.unit)
 
     @property
     def home(self) -> float:
-        """Where programs begin and end [rad or m]."""
-        return (self.home_deg or self.home_mm or 0.0) * self.unit
+        """Where programs begin and end [rad or m]; nan where the case states none, nor limits of motion."""
+        stated = self.home_deg if self.turns else self.home_mm
+        return math.nan if stated is None else stated * self.unit
 
     @property
     def effort(self) -> float:
@@ -140,7 +145,7 @@ class Chain(Part):
 
     @cached_property
     def home(self) -> Array:
-        """Coordinates where programs begin and end, shape (n,) [rad or m]."""
+        """Coordinates where programs begin and end, shape (n,) [rad or m]; nan where the case states none."""
         return frozen([joint.home for joint in self.joints])
 
     @cached_property
@@ -348,11 +353,22 @@ class Limits(Part):
     """What planned motions leave free before each end of a way."""
 
 
+def _unmoved(chain: Chain) -> tuple[str, ...]:
+    """What joints lack before the chain can be moved, keys behind the names of the joints that lack them."""
+    by_keys: dict[tuple[str, ...], list[str]] = {}
+    for joint in chain.joints:
+        by_keys.setdefault(joint.lacks, []).append(joint.name)
+    return tuple(f"{', '.join(names)}: {' and '.join(keys)} missing" for keys, names in by_keys.items() if keys)
+
+
 def joint_problems(chain: Chain, limits: JointMotionLimits) -> Iterator[str]:
     """Limits of motion that do not fit the chain, in words that name the keys."""
     names = tuple(limit.name for limit in limits.joints)
     if names != chain.names:
         yield f"limits.motion.joints are {', '.join(names)}; list those of machine.chain: {', '.join(chain.names)}"
+        return
+    if lacking := _unmoved(chain):
+        yield from (f"machine.chain.joints: {words}; limits of motion go with it, add it" for words in lacking)
         return
     for joint, limit, (low, high) in zip(chain.joints, limits.joints, limits.pose.T + chain.home[:, None], strict=True):
         if joint.turns != limit.turns:

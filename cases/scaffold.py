@@ -120,6 +120,7 @@ def begin_arm(
         keep_trailing_newline=True,
     )
     templates.filters |= {"keys": _keys, "comment": lambda text: "\n".join(_comment(printable(text)))}
+    templates.filters["commented"] = lambda text: "\n".join(f"# {line}" for line in text.splitlines())
     arm = read_urdf(Path(urdf), flange, sensor)
     text = templates.get_template("arm.toml.jinja").render(
         arm._asdict(), name=name, urdf=Path(urdf).name, flange_link=flange, sensor_link=sensor or flange
@@ -212,7 +213,10 @@ def _lacks(case: Case, command: str, keys: tuple[str | AnyOf, ...]) -> tuple[str
     """Keys that a command misses, of a table that is missing its own name only, or the machine that it is for."""
     if wanted := _other_machine(case, command.removeprefix("post --dialect ")):
         return (wanted,)
-    missing = []
+    moving = () if case.chain is None or "limits.motion" not in keys else case.chain.joints
+    missing: list[str | AnyOf] = [
+        f"machine.chain.joints.{key}" for key in sorted({key for joint in moving for key in joint.lacks})
+    ]
     for key in keys:
         ways = key if isinstance(key, AnyOf) else (key,)
         needed = case.chain is None or not _NOT_OF_A_CHAIN.issuperset(ways)

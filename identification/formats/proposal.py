@@ -4,6 +4,7 @@ What the case states counts before what names say, and names before what values 
 sentence.
 """
 
+import math
 import re
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -533,7 +534,8 @@ def _units_of_motion(values: Mapping[str, Array], case: Case | None) -> Iterator
         joints = {} if chain is None else dict(zip(chain.columns, chain.joints, strict=True))
         of_chain = [(joints[ours], values[ours]) for ours in columns if ours in joints]
         fit = [all(_within(joint, v * factor) for joint, v in of_chain) for factor in (usual, other[1])]
-        far = [sum(abs(float(np.nanmedian(v)) * f - joint.home) for joint, v in of_chain) for f in (usual, other[1])]
+        placed = [(joint.home, float(np.nanmedian(v))) for joint, v in of_chain if math.isfinite(joint.home)]
+        far = [sum(abs(middle * factor - home) for home, middle in placed) for factor in (usual, other[1])]
         nearer = len(of_chain) == len(columns) and far[1] < far[0] / _NEARER
         sure = bool(of_chain) and fit[1] and (not fit[0] or nearer)
         farther = bool(of_chain) and (not fit[1] or far[0] < far[1] / _NEARER)

@@ -92,7 +92,10 @@ def new(
         from cases.scaffold import begin_arm
 
         file, notes = begin_arm(name, urdf, flange, output, sensor)
-    written = f"case written: {file}; fill it in from top to bottom with your machine's values"
+    fill = "fill it in from top to bottom with your machine's values"
+    if urdf is not None:
+        fill = "to identify, say how the sensor reads and is mounted; to plan, fill in the rest from top to bottom"
+    written = f"case written: {file}; {fill}"
     check = f"hexcite case check {file.parent} says what is missing, and what cannot be"
     odd = [f"look at {note}" for note in notes]
     console.answered({"ok": True, "case": str(file), "notes": list(notes)}, json, *odd, written, check)

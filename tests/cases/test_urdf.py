@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cases.errors import CaseError, FileProblem
-from cases.scaffold import new_arm
+from cases.scaffold import new_arm, readiness
 from cases.schema import load_case
 from cases.sensors import RigidBody
 from cases.urdf import Arm, read_urdf
@@ -33,9 +33,11 @@ def file_with(folder: Path, text: str) -> Path:
 def filled_in(text: str, homes: list[float]) -> str:
     """The text of a new case with what a URDF does not say."""
     values = iter(homes)
+    block = text[text.index("# [[limits") : text.index("# What plans leave free")]
+    text = text.replace(block, re.sub(r"^# ", "", block, flags=re.MULTILINE))
     text = re.sub(r"# home_deg = .*", lambda _: f"home_deg = {next(values)}", text)
     for key, value in {"position_deg": "[-5.0, 5.0]", "acceleration_rad_s2": "5.0", "jerk_rad_s3": "50.0"}.items():
-        text = re.sub(rf"# {key} = .*", f"{key} = {value}", text)
+        text = re.sub(rf"(# )?\b{key} = .*TO BE.*", f"{key} = {value}", text)
     text = re.sub(r"# (force_noise_N|moment_noise_Nm) = .*", r"\1 = 0.5", text)
     return text.replace('# sense = "load_on_sensor"', 'sense = "load_on_sensor"')
 
@@ -65,16 +67,25 @@ def test_mujoco_reads_the_same_robot(robot: str, tmp_path: Path) -> None:
         np.testing.assert_allclose(columns[k].reshape(3, 3).T.ravel(), data.body(flange).xmat, atol=1e-12)
 
 
-def test_what_a_urdf_does_not_say_is_missing_joint_by_joint(tmp_path: Path) -> None:
-    new_arm("arm", file_with(tmp_path, ur10()), "tool0", tmp_path / "arm")
+def test_evaluation_asks_for_the_sense_alone_and_plans_for_home_and_limits_joint_by_joint(tmp_path: Path) -> None:
+    case_file = new_arm("arm", file_with(tmp_path, ur10()), "tool0", tmp_path / "arm")
     with pytest.raises(CaseError) as caught:
         load_case(str(tmp_path / "arm"))
-    problems = "\n".join(caught.value.problems)
+    assert [p.split(": is missing")[0] for p in caught.value.problems] == ["sensor_frame.transducer.sense"]
+    text = case_file.read_text().replace('# sense = "load', 'sense = "load')
+    case_file.write_text(text)
+    lacks = readiness(load_case(str(tmp_path / "arm")))
+    assert lacks["identify a motion"] == lacks["identify standstills, force, tare"] == ()
+    assert lacks["bound"] == ("machine.chain.joints.home_deg", "limits.motion")
     names = ", ".join(re.findall(r"(\w+_joint)\" type=\"revolute", ur10()))
-    assert f"machine.chain.joints[1, 2, 3, 4, 5, 6]: {names}: home_deg is missing" in problems
-    assert f"{names}: position_deg, acceleration_rad_s2 or acceleration_deg_s2, jerk" in problems
-    assert "sensor_frame.transducer.sense: is missing" in problems
-    assert len(caught.value.problems) == 3
+    homeless = filled_in(text, HOMES["ur10"]).replace("\nhome_deg", "\n# home_deg")
+    case_file.write_text(homeless.replace("acceleration_rad_s2 = 5.0", ""))
+    with pytest.raises(CaseError) as caught:
+        load_case(str(tmp_path / "arm"))
+    assert f"{names}: acceleration_rad_s2 or acceleration_deg_s2 not stated" in str(caught.value)
+    case_file.write_text(homeless)
+    with pytest.raises(CaseError, match=f"machine.chain.joints: {names}: home_deg missing; limits of motion"):
+        load_case(str(tmp_path / "arm"))
 
 
 def test_a_case_that_is_there_is_left_alone(tmp_path: Path) -> None:
