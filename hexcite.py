@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from identification import identify_models as identify_models
     from identification import look as look
     from identification import payload as payload
+    from identification import pool as pool
     from identification import read as read
     from identification import tare as tare
     from identification import verify as verify

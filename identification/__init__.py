@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from identification.model_choice import identify_models as identify_models
     from identification.outcome import Result as Result
     from identification.payloads import payload as payload
+    from identification.pooling import pool as pool
     from identification.recording import Recording as Recording
     from identification.recording import read as read
     from identification.runs.treatment import Treatment as Treatment

@@ -379,4 +379,5 @@ def _estimated(
     allowed = allowed_for(fitted, systematic)
     findings += not_shown(allowed, systematic)
     findings += budget_findings(fitted, allowed, None if systematic is None else systematic.tolerances, case)
-    return estimate_of(allowed, recording.source, case, tuple(findings))
+    biases = {} if systematic is None else {share.key: share.biases for share in systematic.tolerances}
+    return estimate_of(allowed, recording.source, case, tuple(findings), biases)

@@ -147,6 +147,14 @@ class Result:
         return np.array(self.record.covariance_robust, dtype=float)
 
     @property
+    def biases(self) -> Mapping[str, Array]:
+        """Of u by one standard deviation of each size that a tolerance of the case is one of, shape (u, k), by its key.
+
+        They are part of `covariance_robust`; other runs of the same machine have the same sizes.
+        """
+        return {key: np.array(rows, dtype=float) for key, rows in (self.record.tolerance_biases or {}).items()}
+
+    @property
     def delay(self) -> float:
         """Delay of the forces [s]; 0 where none was estimated."""
         return 0.0 if self.record.delay_s is None else self.record.delay_s.value
@@ -233,6 +241,7 @@ class Result:
             which,
             *aligned(*budget_cells(self.parameters, self.budget)),
             *lines,
+            *self._pooled(),
             *self._treated(),
             *self._tared(),
             *self.notes,
@@ -242,6 +251,11 @@ class Result:
     def _treated(self) -> list[str]:
         """A table of the parameters with another treatment of the data beside the default."""
         return [] if self.record.treatment is None else aligned(*treatment_rows(self.record.treatment))
+
+    def _pooled(self) -> list[str]:
+        """Tables of the runs that it is the mean of, and of how far they scatter."""
+        pooled = self.record.pooled
+        return [] if pooled is None else [*aligned(*pooled_rows(pooled)), *aligned(*scatter_rows(pooled))]
 
     def _tared(self) -> list[str]:
         """A table of the offsets before and after a tare."""
@@ -275,6 +289,25 @@ def treatment_rows(treatment: Mapping[str, Any]) -> list[tuple[str, ...]]:
     for key, words in (("s0", "s0 (27)"), ("white_noise", "white noise"), ("samples", "samples")):
         rows.append((words, f"{treatment[key]['default']:.4g}", "", f"{treatment[key]['treated']:.4g}", "", ""))
     return rows
+
+
+def pooled_rows(pooled: Mapping[str, Any]) -> list[tuple[str, ...]]:
+    """Rows of a table, the head first: runs that a result is the mean of, and how the others agree without each."""
+    rows: list[tuple[str, ...]] = [("run", "share of chi-square", "without it: scatter / promised", "p")]
+    others = pooled["without"] or [None] * len(pooled["results"])
+    for of, other in zip(pooled["results"], others, strict=True):
+        cells = ("-", "-") if other is None else (f"{other['scatter']:.2f}", f"{other['p']:.2g}")
+        rows.append((of["result"], f"{100.0 * of['chi2_share']:.0f} %", *cells))
+    return rows
+
+
+def scatter_rows(pooled: Mapping[str, Any]) -> list[tuple[str, ...]]:
+    """Rows of a table, the head first: of each parameter, how far the runs scatter."""
+    head = ("scatter of the runs", "scatter / promised", "p")
+    return [
+        head,
+        *((parameter_words(n), f"{of['scatter']:.2f}", f"{of['p']:.2g}") for n, of in pooled["parameters"].items()),
+    ]
 
 
 def case_of_result(path: Path) -> Case:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -37,6 +37,8 @@ class Estimate:
     delay: Value | None  # delay of the forces [s], where it was estimated
     physical: dict[str, Value]  # physical parameters by name
     findings: tuple[Finding, ...]  # what speaks against it, and what is good to know
+    # of u by one standard deviation of each size that a tolerance of the case is one of, shape (u, k), by its key
+    biases: Mapping[str, Array] = field(default_factory=dict)
     planned: tuple[Trajectory, float] | None = None  # motion of its plan, and when that begins [s], where it is known
 
     @property
@@ -92,6 +94,7 @@ def estimate_of(
     source: str,
     case: Case,
     findings: tuple[Finding, ...],
+    biases: Mapping[str, Array] | None = None,
 ) -> Estimate:
     """The estimate of a fit; columns of the fit beyond the model's parameters are nuisances, which it leaves out."""
     fit, model = fitted.fit, fitted.samples.model
@@ -99,9 +102,10 @@ def estimate_of(
     u, white, robust = fit.values[own], fit.covariance[own, own], fit.covariance_robust[own, own]
     fit = replace(fit, values=u, covariance=white, covariance_robust=robust)
     physical = physical_values(model, u, white, robust)
+    of_u = {key: bias[own] for key, bias in (biases or {}).items()}
     return Estimate(
         case, source, fitted.method, fit, fitted.samples, fitted.residuals, _s0(fitted), fitted.delay, physical,
-        findings,
+        findings, of_u,
     )  # fmt: skip
 
 
@@ -151,6 +155,7 @@ class Origin(BaseModel, strict=True, frozen=True, allow_inf_nan=False, populate_
     standstills: Entries | None = None
     models: Entries | None = None  # all models of the run, see `ModelChoice`, where this one was chosen among them
     treatment: Entries | None = None  # another treatment of the data, and what it changes beside the default
+    pooled: Entries | None = None  # the results that it is the mean of, and how far they scatter, see `pool`
     tared_with: str | None = None
     tared: Mapping[str, Entries] | None = None  # of each channel its offset `before` and `after`, with `change_std`
     stale: tuple[str, ...] = ()
@@ -168,6 +173,9 @@ class Parameters(Origin):
     values: Numbers = Field(validation_alias=AliasPath("linear", "values"))
     covariance: tuple[Numbers, ...]  # covariance of the linear ones by (28)
     covariance_robust: tuple[Numbers, ...]
+    # of the linear ones by one standard deviation of each size that a tolerance is one of, by its key of [tolerances];
+    # all runs of a machine have these in common
+    tolerance_biases: Mapping[str, tuple[Numbers, ...]] | None = None
     delay_s: Delay | None
 
 
@@ -227,6 +235,7 @@ def entries_of(estimate: Estimate, files: Sequence[Path] = (), **origin: Any) ->
         origin: what else it was made of, by field of `Origin`.
     """
     about = provenance(files)
+    common: dict[str, Any] = {"tolerance_biases": rows_of(estimate.biases)} if estimate.biases else {}
     fit, how, model, case = estimate.fit, estimate.how, estimate.model, estimate.case
     return ResultEntries(
         case=case.name,
@@ -240,6 +249,7 @@ def entries_of(estimate: Estimate, files: Sequence[Path] = (), **origin: Any) ->
         priors={p.name: {"value": p.value, "std": p.std} for p in how.priors},
         **entries_of_parameters(estimate.physical, fit.values, fit.covariance, fit.covariance_robust),
         names=tuple(model.names),
+        **common,
         delay_s=estimate.delay,
         weights=how.weights or case.sensors.weights,
         s0=estimate.s0,
@@ -253,6 +263,11 @@ def entries_of(estimate: Estimate, files: Sequence[Path] = (), **origin: Any) ->
         findings=estimate.findings,
         **origin,
     )
+
+
+def rows_of(biases: Mapping[str, Array]) -> dict[str, tuple[tuple[float, ...], ...]]:
+    """Biases by tolerances as an entry."""
+    return {key: tuple(map(tuple, bias.tolist())) for key, bias in biases.items() if bias.shape[1]}
 
 
 def entries_of_parameters(physical: Mapping[str, Value], u: Array, covariance: Array, robust: Array) -> dict[str, Any]:

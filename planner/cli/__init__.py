@@ -25,7 +25,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from cases.errors import FileProblem, HexciteError, Interrupted
 from cases.files import WRITTEN
-from planner.cli import cases, compare, demo, force, identify, limits, plan, poses, programs, study
+from planner.cli import cases, compare, demo, force, identify, limits, plan, poses, programs, results, study
 
 app = typer.Typer(
     name="hexcite",
@@ -39,7 +39,7 @@ app.command("cases")(cases.list_cases)
 app.add_typer(cases.app, name="case")
 for command in (
     plan.plan, poses.poses, programs.post, programs.check, programs.run, identify.look, identify.identify,
-    force.force, force.tare, force.payload, force.export, limits.bound, study.study, limits.retime,
+    results.pool, force.force, force.tare, force.payload, force.export, limits.bound, study.study, limits.retime,
     compare.compare, compare.validate, demo.demo,
 ):  # fmt: skip
     app.command()(command)

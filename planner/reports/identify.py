@@ -10,7 +10,7 @@ from cases.schema import Case
 from cases.units import Array
 from identification.findings.noise_level import noise_of_channels, stated_noise
 from identification.model_choice import figures_of, table_3
-from identification.outcome import RUN_ENTRIES, Result, treatment_rows
+from identification.outcome import RUN_ENTRIES, Result, pooled_rows, scatter_rows, treatment_rows
 from identification.precision import budget_cells, carries_rods, legible, value_cells, value_text, with_deviation
 from identification.signals import Residuals
 from planner.reports.accelerations import (
@@ -43,6 +43,10 @@ def identify_page(result: Result) -> str:
         (columns, *rows), words = treatment_rows(record.treatment), record.treatment["words"]
         text = f"Evaluated: {words}. Differences are shares of the default's deviations."
         sections.append(section("Treatment of the data beside the default", note(text), table(columns, rows)))
+    if record.pooled is not None:
+        words = "Runs are compared by their own noise; tolerances of the case, which they have in common, count once."
+        both = (table(columns, rows) for columns, *rows in (pooled_rows(record.pooled), scatter_rows(record.pooled)))
+        sections.append(section("The runs, and how far they scatter", note(words), *both))
     if record.models is not None:
         sections.append(section("All models of the run (Table 3)", *model_blocks(record.models)))
     if residuals is not None:

@@ -1,0 +1,31 @@
+"""`hexcite pool`: results of several runs of a machine together."""
+
+from pathlib import Path
+from typing import Annotated
+
+import hexcite as hx
+from cases.files import RESULT, check_folder, output_place
+from planner.cli import console
+from planner.cli.console import argument, out
+
+
+def pool(
+    results: Annotated[list[Path], argument("Result folders of runs of the same machine with the same load.")],
+    case: console.OwnCase = None,
+    output: Annotated[Path | None, out("Result folder to write; pooled by default.")] = None,
+    stale: console.Stale = False,
+    overwrite: console.Overwrite = False,
+    json: console.Json = False,
+) -> None:
+    """Make one estimate of several runs, and test whether they agree.
+
+    Tolerances that all runs have in common are counted once. What is written is a result: export, force, payload and
+    pool read it.
+    """
+    folder = output_place(output, Path("pooled"), overwrite)
+    check_folder(folder, RESULT, results, overwrite)
+    named = None if case is None else hx.load_case(case)
+    pooled = hx.pool([hx.Result.load(result, named, stale) for result in results])
+    console.save_with_page(pooled, RESULT, folder, overwrite)
+    answer = {"result": str(folder), "report": str(folder / "report.html"), **pooled.record.to_json()}
+    console.answered(answer, json, f"result written: {folder}, with its report {folder}/report.html", pooled)
