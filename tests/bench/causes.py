@@ -3,7 +3,7 @@
 For each machine every mistake is made alone, then a sample of pairs, then what is no cause that hexcite knows, then
 nothing. Recordings are made once for each seed, by plants that share no code with hexcite; mistakes change them or the
 case. A cause counts as named right where its words are in what is said; as one of several where others are said beside
-it, joined by "or"; as the same forces where only others are, that leave to the last digit what the sound run leaves;
+it, joined by "or"; as the same forces where only others are, that leave what the sound run leaves within a hundredth;
 as wrong where only others are, that leave anything else.
 
 Usage: python tests/bench/causes.py [--seeds 20] [--pairs 20] [--sound 170] [machine ..]
@@ -32,7 +32,7 @@ from tests.mistaken.mistakes import Mistake, mistakes_of, others_of
 RIGHT, AMONG, SAME, NONE = "right", "among others", "the same forces", "none named"
 QUIET, WRONG = "near the noise", "WRONG"
 KINDS = (RIGHT, AMONG, SAME, NONE, QUIET, WRONG)
-EQUAL = 1e-6  # of residuals
+EQUAL = 1e-2  # of residuals: sizes are found to that, and channels that are turned have other noise
 
 
 def named(run: Run, mistakes: Sequence[Mistake]) -> tuple[str, float, str]:

@@ -182,7 +182,18 @@ def refined(instants: Instants, coarse: Instants, families: Sequence[Sized], pre
     for k in range(ROUNDS):
         points = _stepped(coarse if k < COARSELY else instants, prefix, points, SHRINKING**k)
     made = [point.sized.make(point.size) for point in points]
-    return [together(*prefix, hypothesis) for hypothesis in made if hypothesis is not None]
+    return [together(*prefix, replace(hypothesis, sized=True)) for hypothesis in made if hypothesis is not None]
+
+
+def settled(instants: Instants, coarse: Instants, trial: Trial) -> Trial:
+    """A trial whose sizes are found once more, each beside the others: one was found before the other was known."""
+    now = trial
+    for family in [hypothesis.family for hypothesis in trial if hypothesis.sized]:
+        beside = tuple(hypothesis for hypothesis in now if hypothesis.family is not family)
+        own = [sized for sized in sized_of(coarse, beside) if sized.family is family]
+        possible = [now, *refined(instants, coarse, own, beside)]
+        now = possible[int(np.argmin(tried(instants, possible, [AS_RECORDED]).residuals[:, 0]))]
+    return now
 
 
 def _stepped(instants: Instants, prefix: Trial, points: Sequence[_Point], shrunk: float) -> list[_Point]:

@@ -68,6 +68,7 @@ class Hypothesis:
     words: str  # what is wrong, a clause
     # how many things are wrong then: of equal hypotheses of a family the one with the fewest is named
     mistakes: float = 1.0
+    sized: bool = False  # whether it has a size that was found where it leaves least
     single: bool = False  # whether it is tried alone only, as one of many that several mistakes at once would make
     # the keys that mend it, as another case; None where no key does
     edit: Edit | None = None

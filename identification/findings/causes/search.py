@@ -17,7 +17,7 @@ from cases.schema import Case
 from cases.units import Array
 from identification.estimation.fit import Fit
 from identification.findings.causes import channels, drives, geometry, surroundings
-from identification.findings.causes.estimated import Sized, refined, sized_of
+from identification.findings.causes.estimated import Sized, refined, settled, sized_of
 from identification.findings.causes.hypothesis import (
     AS_RECORDED,
     FAMILIES,
@@ -50,6 +50,8 @@ KEPT = 60  # trials of each kind that are tried on all instants
 REFINED = 6  # of those without a size beside one with, that leave least at its first sizes
 GREEDY = 4  # hypotheses that leave least, to which every other one is added
 READINGS = 4  # of a recording that leave least with any other hypothesis, to which those with a size are added too
+SETTLING = 3  # times that the sizes of two hypotheses are found anew beside each other, at most
+SETTLED = 0.99  # of residuals, above which they are no longer
 ROUNDING = 1e-9  # of residuals that are the same
 LEVEL = 0.3  # of the measured noise: differences between smaller residuals say nothing
 SIMILAR = 0.1  # by which noise of channels may be changed by what a column of trials does
@@ -131,9 +133,22 @@ def search(recording: Recording, case: Case, model: Model, fit: Fit | None = Non
         if base is not None:
             found += _pairs(base, found)
         explained = explanations(found, recorded)
+        for _ in range(SETTLING):
+            several = [entry for entry in explained if sum(hypothesis.sized for hypothesis in entry.trial) > 1]
+            anew = [_settled(entry) for entry in several]
+            found = [entry for entry in found if not any(entry is old for old in several)] + anew
+            explained = explanations(found, recorded)
+            if all(new.residuals > SETTLED * old.residuals for new, old in zip(anew, several, strict=True)):
+                break
     finite = [entry for entry in found if np.isfinite(entry.residuals)]
     best = min(finite, key=lambda entry: (entry.residuals, mistakes(entry.trial)), default=None)
     return Search(recorded, explained, best, tuple(sorted(families, key=FAMILIES.index)), pairs)
+
+
+def _settled(entry: Tried) -> Tried:
+    """An explanation with several sizes, each found beside the others."""
+    instants = entry.instants
+    return _alone(instants, settled(instants, instants.part(COARSE), entry.trial))
 
 
 def _unclean(explanation: Tried) -> bool:
