@@ -4,15 +4,18 @@ BIN := .venv/bin
 CONSTRAINTS := .ci/constraints.txt
 SEED ?= $(shell expr $$(date +%s) / 86400 \* 100000)
 
-.PHONY: demo test check lint docs bench nightly clean
+.PHONY: demo test check full lint docs bench nightly clean
 
 demo: .venv/.runtime ## the whole chain on the built-in hexapod, to hexcite-demo/report.html
 	$(BIN)/hexcite demo --overwrite
 
 test: .venv/.dev ## the tests; byte code is kept, for hexcite is started many times
-	PYTHONDONTWRITEBYTECODE= $(BIN)/pytest -n auto --dist worksteal -m "not slow"
+	PYTHONDONTWRITEBYTECODE= $(BIN)/pytest -n auto --dist worksteal -m "not slow and not repeats"
 
 check: lint test ## format, lint, types, import contracts, tests
+
+full: lint ## check with all variants and examples: what CI runs
+	PYTHONDONTWRITEBYTECODE= $(BIN)/pytest -n auto --dist worksteal -m "not slow" --hypothesis-profile full
 
 lint: .venv/.dev
 	$(BIN)/ruff format --check .
@@ -43,7 +46,7 @@ bench: .venv/.dev ## the figures that matter, measured; minutes, not seconds
 
 nightly: .venv/.dev ## hours: all slow tests, all kinds of damaged input and accidents, all figures; SEED=n repeats a night
 	@status=0; \
-	$(BIN)/python -m pytest -m slow -q || status=1; \
+	$(BIN)/python -m pytest -m "slow or repeats or hypothesis" --hypothesis-profile full -q || status=1; \
 	$(BIN)/python -m tests.bench.reliability.everything --seed $(SEED) || status=1; \
 	$(BIN)/python tests/bench/figures.py || status=1; \
 	exit $$status

@@ -127,11 +127,12 @@ def contradictions(stated: Sequence[Stated], relations: Relations) -> Iterator[s
     """
     of_key = {value.key: value for value in stated}
     values: Values = {value.key: value.si for value in stated}
-    tried, now = list(_hypotheses(of_key)), list(relations(values))
-    while any(relation.distance > 1.0 for relation in now):
+    now = list(relations(values))
+    tried = list(_hypotheses(of_key)) if _unusual(now) > COST else []
+    while (unusual := _unusual(now)) > COST:  # no hypothesis costs less
         fits = [(_left(hypothesis, values, relations) + hypothesis.cost, hypothesis) for hypothesis in tried]
         score, best = min(fits, key=lambda fit: fit[0], default=(math.inf, None))
-        if best is None or score >= sum(relation.distance**2 for relation in now):
+        if best is None or score >= unusual:
             break
         own = [relation for relation in now if best.concerns(relation)]
         yield _accusation(best, of_key, max(own, key=lambda relation: relation.distance))
@@ -149,7 +150,12 @@ def _left(hypothesis: _Hypothesis, values: Values, relations: Relations) -> floa
     after = list(relations(hypothesis.applied(values)))
     if any(relation.distance > DOUBTFUL and hypothesis.concerns(relation) for relation in after):
         return math.inf
-    return sum(relation.distance**2 for relation in after)
+    return _unusual(after)
+
+
+def _unusual(now: Iterable[Relation]) -> float:
+    """How far figures are from usual together, in squares of their scatter."""
+    return sum(relation.distance**2 for relation in now)
 
 
 def _hypotheses(stated: Mapping[str, Stated]) -> Iterator[_Hypothesis]:

@@ -1,6 +1,7 @@
 """Settings of all tests: hypothesis is seeded and never timed, slow studies run only where they are asked for."""
 
 import os
+from collections import Counter
 
 # Small matrices: BLAS threads only wait for each other, all the more so when several tests run side by side.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -14,7 +15,8 @@ from postprocessors.execute.linuxcnc.session import linuxcnc_missing
 # A failure is told at once; `--hypothesis-profile bench` takes its time to make it small.
 AT_ONCE = (Phase.explicit, Phase.reuse, Phase.generate)
 SEEDS = 1
-settings.register_profile("check", derandomize=True, deadline=None, max_examples=20, print_blob=True, phases=AT_ONCE)
+settings.register_profile("full", derandomize=True, deadline=None, max_examples=20, print_blob=True, phases=AT_ONCE)
+settings.register_profile("check", settings.get_profile("full"), max_examples=6)
 settings.register_profile("bench", deadline=None, max_examples=5000, print_blob=True)
 settings.load_profile("check")
 
@@ -26,8 +28,16 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Of a test that is repeated over seeds, `make test` runs the first; `make bench` runs the others."""
+    """Of a test that is repeated over seeds, `make test` runs the first; `make bench` runs the others.
+
+    Of a test marked `first(n)`, `make test` runs the first n variants; CI and `make nightly` run the others too.
+    """
+    variants = Counter[tuple[str, str]]()
     for item in items:
+        if first := item.get_closest_marker("first"):
+            variants[own := (item.location[0], getattr(item, "originalname", item.name))] += 1
+            if variants[own] > first.args[0]:
+                item.add_marker(pytest.mark.repeats)
         repeated = getattr(item, "callspec", None)
         if repeated is not None and repeated.indices.get("seed", 0) >= SEEDS:
             item.add_marker(pytest.mark.slow)

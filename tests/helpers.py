@@ -1,5 +1,6 @@
 """What many tests share: a derivative check, a smooth motion, the paper's poses, and the rule of one-line messages."""
 
+import math
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -7,6 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 import pytest
+from hypothesis import settings
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
@@ -110,6 +112,12 @@ def few(*values: object, kept: int = 1) -> list[object]:
     """Values of a parametrisation of which `make test` takes the first ones and `make bench` the others."""
     others = (v if isinstance(v, tuple) else (v,) for v in values[kept:])
     return [*values[:kept], *(pytest.param(*v, marks=pytest.mark.slow) for v in others)]
+
+
+def examples(number: int) -> int:
+    """How many examples a property is tried with: `number` with the profile `full`, fewer in `make test`."""
+    share = settings.default.max_examples / settings.get_profile("full").max_examples
+    return max(2, math.ceil(number * share))
 
 
 def pose_shares(case: Case, poses: Array) -> dict[str, Array]:

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from cases.editing import changes_of, write_table
 from cases.errors import HexciteError
 from cases.tables import built_in_cases
+from tests.helpers import examples
 
 WANTED: dict[str, Any] = {
     "filter_cutoff_Hz": 40.0,
@@ -82,7 +83,7 @@ VALUES = st.recursive(
 )  # fmt: skip
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=examples(60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     values=st.dictionaries(st.from_regex(r"[a-z_]{1,8}|columns", fullmatch=True), VALUES, max_size=5),
     name=st.sampled_from(sorted(built_in_cases())),

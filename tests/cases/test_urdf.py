@@ -17,7 +17,7 @@ from cases.sensors import RigidBody
 from cases.urdf import Arm, read_urdf
 from identification.serial_chain import SerialChain
 from identification.symbolic import over_samples
-from tests.helpers import one_line
+from tests.helpers import examples, one_line
 from tests.robots import MIMIC, panda, ur10, urdf
 
 ROBOTS = {"ur10": (ur10(), "tool0"), "panda": (panda(), "tool")}
@@ -378,7 +378,10 @@ PIECES = re.findall(r'<[^>]+>|"[^"]*"', panda())
 
 
 @settings(
-    max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True, deadline=None
+    max_examples=examples(150),
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    derandomize=True,
+    deadline=None,
 )
 @given(
     edits=st.lists(st.tuples(st.sampled_from(PIECES), st.sampled_from([*PIECES, "", '"nan"', '"0 0 0"'])), max_size=3)

@@ -16,7 +16,7 @@ from identification.recording import Recording, read, write_recording
 from identification.runs.preparation import on_one_clock
 from identification.simulate import simulate_recording
 from tests.bench.reliability.recordings import stained
-from tests.helpers import Harmonic, answer
+from tests.helpers import Harmonic, answer, examples
 from tests.simulated_machine import PoseExecution
 
 CASE = load_case("hexapod")
@@ -35,7 +35,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("runs")
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=3)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=examples(3))
 @given(seed=st.integers(0, 2**32))
 def test_a_damaged_run_ends_in_an_answer_or_in_one_line(seed: int, folder: Path) -> None:
     file = folder / "damaged.csv"

@@ -16,7 +16,7 @@ from identification.motion import Standstill
 from identification.trajectories.moves import StraightMove
 from planner.poses.space import valid_poses
 from planner.search.problem import state_limits
-from tests.helpers import HOME
+from tests.helpers import HOME, examples
 from tests.postprocessors.changed_case import changed
 
 CASE = load_case("hexapod")
@@ -143,7 +143,7 @@ def test_a_tool_is_as_far_as_the_nearest_point_of_its_axis_less_its_radius(seed:
 
 
 @given(seed=st.integers(0, 2**32 - 1))
-@settings(max_examples=8)
+@settings(max_examples=examples(8))
 def test_what_the_optimiser_takes_for_outside_is_outside(seed: int):
     """At origin, joints and the ends of tools: its smooth distance is never more than the true one."""
     draw = np.random.default_rng(seed)

@@ -143,6 +143,7 @@ def place(error: BaseException) -> int:
     return int(found[2]) - {"sample": 1, "line": 2}[found[1]]
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(("recording", "reach"), [(RUN, 110), (STILL, 0)], ids=["moving", "standstills"])
 def test_struts_that_cannot_close_are_named_by_their_place_in_the_recording(recording: Recording, reach: int) -> None:
     """Rows from 1000 on are impossible; in a moving run the filter smears them by its own length."""

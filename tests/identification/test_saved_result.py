@@ -24,7 +24,7 @@ from identification.outcome import Result
 from identification.recording import Recording, about_case
 from identification.result import ResultEntries, entries_of_parameters, physical_values
 from identification.simulate import simulate_recording
-from tests.helpers import Harmonic, one_line
+from tests.helpers import Harmonic, examples, one_line
 from tests.postprocessors.export.calibrations import calibration
 from tests.simulated_machine import PoseExecution
 
@@ -99,7 +99,7 @@ def test_loading_undoes_saving(result: Result) -> None:
 
 
 @given(results())
-@settings(deadline=None, max_examples=5)
+@settings(deadline=None, max_examples=examples(5))
 def test_nobody_can_change_a_result(result: Result) -> None:
     with pytest.raises(ValidationError, match="frozen"):
         result.record.samples = 1

@@ -45,6 +45,7 @@ def alone(run: Path, tmp_path_factory: pytest.TempPathFactory) -> dict:
     return answer_of(run, tmp_path_factory.mktemp("alone"))
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(
     "files",
     [

@@ -18,7 +18,7 @@ from planner.families.settings import Fourier, PointToPoint
 from planner.planning import require_plannable
 from planner.request import Request
 from planner.search.feasibility import keep_limits, remedy
-from tests.helpers import one_line
+from tests.helpers import examples, one_line
 from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed
 from tests.random_start import random_start
@@ -233,7 +233,7 @@ STOPPED = ("plan", "hexapod", "--payload", "99")
 @example("--duration", "inf", "spline")
 @example("--period", "1e-320", "fourier")
 @example("--seed", "1" + "0" * 400, "ptp")
-@settings(max_examples=25, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=examples(25), derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_any_number_for_any_option_is_taken_or_refused_in_one_line(option: str, value: str, family: str):
     answer = call(*STOPPED, "--family", family, f"{option}={value}")
     assert answer.out == ""
@@ -245,7 +245,7 @@ def test_any_number_for_any_option_is_taken_or_refused_in_one_line(option: str, 
 
 
 @given(option=st.sampled_from(["--criterion", "--family", "--sequence", "--output"]), value=WORDS)
-@settings(max_examples=25, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=examples(25), derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_any_word_for_any_option_is_taken_or_refused_in_one_line(option: str, value: str):
     answer = call(*STOPPED, f"{option}={value}")
     assert answer.out == ""
@@ -257,7 +257,7 @@ def test_any_word_for_any_option_is_taken_or_refused_in_one_line(option: str, va
     option=st.sampled_from(["--count", "--candidates", "--seed", "--model", "--time-limit"]),
     value=NUMBERS,
 )
-@settings(max_examples=20, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=examples(20), derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_poses_and_bound_refuse_likewise(command: tuple[str, ...], option: str, value: str):
     arguments = [command[0], "ft_wrist", *command[2:]] if option == "--model" else [*command]
     answer = call(*arguments, f"{option}={value}")

@@ -283,6 +283,7 @@ def test_figures_tables_and_words_speak_to_a_screen_reader(result_tab: Opened):
     assert all(len(term.get_attribute("title") or "") > 10 for term in terms)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("size", ["A4", "Letter"])
 def test_what_is_printed_stays_inside_the_paper_and_is_white(browser: Browser, result_page: Path, size: str):
     """Also where the screen is dark: pictures stand in place of figures, and nothing that only a screen can do."""

@@ -24,6 +24,7 @@ from planner.request import PoseRequest, Request
 from planner.search import Failed, SolverStatus, StartRecord
 from planner.search.feasibility import keep_limits
 from planner.search.solving import Start
+from tests.helpers import examples
 
 CASE = load_case("hexapod")
 DURATION = 3.0
@@ -78,7 +79,7 @@ def require_same(again: Plan, plan: Plan) -> None:
     share=st.floats(0.6, 1.0),
     search=SEARCHES,
 )
-@settings(max_examples=6)
+@settings(max_examples=examples(6))
 def test_a_plan_of_any_motion_comes_back(
     family: FamilySettings, criterion: Criterion, model: int, payloads: tuple[int, int], seed: int, share: float,
     search: Any,
@@ -92,7 +93,7 @@ def test_a_plan_of_any_motion_comes_back(
 
 
 @given(count=st.integers(8, 30), seed=st.integers(0, 99), criterion=st.sampled_from(Criterion))
-@settings(max_examples=5)
+@settings(max_examples=examples(5))
 def test_a_plan_of_poses_comes_back(count: int, seed: int, criterion: Criterion):
     request = PoseRequest(criterion, count, "backward", candidates=100, seed=seed)
     plan = poses_planned(request, CASE)
@@ -105,7 +106,7 @@ def test_a_plan_of_poses_comes_back(count: int, seed: int, criterion: Criterion)
 @given(family=FAMILIES, dialect=st.sampled_from(["linuxcnc", "sinumerik", "twincat", "setpoints"]),
        share=st.floats(0.6, 1.0), seed=st.integers(0, 2**31))  # fmt: skip
 @example(family=hx.Spline(knots=30), dialect="setpoints", share=0.9, seed=0)
-@settings(max_examples=5)
+@settings(max_examples=examples(5))
 def test_a_program_of_any_plan_comes_back(family: FamilySettings, dialect: str, share: float, seed: int):
     plan = planned(family, Request(family, DURATION, seed=seed), share, seed, ((), (), False))
     accept = ("acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force")

@@ -12,7 +12,7 @@ from postprocessors.execute.virtual import run_virtual
 from postprocessors.proving.guarantees import linuxcnc_guarantees
 from postprocessors.proving.proof import prove_program
 from tests.bench.reliability.programs import edited, originals
-from tests.helpers import one_line
+from tests.helpers import examples, one_line
 from tests.postprocessors.other_dialects import BOTH, CASE, LINUXCNC, Typed
 from tests.postprocessors.programs import read_linuxcnc
 
@@ -26,7 +26,7 @@ def test_the_programs_before_the_damage_are_read(typed: Typed):
 
 
 @each
-@settings(max_examples=20)
+@settings(max_examples=examples(20))
 @given(share=st.floats(0.0, 0.995))
 def test_a_program_that_breaks_off_is_never_taken_for_a_whole_one(typed: Typed, share: float):
     text = originals(typed.name)[-1]
@@ -42,7 +42,7 @@ def test_junk_is_refused_in_one_line(typed: Typed, junk: bytes):
     one_line(caught.value)
 
 
-@settings(max_examples=15)
+@settings(max_examples=examples(15))
 @given(seed=st.integers(0, 2**32 - 1))
 def test_what_is_proven_can_be_run(seed: int):
     text = edited(originals("linuxcnc")[-1], random.Random(seed))

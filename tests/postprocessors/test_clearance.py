@@ -59,6 +59,7 @@ def least_height(case: Case, joints: np.ndarray) -> float:
     return lowest - TOOL[1] - TOP
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("pause", [0.0, 4.0])
 def test_a_program_keeps_the_distance_that_an_independent_kinematics_finds(pause: float) -> None:
     """A long standstill, and blocks far from every limit, lie between the places that are looked at closely."""

@@ -35,12 +35,14 @@ def test_the_tables_before_the_damage_are_proven(name: str):
     assert 0.7 < share_as_driven(TABLES[name]()) <= 1.0
 
 
+@pytest.mark.first(24)
 @pytest.mark.parametrize("name", TABLES)
 @pytest.mark.parametrize("damage", DAMAGE)
 def test_damage_to_columns_units_and_rows_is_refused(damage: str, name: str):
     assert refused(as_csv(DAMAGE[damage](TABLES[name]().copy())))
 
 
+@pytest.mark.first(24)
 @pytest.mark.parametrize("column", range(1, 37), ids=COLUMNS[1:37])
 @pytest.mark.parametrize("name", TABLES)
 def test_a_single_outlier_of_a_thousandth_of_its_column_is_refused(name: str, column: int):

@@ -152,6 +152,7 @@ def test_text_read_and_written_again_is_the_same_text(typed: Typed, case: Case, 
             assert written == line
 
 
+@pytest.mark.first(2)
 @every
 def test_a_full_circle_behind_a_path_stays_one(typed: Typed, case: Case):
     """Paths end on more digits than a control tells apart: a circle from there ends on the same ones."""

@@ -22,7 +22,7 @@ from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import prove_program
 from postprocessors.reading import Untimed
 from postprocessors.writing import excitation_program, proven_program
-from tests.helpers import polynomials_of
+from tests.helpers import examples, polynomials_of
 from tests.postprocessors.joint_walks import robot, walk
 from tests.postprocessors.other_dialects import CASE, LINES_CASE, SINUMERIK, TWINCAT, Typed
 from tests.postprocessors.programs import HOME
@@ -65,7 +65,7 @@ def steps(draw: st.DrawFn, case: Case) -> tuple[StraightMove, ...]:
 
 
 @pytest.mark.parametrize("name", [name for name in EVERY if name != "setpoints"])
-@settings(max_examples=10)
+@settings(max_examples=examples(10))
 @given(data=st.data())
 def test_moves_last_as_planned_whatever_rounding_makes_of_their_small_coordinates(name: str, data: st.DataObject):
     """The time law of the controller is the plan's: trapezoids where it has no limit of jerk."""

@@ -25,7 +25,7 @@ from postprocessors.proving.proof import prove_program
 from postprocessors.reading import Timed
 from postprocessors.reading.joint_trajectory import _NUMBER, _name
 from postprocessors.writing import proven_program
-from tests.helpers import few, one_line, polynomials_of
+from tests.helpers import examples, few, one_line, polynomials_of
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.joint_walks import ROBOT, walk
 
@@ -82,6 +82,7 @@ def judged(text: str):
 SPEEDS = few(("moves", 1.0), ("swing", 0.3), ("spline", 1.0), ("swing", 1.0), kept=2)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(("name", "speed"), SPEEDS)
 def test_between_its_points_the_message_is_the_planned_motion(name: str, speed: float) -> None:
     motion = MOTIONS[name]
@@ -233,7 +234,7 @@ NUMBERS = st.one_of(
 
 
 @given(text=NUMBERS)
-@settings(max_examples=300)
+@settings(max_examples=examples(300))
 def test_a_number_is_refused_or_is_the_same_to_every_reader_of_yaml(text: str) -> None:
     """PyYAML reads YAML 1.1; what is a number of the same value to YAML 1.2 is that to Python, too."""
     pattern = re.compile(_NUMBER)
@@ -371,7 +372,7 @@ def test_how_far_from_home_the_robot_may_stand_is_said() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=25, deadline=None, derandomize=True)
+@settings(max_examples=examples(25), deadline=None, derandomize=True)
 @given(st.integers(0, 999_999), st.integers(1, 12), st.sampled_from(["", "0", ",", "[", "}", "\n", "#", "e", "-"]))
 def test_a_damaged_message_is_refused_in_one_line_or_judged(start: int, length: int, put: str) -> None:
     text = short()

@@ -17,7 +17,7 @@ from postprocessors.proving.guarantees import linuxcnc_guarantees
 from postprocessors.proving.homing import predicted
 from postprocessors.reading import Timed, Untimed
 from postprocessors.writing import excitation_program, proven_program
-from tests.helpers import jerked
+from tests.helpers import examples, jerked
 from tests.postprocessors.programs import HOME, RANGE, linuxcnc_text, read_linuxcnc
 
 CASE = load_case("hexapod")
@@ -53,7 +53,7 @@ def moves_of(text: str) -> list[Untimed]:
     return [s for s in read_linuxcnc(text, "p.ngc").stretches if isinstance(s, Untimed) and s.trigger]
 
 
-@settings(max_examples=15)
+@settings(max_examples=examples(15))
 @given(motion=motions())
 def test_moves_read_back_end_turn_and_last_as_planned(motion: Joined):
     text = linuxcnc_text(excitation_program(motion, CASE))
@@ -71,7 +71,7 @@ def test_moves_read_back_end_turn_and_last_as_planned(motion: Joined):
         assert ran.duration == pytest.approx(part.duration, rel=2e-3)
 
 
-@settings(max_examples=15)
+@settings(max_examples=examples(15))
 @given(motion=motions())
 def test_a_written_program_is_proven_but_for_what_linuxcnc_does_not_know(motion: Joined):
     written = proven_program(motion, CASE, LINUXCNC, "p.ngc", ("random",), 1.0, ACCEPTED)
@@ -83,7 +83,7 @@ def test_a_written_program_is_proven_but_for_what_linuxcnc_does_not_know(motion:
 
 @pytest.mark.linuxcnc
 def test_linuxcnc_accepts_random_moves_and_turns_them_as_far(rs274: Callable):
-    @settings(max_examples=12, deadline=None)
+    @settings(max_examples=examples(12), deadline=None)
     @given(motion=motions())
     def accepted(motion: Joined) -> None:
         text = linuxcnc_text(excitation_program(motion, CASE))

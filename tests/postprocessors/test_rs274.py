@@ -11,11 +11,12 @@ from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from postprocessors.blocks import Blocks, ToHome
+from tests.helpers import examples
 from tests.postprocessors.programs import HEAD, HOME, linuxcnc_text, programs, read_linuxcnc, small_excitation, typed
 from tests.postprocessors.reported import Move, Pause, Switch, reports
 
 pytestmark = pytest.mark.linuxcnc
-SAME_FOLDER = settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
+SAME_FOLDER = settings(max_examples=examples(25), suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 LINES = ["G0 X1", "G1 X5 A2 F100", "A7 F60", "X0 Y0 Z900", "G61.1", "G64", "G64 P1 Q0", "G93", "G94 F50", "G4 P0.25"]
 LINES += ["M64 P0", "M65 P0", "M62 P0", "M63 P0", "G93 G1 B1 F30", "F10", "(c) Y3 (d) F.5 ; e", "g1x+2.f20."]

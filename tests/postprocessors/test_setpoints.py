@@ -19,7 +19,7 @@ from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.reading import Still, Timed
 from postprocessors.setpoints import write_setpoints
 from postprocessors.writing import excitation_program, proven_program
-from tests.helpers import one_line
+from tests.helpers import examples, one_line
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.independent import strut_lengths
 from tests.postprocessors.programs import HOME
@@ -196,7 +196,7 @@ def test_a_table_without_any_motion_is_a_standstill():
     assert Standstill(HOME, 0.01).duration == 0.01
 
 
-@settings(max_examples=15)
+@settings(max_examples=examples(15))
 @given(position=st.floats(0.0, 0.999), byte=st.integers(0, 255), kind=st.sampled_from("rdi"))
 def test_a_damaged_table_ends_in_a_proof_or_in_one_line(position: float, byte: int, kind: str):
     content = write_setpoints(moves(), CASE)
@@ -215,7 +215,7 @@ def test_a_table_that_breaks_off_behind_its_last_name_is_refused_in_one_line():
         proof(content[: content.index(names) + len(names)])
 
 
-@settings(max_examples=10)
+@settings(max_examples=examples(10))
 @given(position=st.floats(0.0, 0.999))
 def test_a_table_that_breaks_off_is_refused(position: float):
     content = write_setpoints(moves(), CASE)

@@ -14,7 +14,7 @@ from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import prove_program
 from postprocessors.reading import Untimed
 from postprocessors.writing import excitation_program, proven_program
-from tests.helpers import one_line
+from tests.helpers import examples, one_line
 from tests.postprocessors.joint_walks import robot, walk
 
 CASE = robot()
@@ -198,7 +198,7 @@ def test_a_case_of_another_machine_is_refused() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=examples(40), deadline=None, derandomize=True)
 @given(
     st.integers(0, len(TEXT) - 1), st.integers(1, 12), st.sampled_from(["", "0", ",", "(", "]", "\n", "#", "e", "."])
 )

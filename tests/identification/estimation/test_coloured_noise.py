@@ -74,6 +74,7 @@ def test_noise_nearly_as_slow_as_the_run_is_no_surprise() -> None:
     assert 0.9 <= share_inside(lambda s: memory(s, 0.98), coloured) <= 0.985
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("phi", few(0.9, 0.0))
 def test_sections_with_gaps_between_are_no_neighbours(phi: float) -> None:
     """Of 300 samples 20 in 50: as one series, noise would seem to forget itself at every gap."""

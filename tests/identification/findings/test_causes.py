@@ -33,6 +33,7 @@ def test_all_exchanges_of_pairs_are_tried() -> None:
     assert len({*ORDERS}) == len(ORDERS)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("which", few(75, 0, 30, 74))
 @pytest.mark.parametrize("side", ["struts", "forces"])
 def test_an_exchange_is_named_with_its_residuals_and_columns(side: str, which: int) -> None:

@@ -38,6 +38,7 @@ def recorded(run: str, change: Callable[[np.ndarray, np.ndarray], np.ndarray]) -
     return Recording("run.csv", t, q, None, forces, None, case=ROBOT)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("run", RUNS)
 @pytest.mark.parametrize("change", few(in_base, weightless))
 def test_what_was_done_to_the_readings_does_not_pass_unnoticed(change, run: str) -> None:
@@ -54,6 +55,7 @@ def test_another_load_is_not_refused(share: float, run: str) -> None:
     estimate_parameters(recorded(run, lambda q, forces: share * forces), ROBOT)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(
     ("change", "words"),
     few(

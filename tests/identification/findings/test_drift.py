@@ -42,6 +42,7 @@ def of_channel(k: int, values: np.ndarray) -> np.ndarray:
     return values[:, None] * np.eye(6)[k]
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(("channel", "name", "a_minute", "unit"), [(2, "fz_N", 6.0, "N"), (4, "my_Nm", -0.3, "N m")])
 def test_a_drift_is_named_with_channel_change_and_remedy(channel: int, name: str, a_minute: float, unit: str) -> None:
     (told,) = found(recorded(0, of_channel(channel, a_minute * T / 60.0)))
@@ -56,6 +57,7 @@ def test_a_drift_is_named_with_channel_change_and_remedy(channel: int, name: str
     assert 60.0 * drift["change"] / drift["span"] == pytest.approx(a_minute, rel=0.1)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("seeds", few(range(2), range(2, 8)))
 @pytest.mark.parametrize("memory", [0.0, 0.9, 0.998])
 def test_a_still_sensor_does_not_drift(memory: float, seeds: range) -> None:

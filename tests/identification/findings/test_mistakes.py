@@ -58,6 +58,7 @@ def said(of: str, *names: str, seed: int = 0) -> str:
     return one_line(caught.value)
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize(
     ("of", "name"),
     few(

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from cases.errors import RecordingError
 from identification.formats import content, table
 from identification.recording import read
-from tests.helpers import one_line
+from tests.helpers import examples, one_line
 from tests.identification.formats.runs import HEXAPOD, NAMES, Truth, csv, written
 
 LONG = Truth(count=60_000)
@@ -71,7 +71,7 @@ def test_two_gigabytes_of_nothing_are_refused_at_once(tmp_path: Path) -> None:
         read(file, HEXAPOD)
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=100)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=examples(100))
 @given(
     lengths=st.lists(st.integers(0, 40), max_size=60),
     above=st.integers(0, 5),

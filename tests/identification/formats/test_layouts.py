@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from cases.errors import RecordingError
 from identification.recording import read
-from tests.helpers import one_line
+from tests.helpers import examples, one_line
 from tests.identification.formats.runs import NAMES, Truth, case_with, csv, rows, written
 
 RUN = Truth()
@@ -42,7 +42,7 @@ def layouts(draw: st.DrawFn) -> tuple[str, dict[str, object]]:
     return text, settings
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=100)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=examples(100))
 @given(layout=layouts(), mark=st.sampled_from(["", "\ufeff"]))
 def test_any_layout_that_the_case_states_is_read(
     layout: tuple[str, dict[str, object]], mark: str, tmp_path: Path

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from cases.errors import RecordingError
 from identification.recording import Recording, read, write_recording
 from identification.runs.sample_checks import unmeasured
-from tests.helpers import answer, one_line, tells
+from tests.helpers import answer, examples, one_line, tells
 from tests.identification.formats.runs import HEXAPOD, NAMES, Truth, case_with, written
 
 RUN = Truth()
@@ -122,7 +122,7 @@ def test_a_file_that_was_cut_off_is_named(keep: int, tmp_path: Path) -> None:
     assert one_line(caught.value).startswith(str(file))
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=100)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=examples(100))
 @given(place=st.floats(0.0, 1.0), noise=st.binary(min_size=1, max_size=8))
 def test_a_file_with_a_stain_gives_a_run_or_one_line(place: float, noise: bytes, tmp_path: Path) -> None:
     whole = parquet(tmp_path, columns()).read_bytes()

@@ -23,7 +23,7 @@ from identification.identify import identify
 from identification.looks import look
 from identification.recording import read
 from tests.chains import ROBOT, swing, swung_forces
-from tests.helpers import answer, one_line
+from tests.helpers import answer, examples, one_line
 from tests.planner.command_line import call
 
 TYPES = get_typestore(Stores.ROS2_HUMBLE)
@@ -298,7 +298,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[StoragePlugin, Path]
     return {stored: write(folder / stored.name, short, stored) for stored in StoragePlugin}
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=20)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=examples(20))
 @given(
     stored=st.sampled_from(StoragePlugin), which=st.booleans(), place=st.floats(0.0, 1.0),
     noise=st.binary(min_size=1, max_size=40), cut=st.booleans(),

@@ -16,7 +16,7 @@ from identification.formats.joining import on_one_axis
 from identification.formats.table import Stream
 from identification.identify import identify
 from identification.recording import read
-from tests.helpers import one_line
+from tests.helpers import examples, one_line
 from tests.identification.formats.loaded_hexapod import CENTRE, MASS, run
 from tests.identification.formats.runs import case_with, csv, written
 
@@ -140,7 +140,7 @@ def pair(
     return stream(motion, edges, struts=struts), stream(forces, edges, late, rate, forces=zeros), forces
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(
     gaps=st.lists(st.floats(0.05, 3.0), min_size=1, max_size=6),
     late=st.one_of(st.floats(-1e4, 1e4), st.just(1.7e9)),

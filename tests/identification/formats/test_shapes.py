@@ -12,7 +12,7 @@ from identification.formats.content import Content, blocks_of, lines_of, section
 from identification.formats.text import squeezed
 from identification.looks import look
 from identification.recording import Recording, read
-from tests.helpers import one_line
+from tests.helpers import examples, one_line
 from tests.identification.formats.runs import HEXAPOD, NAMES, Truth, case_with, csv, rows, written
 
 RUN = Truth()
@@ -163,7 +163,7 @@ def test_aligned_columns_keep_their_fields(words: list[list[str]], data: st.Data
     )
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=60)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=examples(60))
 @given(lengths=st.lists(st.integers(0, 20), max_size=40), size=st.integers(1, 50), end=st.sampled_from([b"", b"\n"]))
 def test_lines_in_parts_are_the_lines(lengths: list[int], size: int, end: bytes, tmp_path: Path) -> None:
     text = Content(written(tmp_path, b"\n".join(b"x" * n for n in lengths) + end or b"\n"))

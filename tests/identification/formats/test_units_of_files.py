@@ -14,7 +14,7 @@ from cases.unit_names import FORCES, LENGTHS, MOMENTS, QUANTITIES, TIMES
 from identification.formats.labels import stated_unit
 from identification.identify import identify
 from identification.recording import Recording, read
-from tests.helpers import one_line
+from tests.helpers import examples, one_line
 from tests.identification.formats.loaded_hexapod import CENTRE, MASS, run
 from tests.identification.formats.runs import Truth, case_with, csv, written
 
@@ -38,7 +38,7 @@ def warnings(recording: Recording) -> list[str]:
     return [f.sentence for f in recording.findings if f.severity == "warning"]
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(
     force=st.sampled_from(list(FORCES)),
     length=st.sampled_from(list(LENGTHS)),

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from identification.trajectories.moves import StraightMove, UntimedMotion, fastest_profile, limits_along, ruckig_profile
+from tests.helpers import examples
 
 RATE = np.array([0.6, 0.6, 0.6, 1.0, 1.0, 1.0])
 ACCELERATION = np.array([6.0, 6.0, 6.0, 10.0, 10.0, 10.0])
@@ -18,7 +19,7 @@ HERE, THERE = np.zeros(6), np.array([0.1, -0.2, 0.05, 0.1, 0.0, -0.3])
 @given(
     st.tuples(st.floats(0.05, 50.0), st.floats(0.5, 500.0), st.floats(5.0, 5000.0)), st.sampled_from([1e-3, 4e-3, 1e-5])
 )
-@settings(max_examples=20, derandomize=True, deadline=None)
+@settings(max_examples=examples(20), derandomize=True, deadline=None)
 def test_it_is_the_closed_form_rounded_up_to_whole_cycles(limits: tuple[float, float, float], cycle: float):
     profile = ruckig_profile(*limits, cycle)
     cycles = profile.duration / cycle

@@ -18,6 +18,7 @@ from planner.bounds.features import box_features
 from planner.bounds.information_limit import GAP, Bound, compute_bound
 from planner.families.fourier import FourierFamily
 from planner.noise import mean_information
+from tests.helpers import examples
 from tests.postprocessors.changed_case import changed
 
 CASE = load_case("hexapod")
@@ -114,7 +115,7 @@ def test_the_enclosure_is_above_every_state_of_its_cell(design: Design):
 
 
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(4, 40))
-@settings(max_examples=10)
+@settings(max_examples=examples(10))
 def test_no_design_of_states_in_the_box_passes_the_bound(seed: int, count: int, found: Bound):
     matrices = scaled_matrices(count, seed)
     weights = np.random.default_rng(seed).dirichlet(np.ones(len(matrices)))

@@ -21,7 +21,7 @@ from planner.families.spline import SplineFamily
 from planner.noise import mean_information
 from planner.search.feasibility import keep_limits
 from planner.search.solving import Task, run_start
-from tests.helpers import few
+from tests.helpers import examples, few
 from tests.random_start import random_start
 
 CASE = load_case("hexapod")
@@ -55,7 +55,7 @@ def feasible(name: str, seed: int, folder: Path) -> Trajectory:
 
 @pytest.mark.slow
 @given(seed=st.integers(0, 2**32 - 1), name=st.sampled_from(["fourier", "ptp", "spline", "manual"]))
-@settings(max_examples=8, derandomize=True, deadline=None)
+@settings(max_examples=examples(8), derandomize=True, deadline=None)
 def test_no_random_feasible_motion_of_any_family_passes_the_bound(
     seed: int, name: str, box: float, tmp_path_factory: pytest.TempPathFactory
 ):

@@ -158,6 +158,7 @@ def test_a_case_without_a_machine_cannot_plan_poses(tmp_path: Path) -> None:
     assert "machine: is missing" in refused("poses", "ft_wrist", "-o", tmp_path / "plan")
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("method", ["backward", "backward-change"])
 def test_each_method_gives_as_many_poses_as_asked_for(tmp_path: Path, method: str) -> None:
     answer = call("poses", "hexapod", "--count", "12", "--method", method, "-o", tmp_path / "plan", "--json").json()

@@ -58,6 +58,7 @@ def test_values_after_a_removal_are_those_of_the_smaller_set(sample: Setting, le
     np.testing.assert_allclose(quick, slow, rtol=1e-9)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("letter", LETTERS)
 def test_14_parameters_need_3_poses_of_6_sensors_and_the_algorithm_gets_there(grid: Setting, letter: str) -> None:
     """The paper's row "Min. poses" has 3 (A, N) and 4 (D, K); the theoretical minimum is 14 / 6, rounded up."""

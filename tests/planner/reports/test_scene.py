@@ -62,6 +62,7 @@ def test_struts_join_base_and_platform():
     assert lengths == pytest.approx(np.linalg.norm(platform[:6] - base, axis=1))
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("joints", few(6, 5))
 def test_a_chain_moves_on_its_page(browser: Browser, joints: int, tmp_path: Path):
     """The page turns the parts with its own code: they stand where this module places them."""

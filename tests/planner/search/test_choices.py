@@ -22,7 +22,7 @@ from planner.request import OWNERS, Request
 from planner.search import Failed, SolverStatus, StartRecord
 from planner.search.parallel import Listener, Outcome, Results, Schedule, silent
 from planner.search.solving import Start, Task
-from tests.helpers import one_line
+from tests.helpers import examples, one_line
 
 
 def test_what_is_fixed_is_the_only_choice(hexapod_case: Case):
@@ -237,7 +237,7 @@ def test_the_best_of_two_series_is_refined(hexapod_case: Case):
 
 
 @given(width=st.integers(1, 40), seed=st.integers(0, 2**32 - 1), starts=st.sampled_from((None, 5, 30)))
-@settings(max_examples=4)
+@settings(max_examples=examples(4))
 def test_neither_the_number_of_processes_nor_their_pace_changes_what_is_found(
     width: int, seed: int, starts: int | None, hexapod_case: Case
 ):

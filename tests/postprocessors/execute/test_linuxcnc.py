@@ -83,6 +83,7 @@ def test_pose_limits_themselves_are_allowed(write: Callable[[str], Path], hexapo
     np.testing.assert_allclose(np.abs(log.poses[-1, [0, 3]]), [0.25, np.radians(20.0)], atol=1e-12)
 
 
+@pytest.mark.first(3)
 @pytest.mark.linuxcnc
 @pytest.mark.parametrize(
     ("text", "place", "said"),

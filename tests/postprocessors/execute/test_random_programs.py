@@ -6,6 +6,7 @@ from postprocessors.execute.linuxcnc.session import run_linuxcnc
 from tests.postprocessors.random_programs import CASES, differences, one_after_the_other
 
 
+@pytest.mark.first(1)
 @pytest.mark.linuxcnc
 @pytest.mark.parametrize("name", CASES)
 def test_ten_random_programs_are_executed_as_proven(name: str):

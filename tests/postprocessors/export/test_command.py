@@ -60,7 +60,7 @@ def test_every_target_is_written_whole_and_says_where_it_is_from(target: str, tm
     assert written == {here / file for file in answer["files"]}
 
 
-@pytest.mark.parametrize("name", ["mine", "a" * 30])
+@pytest.mark.parametrize("name", ["mine", pytest.param("a" * 30, marks=pytest.mark.repeats)])
 @pytest.mark.parametrize("target", TARGETS)
 def test_what_is_exported_again_gets_a_free_name(target: str, name: str, tmp_path: Path, here: Path) -> None:
     like, model = machine(target)

@@ -77,6 +77,7 @@ def module_of(result: Result, folder: Path, name: str = "found") -> ModuleType:
     return module
 
 
+@pytest.mark.first(1)
 @pytest.mark.usefixtures("gcc")
 @pytest.mark.parametrize("name", CASES)
 def test_joints_of_any_number_give_what_acts_on_the_load(name: str, tmp_path: Path) -> None:

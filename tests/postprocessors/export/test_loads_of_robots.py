@@ -24,7 +24,7 @@ from identification.outcome import Result
 from postprocessors.export import preview
 from postprocessors.export.load import principal_axes
 from postprocessors.export.targets import SINGLE_FILES
-from tests.helpers import one_line
+from tests.helpers import examples, one_line
 from tests.postprocessors.export.calibrations import calibration, plausible
 
 COMMAND = re.compile(r"set_target_payload\((\S+), \[(.*?)\], \[(.*?)\]\)")
@@ -322,7 +322,7 @@ def test_ft_tools_takes_readings_of_the_load_on_the_sensor(tmp_path: Path) -> No
 
 
 @given(st.lists(st.floats(-1.0, 1.0), min_size=6, max_size=6))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=examples(50), deadline=None)
 def test_principal_axes_are_a_rotation_that_turns_little(values: list[float]) -> None:
     inertia = np.zeros((3, 3))
     inertia[np.triu_indices(3)] = values
@@ -349,6 +349,7 @@ def test_a_standing_run_gives_mass_and_centre_and_says_that_it_is_a_point(target
     assert ("point mass" in text) == (target != "ros2")  # gravity compensation asks for no inertia
 
 
+@pytest.mark.first(6)
 @pytest.mark.parametrize("target", [name for name in SINGLE_FILES if name not in ("urdf", "mjcf", "sdf")])
 def test_a_frame_is_chosen_of_links_alone(target: str, turned_sensor: Result) -> None:
     with pytest.raises(HexciteError, match=target) as caught:
