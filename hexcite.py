@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     from identification import Recording as Recording
     from identification import Result as Result
     from identification import Treatment as Treatment
+    from identification import Verdict as Verdict
+    from identification import accept as accept
     from identification import force as force
     from identification import identify_models as identify_models
     from identification import look as look

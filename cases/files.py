@@ -13,6 +13,7 @@ import tempfile
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from datetime import datetime
 from itertools import chain, count
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
@@ -469,6 +470,12 @@ _TOOLS = ("hexcite", "numpy", "scipy", "casadi", "pyarrow")
 def provenance(files: Sequence[Path]) -> dict[str, Any]:
     """Origin of what was computed from files: `inputs`, each with its SHA-256, and `versions`."""
     return {"inputs": [{"file": str(f), "sha256": sha256_of(f)} for f in files], "versions": _versions()}
+
+
+def date_of(files: Sequence[Path]) -> str:
+    """When the first of files was written, as its folder says, in ISO 8601 with its zone, to the second."""
+    first = min(file.stat().st_mtime for file in files)
+    return datetime.fromtimestamp(first).astimezone().isoformat(timespec="seconds")
 
 
 def sha256_of(file: Path) -> str:

@@ -14,6 +14,7 @@ import numpy as np
 from pydantic import PrivateAttr, field_validator, model_validator
 
 from cases import doubts
+from cases.acceptance import Acceptance
 from cases.chain import Box, Chain, JointMotionLimits, Limits, SerialMachine, joint_problems
 from cases.controller import Controller, ControllerName, Settings, Sinumerik, TwinCat
 from cases.errors import ALSO, CaseError, printable
@@ -87,6 +88,8 @@ class Case(Heading):
     """How the controller is set up."""
     tolerances: Tolerances | None = None
     """How far the machine may be from all this; deviations of results count it."""
+    accept: Acceptance | None = None
+    """What a result has to be, to be accepted."""
     nominal: RigidBody | None = None
     """Expected values of the moving body: mass, centre of gravity, inertia."""
     simulation: Simulation | None = None

@@ -23,5 +23,7 @@ if TYPE_CHECKING:
     from identification.recording import Recording as Recording
     from identification.recording import read as read
     from identification.runs.treatment import Treatment as Treatment
+    from identification.verdicts import Verdict as Verdict
+    from identification.verdicts import accept as accept
 
 __getattr__, __dir__ = door(__name__)

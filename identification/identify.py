@@ -15,6 +15,7 @@ from threadpoolctl import threadpool_limits
 
 from cases.basis import changes_since, recording_basis, result_basis
 from cases.errors import FileProblem, IdentificationError, RecordingError
+from cases.files import date_of
 from cases.schema import Case
 from cases.units import Array
 from identification.estimation.estimators import Method
@@ -26,7 +27,7 @@ from identification.findings.clock import clock_findings, odd_clock
 from identification.findings.contact import Contact, contact_findings, free_of_contact, touched
 from identification.findings.drift import drift_findings, drift_of
 from identification.findings.fit_checks import fit_findings
-from identification.findings.noise_level import doubtful, louder_than_stated
+from identification.findings.noise_level import doubtful, louder_than_stated, noise_of_channels, stated_noise
 from identification.findings.systematic import allowed_for, noisy_drives, not_shown, systematic_findings, systematic_of
 from identification.findings.tolerances import budget_findings
 from identification.formats.reading import files_of
@@ -123,18 +124,26 @@ def _identified(
     seconds = run.record.get("executed_s")  # the time that it took
     if seconds is None and run.t is not None:
         seconds = estimate.evaluated.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter
-    taken = {key: run.record[key] for key in ("simulated", *RUN_ENTRIES) if key in run.record}
+    taken = {key: run.record[key] for key in ("simulated", *RUN_ENTRIES, "path_error_mm") if key in run.record}
+    files = files_of(run.paths)
+    stated = stated_noise(estimate.evaluated, estimate.fit, case)
+    noise = {
+        "measured": noise_of_channels(estimate.evaluated, estimate.fit).tolist(),
+        "stated": None if stated is None else stated.tolist(),
+    }
     effect = None if treatment is None else _effect(run, case, estimate, method, treatment)
     optional = {
         "treatment": effect,
         "stale": recording.remarks or None,
         "run": taken if run.record else None,
         "standstills": standing,
+        "recorded_at": date_of(files) if files else None,
+        "channel_noise": noise,
     }
     try:
         record = entries_of(
             estimate,
-            files_of(run.paths),
+            files,
             computed_from=result_basis(case),
             case_file=case.origin,
             plan_hash=run.record.get("plan_hash"),

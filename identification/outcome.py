@@ -155,6 +155,12 @@ class Result:
         return {key: np.array(rows, dtype=float) for key, rows in (self.record.tolerance_biases or {}).items()}
 
     @property
+    def mounted(self) -> float:
+        """Mass of the payload that was mounted for a run of hexcite [kg]; 0 where its recording says nothing."""
+        payload = (self.record.run or {}).get("payload")
+        return float(payload.get("mass_kg", 0.0)) if isinstance(payload, Mapping) else 0.0
+
+    @property
     def delay(self) -> float:
         """Delay of the forces [s]; 0 where none was estimated."""
         return 0.0 if self.record.delay_s is None else self.record.delay_s.value

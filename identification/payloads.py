@@ -1,5 +1,6 @@
 """The payload: the rigid body that was added from one identification to another."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -7,7 +8,7 @@ import numpy as np
 from scipy.special import chdtri
 
 from cases.errors import IdentificationError
-from cases.units import as_html
+from cases.units import Array, as_html
 from identification.estimation.fit import Value
 from identification.finding import Finding, Kind, changed_cases, sentences, warning
 from identification.model import Model
@@ -68,7 +69,7 @@ def payload_on_table(before: Result, after: Result) -> Payload:
     still = np.zeros((1, 6))
     matrix = body.matrices(np.zeros((1, 3)), np.eye(3)[None], still, still)[0]
     white = np.diag(before.covariance + after.covariance)
-    robust = np.diag(before.covariance_robust + after.covariance_robust)
+    robust = np.diag(before.covariance_robust + after.covariance_robust - common_of(before, after))
     variance = np.maximum(np.maximum(white, robust), np.finfo(float).tiny)
     root = 1.0 / np.sqrt(variance)
     along = np.abs(body.gravity) > LEVEL * np.linalg.norm(body.gravity)
@@ -86,6 +87,32 @@ def payload_on_table(before: Result, after: Result) -> Payload:
     findings.append(warning(Kind.MODEL, f"{sentence}payload in another orientation"))
     physical = physical_values(body, u, of_u, of_u)
     return Payload({name: value for name, value in physical.items() if name not in names}, tuple(findings))
+
+
+def common_of(
+    before: Result, after: Result, old: Sequence[int] | None = None, new: Sequence[int] | None = None
+) -> Array:
+    """What the difference of two results has less variance by, for both are off by the same tolerances, shape (u, u).
+
+    Args:
+        before: one result.
+        after: the other one; where its tolerances are others, they have nothing in common.
+        old: places of parameters in u of `before`; all of them unless given.
+        new: the same of `after`.
+    """
+    one, other = (slice(None) if places is None else list(places) for places in (old, new))
+    tolerances = [
+        {key: value for key, value in (of.record.computed_from or {}).items() if key.startswith("tolerances")}
+        for of in (before, after)
+    ]
+    size = len(before.values[one])
+    both = before.biases.keys() & after.biases.keys() if tolerances[0] == tolerances[1] else set()
+    cross = np.zeros((size, size))
+    for key in both:
+        there, here = before.biases[key][one], after.biases[key][other]
+        if there.shape[1] == here.shape[1]:
+            cross += here @ there.T
+    return np.asarray(cross + cross.T)
 
 
 def require_two(before: Result, after: Result) -> None:
@@ -127,7 +154,8 @@ def payload_between(before: Result, after: Result) -> Payload:
     """The body that has to be added to `before` to get `after`; the two runs are independent.
 
     Mass, first moments and inertia about the origin of {P} of rigid bodies add, so their differences are those of the
-    payload, and covariances add. What two different models blame on mass differs (section 5): then a warning says so.
+    payload, and covariances add, but for the tolerances that both results are off by. What two different models blame
+    on mass differs (section 5): then a warning says so.
 
     Raises:
         IdentificationError: the difference in mass is not significant, so that there is no centre of gravity.
@@ -142,5 +170,6 @@ def payload_between(before: Result, after: Result) -> Payload:
     difference = after.values[new] - before.values[old]
     covariance = after.covariance[np.ix_(new, new)] + before.covariance[np.ix_(old, old)]
     robust = after.covariance_robust[np.ix_(new, new)] + before.covariance_robust[np.ix_(old, old)]
+    robust -= common_of(before, after, old, new)
     findings = _about(before, after, float(difference[0]), max(float(covariance[0, 0]), float(robust[0, 0])))
     return Payload(physical_values(body, difference, covariance, robust), tuple(findings))

@@ -99,14 +99,12 @@ def pool(results: Sequence[Result]) -> Result:
         findings=tuple(findings),
         pooled=pooled,
     )
-    own = {"run", "standstills", "models", "treatment", "tared", "tared_with", "plan_hash"}  # of a single run
+    # entries of a single run
+    own = {"run", "standstills", "models", "treatment", "tared", "tared_with", "plan_hash", "channel_noise"}
     kept = {name: getattr(entries, name) for name in entries.model_fields_set - own}
     return Result(
         first.case, type(entries)(**kept), remarks=tuple(dict.fromkeys(x for r in results for x in r.remarks))
     )
-
-
-_LOAD = "payload"
 
 
 def require_alike(results: Sequence[Result]) -> None:
@@ -142,11 +140,10 @@ def require_alike(results: Sequence[Result]) -> None:
                 raise FileProblem(
                     result.source, f"{what} is {here or 'none'}, that of {first.source} {there or 'none'}", again
                 )
-        loads = [(of.run or {}).get(_LOAD) or 0 for of in (base, record)]
-        if loads[0] != loads[1]:
+        if result.mounted != first.mounted:
             raise FileProblem(
                 result.source,
-                f"payload {loads[1]} was mounted, {loads[0]} with {first.source}",
+                f"a payload of {result.mounted:.4g} kg was mounted, {first.mounted:.4g} kg with {first.source}",
                 "pool runs of the same load; hexcite payload compares two loads",
             )
         if (base.delay_s is None) != (record.delay_s is None):

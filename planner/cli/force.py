@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import Annotated, Any
 
+import typer
+
 import hexcite as hx
 from cases.files import RESULT, check_file, check_folder, output_place
 from planner.cli.console import Json, Overwrite, OwnCase, Stale, answered, argument, option, out
@@ -113,13 +115,18 @@ def tare(
 def payload(
     before: Annotated[Path, argument("Result folder without the payload.")],
     after: Annotated[Path, argument("Result folder with it.")],
+    reference: Annotated[
+        list[str] | None,
+        option("A value that it should have, with its expanded uncertainty (k = 2): m=19.93+-0.01kg. Repeatable."),
+    ] = None,
     case: OwnCase = None,
     stale: Stale = False,
     json: Json = False,
 ) -> None:
     """Compute the payload from results without and with it.
 
-    Mass, centre of gravity and inertia, as far as both results determine them.
+    Mass, centre of gravity and inertia, as far as both results determine them. With --reference: E_n of each, the
+    difference over the root of both squared U (k = 2); exit code 1 where one is above 1.
     """
     old = hx.Result.load(before, None if case is None else hx.load_case(case), stale)
     found = hx.payload(old, hx.Result.load(after, old.case, stale))
@@ -127,4 +134,14 @@ def payload(
         "parameters": {name: value._asdict() for name, value in found.parameters.items()},
         "warnings": list(found.warnings),
     }
-    answered(answer, json, found)
+    texts: list[object] = [found]
+    verdict = None
+    if reference:
+        from planner.cli.identification import verdict_of_references
+
+        verdict = verdict_of_references(reference, found.parameters, old.model.number)
+        answer["reference"] = verdict.to_json()
+        texts.append(verdict)
+    answered(answer, json, *texts)
+    if verdict is not None and not verdict.passed:
+        raise typer.Exit(1)

@@ -1,17 +1,20 @@
 """Options of identify, and a result as JSON."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from cases.errors import HexciteError
 from identification.estimation.estimators import Method, symmetric_platform
+from identification.estimation.fit import Value
 from identification.estimation.priors import Prior
 from identification.model import Model
 from identification.outcome import Result
 from identification.parameters import physical_form
+from identification.precision import parameter_words
 from identification.runs.treatment import Treatment
+from identification.verdicts import Check, Verdict, en
 from planner.request import read_value
 
 ESTIMATORS = ("linear", "nonlinear")
@@ -72,6 +75,19 @@ def treatment_of(
     except ValueError:
         raise HexciteError(f"--cutoff {cutoff}", "is neither a frequency in Hz nor none", "give 40, or none") from None
     return Treatment(accelerated, period, harmonics, frequency)
+
+
+def verdict_of_references(texts: Sequence[str], parameters: Mapping[str, Value], model: int) -> Verdict:
+    """E_n of parameters beside reference values as typed; HexciteError where one of them is not understood."""
+    units, found = {name: value.unit for name, value in parameters.items()}, []
+    for text in texts:
+        typed = read_value(text, units, "--reference", "m=19.93+-0.01kg", model)
+        if typed.std is None:
+            remedy = "write it as --reference m=19.93+-0.01kg"
+            raise HexciteError(f"--reference {text}", "has no expanded uncertainty (k = 2)", remedy)
+        value = parameters[typed.name]
+        found.append(Check(f"E_n of {parameter_words(typed.name)}", en(value, typed.value, typed.std), 1.0, ""))
+    return Verdict(tuple(found), ())
 
 
 def answer_of_result(result: Result, folder: Path) -> dict[str, Any]:

@@ -83,7 +83,7 @@ def identify(
     """Identify parameters from a recorded run.
 
     Standard deviations: `std` by (28), right where noise is white; `std_robust` allows for noise that is not. The
-    larger of the two is what to report.
+    larger of the two is what to report. Exit code 1 where the case states [accept] and the result fails it.
     """
     from identification.formats.reading import files_of
     from identification.formats.table import require_file
@@ -128,7 +128,12 @@ def identify(
             result = result.chosen_among(choice.to_json())
         console.save_with_page(result, RESULT, folder, overwrite)
     answer = answer_of_result(result, folder)
-    texts: list[object] = [f"result written: {folder}, with its report {folder}/report.html", result]
+    verdict = None if result.case.accept is None else hx.accept(result)
+    texts: list[object] = [f"result written: {folder}, with its report {folder}/report.html"]
+    if verdict is not None:
+        answer["accept"] = verdict.to_json()
+        texts.append(verdict)
+    texts.append(result)
     if choice is not None:
         texts.append(choice)
     if verify is not None:
@@ -136,6 +141,8 @@ def identify(
         answer["verify"] = prediction.to_json()
         texts.append(prediction)
     console.answered(answer, json, *texts)
+    if verdict is not None and not verdict.passed:
+        raise typer.Exit(1)
 
 
 def look(

@@ -1,12 +1,14 @@
-"""`hexcite pool`: results of several runs of a machine together."""
+"""`hexcite pool` and `accept`: several results together, and whether one is accepted."""
 
 from pathlib import Path
 from typing import Annotated
 
+import typer
+
 import hexcite as hx
 from cases.files import RESULT, check_folder, output_place
 from planner.cli import console
-from planner.cli.console import argument, out
+from planner.cli.console import argument, option, out
 
 
 def pool(
@@ -29,3 +31,24 @@ def pool(
     console.save_with_page(pooled, RESULT, folder, overwrite)
     answer = {"result": str(folder), "report": str(folder / "report.html"), **pooled.record.to_json()}
     console.answered(answer, json, f"result written: {folder}, with its report {folder}/report.html", pooled)
+
+
+def accept(
+    result: Annotated[Path, argument("Result folder of hexcite identify or pool.")],
+    case: Annotated[
+        str | None, option("Case with the limits, [accept], where they are not in the result's own.", "--case")
+    ] = None,
+    stale: console.Stale = False,
+    json: console.Json = False,
+) -> None:
+    """Say whether a result is accepted: PASS or FAIL, with the value and limit of each check.
+
+    Limits stand in [accept] of the case; without it, noise is judged beside what the case states, mass beside nominal,
+    and the run beside its plan. Exit code 1: it failed.
+    """
+    named = None if case is None else hx.load_case(case)
+    loaded = hx.Result.load(result, named, stale)
+    verdict = hx.accept(loaded)
+    console.answered({"result": str(result), **verdict.to_json()}, json, verdict)
+    if not verdict.passed:
+        raise typer.Exit(1)

@@ -13,6 +13,7 @@ from identification.model_choice import figures_of, table_3
 from identification.outcome import RUN_ENTRIES, Result, pooled_rows, scatter_rows, treatment_rows
 from identification.precision import budget_cells, carries_rods, legible, value_cells, value_text, with_deviation
 from identification.signals import Residuals
+from identification.verdicts import accept
 from planner.reports.accelerations import (
     acceleration_charts,
     measured_accelerations,
@@ -38,7 +39,13 @@ def identify_page(result: Result) -> str:
     origin = run_inputs(run) if run else (("origin", "recorded on a machine: nothing says that it was simulated"),)
     origin += tuple((i["file"], f"SHA-256 {i['sha256']}") for i in record.inputs)
     origin += tuple(record.versions.items())
-    sections = [section("Parameters with standard deviations", _headline(result), *parameter_blocks(result))]
+    sections = []
+    if case.accept is not None:
+        verdict = accept(result)
+        columns, *rows = verdict.rows()
+        unjudged = (note(f"Not judged: {'; '.join(verdict.unjudged)}."),) if verdict.unjudged else ()
+        sections.append(section(f"Verdict: {verdict.word}", table(columns, rows, left=2), *unjudged))
+    sections.append(section("Parameters with standard deviations", _headline(result), *parameter_blocks(result)))
     if record.treatment is not None:
         (columns, *rows), words = treatment_rows(record.treatment), record.treatment["words"]
         text = f"Evaluated: {words}. Differences are shares of the default's deviations."

@@ -81,7 +81,7 @@ def test_what_no_mean_can_be_of_is_refused_with_what_differs() -> None:
     differing = [
         ({"model": 6}, "model is 6"),
         ({"known": {"k3": 0.0}}, "known is"),
-        ({"run": {"payload": 2}}, "payload 2 was mounted"),
+        ({"run": {"payload": {"weights": 1, "mass_kg": 2.0}}}, "payload of 2 kg was mounted"),
         ({"delay_s": None}, "standstills"),
         ({"case": "mill"}, "of case mill"),
         ({"computed_from": {**other.record.computed_from, "setup": "2x"}}, "setup is 2x"),
