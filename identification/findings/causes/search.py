@@ -50,7 +50,8 @@ KEPT = 60  # trials of each kind that are tried on all instants
 REFINED = 6  # of those without a size beside one with, that leave least at its first sizes
 GREEDY = 4  # hypotheses that leave least, to which every other one is added
 READINGS = 4  # of a recording that leave least with any other hypothesis, to which those with a size are added too
-SETTLING = 3  # times that the sizes of two hypotheses are found anew beside each other, at most
+RIVALS = 2.0  # times the least residuals, up to which sizes that were not found beside each other are found anew
+SETTLING = 4  # times that the sizes of two hypotheses are found anew beside each other, at most
 SETTLED = 0.99  # of residuals, above which they are no longer
 ROUNDING = 1e-9  # of residuals that are the same
 LEVEL = 0.3  # of the measured noise: differences between smaller residuals say nothing
@@ -133,22 +134,32 @@ def search(recording: Recording, case: Case, model: Model, fit: Fit | None = Non
         if base is not None:
             found += _pairs(base, found)
         explained = explanations(found, recorded)
-        for _ in range(SETTLING):
-            several = [entry for entry in explained if sum(hypothesis.sized for hypothesis in entry.trial) > 1]
-            anew = [_settled(entry) for entry in several]
-            found = [entry for entry in found if not any(entry is old for old in several)] + anew
+        if explained:
+            found += [_settled(entry) for entry in _with_sizes(found)]
             explained = explanations(found, recorded)
-            if all(new.residuals > SETTLED * old.residuals for new, old in zip(anew, several, strict=True)):
-                break
     finite = [entry for entry in found if np.isfinite(entry.residuals)]
     best = min(finite, key=lambda entry: (entry.residuals, mistakes(entry.trial)), default=None)
     return Search(recorded, explained, best, tuple(sorted(families, key=FAMILIES.index)), pairs)
 
 
+def _with_sizes(found: Sequence[Tried]) -> list[Tried]:
+    """Trials of several sizes that leave about as little as the best does, one of each kind, the best first."""
+    several = [entry for entry in found if sum(hypothesis.sized for hypothesis in entry.trial) > 1]
+    several.sort(key=lambda entry: entry.residuals)
+    first = {_families(entry): entry for entry in reversed(several)}
+    least = min(entry.residuals for entry in found)
+    close = [entry for entry in several if entry is first[_families(entry)] and entry.residuals < RIVALS * least]
+    return close[:GREEDY]
+
+
 def _settled(entry: Tried) -> Tried:
-    """An explanation with several sizes, each found beside the others."""
-    instants = entry.instants
-    return _alone(instants, settled(instants, instants.part(COARSE), entry.trial))
+    """A trial whose sizes are found anew beside each other until that gains no more."""
+    instants, coarse = entry.instants, entry.instants.part(COARSE)
+    for _ in range(SETTLING):
+        before, entry = entry, _alone(instants, settled(instants, coarse, entry.trial))
+        if entry.residuals > SETTLED * before.residuals:
+            break
+    return entry
 
 
 def _unclean(explanation: Tried) -> bool:

@@ -99,6 +99,7 @@ def test_a_mistake_is_named(of: str, name: str) -> None:
         (WRIST, ("orientation as zyx intrinsic", "axes of the base")),
         ("ur10_wrist", ("sensor turned -90 about y", "sensor 70 mm off")),
         ("ur10_wrist", ("sensor turned -72 about z", "moments about the tool")),
+        ("ur10_wrist", ("40 % compensated", "moments about the tool")),
         ("panda", ("channels 1-2, 4-5 exchanged", "gravity +z in the case")),
         ("hexapod", ("channels 1-2, 4-5 exchanged", "upper ends 3-4 exchanged")),
         kept=1,
