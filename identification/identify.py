@@ -28,7 +28,9 @@ from identification.findings.contact import Contact, contact_findings, free_of_c
 from identification.findings.drift import drift_findings, drift_of
 from identification.findings.fit_checks import fit_findings
 from identification.findings.noise_level import doubtful, louder_than_stated, noise_of_channels, stated_noise
+from identification.findings.off_case import without
 from identification.findings.systematic import allowed_for, noisy_drives, not_shown, systematic_findings, systematic_of
+from identification.findings.told import Told, findings_of, told_by
 from identification.findings.tolerances import budget_findings
 from identification.formats.reading import files_of
 from identification.model import Model, full_model, identification_model
@@ -240,7 +242,8 @@ def estimate_parameters(
 def _effect(run: Recording, case: Case, estimate: Estimate, how: Method, treatment: Treatment) -> dict[str, Any]:
     """What a treatment changes beside the default: entries of `Result.record.treatment`."""
     with threadpool_limits(limits=1, user_api="blas"):
-        usual = estimate_of(fitted_run(run, case, estimate.model, how).fitted, run.source, case, ())
+        plain = fitted_with_sizes(run, case, how, estimate.model.number).run.fitted
+        usual = estimate_of(plain, run.source, case, ())
     both = {"default": usual, "treated": estimate}
     figures = {
         "s0": {key: e.s0 for key, e in both.items()},
@@ -369,13 +372,55 @@ def refined(fitted: Fitted) -> Fitted:
     return fitted if rich is fitted.samples else fitted.again(rich)
 
 
+class Joint(NamedTuple):
+    """A fit, and what the run tells of sizes that its case tolerates, where these were estimated beside it."""
+
+    run: FittedRun
+    case: Case  # with which it was evaluated
+    told: Told | None
+    findings: tuple[Finding, ...]
+
+
+def fitted_with_sizes(
+    recording: Recording, case: Case, method: Method, number: int, treatment: Treatment | None = None
+) -> Joint:
+    """The fit of a model, by its number, with what the run tells of tolerated sizes; errors as of `identify`.
+
+    By least squares alone where that is as good. Else the run is evaluated with the case of a machine that is off by
+    the most probable sizes, until these settle.
+    """
+    plain = fitted_run(recording, case, identification_model(case, number), method, treatment)
+    told = told_by(plain.fitted, case)
+    if told is None or not told.worth(len(plain.fitted.samples.model.names)):
+        return Joint(plain, case, None, ())
+    for _ in range(ROUNDS_OF_SIZES):
+        try:
+            run, edited = without(recording, case, told.by_key)
+            joint = fitted_run(run, edited, identification_model(edited, number), method, treatment)
+            told = told_by(joint.fitted, edited, told.sizes)
+        except (IdentificationError, RecordingError):  # sizes that no machine has, found in a run that follows no model
+            break
+        if told is None:
+            break
+        if told.settled:
+            joint = joint._replace(fitted=told.allowed_for(joint.fitted))
+            return Joint(joint, edited, told, tuple(findings_of(told, case)))
+    sentence = "what the residuals show of the sizes in [tolerances] did not settle: they are not estimated beside"
+    return Joint(plain, case, None, (note(Kind.CASE, f"{sentence} the parameters"),))
+
+
+ROUNDS_OF_SIZES = 6
+
+
 def _estimated(
     recording: Recording, case: Case, model: Model, method: Method, treatment: Treatment | None = None
 ) -> Estimate:
     """The estimate with all that its residuals say; errors as of `identify`."""
-    recording, fitted, contacts, scanned = fitted_run(recording, case, model, method, treatment)
+    (recording, fitted, contacts, scanned), used, told, told_of = fitted_with_sizes(
+        recording, case, method, model.number, treatment
+    )
     odd = odd_clock(recording, case) if fitted.samples.nuisances else None
-    systematic = systematic_of(fitted, case, odd)
+    systematic = systematic_of(fitted, used, odd, told)
     drift = drift_of(fitted) if systematic is None else systematic.drift
     findings = louder_than_stated(recording, case, fitted)
     findings += systematic_findings(case, fitted, systematic)
@@ -384,7 +429,7 @@ def _estimated(
     findings += drift_findings(recording, case, fitted, drift)
     findings += [*scanned, *fitted.samples.findings(fitted.fit)]
     findings += contact_findings(recording, contacts)
-    findings += fit_findings(recording, case, fitted)
+    findings += [*fit_findings(recording, case, fitted), *told_of]
     allowed = allowed_for(fitted, systematic)
     findings += not_shown(allowed, systematic)
     findings += budget_findings(fitted, allowed, None if systematic is None else systematic.tolerances, case)

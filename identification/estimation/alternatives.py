@@ -245,7 +245,7 @@ def sizes_of(columns: Array, rest: Remainder, *, roughly: bool = False) -> Sizes
     left, inside, scale, back, _ = space
     basis = left @ back
     scores = np.tensordot(basis, rest.residuals, ((0, 1), (0, 1)))
-    noise = (rough_noise if roughly else _noise)(basis, rest, rest.residuals - basis @ scores)
+    noise = (rough_noise if roughly else noise_of)(basis, rest, rest.residuals - basis @ scores)
     answer = rest.half @ inside / np.where(scale > 0.0, scale, 1.0)
     return Sizes(scale * (back @ scores), noise.along(*(scale[:, None] * back)), answer, float(scores @ scores))
 
@@ -257,7 +257,7 @@ def _effect_of(found: _Scores, rest: Remainder, most: float) -> Effect | None:
     rough = chance_of(found.scores, rough_noise(basis, rest, rest.residuals - explained))[1]
     if rough * found.alternative.chosen > most:
         return None
-    noise = _noise(basis, rest, rest.residuals - explained)
+    noise = noise_of(basis, rest, rest.residuals - explained)
     statistic, chance = chance_of(found.scores, noise)
     chance = min(1.0, chance * found.alternative.chosen)
     if chance > most:
@@ -280,12 +280,12 @@ def _effect_of(found: _Scores, rest: Remainder, most: float) -> Effect | None:
 
 
 def rough_noise(basis: Array, rest: Remainder, noise: Array) -> Noise:
-    """What `_noise` finds, about, in no time: by the power that is left at each frequency and next to it.
+    """What `noise_of` finds, about, in no time: by the power that is left at each frequency and next to it.
 
     It is taken for known, and for less than it is; where effects are not certain by this noise, they are not by that.
     """
     if not rest.coloured or len(noise) < LEAST_SAMPLES:
-        return _noise(basis, rest, noise)
+        return noise_of(basis, rest, noise)
     joint = np.concatenate([rest.basis, basis], axis=2)
     found = in_turned_channels(joint, np.eye(joint.shape[2]), noise, rest.places)
     power = np.abs(rfft(found.series(found.noise), axis=0)) ** 2
@@ -304,7 +304,7 @@ def _beside(values: Array) -> Array:
     return np.asarray(sums[2 * NEXT + 1 :] - sums[: -2 * NEXT - 1])
 
 
-def _noise(basis: Array, rest: Remainder, noise: Array) -> Noise:
+def noise_of(basis: Array, rest: Remainder, noise: Array) -> Noise:
     """What noise makes of the scores of a basis U, shape (n, 6, k), by what is left beside it, shape (n, 6)."""
     joint = np.concatenate([rest.basis, basis], axis=2)
     found = in_turned_channels(joint, np.eye(joint.shape[2]), noise, rest.places)

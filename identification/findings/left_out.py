@@ -247,8 +247,7 @@ class LeftOut:
         """Three axes, the first along gravity, shape (3, 3), and how the forces change with what gravity has more along
         each of them, as a share of its size, shape (n, 6, 3); none of both where there is no gravity.
         """
-        size = float(np.linalg.norm(self.model.gravity))
-        axes = np.linalg.svd(self.model.gravity[None] / size)[2] if size > 0.0 else np.zeros((0, 3))
+        size, axes = float(np.linalg.norm(self.model.gravity)), gravity_axes(self.model.gravity)
         columns, m = [np.zeros((len(self.t), 6, 0))], self.load
         for axis in axes:
             other = replace(m, twist_rate=m.twist_rate - STEP * size * np.r_[axis, np.zeros(3)])
@@ -471,6 +470,21 @@ class LeftOut:
                 yield Alternative(
                     key, f"the {key}", cause, in_channels(values), each=self._each(f"the {key} of {{}}", names)
                 )
+
+
+def gravity_axes(gravity: Array) -> Array:
+    """Three axes, the first along gravity, the others near axes of {B}, shape (3, 3); none where there is no gravity.
+
+    They turn with gravity, and do not leap.
+    """
+    size = float(np.linalg.norm(gravity))
+    if size == 0.0:
+        return np.zeros((0, 3))
+    along, main = gravity / size, int(np.argmax(np.abs(gravity)))
+    second = np.eye(3)[(main + 1) % 3]
+    second = second - (second @ along) * along
+    second /= np.linalg.norm(second)
+    return np.array([along, second, np.cross(along, second)])
 
 
 def structure_of(lower: Array, upper: Array) -> Array:

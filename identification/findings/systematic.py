@@ -20,6 +20,7 @@ from identification.findings.drift import Drift, drift_of
 from identification.findings.left_out import LeftOut
 from identification.findings.noise_level import channel_words
 from identification.findings.remains import excerpt_of, free_basis, remainder_of
+from identification.findings.told import Told
 from identification.findings.tolerances import Share, shares_of, without_tolerances
 from identification.parameters import offset_columns
 from identification.precision import parameter_words, with_deviation
@@ -52,11 +53,16 @@ class Systematic(NamedTuple):
     hidden: tuple[Unseen, ...]  # how well the run shows each effect of one size; answers are of the fit's values
 
 
-def systematic_of(fitted: Fitted, case: Case, odd: OddClock | None = None) -> Systematic | None:
+def systematic_of(
+    fitted: Fitted, case: Case, odd: OddClock | None = None, told: Told | None = None
+) -> Systematic | None:
     """What the residuals of a fit follow; None where nothing is known of the motion, or priors are part of the fit.
 
     Args:
+        fitted: the fit.
+        case: case with which it was evaluated.
         odd: a clock that may be wrong, for which deviations are to allow.
+        told: sizes that were estimated beside the parameters, where they were.
     """
     whole, (fitted, part) = fitted, excerpt_of(fitted)
     samples = fitted.samples
@@ -68,6 +74,9 @@ def systematic_of(fitted: Fitted, case: Case, odd: OddClock | None = None) -> Sy
     rest = remainder_of(fitted, left_out.regressors(fitted.regression.names))
     half, back = rest.half, np.linalg.inv(rest.root).T
     tolerances = shares_of(left_out, rest, basis, case.tolerances)
+    if told is not None:
+        estimated = {share.key: share for share in told.remaining}
+        tolerances = tuple(estimated.get(share.key, share) for share in tolerances)
     rest = without_tolerances(rest, tolerances)
     drift, bias, seen = drift_of(whole), np.zeros((basis.shape[1],) * 2), list[Seen]()
     if drift is not None:

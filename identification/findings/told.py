@@ -1,0 +1,221 @@
+"""What a run itself tells of the sizes that its case tolerates: they are estimated beside the parameters, with priors.
+
+Least squares leave the scores c = G d + n of how far the machine still is off the case, d, whose prior is normal with
+the stated deviations (here each is 1), n noise as the residuals show it. The most probable sizes follow from both; the
+run is then evaluated anew with the case of the machine as it is, until nothing moves. So parameters are those of the
+joint estimate, its residuals and findings are those of the machine as it is, and what the run does not tell of a size
+stays in the deviations: B C B^T, C the covariance of d with the run, in place of B B^T.
+
+Where this lowers no deviation by a tenth, and no size is off, the estimate by least squares alone is kept: it needs no
+trust in what a case states.
+"""
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+from scipy.spatial.transform import Rotation
+from scipy.special import chdtrc
+
+from cases.schema import Case
+from cases.units import Array
+from identification.estimation.alternatives import noise_of
+from identification.finding import Finding, Kind, note, warning
+from identification.findings.drift import drift_of
+from identification.findings.left_out import LeftOut
+from identification.findings.off_case import SHOWABLE, Size, remedy_of, sizes_named
+from identification.findings.remains import excerpt_of, free_basis, remainder_of
+from identification.findings.tolerances import Share, shares_of
+from identification.precision import with_deviation
+from identification.samples import Fitted
+
+FAINT = 0.02  # of the noise of a score, as variance: below it nothing is told in a direction
+WORTH = 0.9  # of a deviation by least squares alone, to which estimated sizes have to lower one
+SETTLED = 0.1  # of a deviation, by which another round still moves a parameter
+CLEAR = 3.0  # deviations by which a size differs from the case: it is said
+IMPOSSIBLE = 4.0  # deviations of what can be told of a size, beyond which the case cannot be right at its tolerance
+TELLING = 0.5  # of what is tolerated, to which the run has to tell a size for its value to be given
+UNLIKELY = 1e-4  # chance of all that the residuals tell of tolerated sizes, below which tolerances are understated
+
+
+class Told(NamedTuple):
+    """Sizes by which a machine is off its case, in units of their stated deviations, as a run tells them."""
+
+    shares: tuple[Share, ...]  # effects of the sizes on the fit by which they were found
+    stated: Array  # deviations, shape (k,) [SI]
+    sizes: Array  # estimates, shape (k,)
+    step: Array  # by how much these differ from those with which the run was evaluated, shape (k,)
+    covariance: Array  # of the sizes with the run, shape (k, k)
+    left: Array  # how much of each size stays in that estimate, I - K G, shape (k, k)
+    noise: Array  # what noise makes of the estimates, shape (k, k), and
+    white: Array  # what scores make of them, K, shape (k, scores): white noise is the same in each of these
+    chance: float  # probability of so much or more in the residuals by noise and tolerances as stated
+    before: Array  # covariance of the values of the fit without tolerances, shape (v, v)
+
+    @property
+    def biases(self) -> Array:
+        """Of the values of the fit by a unit of each size, shape (v, k)."""
+        return np.concatenate([share.biases for share in self.shares], axis=1)
+
+    @property
+    def settled(self) -> bool:
+        """Whether another round would move no parameter by what matters."""
+        moved, total = self.biases @ self.step, self.before + self.biases @ self.covariance @ self.biases.T
+        return bool(np.all(np.abs(moved) <= SETTLED * np.sqrt(np.diag(total))))
+
+    @property
+    def surprises(self) -> Array:
+        """By how many deviations of what can be told of a size it is off, shape (k,)."""
+        return np.asarray(self.sizes / np.sqrt(np.maximum(1.0 - np.diag(self.covariance), FAINT)))
+
+    def worth(self, own: int) -> bool:
+        """Whether they lower the deviation of one of so many parameters, or one of them is off."""
+        plain = np.diag(self.before + self.biases @ self.biases.T)[:own]
+        joint = np.diag(self.before + self.biases @ self.covariance @ self.biases.T)[:own]
+        lower = np.any(joint[plain > 0.0] < WORTH**2 * plain[plain > 0.0])
+        return bool(lower or np.any(np.abs(self.surprises) > IMPOSSIBLE) or self.chance < UNLIKELY)
+
+    @property
+    def by_key(self) -> dict[str, Array]:
+        """Estimated sizes by keys of tolerances, shapes (k,) [SI]."""
+        ends = np.cumsum([share.biases.shape[1] for share in self.shares])[:-1]
+        parts = np.split(self.sizes * self.stated, ends)
+        return {share.key: part for share, part in zip(self.shares, parts, strict=True) if len(part)}
+
+    @property
+    def remaining(self) -> tuple[Share, ...]:
+        """What each tolerance does to values that are estimated with the sizes: none of it is left in residuals."""
+        both, begin, found = self.biases @ self.left, 0, []
+        for share in self.shares:
+            end = begin + share.biases.shape[1]
+            found.append(share._replace(biases=both[:, begin:end], left=share.left[:, :, :0]))
+            begin = end
+        return tuple(found)
+
+    def allowed_for(self, fitted: Fitted) -> Fitted:
+        """A fit with deviations that count the noise in the estimates of the sizes."""
+        fit, through = fitted.fit, self.biases @ self.white
+        white = fit.white_noise**2 / fitted.regression.filtered.stride * through @ through.T
+        robust = self.biases @ self.noise @ self.biases.T
+        return fitted._replace(
+            fit=replace(fit, covariance=fit.covariance + white, covariance_robust=fit.covariance_robust + robust)
+        )
+
+
+def told_by(fitted: Fitted, case: Case, sizes: Array | None = None) -> Told | None:
+    """What a run tells of the sizes that its case tolerates; None where it tells nothing, or that cannot be seen.
+
+    Args:
+        fitted: the fit of the run with the case of a machine that is off by the sizes.
+        case: that case.
+        sizes: these, in units of their stated deviations, shape (k,); None for none.
+    """
+    whole, (fitted, part) = fitted, excerpt_of(fitted)
+    motion = None if fitted.method.priors or case.tolerances is None else fitted.samples.motion(fitted.at)
+    if motion is None or case.tolerances is None:
+        return None
+    left_out, basis = LeftOut.of(fitted, motion, case), free_basis(fitted)
+    rest = remainder_of(fitted, left_out.regressors(fitted.regression.names))
+    drift = drift_of(whole)
+    if drift is not None:
+        rest = rest.beside((drift.shape[part] * fitted.samples.scale)[:, None, None] * np.eye(6))
+    every = shares_of(left_out, rest, basis, case.tolerances)
+    shares = tuple(share for share in every if share.key in SHOWABLE and share.biases.shape[1])
+    if case.chain is None:  # orientations of a sensor frame that no machine of the case moves: no key turns it
+        shares = tuple(share for share in shares if not share.key.startswith("sensor"))
+    if not shares:
+        return None
+    left, both = np.concatenate([share.left for share in shares], axis=2), ((0, 1), (0, 1))
+    values, vectors = np.linalg.eigh(np.tensordot(left, left, both))
+    seen = values > FAINT * float(np.mean(rest.residuals**2))
+    if not seen.any():
+        return None
+    strength = np.sqrt(values[seen])
+    through = (vectors[:, seen] * strength).T  # G, of scores in an orthonormal basis
+    scored = left @ (vectors[:, seen] / strength)
+    scores = np.tensordot(scored, rest.residuals, both)
+    noise = noise_of(scored, rest, rest.residuals - scored @ scores).covariance
+    now = np.zeros(left.shape[2]) if sizes is None else sizes
+    factor = cho_factor(through @ through.T + noise)
+    gain = cho_solve(factor, through).T
+    news = scores + through @ now
+    step = gain @ news - now
+    stays = np.eye(len(now)) - gain @ through
+    counts, stated = [share.biases.shape[1] for share in shares], dict(case.tolerances.stated())
+    deviations = [stated[share.key] * sizes_named(case, share.key)[0].unit for share in shares]
+    return Told(
+        shares,
+        np.repeat(deviations, counts),
+        _moved(shares, np.repeat(deviations, counts), now, step),
+        step,
+        stays,
+        stays,
+        gain @ noise @ gain.T,
+        gain,
+        float(chdtrc(len(news), float(news @ cho_solve(factor, news)))),
+        np.maximum(fitted.fit.covariance, fitted.fit.covariance_robust),
+    )
+
+
+def _moved(shares: tuple[Share, ...], stated: Array, now: Array, step: Array) -> Array:
+    """Sizes after a step, in units of their deviations; turns of the sensor follow each other and do not add up."""
+    after, end = now + step, 0
+    for share in shares:
+        begin, end = end, end + share.biases.shape[1]
+        if share.key == "sensor_deg":
+            first, second = (Rotation.from_rotvec(by[begin:end] * stated[begin:end]) for by in (now, step))
+            after[begin:end] = (first * second).as_rotvec() / stated[begin:end]
+    return after
+
+
+def findings_of(told: Told, case: Case) -> list[Finding]:
+    """What a run tells of a machine that is off its case, in words and as entries.
+
+    Args:
+        told: what it tells.
+        case: the case as it is stated.
+    """
+    named = [size for share in told.shares for size in sizes_named(case, share.key)]
+    stds, values, entries = np.sqrt(np.diag(told.covariance)), told.sizes, list[dict[str, Any]]()
+    by_key, clear = told.by_key, list[tuple[Size, str, Array]]()
+    for k, size in enumerate(named):
+        if stds[k] > TELLING:
+            continue
+        unit = told.stated[k] / size.unit
+        amount = with_deviation(float(values[k] * unit), float(stds[k] * unit))
+        sentence = size.words.format(f"{amount} {size.symbol}")
+        entries.append(
+            {
+                "key": size.key,
+                "words": sentence,
+                "value": float(values[k] * told.stated[k]),
+                "std": float(stds[k] * told.stated[k]),
+                "tolerance": float(told.stated[k]),
+                "deviations": float(told.surprises[k]),
+            }
+        )
+        if abs(values[k]) > CLEAR * stds[k]:
+            clear.append((size, sentence, told.surprises[k]))
+    found = [note(Kind.CASE, "", told=entries)] if entries else []
+    for key in dict.fromkeys(size.key for size, _, _ in clear):
+        words = "; ".join(sentence for size, sentence, _ in clear if size.key == key)
+        remedy = remedy_of(case, next(size for size, _, _ in clear if size.key == key), {key: by_key[key]})
+        found.append(note(Kind.CASE, f"the run tells that {words}: estimated and allowed for; {remedy}"))
+    return found + _impossible(told, named)
+
+
+def _impossible(told: Told, named: list[Size]) -> list[Finding]:
+    """What cannot be right at its tolerance."""
+    worst = int(np.argmax(np.abs(told.surprises)))
+    size, surprise = named[worst], abs(float(told.surprises[worst]))
+    if surprise <= IMPOSSIBLE and told.chance >= UNLIKELY:
+        return []
+    unit = told.stated[worst] / size.unit
+    amount = with_deviation(float(told.sizes[worst] * unit), float(np.sqrt(told.covariance[worst, worst]) * unit))
+    words = size.words.format(f"{amount} {size.symbol}")
+    sentence = (
+        f"the case cannot be right at its tolerances: {words}, where tolerances.{size.key} states {unit:.3g} "
+        f"({surprise:.2g} deviations of what this run can tell of it). Measure that part, or state what is true of it"
+    )
+    return [warning(Kind.CASE, sentence, impossible={"key": size.key, "deviations": surprise, "chance": told.chance})]
