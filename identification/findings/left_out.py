@@ -484,7 +484,7 @@ def gravity_axes(gravity: Array) -> Array:
     second = np.eye(3)[(main + 1) % 3]
     second = second - (second @ along) * along
     second /= np.linalg.norm(second)
-    return np.array([along, second, np.cross(along, second)])
+    return np.array([along, second, np.sign(along[main]) * np.cross(along, second)])
 
 
 def structure_of(lower: Array, upper: Array) -> Array:

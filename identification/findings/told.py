@@ -6,8 +6,8 @@ run is then evaluated anew with the case of the machine as it is, until nothing 
 joint estimate, its residuals and findings are those of the machine as it is, and what the run does not tell of a size
 stays in the deviations: B C B^T, C the covariance of d with the run, in place of B B^T.
 
-Where this lowers no deviation by a tenth, and no size is off, the estimate by least squares alone is kept: it needs no
-trust in what a case states.
+Where this lowers no deviation by a twentieth, and no size is off, the estimate by least squares alone is kept: it needs
+no trust in what a case states.
 """
 
 from dataclasses import replace
@@ -31,7 +31,7 @@ from identification.precision import with_deviation
 from identification.samples import Fitted
 
 FAINT = 0.02  # of the noise of a score, as variance: below it nothing is told in a direction
-WORTH = 0.9  # of a deviation by least squares alone, to which estimated sizes have to lower one
+WORTH = 0.95  # of a deviation by least squares alone, to which estimated sizes have to lower one
 SETTLED = 0.1  # of a deviation, by which another round still moves a parameter
 CLEAR = 3.0  # deviations by which a size differs from the case: it is said
 IMPOSSIBLE = 4.0  # deviations of what can be told of a size, beyond which the case cannot be right at its tolerance
