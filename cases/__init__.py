@@ -18,7 +18,7 @@ from types import FunctionType, UnionType
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar, get_args, get_origin, get_type_hints
 
 if TYPE_CHECKING:
-    from cases.errors import HexciteError as HexciteError
+    from cases.base.errors import HexciteError as HexciteError
     from cases.scaffold import new_arm as new_arm
     from cases.scaffold import new_case as new_case
     from cases.schema import Case as Case
@@ -79,7 +79,7 @@ def _checked(function: FunctionType, package: str) -> Callable[..., Any]:
 
     @wraps(function)
     def call(*args: Any, **kwargs: Any) -> Any:
-        from cases.errors import FileProblem, HexciteError, choice
+        from cases.base.errors import FileProblem, HexciteError, choice
 
         args, kwargs = tuple(map(_plain, args)), {name: _plain(value) for name, value in kwargs.items()}
         place = function.__qualname__.removesuffix(".__init__")

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from cases.errors import CaseError, FileProblem
+from cases.base.errors import CaseError, FileProblem
 from cases.schema import Case, fingerprint, load_case
 from cases.tables import built_in_cases
 

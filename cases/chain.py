@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
+from cases.base.units import DEG, MM, Array
 from cases.machine import Frame, KeepOut, MotionLimits, Tool, Workspace
 from cases.sensors import RigidBody
 from cases.tables import NonNegative, Number, Part, Positive, Range, Vector, frozen, kind_of, own_units, spelled
-from cases.units import DEG, MM, Array
 
 MOST_JOINTS = 12
 LEAST_AXIS = 1e-6  # length of an axis below which it has no direction

@@ -5,8 +5,8 @@ from typing import Annotated, ClassVar, Literal, TypeVar
 
 from pydantic import AfterValidator, Field, WithJsonSchema, model_validator
 
+from cases.base.units import DEG, MINUTE, MM
 from cases.tables import Part, Positive, kind_of, si_value, spelled
-from cases.units import DEG, MINUTE, MM
 
 
 class ControllerName(StrEnum):

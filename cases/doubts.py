@@ -13,11 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cases.base.units import DEG, MM, Array
 from cases.chain import Chain, JointMotionLimits
 from cases.machine import HexapodMachine, MotionLimits, Workspace, turned
 from cases.sensors import RigidBody, SensorFrame, Sensors
 from cases.tables import own_units
-from cases.units import DEG, MM, Array
 
 _MISTAKEN = (  # end of a key, and the units that are written there by mistake, with their value in the right one
     (r"_mm(_s)?$", (("m", 1e3), ("um", 1e-3))),

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from cases.errors import FileProblem
-from cases.files import atomic_file, read_whole
+from cases.base.errors import FileProblem
+from cases.base.files import atomic_file, read_whole
 
 Change = tuple[str, Any, Any]
 """Dotted key, value before and value after; None: it is not there."""

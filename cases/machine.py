@@ -8,6 +8,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import Field, model_validator
 
+from cases.base.units import DEG, MM, Array, Flags
 from cases.tables import (
     NonNegative,
     Number,
@@ -22,7 +23,6 @@ from cases.tables import (
     own_units,
     si,
 )
-from cases.units import DEG, MM, Array, Flags
 
 
 def turned(angles: Array) -> Array:

@@ -15,7 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from cases.units import Array
+from cases.base.units import Array
 
 ANGLES = ("a_deg", "b_deg", "c_deg")
 QUATERNION = ("qw", "qx", "qy", "qz")

@@ -7,8 +7,8 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import Field
 
+from cases.base.units import Array
 from cases.tables import Grid, Part, Positive, Range, frozen, own_units, si
-from cases.units import Array
 
 GRID = ("x_mm", "y_mm", "z_mm", "tilt_deg", "azimuth_deg", "torsion_deg")
 

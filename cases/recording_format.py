@@ -10,11 +10,11 @@ from typing import Annotated, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from cases.base.unit_names import ANGLES, FORCES, LENGTHS, MOMENTS, SHARES, TIMES, Units
+from cases.base.units import MS, Array
 from cases.machine import POSE
 from cases.orientation import CONVENTIONS, QUATERNION, ROTATION, ways_to_write
 from cases.tables import Number, Part, Positive, Six, Vector, frozen, si, spelled
-from cases.unit_names import ANGLES, FORCES, LENGTHS, MOMENTS, SHARES, TIMES, Units
-from cases.units import MS, Array
 
 CLOCK, TRIGGER, OVERRIDE = "t_s", "trigger", "override_percent"
 STRUTS = tuple(f"l{k}_mm" for k in range(1, 7))

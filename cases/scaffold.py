@@ -10,8 +10,8 @@ from itertools import pairwise
 from operator import attrgetter
 from pathlib import Path
 
-from cases.errors import CaseError, FileProblem, printable
-from cases.files import toml_value, write_text
+from cases.base.errors import CaseError, FileProblem, printable
+from cases.base.files import toml_value, write_text
 from cases.schema import Case, load_case
 from cases.tables import CASE_FILE, Part, built_in_cases, find_case
 from cases.tolerances import TYPICAL, Tolerances

@@ -6,10 +6,10 @@ from typing import Annotated, ClassVar, Literal, NamedTuple
 import numpy as np
 from pydantic import Field, model_validator
 
+from cases.base.units import DEG, MM, Array
 from cases.machine import Frame, Joints, require_spanning
 from cases.recording_format import BAR_FORCES, WRENCH
 from cases.tables import NonNegative, Number, Part, Positive, Six, Text, Vector, frozen, si, si_value
-from cases.units import DEG, MM, Array
 
 
 class Disturbances(Part):

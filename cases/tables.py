@@ -15,9 +15,9 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetPydanticSc
 from pydantic_core import ErrorDetails
 from pydantic_core.core_schema import CoreSchema, tagged_union_schema
 
-from cases.errors import ALSO, CaseError, FileProblem
-from cases.files import read_whole
-from cases.units import DEG, MM, MS, UM, Array
+from cases.base.errors import ALSO, CaseError, FileProblem
+from cases.base.files import read_whole
+from cases.base.units import DEG, MM, MS, UM, Array
 
 
 class Part(BaseModel):

@@ -16,12 +16,12 @@ from xml.parsers import expat
 import numpy as np
 from pydantic import ValidationError
 
+from cases.base.errors import ALSO, CaseError, FileProblem
+from cases.base.files import read_whole
+from cases.base.units import DEG, MM, Array
 from cases.chain import JOINT_NAME, JOINT_NAME_WORDS, LEAST_AXIS, MOST_JOINTS, Joint, JointLimit
-from cases.errors import ALSO, CaseError, FileProblem
-from cases.files import read_whole
 from cases.machine import Frame, turned
 from cases.sensors import RigidBody, rigid_body
-from cases.units import DEG, MM, Array
 
 MOST_BYTES = 8 * 2**20
 LONGEST_NAME = 200  # characters of a link or joint

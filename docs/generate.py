@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import hexcite
+from cases.base.unit_names import QUANTITIES
 from cases.orientation import CONVENTIONS
 from cases.scaffold import explanations
 from cases.schema import Case
 from cases.tables import LARGEST, Part
-from cases.unit_names import QUANTITIES
 
 
 def write_reference(folder: Path) -> None:
@@ -28,7 +28,7 @@ def write_reference(folder: Path) -> None:
 
 def commands_page() -> str:
     """Every command with its arguments and options, as typer writes them."""
-    words = "-m typer planner.cli utils docs --name hexcite --title Commands"
+    words = "-m typer hexcite.cli utils docs --name hexcite --title Commands"
     command = [sys.executable, *words.split()]
     page = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     codes = "Exit codes: 0 done; 1 refused, with one line that says why; 2 wrong usage; 130 interrupted.\n"

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any, Literal
 
-from cases.errors import printable
-from cases.units import as_html
+from cases.base.errors import printable
+from cases.base.units import as_html
 
 
 class Kind(StrEnum):

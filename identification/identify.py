@@ -14,10 +14,10 @@ from pydantic import ValidationError
 from threadpoolctl import threadpool_limits
 
 from cases.basis import changes_since, recording_basis, result_basis
-from cases.errors import FileProblem, IdentificationError, RecordingError
-from cases.files import date_of
+from cases.base.errors import FileProblem, IdentificationError, RecordingError
+from cases.base.files import date_of
 from cases.schema import Case
-from cases.units import Array
+from cases.base.units import Array
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, require_alive
 from identification.finding import Finding, Kind, changed_cases, note, sentences, warning
@@ -32,18 +32,18 @@ from identification.findings.off_case import without
 from identification.findings.systematic import allowed_for, noisy_drives, not_shown, systematic_findings, systematic_of
 from identification.findings.told import Told, findings_of, told_by
 from identification.findings.tolerances import budget_findings
-from identification.formats.reading import files_of
-from identification.model import Model, full_model, identification_model
-from identification.outcome import RUN_ENTRIES, Result
-from identification.parameters import INERTIA, RIGID
-from identification.recording import Recording, poses_of_record
-from identification.result import Estimate, entries_of, estimate_of
-from identification.runs.preparation import delimited, moving_run, on_one_clock, stands_only
-from identification.runs.sample_checks import scan
-from identification.runs.standstills import among, average, find_standstills, match, standstills
-from identification.runs.treatment import Treatment
-from identification.runs.wrist import widest_band, wrist_run
-from identification.samples import GAUSS_MARKOV, Fitted, Samples, fit_samples
+from identification.recording.formats.reading import files_of
+from identification.model.model import Model, full_model, identification_model
+from identification.results.result import RUN_ENTRIES, Result
+from identification.model.blocks import INERTIA, RIGID
+from identification.recording.recording import Recording, poses_of_record
+from identification.results.estimate import Estimate, entries_of, estimate_of
+from identification.samples.moving_window import delimited, moving_run, on_one_clock, stands_only
+from identification.samples.sample_checks import scan
+from identification.samples.standstills import among, average, find_standstills, match, standstills
+from identification.samples.treatment import Treatment
+from identification.samples.wrist import widest_band, wrist_run
+from identification.samples.samples import GAUSS_MARKOV, Fitted, Samples, fit_samples
 
 
 def identify(

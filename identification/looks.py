@@ -12,20 +12,21 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
+from cases.base.errors import CaseError, FileProblem, HexciteError, RecordingError, printable
+from cases.base.files import toml_value
+from cases.base.units import Array, as_html
 from cases.editing import Change, changes_of, write_table
-from cases.errors import CaseError, FileProblem, HexciteError, RecordingError, printable
-from cases.files import toml_value
 from cases.machine import POSE
 from cases.orientation import QUATERNION, ROTATION
 from cases.recording_format import CLOCK, DRIVES, TICKS, FileFormat, RecordingFormat
 from cases.schema import Case
 from cases.tables import built_in_cases, find_case
-from cases.units import Array, as_html
-from identification.formats.binary import Topic
-from identification.formats.families import words_of
-from identification.formats.layout import TextColumns, look_at_text
-from identification.formats.meaning import meaning_of
-from identification.formats.proposal import (
+from identification.identify import require_fit
+from identification.recording.formats.binary import Topic
+from identification.recording.formats.families import words_of
+from identification.recording.formats.layout import TextColumns, look_at_text
+from identification.recording.formats.meaning import meaning_of
+from identification.recording.formats.proposal import (
     CUTOFF_HZ,
     LAYOUT,
     Proposal,
@@ -34,13 +35,12 @@ from identification.formats.proposal import (
     proposed,
     stated_of,
 )
-from identification.formats.reading import bag_of, is_bag, is_parquet, read_tables
-from identification.formats.table import listed
-from identification.formats.topics import BagTopic, bag_topics
-from identification.identify import require_fit
-from identification.recording import Recording, read
-from identification.runs.preparation import checked_filter, on_one_clock
-from identification.runs.sample_checks import scan
+from identification.recording.formats.reading import bag_of, is_bag, is_parquet, read_tables
+from identification.recording.formats.table import listed
+from identification.recording.formats.topics import BagTopic, bag_topics
+from identification.recording.recording import Recording, read
+from identification.samples.moving_window import checked_filter, on_one_clock
+from identification.samples.sample_checks import scan
 
 MOST_FITTED = 200_000
 """Samples of a run that `look` fits; a longer one is read only, for that would take long."""
@@ -363,7 +363,7 @@ def _bag(bag: Path, case: Case | None) -> Look:
 
 def _rank_of_topic(topic: BagTopic) -> tuple[bool, bool, str]:
     """Order in which topics are chosen: not those whose names say that they are filtered or compensated."""
-    from identification.formats import vocabulary as say
+    from identification.recording.formats import vocabulary as say
 
     words = words_of(topic.name)
     return say.NOT_OF_A_SENSOR.among(words), say.FILTERED.among(words) or not say.RAW.among(words), topic.name
@@ -387,7 +387,7 @@ def _about_frames(topic: BagTopic) -> Iterator[str]:
 def _channels(topic: BagTopic, case: Case | None, settings: Mapping[str, Any]) -> Iterator[Column]:
     """The channels of a topic as columns."""
     from cases.recording_format import WRENCH
-    from identification.formats.binary import AXES
+    from identification.recording.formats.binary import AXES
 
     assert topic.values is not None
     assert topic.t is not None

@@ -13,19 +13,19 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from cases.errors import HexciteError, IdentificationError, RecordingError
+from cases.base.errors import HexciteError, IdentificationError, RecordingError
+from cases.base.units import Array, as_html
 from cases.schema import Case
-from cases.units import Array, as_html
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Value, column_scale, triangle
-from identification.identifiability import models_of
+from identification.estimation.identifiability import models_of
 from identification.identify import default_model, evaluated_samples, fitted_run, refined, standing_of
-from identification.model import Model
-from identification.precision import aligned, legible, parameter_words, std_text, value_text
-from identification.recording import Recording
-from identification.result import estimate_of
-from identification.runs.preparation import on_one_clock
-from identification.samples import GAUSS_MARKOV, Fitted, fit_samples
+from identification.model.model import Model
+from identification.recording.recording import Recording
+from identification.results.estimate import estimate_of
+from identification.samples.moving_window import on_one_clock
+from identification.samples.samples import GAUSS_MARKOV, Fitted, fit_samples
+from identification.texts import aligned, legible, parameter_words, std_text, value_text
 
 BLOCKS = 10  # contiguous, each predicted from the others
 SMALL = 1e-12  # of the largest singular value, below which a block's neighbours do not determine a combination

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import fft, irfft, next_fast_len, rfft, rfftfreq
 
-from cases.errors import RecordingError
-from cases.units import Array, Flags, Indices
+from cases.base.errors import RecordingError
+from cases.base.units import Array, Flags, Indices
 
 Spectrum = NDArray[np.complex128]
 

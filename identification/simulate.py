@@ -10,24 +10,24 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from cases.errors import CaseError
+from cases.base.errors import CaseError
+from cases.base.units import DEG, MM, Array
 from cases.schema import Case
 from cases.sensors import Disturbances, RigidBody, Truth, together
-from cases.units import DEG, MM, Array
-from identification.model import (
+from identification.machines.executed import Execution, mode_frequency, rippled, vibrating
+from identification.machines.symbolic import Kinematics
+from identification.model.model import (
     acceleration_to_force,
     expected_forces,
     full_model,
     identification_model,
     machine_of,
 )
-from identification.parameters import linear_parameters, physical_form
-from identification.recording import Recording
-from identification.symbolic import Kinematics
-from identification.trajectories.executed import Execution, mode_frequency, rippled, vibrating
+from identification.model.parameters import linear_parameters, physical_form
+from identification.recording.recording import Recording
 
 if TYPE_CHECKING:
-    from identification.result import Estimate  # plans simulate, and load nothing of identification
+    from identification.results.estimate import Estimate  # plans simulate, and load nothing of identification
 
 WAVES = 48  # number of waves that make a pose error
 

@@ -12,12 +12,19 @@ import numpy as np
 
 from cases.schema import Case
 from cases.sensors import PoseField
-from identification.criteria import information as information_over
-from identification.hexapod import Hexapod
-from identification.model import Model, identification_model, matern, noise_covariance, squared_distances, whitening_of
-from identification.motion import Array, Trajectory
-from identification.parameters import nominal_parameters
-from identification.symbolic import over_samples
+from identification.estimation.criteria import information as information_over
+from identification.machines.hexapod import Hexapod
+from identification.machines.symbolic import over_samples
+from identification.model.model import (
+    Model,
+    identification_model,
+    matern,
+    noise_covariance,
+    squared_distances,
+    whitening_of,
+)
+from identification.model.parameters import nominal_parameters
+from identification.motion.motion import Array, Trajectory
 
 DEFAULT_NOISE = 1.0  # [N] noise where the case states none of its sensors
 UNITS = (slice(0, 3), slice(3, 6))  # forces and moments of a force/torque sensor

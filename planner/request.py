@@ -7,10 +7,10 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any, ClassVar, Literal, NamedTuple, NoReturn
 
-from cases.errors import HexciteError, choice
+from cases.base.errors import HexciteError, choice
 from cases.sensors import payload_words
-from identification.criteria import Criterion
-from identification.precision import legible
+from identification.estimation.criteria import Criterion
+from identification.texts import legible
 from planner.families.settings import (
     FAMILIES,
     FamilySettings,

@@ -16,20 +16,20 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cases.errors import HexciteError, InfeasiblePlan, choice
+from cases.base.errors import HexciteError, InfeasiblePlan, choice
 from cases.schema import Case
-from identification.limit import LimitKind
-from identification.limit_proof import PROOF_RATE, prove
-from identification.motion import Array, Joined, Motion, Standstill, Trajectory
-from identification.trajectories.curves import FourierMotion, PolynomialMotion
-from identification.trajectories.moves import CircularMove, StraightMove, UntimedMotion, limits_along, ruckig_profile
-from identification.trajectories.path_timing import Shares, rounded
-from identification.trajectories.path_timing import retime as timed_path
+from identification.limits.limit import LimitKind
+from identification.limits.proof import PROOF_RATE, prove
+from identification.machines.path_timing import Shares, rounded
+from identification.machines.path_timing import retime as timed_path
+from identification.motion.curves import FourierMotion, PolynomialMotion
+from identification.motion.motion import Array, Joined, Motion, Standstill, Trajectory
+from identification.motion.moves import CircularMove, StraightMove, UntimedMotion, limits_along, ruckig_profile
 from planner.families.manual import fastest_within_limits
 from planner.families.ptp import with_steps
 from planner.families.settings import require_plannable_without
-from planner.plans import Plan
-from planner.rating import PlannedMotion, rated_plan
+from planner.plans.plan import Plan
+from planner.plans.rating import PlannedMotion, rated_plan
 from planner.request import LONGEST
 from planner.search.feasibility import MARGIN
 from planner.search.problem import near_limits

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from cases import door
 
 if TYPE_CHECKING:
-    from postprocessors.dialects import Program as Program
-    from postprocessors.dialects import read_program as read_program
+    from postprocessors.program import Program as Program
+    from postprocessors.program import read_program as read_program
 
 __getattr__, __dir__ = door(__name__)

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from identification.motion import Array, Joined, Slowed, Standstill, Trajectory
-from identification.trajectories.curves import PolynomialMotion
-from identification.trajectories.moves import CircularMove, StraightMove
+from identification.motion.curves import PolynomialMotion
+from identification.motion.motion import Array, Joined, Slowed, Standstill, Trajectory
+from identification.motion.moves import CircularMove, StraightMove
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,19 +6,19 @@ from pathlib import Path
 
 import numpy as np
 
-from cases.errors import ProgramError
+from cases.base.errors import ProgramError
+from cases.base.units import DEG, MM
 from cases.schema import Case
-from cases.units import DEG, MM
-from identification.limit_proof import slowed_for_forces
-from identification.motion import Array, Joined, Standstill, Trajectory
-from identification.precision import bounds_text
-from identification.trajectories.curves import PolynomialMotion
-from identification.trajectories.moves import CircularMove, StraightMove
-from postprocessors.block_writer import LEAST_WAY
+from identification.limits.proof import slowed_for_forces
+from identification.motion.curves import PolynomialMotion
+from identification.motion.motion import Array, Joined, Standstill, Trajectory
+from identification.motion.moves import CircularMove, StraightMove
+from identification.texts import bounds_text
 from postprocessors.blocks import Block, Blocks, TimedPath, ToHome, Trigger, timed_path
-from postprocessors.dialects import Dialect, Program, leaving_out, left_out
-from postprocessors.proving.guarantees import Guarantees
-from postprocessors.proving.proof import ProgramProof, override_remarks, prove_program, remarks
+from postprocessors.dialects.block_writer import LEAST_WAY
+from postprocessors.program import Dialect, Program, leaving_out, left_out
+from postprocessors.proof.guarantees import Guarantees
+from postprocessors.proof.proof import ProgramProof, override_remarks, prove_program, remarks
 from postprocessors.reading import Reading, Stretch, Timed, Untimed
 
 # Twice the last decimal of the words: the program as read back must be the plan, up to rounding [m or rad].

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import Phase, settings
 
 from cases.schema import Case, load_case
-from postprocessors.execute.linuxcnc.session import linuxcnc_missing
+from postprocessors.controllers.linuxcnc.session import linuxcnc_missing
 
 # A failure is told at once; `--hypothesis-profile bench` takes its time to make it small.
 AT_ONCE = (Phase.explicit, Phase.reuse, Phase.generate)

@@ -12,13 +12,13 @@ from hypothesis import settings
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from cases.errors import HexciteError
+from cases.base.errors import HexciteError
+from cases.base.units import DEG, MM
 from cases.schema import Case
 from cases.sensors import Disturbances
-from cases.units import DEG, MM
-from identification.motion import Motion
-from identification.trajectories.curves import PolynomialMotion
-from identification.trajectories.moves import StraightMove
+from identification.motion.curves import PolynomialMotion
+from identification.motion.motion import Motion
+from identification.motion.moves import StraightMove
 
 Array = NDArray[np.float64]
 Answer = TypeVar("Answer")

@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from identification.trajectories.moves import fastest_profile
-from planner.families import Family
+from identification.motion.moves import fastest_profile
+from planner.families.family import Family
 from planner.families.ptp import PointToPointFamily
 
 WIDTH = 0.9  # waypoints lie within this share of the box

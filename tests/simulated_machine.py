@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cases.schema import Case
-from identification.hexapod import Hexapod
-from identification.motion import Trajectory
-from identification.recording import Recording
+from identification.machines.executed import Execution
+from identification.machines.hexapod import Hexapod
+from identification.machines.symbolic import Kinematics, over_samples, twist, twist_rate
+from identification.motion.motion import Trajectory
+from identification.recording.recording import Recording
 from identification.simulate import UNDISTURBED, Circumstances, force_parts
-from identification.symbolic import Kinematics, over_samples, twist, twist_rate
-from identification.trajectories.executed import Execution
 
 Array = NDArray[np.float64]
 

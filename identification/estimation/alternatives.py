@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.fft import next_fast_len, rfft
 
-from cases.units import Array, Indices
+from cases.base.units import Array, Indices
 from identification.estimation.fit import orthonormal
 from identification.estimation.force_noise import LEAST_SAMPLES, in_turned_channels, mixtures, toeplitz
 from identification.estimation.small_sample import Noise, chance_of

@@ -12,9 +12,9 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from cases import checks_arguments
-from cases.errors import IdentificationError
+from cases.base.errors import IdentificationError
+from cases.base.units import Array
 from cases.sensors import Sensors
-from cases.units import Array
 from identification.estimation.fit import (
     Fit,
     Regression,
@@ -26,8 +26,8 @@ from identification.estimation.fit import (
 from identification.estimation.force_noise import long_run_covariance
 from identification.estimation.priors import Prior, with_priors
 from identification.finding import Finding, Kind, note
-from identification.model import Model, whitening_of
-from identification.parameters import Selection, physical_form, require_physical, select, tangent_at
+from identification.model.model import Model, whitening_of
+from identification.model.parameters import Selection, physical_form, require_physical, select, tangent_at
 
 MOST_STEPS = 50  # of Gauss and Newton for the non-linear form
 STEP = 1e-6  # of a standard deviation of each parameter: a smaller step is the last

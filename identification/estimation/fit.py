@@ -12,9 +12,9 @@ import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.special import stdtrit
 
-from cases.errors import IdentificationError
+from cases.base.errors import IdentificationError
+from cases.base.units import Array, as_html
 from cases.sensors import PoseField
-from cases.units import Array, as_html
 from identification.finding import Finding
 
 COVERAGE_FACTOR = 2.0  # k of the expanded uncertainty

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 from scipy.special import stdtrit
 
-from cases.units import Array, Indices
+from cases.base.units import Array, Indices
 from identification.estimation.fit import orthonormal
 
 Spectra = NDArray[np.complex128]

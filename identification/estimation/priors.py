@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases.errors import IdentificationError
-from cases.units import Array
+from cases.base.errors import IdentificationError
+from cases.base.units import Array
 from identification.estimation.fit import (
     Fit,
     Regression,
@@ -22,8 +22,8 @@ from identification.estimation.fit import (
 )
 from identification.estimation.force_noise import long_run_covariance, scores
 from identification.finding import Kind, warning
-from identification.model import Model
-from identification.parameters import physical_form, require_names
+from identification.model.model import Model
+from identification.model.parameters import physical_form, require_names
 
 
 class Prior(NamedTuple):

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import fdtrc
 
-from cases.units import Array
+from cases.base.units import Array
 
 
 class Noise(NamedTuple):

@@ -12,13 +12,13 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
-from cases.errors import HexciteError
+from cases.base.errors import HexciteError
+from cases.base.units import DEG, MM, Array, Flags, Indices
 from cases.schema import Case
-from cases.units import DEG, MM, Array, Flags, Indices
 from identification.finding import Finding, Kind, note, warning
-from identification.model import machine_of
-from identification.motion import Joined, Standstill, Trajectory
-from identification.recording import Recording
+from identification.model.model import machine_of
+from identification.motion.motion import Joined, Standstill, Trajectory
+from identification.recording.recording import Recording
 from identification.signals import stretches
 
 PLAN_RATE = 500.0  # [1/s] at which the plan is sampled

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from cases.schema import Case
 from identification.finding import Finding, Kind, warning
-from identification.recording import Recording
+from identification.recording.recording import Recording
 
 CLOSE = 0.02  # relative distance of a step from a round one, within which that is meant
 CRYSTAL = 3e-4  # relative error that no crystal of a recorder or computer has

@@ -13,14 +13,14 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from scipy.special import chdtri, ndtri
 
-from cases.errors import IdentificationError
-from cases.units import Array, Flags
+from cases.base.errors import IdentificationError
+from cases.base.units import Array, Flags
 from identification.estimation.estimators import EACH, huber
 from identification.estimation.fit import Regression
 from identification.finding import Finding, Kind, warning
-from identification.recording import Recording
-from identification.runs.sample_checks import MOST_NAMED, places
-from identification.samples import Fitted
+from identification.recording.recording import Recording
+from identification.samples.sample_checks import MOST_NAMED, places
+from identification.samples.samples import Fitted
 from identification.signals import fair_part, stretches
 
 CHANCE = 1e-7  # for a sample by noise alone; two neighbours are needed, so that a run of an hour has no false contact

@@ -11,17 +11,17 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ndtri
 
+from cases.base.units import Array, Flags
 from cases.schema import Case
-from cases.units import Array, Flags
 from identification.estimation.alternatives import Sizes, sizes_of
 from identification.estimation.small_sample import chance_of
 from identification.finding import Finding, Kind, warning
 from identification.findings.noise_level import channel_words
 from identification.findings.remains import excerpt_of, remainder_of
-from identification.model import regressors
-from identification.parameters import K1, K2, K3, K4, K5, MASS
-from identification.recording import Recording
-from identification.samples import Fitted
+from identification.model.model import regressors
+from identification.model.parameters import K1, K2, K3, K4, K5, MASS
+from identification.recording.recording import Recording
+from identification.samples.samples import Fitted
 
 WARM_UP = "let the sensor warm up, and run hexcite tare shortly before its readings count"
 CHANCE = 1e-6  # probability of a false drift, in each channel

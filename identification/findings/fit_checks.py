@@ -9,15 +9,15 @@ from collections.abc import Callable
 
 import numpy as np
 
-from cases.errors import IdentificationError
+from cases.base.errors import IdentificationError
 from cases.schema import Case
 from identification.estimation.fit import Fit
 from identification.finding import Finding, Kind, note, warning
-from identification.model import Model
-from identification.parameters import INERTIA, INERTIA_INDEX, MASS, physical_form
-from identification.recording import Recording
-from identification.runs.sample_checks import cut_off, places
-from identification.samples import Fitted
+from identification.model.model import Model
+from identification.model.parameters import INERTIA, INERTIA_INDEX, MASS, physical_form
+from identification.recording.recording import Recording
+from identification.samples.sample_checks import cut_off, places
+from identification.samples.samples import Fitted
 
 REMEMBERED = 1.5  # of robust to white standard deviations, from which noise with memory is worth a note
 LEAST_EXPLAINED = 0.5  # of the forces' variance; a model that explains less does not belong to the run

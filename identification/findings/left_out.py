@@ -8,12 +8,13 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from cases.base.units import DEG, MM, Array, Indices
 from cases.machine import MotionLimits
 from cases.schema import Case
-from cases.units import DEG, MM, Array, Indices
 from identification.estimation.alternatives import Alternative
-from identification.hexapod import Hexapod
-from identification.model import (
+from identification.machines.hexapod import Hexapod
+from identification.machines.symbolic import Kinematics
+from identification.model.model import (
     Model,
     expected_forces,
     full_model,
@@ -21,8 +22,7 @@ from identification.model import (
     regressors,
     static_model,
 )
-from identification.samples import Fitted, MotionOfSamples, Moving
-from identification.symbolic import Kinematics
+from identification.samples.samples import Fitted, MotionOfSamples, Moving
 
 STEP = 1e-6  # [m, rad and their rates, or a share] for derivatives of what is smooth over metres
 FAINT = 1e-4  # of what varies in the forces, below which noise of the drives does not count

@@ -5,14 +5,14 @@ from collections.abc import Iterable
 import numpy as np
 from scipy.special import chdtri
 
+from cases.base.units import Array
 from cases.schema import Case
-from cases.units import Array
 from identification.estimation.fit import Fit
 from identification.estimation.force_noise import products
 from identification.finding import Finding, Kind, note, warning
-from identification.model import noise_covariance
-from identification.recording import Recording
-from identification.samples import Fitted, Samples
+from identification.model.model import noise_covariance
+from identification.recording.recording import Recording
+from identification.samples.samples import Fitted, Samples
 from identification.signals import white_noise
 
 LOUD = 1.5  # times the stated noise: more than what a statement is usually wrong by, a fifth

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import block_diag
 
-from cases.units import Array, Indices
+from cases.base.units import Array, Indices
 from identification.estimation.alternatives import Remainder
-from identification.samples import Fitted, Moving, Samples, Standstills
+from identification.samples.samples import Fitted, Moving, Samples, Standstills
 from identification.signals import fair_part
 
 EXCERPT = 0.25  # of `fair_part` of a long run, by which it is judged: enough for effects far below what matters

@@ -11,15 +11,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cases.base.units import DEG, MM, Array
 from cases.schema import Case
 from cases.tolerances import KINDS, Tolerances
-from cases.units import DEG, MM, Array
 from identification.estimation.alternatives import Remainder
 from identification.finding import Finding, Kind, note
 from identification.findings.left_out import STEP, LeftOut, in_channel, structure_of
-from identification.hexapod import Hexapod
-from identification.parameters import physical_form
-from identification.samples import Fitted
+from identification.machines.hexapod import Hexapod
+from identification.model.parameters import physical_form
+from identification.samples.samples import Fitted
 
 PPM, PERCENT = 1e-6, 1e-2
 SMALL = 0.1  # of a deviation: a part that adds 0.5 % to it is not said

@@ -16,7 +16,7 @@ from time import process_time
 
 import numpy as np
 
-from cases.units import Array, Indices
+from cases.base.units import Array, Indices
 from planner.bounds.features import CORNER_COORDINATES, CORNERS, GIBBS, PAIRS, PRODUCTS, Features
 
 BATCH = 8  # cells halved at once: calls into NumPy cost as much as the arithmetic of one cell

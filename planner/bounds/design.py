@@ -13,10 +13,10 @@ from time import process_time
 
 import numpy as np
 
+from cases.base.units import Array
 from cases.schema import Case
-from cases.units import Array
-from identification.model import Model
-from identification.symbolic import over_samples
+from identification.machines.symbolic import over_samples
+from identification.model.model import Model
 from planner.bounds.certificate import Maximum, box_bounds, first_cells, maximise
 from planner.bounds.features import CORNER_COORDINATES, Features
 

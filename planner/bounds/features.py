@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from cases.base.units import Array
 from cases.schema import Case
-from cases.units import Array
-from identification.model import Model
-from identification.parameters import State
-from identification.symbolic import gibbs, over_samples, rotation, twist, twist_rate
+from identification.machines.symbolic import gibbs, over_samples, rotation, twist, twist_rate
+from identification.model.model import Model
+from identification.model.parameters import State
 
 PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))  # products of three components, as the features list them
 GIBBS = slice(3, 6)

@@ -16,10 +16,10 @@ from typing import ClassVar, NamedTuple, Self
 
 import numpy as np
 
+from cases.base.units import Array
 from cases.schema import Case
-from cases.units import Array
-from identification.trajectories.curves import FourierMotion
-from planner.families import Family, Layout, Settings, linear_rows
+from identification.motion.curves import FourierMotion
+from planner.families.family import Family, Layout, Settings, linear_rows
 from planner.families.rows import PacedRows
 from planner.families.states import PacedStates, linear_states
 

@@ -8,15 +8,15 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from cases.errors import FileProblem, HexciteError, InfeasiblePlan
-from cases.files import MOST_JSON, read_whole
+from cases.base.errors import FileProblem, HexciteError, InfeasiblePlan
+from cases.base.files import MOST_JSON, read_whole
+from cases.base.units import Array
 from cases.machine import POSE
 from cases.schema import Case
 from cases.tables import Number, Part, Positive, find_case, own_units, read_tables, si
-from cases.units import Array
-from identification.limit_proof import kinetic_shares, of_coordinates, of_mechanics, prove, prove_at
-from identification.motion import Joined, StandingPoses, Standstill, Trajectory
-from identification.trajectories.moves import Plane, StraightMove, fastest_circle
+from identification.limits.proof import kinetic_shares, of_coordinates, of_mechanics, prove, prove_at
+from identification.motion.motion import Joined, StandingPoses, Standstill, Trajectory
+from identification.motion.moves import Plane, StraightMove, fastest_circle
 
 MARGIN = 1e-3  # of every limit, as for optimised motions
 SLOWEST = 0.02  # share of the speed; a move that needs less cannot be made at all

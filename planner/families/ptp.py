@@ -14,20 +14,20 @@ from typing import ClassVar
 import casadi as ca
 import numpy as np
 
+from cases.base.units import Array, Flags
 from cases.chain import Box
 from cases.controller import ControllerName
 from cases.schema import Case
-from cases.units import Array, Flags
-from identification.criteria import box_middle
-from identification.limit import LimitKind, LimitReport, Status
-from identification.limit_proof import PROOF_RATE
-from identification.motion import Joined
-from identification.trajectories.moves import StraightMove, fastest_profile, unit_profile
-from planner.families import Family, Layout, Settings
+from identification.estimation.criteria import box_middle
+from identification.limits.limit import LimitKind, LimitReport, Status
+from identification.limits.proof import PROOF_RATE
+from identification.motion.motion import Joined
+from identification.motion.moves import StraightMove, fastest_profile, unit_profile
+from planner.families.family import Family, Layout, Settings
 from planner.families.rows import LinearRows, StateRows
 from planner.families.states import Kernel, KernelStates, LinearStates, state_size
-from postprocessors.dialects import dialect
-from postprocessors.proving.guarantees import limits_jerk
+from postprocessors.program import dialect
+from postprocessors.proof.guarantees import limits_jerk
 from postprocessors.reading import Reading
 
 FEWEST, MOST = 8, 64  # moves

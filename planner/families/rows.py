@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cases.units import Array, Flags, Indices
+from cases.base.units import Array, Flags, Indices
 from planner.families.states import Kernel, States
 
 if TYPE_CHECKING:

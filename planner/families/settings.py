@@ -8,13 +8,14 @@ from typing import Any, ClassVar
 import numpy as np
 
 from cases import checks_arguments
+from cases.base.errors import HexciteError, choice
 from cases.controller import ControllerName
-from cases.errors import HexciteError, choice
 from cases.schema import Case
-from identification.criteria import Criterion, box_middle
-from identification.limit import PLANNABLE_WITHOUT
-from identification.motion import Trajectory
-from planner.families import Family, ptp, spline
+from identification.estimation.criteria import Criterion, box_middle
+from identification.limits.limit import PLANNABLE_WITHOUT
+from identification.motion.motion import Trajectory
+from planner.families import ptp, spline
+from planner.families.family import Family
 from planner.families.fourier import FourierFamily, FreePeriod
 from planner.families.manual import load_poses, load_sequence, manual_motion, sequence_file
 

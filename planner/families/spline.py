@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from cases.base.units import Array
 from cases.schema import Case
-from cases.units import Array
-from identification.criteria import box_middle
-from identification.trajectories.curves import PolynomialMotion
-from planner.families import Family, Layout, Settings, linear_rows
+from identification.estimation.criteria import box_middle
+from identification.motion.curves import PolynomialMotion
+from planner.families.family import Family, Layout, Settings, linear_rows
 from planner.families.states import linear_states
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from cases.units import Array, Indices
-from identification.symbolic import over_samples
+from cases.base.units import Array, Indices
+from identification.machines.symbolic import over_samples
 
 
 class Kernel:

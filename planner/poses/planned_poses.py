@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
+from cases.base.errors import HexciteError, IdentificationError, InfeasiblePlan
+from cases.base.units import DEG, MM
 from cases.schema import Case
-from cases.units import DEG, MM
-from identification.criteria import (
+from identification.estimation.criteria import (
     POSE_CRITERIA,
     Criterion,
     candidate_scaling,
@@ -19,16 +19,16 @@ from identification.criteria import (
     singular_values,
     total_information,
 )
-from identification.limit import TOLERANCE, LimitReport, worst_of
-from identification.limit_proof import prove
-from identification.model import Model
-from identification.motion import Array, Joined, Standstill, Trajectory
+from identification.limits.limit import TOLERANCE, LimitReport, worst_of
+from identification.limits.proof import prove
+from identification.model.model import Model
+from identification.motion.motion import Array, Joined, Standstill, Trajectory
 from planner.bounds.certificate import Maximum
 from planner.bounds.design import EXCHANGED, Design, directional, exchanged
-from planner.families import Settings
+from planner.families.family import Settings
 from planner.noise import sensor_noise, standing_model
-from planner.plan_figures import PoseWorth, predicted_std_at_poses
-from planner.plans import Plan
+from planner.plans.figures import PoseWorth, predicted_std_at_poses
+from planner.plans.plan import Plan
 from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, refine
 from planner.poses.space import space_of, standing_report, standing_shares, valid_poses
 from planner.poses.travel import fastest_move, require_ways, shortest_order, travel_times

@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.criteria import Criterion, PoseCriterion, pose_regressors, total_information
-from identification.model import Model
-from identification.motion import Array
+from identification.estimation.criteria import Criterion, PoseCriterion, pose_regressors, total_information
+from identification.model.model import Model
+from identification.motion.motion import Array
 from planner.poses.space import Space, space_of, valid_poses
-from planner.search import SolverStatus
 from planner.search.objective import Local, criterion_at
+from planner.search.record import SolverStatus
 from planner.search.solvers import NumpyFunction
 
 TIE = 1e-10  # relative; the first of equally good removals is taken, so that symmetric grids give one answer anywhere

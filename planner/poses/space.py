@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from cases.schema import Case
-from identification.hexapod import Hexapod
-from identification.limit import TOLERANCE, LimitKind, LimitReport, Quantity
-from identification.limit_proof import everything, prove_at, shares_at
-from identification.model import machine_of
-from identification.motion import Array, Motion, StandingPoses
-from identification.symbolic import over_samples, rotation, rpy
+from identification.limits.limit import TOLERANCE, LimitKind, LimitReport, Quantity
+from identification.limits.proof import everything, prove_at, shares_at
+from identification.machines.hexapod import Hexapod
+from identification.machines.symbolic import over_samples, rotation, rpy
+from identification.model.model import machine_of
+from identification.motion.motion import Array, Motion, StandingPoses
 from planner.search.problem import standing_limits
 
 

@@ -9,12 +9,12 @@ from itertools import combinations, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.errors import InfeasiblePlan
+from cases.base.errors import InfeasiblePlan
 from cases.schema import Case
-from identification.limit_proof import MARGIN, slowed_for_forces
-from identification.model import machine_of
-from identification.motion import Array
-from identification.trajectories.moves import Profile, StraightMove, fastest_profile
+from identification.limits.proof import MARGIN, slowed_for_forces
+from identification.model.model import machine_of
+from identification.motion.motion import Array
+from identification.motion.moves import Profile, StraightMove, fastest_profile
 from planner.poses.space import valid_poses
 
 INSTANTS = 161  # instants of a move at which its struts are checked

@@ -15,10 +15,10 @@ from itertools import pairwise
 import casadi as ca
 import numpy as np
 
+from cases.base.units import Array, Flags, Indices
 from cases.schema import Case
-from cases.units import Array, Flags, Indices
-from identification.model import Model
-from identification.symbolic import over_samples
+from identification.machines.symbolic import over_samples
+from identification.model.model import Model
 from planner.families.ptp import PointToPointFamily, state_of_move
 from planner.search.problem import near_limits
 

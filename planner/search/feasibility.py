@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from cases.errors import IdentificationError, InfeasiblePlan
+from cases.base.errors import IdentificationError, InfeasiblePlan
+from cases.base.units import Array
 from cases.schema import Case
-from cases.units import Array
-from identification.criteria import box_middle, information, singular_values, uniform_states
-from identification.limit import TOLERANCE, LimitCheck, LimitKind, LimitReport
-from identification.limit_proof import prove
-from identification.model import Model, machine_of
-from identification.motion import Standstill
-from planner.families import Family
+from identification.estimation.criteria import box_middle, information, singular_values, uniform_states
+from identification.limits.limit import TOLERANCE, LimitCheck, LimitKind, LimitReport
+from identification.limits.proof import prove
+from identification.model.model import Model, machine_of
+from identification.motion.motion import Standstill
+from planner.families.family import Family
 
 MARGIN = 1e-3  # unused share of every limit, for the rounding of program words and the encoders' view of the motion
 CLOSE_ENOUGH = 3e-4  # gap of the bisection that shrinks a motion

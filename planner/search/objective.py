@@ -20,9 +20,9 @@ from typing import NamedTuple
 import casadi as ca
 import numpy as np
 
-from cases.units import Array
-from identification.criteria import Criterion
-from identification.model import squared_distances
+from cases.base.units import Array
+from identification.estimation.criteria import Criterion
+from identification.model.model import squared_distances
 from planner.families.states import SHARE, Kernel, States, state_size
 from planner.noise import PoseErrors
 

@@ -24,10 +24,10 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from cases.errors import Interrupted
-from identification.criteria import Criterion
+from cases.base.errors import Interrupted
+from identification.estimation.criteria import Criterion
 from planner.request import Request
-from planner.search import Failed
+from planner.search.record import Failed
 from planner.search.solving import Start, Task, run_safely
 
 MOST = 40  # starts at most by default

@@ -1,27 +1,27 @@
 """The optimal excitation problem of a family: its program with every limit that can bind.
 
 Limits that are non-linear in the coordinates are CasADi expressions: those of the machine, and sensor forces. Each is
-in units of itself and satisfied where every component lies between -1 and 1. `identification.limit_proof` proves them
+in units of itself and satisfied where every component lies between -1 and 1. `identification.limits.proof` proves them
 by other means.
 """
 
 import casadi as ca
 import numpy as np
 
+from cases.base.units import Array
 from cases.schema import Case
-from cases.units import Array
-from identification.criteria import box_middle
-from identification.limit import LimitKind
-from identification.model import Model, identification_model, machine_of
-from identification.motion import Trajectory
-from identification.overload import SHARE
-from identification.parameters import nominal_parameters
-from planner.families import Family
+from identification.estimation.criteria import box_middle
+from identification.limits.limit import LimitKind
+from identification.limits.sensor_loads import SHARE
+from identification.model.model import Model, identification_model, machine_of
+from identification.model.parameters import nominal_parameters
+from identification.motion.motion import Trajectory
+from planner.families.family import Family
 from planner.families.rows import StateRows
 from planner.families.states import Kernel, state_size
 from planner.noise import PoseErrors
+from planner.search.nlp import NonlinearProgram, regressor_kernel
 from planner.search.objective import FieldByStates
-from planner.search.program import NonlinearProgram, regressor_kernel
 
 CHECK_RATE = 1000.0  # [1/s] rate at which a motion is checked between the constrained instants
 

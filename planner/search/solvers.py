@@ -12,10 +12,10 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from cases.units import Array, Indices
+from cases.base.units import Array, Indices
 from planner.request import Solver
-from planner.search import SolverStatus
-from planner.search.program import NonlinearProgram
+from planner.search.nlp import NonlinearProgram
+from planner.search.record import SolverStatus
 
 Watch = Callable[[float], bool]
 """Function of the objective, called at every iteration; a true answer stops the solver."""

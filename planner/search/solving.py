@@ -10,18 +10,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
+from cases.base.errors import HexciteError, IdentificationError, InfeasiblePlan
+from cases.base.units import Array
 from cases.schema import Case
-from cases.units import Array
-from identification.criteria import CRITERIA, Criterion, reference_scaling, singular_values
-from identification.model import identification_model
-from planner.families import Family
+from identification.estimation.criteria import CRITERIA, Criterion, reference_scaling, singular_values
+from identification.model.model import identification_model
+from planner.families.family import Family
 from planner.noise import PoseErrors, expected_noise, information_of, seen_through
 from planner.request import Solver
-from planner.search import Failed, SolverStatus, StartRecord
 from planner.search.annealing import TEMPERATURES, annealed_start
 from planner.search.feasibility import MARGIN, keep_limits, require_rest
 from planner.search.problem import build_program, largest_shares
+from planner.search.record import Failed, SolverStatus, StartRecord
 from planner.search.solvers import Barrier, Watch, solve
 
 QUICK_RATE = 1000.0  # [1/s] for comparing starts; the chosen plan is proven at the full rate

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from cases.errors import FileProblem
-from cases.files import json_text
+from cases.base.errors import FileProblem
+from cases.base.files import json_text
 from cases.schema import Case
-from identification.outcome import Result
+from identification.results.result import Result
 from postprocessors.export.load import has_inertia, load_of
 
 

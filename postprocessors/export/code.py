@@ -11,12 +11,12 @@ from typing import NamedTuple
 import casadi as ca
 
 from cases.schema import Case
-from cases.units import DEG
-from identification.hexapod import Hexapod
-from identification.model import Model
-from identification.outcome import Result
-from identification.serial_chain import SerialChain
-from identification.symbolic import rotation, twist, twist_rate
+from cases.base.units import DEG
+from identification.machines.hexapod import Hexapod
+from identification.model.model import Model
+from identification.results.result import Result
+from identification.machines.serial_chain import SerialChain
+from identification.machines.rotations import rotation, twist, twist_rate
 from postprocessors.export.calibration import number, rendered
 
 RING = 256  # cycles in the memory of the signal chain: 40 ms of delay and as much window at 4 kHz

@@ -5,12 +5,12 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from cases.errors import CaseError, IdentificationError
+from cases.base.errors import CaseError, IdentificationError
+from cases.base.units import DEG, MM, Array
 from cases.schema import Case
-from cases.units import DEG, MM, Array
-from identification.model import Model
-from identification.outcome import Result
-from identification.parameters import INERTIA
+from identification.model.model import Model
+from identification.model.parameters import INERTIA
+from identification.results.result import Result
 
 FrameName = Literal["sensor", "flange"]
 

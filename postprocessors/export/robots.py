@@ -8,9 +8,9 @@ flange and sensor, and the sensor, come on top.
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from cases.errors import IdentificationError
-from cases.units import MM
-from identification.outcome import Result
+from cases.base.errors import IdentificationError
+from cases.base.units import MM
+from identification.results.result import Result
 from postprocessors.export.calibration import comment_lines
 from postprocessors.export.load import (
     Load,

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from cases.errors import CaseError
-from identification.outcome import Result
+from cases.base.errors import CaseError
+from identification.results.result import Result
 from postprocessors.export.calibration import comment_lines
 from postprocessors.export.load import Load, deviations_words, load_in, numbers, require_transducer
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from identification.outcome import Result
+from identification.results.result import Result
 from postprocessors.export.calibration import comment_lines
 from postprocessors.export.load import FrameName, deviations_words, load_in, require_inertia
 

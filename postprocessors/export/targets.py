@@ -4,9 +4,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from cases.errors import FileProblem, HexciteError, choice
-from cases.files import FolderKind, atomic_folder, check_file, check_folder, output_place, write_text
-from identification.outcome import Result
+from cases.base.errors import FileProblem, HexciteError, choice
+from cases.base.files import FolderKind, atomic_folder, check_file, check_folder, output_place, write_text
+from identification.results.result import Result
 from postprocessors.export import robots, ros2, simulators
 from postprocessors.export.calibration import checked_name, default_name, json_document, require_exportable
 from postprocessors.export.code import c_sources, linuxcnc_component, python_module, structured_text

@@ -25,7 +25,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests
 from identification.findings.causes.answer import words_of
 from identification.findings.causes.search import search
 from identification.identify import default_model
-from identification.model import identification_model
+from identification.model.model import identification_model
 from tests.mistaken.machines import NAMES, Run, run
 from tests.mistaken.mistakes import Mistake, mistakes_of, others_of
 

@@ -7,11 +7,11 @@ from scipy.signal import lfilter
 
 from cases.schema import Case
 from identification.identify import estimate_parameters
-from identification.model import identification_model
-from identification.parameters import linear_parameters
-from identification.recording import Recording
+from identification.machines.executed import Execution
+from identification.model.model import identification_model
+from identification.model.parameters import linear_parameters
+from identification.recording.recording import Recording
 from identification.simulate import simulate_recording, truth_rows
-from identification.trajectories.executed import Execution
 from tests.simulated_machine import true_forces
 
 

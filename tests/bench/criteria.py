@@ -4,14 +4,14 @@ from threading import Event
 from typing import Any
 
 from cases.schema import Case, load_case
-from identification.criteria import CRITERIA, reference_scaling, singular_values
-from identification.model import identification_model
-from identification.motion import Trajectory
-from planner.bounds.information_limit import information_limit
-from planner.cli.console import print_table
+from hexcite.cli.console import print_table
+from identification.estimation.criteria import CRITERIA, reference_scaling, singular_values
+from identification.model.model import identification_model
+from identification.motion.motion import Trajectory
+from planner.bounds.bound import information_limit
 from planner.families.settings import family_class
 from planner.noise import mean_information
-from planner.planning import search
+from planner.plans.making import search
 from planner.request import Request
 from planner.search.parallel import silent, workers
 

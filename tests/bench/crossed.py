@@ -81,7 +81,7 @@ def _run(arguments: list[str]) -> None:
         case = hx.load_case("hexapod")
         places = _trace(lambda: hx.identify(hx.read(arguments[1], case), case))
     else:
-        from planner.cli import app
+        from hexcite.cli import app
 
         places = _trace(lambda: app(arguments, standalone_mode=False))
     print()
@@ -92,6 +92,6 @@ if __name__ == "__main__":
     if len(sys.argv) > 1:
         _run(sys.argv[1:])
     else:
-        from planner.cli.console import print_table
+        from hexcite.cli.console import print_table
 
         print_table("Files that a command runs through", COLUMNS, crossed(listed=True))

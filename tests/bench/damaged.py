@@ -3,7 +3,7 @@
 import tempfile
 from pathlib import Path
 
-from tests.identification.test_damaged_runs import within_3_std
+from tests.identification.recording.test_damaged_runs import within_3_std
 
 SEEDS = 50
 

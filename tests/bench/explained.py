@@ -21,8 +21,8 @@ sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests
 
 import hexcite as hx
 from cases.schema import Case
-from identification.limit import KINETIC
-from planner.execution import execute
+from hexcite._run import execute
+from identification.limits.limit import KINETIC
 from tests.bench.coverage import coloured_coverage, coverage, idealised
 from tests.postprocessors.changed_case import changed
 

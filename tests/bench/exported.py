@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from identification.hexapod import Hexapod
+from identification.machines.hexapod import Hexapod
 from postprocessors.export.code import c_sources
 from tests.helpers import Harmonic
 from tests.postprocessors.export.calibrations import calibration

@@ -13,13 +13,13 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is not an installed package
 
 from cases.schema import load_case
+from hexcite._run import execute
+from hexcite.cli.console import print_table
 from identification.identify import estimate_parameters
-from identification.recording import read, write_recording
+from identification.recording.recording import read, write_recording
 from identification.simulate import simulate_recording
-from planner.cli.console import print_table
-from planner.execution import execute
-from postprocessors.dialects import read_program
-from postprocessors.execute.linuxcnc.session import linuxcnc_missing
+from postprocessors.controllers.linuxcnc.session import linuxcnc_missing
+from postprocessors.program import read_program
 from tests.bench.coverage import coverage, idealised
 from tests.bench.criteria import criteria_table
 from tests.bench.crossed import COLUMNS, crossed

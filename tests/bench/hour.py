@@ -15,8 +15,8 @@ import pyarrow.csv as pacsv
 import pyarrow.parquet as pq
 
 from cases.schema import load_case
-from identification.hexapod import Hexapod
-from identification.recording import Recording, write_recording
+from identification.machines.hexapod import Hexapod
+from identification.recording.recording import Recording, write_recording
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic
 from tests.simulated_machine import PoseExecution

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from cases.schema import load_case
-from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
-from identification.recording import Recording, read
+from identification.machines.hexapod import Hexapod
+from identification.recording.recording import Recording, read
 from identification.simulate import simulate_recording
 from tests.bench.coverage import coloured_coverage
 from tests.bench.hour import hour_figures

@@ -3,8 +3,8 @@
 import numpy as np
 
 from identification.identify import estimate_parameters
-from identification.model import identification_model
-from identification.parameters import linear_parameters, physical_form
+from identification.model.model import identification_model
+from identification.model.parameters import linear_parameters, physical_form
 from identification.simulate import simulate_recording
 from tests.identification.leaping import CASE, moves_without_jerk_limit
 

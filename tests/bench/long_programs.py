@@ -10,8 +10,8 @@ import numpy as np
 
 from cases.controller import SinumerikAxes
 from cases.schema import load_case
-from postprocessors.dialects import read_program
-from postprocessors.proving.proof import prove_program
+from postprocessors.program import read_program
+from postprocessors.proof.proof import prove_program
 from tests.postprocessors.other_dialects import SINUMERIK
 from tests.postprocessors.programs import timed, typed
 

@@ -5,10 +5,10 @@ from threading import Event
 import numpy as np
 
 from cases.schema import Case, load_case
-from identification.motion import Trajectory
-from planner.cli.console import print_table
+from hexcite.cli.console import print_table
+from identification.motion.motion import Trajectory
 from planner.families.settings import Fourier
-from planner.planning import search
+from planner.plans.making import search
 from planner.request import Request
 from planner.search.parallel import silent, workers
 from tests.planner.monte_carlo import monte_carlo, vibrating, vibrating_runs

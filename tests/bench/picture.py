@@ -12,10 +12,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from cases.schema import load_case
-from identification.motion import sample
-from identification.recording import read
+from identification.motion.motion import sample
+from identification.recording.recording import read
 from identification.simulate import truth_rows
-from planner.plans import Plan
+from planner.plans.plan import Plan
 
 BLUE, RED, GREY = "#0072b2", "#d55e00", "#627d98"
 

@@ -28,9 +28,9 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is not an installed package
 
-from cases.files import write_text
+from cases.base.files import write_text
 from cases.schema import load_case
-from planner.cli.console import print_table
+from hexcite.cli.console import print_table
 from tests.bench.machines.description import Hexapod, reachable, write_machine
 from tests.bench.machines.designed import DESIGNED
 from tests.bench.machines.drawn import drawn

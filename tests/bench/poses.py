@@ -6,9 +6,9 @@ import tracemalloc
 import numpy as np
 
 from cases.schema import load_case
-from identification.criteria import POSE_CRITERIA, candidate_scaling, pose_regressors
-from identification.model import identification_model
-from planner.cli.console import print_table
+from hexcite.cli.console import print_table
+from identification.estimation.criteria import POSE_CRITERIA, candidate_scaling, pose_regressors
+from identification.model.model import identification_model
 from planner.poses.planned_poses import grid_candidates, poses_planned, sampled_candidates
 from planner.poses.removal import reduce_best
 from planner.request import PoseRequest

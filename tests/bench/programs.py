@@ -5,8 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from cases.schema import load_case
-from postprocessors.dialects import read_program
-from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
+from postprocessors.controllers.linuxcnc.session import linuxcnc_missing, run_linuxcnc
+from postprocessors.program import read_program
 from tests.bench.long_programs import long_programs
 from tests.postprocessors.changed_case import changed
 

@@ -12,19 +12,19 @@ from time import process_time
 import numpy as np
 
 from cases.schema import load_case
-from identification.criteria import reference_scaling
+from hexcite._run import execute
+from hexcite._write import write
+from identification.estimation.criteria import reference_scaling
 from identification.identify import identify
-from identification.model import identification_model
+from identification.machines.symbolic import over_samples
+from identification.model.model import identification_model
 from identification.simulate import truth_rows
-from identification.symbolic import over_samples
-from planner.bounds.information_limit import information_limit
-from planner.execution import execute
+from planner.bounds.bound import information_limit
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import PointToPoint
 from planner.noise import expected_noise, mean_information, seen_through
-from planner.plan_figures import predicted_std
-from planner.plan_program import write
-from planner.planning import make
+from planner.plans.figures import predicted_std
+from planner.plans.making import make
 from planner.request import Request
 from planner.search.feasibility import keep_limits
 from planner.search.parallel import run_here, silent

@@ -16,14 +16,14 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is not an installed package
 
 from cases.schema import load_case
-from identification.criteria import reference_scaling
-from identification.model import identification_model
-from planner.bounds.information_limit import information_limit
-from planner.cli.console import print_table
+from hexcite.cli.console import print_table
+from identification.estimation.criteria import reference_scaling
+from identification.model.model import identification_model
+from planner.bounds.bound import information_limit
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import PointToPoint
 from planner.noise import mean_information
-from planner.planning import make
+from planner.plans.making import make
 from planner.request import Request
 from planner.search.feasibility import keep_limits
 from planner.search.parallel import run_here, silent

@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 
 from cases.schema import load_case
+from hexcite._run import carried_out
+from hexcite.comparison.trials import Excitation
 from identification.identify import estimate_parameters
-from planner.comparison.trials import Excitation
-from planner.execution import carried_out
-from postprocessors.dialects import read_program
+from postprocessors.program import read_program
 
 MACHINES = 12  # of so many a scatter is uncertain by a fifth, of twenty parameters the extremes by more
 METHODS_SHOWN = ("D9M", "D9N", "ptp", "spline")

@@ -21,7 +21,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is not an installed package
 
-from planner.cli.console import print_table
+from hexcite.cli.console import print_table
 from planner.families.settings import Best
 from tests.bench.machines.description import write_machine
 from tests.bench.machines.designed import DESIGNED

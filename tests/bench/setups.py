@@ -21,11 +21,11 @@ sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests
 import hexcite as hx
 from cases.schema import Case, load_case
 from cases.sensors import SensorFrame, Transducer, together
-from identification.model import identification_model
-from identification.motion import sample
-from identification.parameters import RIGID, body_parameters, physical_form
-from identification.symbolic import over_samples
-from planner.cli.console import print_table
+from hexcite.cli.console import print_table
+from identification.machines.symbolic import over_samples
+from identification.model.model import identification_model
+from identification.model.parameters import RIGID, body_parameters, physical_form
+from identification.motion.motion import sample
 
 Array = NDArray[np.float64]
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is not an installed package
 
-from cases.errors import HexciteError
+from cases.base.errors import HexciteError
 from identification.identify import estimate_parameters
 from tests.damaged.kinds import Damage, damages_of
 from tests.damaged.runs import (

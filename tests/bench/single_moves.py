@@ -21,12 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case, load_case
-from identification.criteria import reference_scaling
-from identification.model import Model, identification_model
+from identification.estimation.criteria import reference_scaling
+from identification.model.model import Model, identification_model
+from planner.bounds.bound import information_limit
 from planner.bounds.design import improved_weights
-from planner.bounds.information_limit import information_limit
 from planner.families.ptp import CRITICAL_POINTS, INFORMATION_POINTS, PointToPointFamily, state_of_move
-from planner.planning import seeds_of
+from planner.plans.making import seeds_of
 from planner.search.problem import state_limits
 from planner.search.solving import Task, run_start
 

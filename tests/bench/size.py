@@ -12,12 +12,12 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is not an installed package
 
-from planner.cli.console import print_table
+from hexcite.cli.console import print_table
 
 ROOT = Path(__file__).parents[2]
 
 PACKAGES = ("cases", "identification", "planner", "postprocessors")
-PROTOCOLS = ("planner/cli", "planner/reports", "postprocessors/reading")
+PROTOCOLS = ("hexcite/cli", "hexcite/reports", "postprocessors/dialects")
 """Commands, pages and readers: each module there is one implementation, named after what it runs, shows or reads."""
 PARAMETERS, FIELDS = 7, 14  # at most, of a function outside the command line and of a value
 

@@ -13,10 +13,10 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from cases.schema import load_case
-from planner.study import Cells, Grid, Spec
-from planner.study.cell_rows import DONE, PLANNED, file_of, keep, read_rows
-from planner.study.cluster import local_client, run_tasks
-from planner.study.conduct import study, study_page
+from hexcite.studies.cell_rows import DONE, PLANNED, file_of, keep, read_rows
+from hexcite.studies.cluster import local_client, run_tasks
+from hexcite.studies.conduct import study, study_page
+from hexcite.studies.spec import Cells, Grid, Spec
 
 CELLS = 200
 ROWS, PART = 100_000, 100

@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from cases.errors import IdentificationError
+from cases.base.errors import IdentificationError
 from cases.schema import Case
-from identification.criteria import pose_regressors
-from identification.hexapod import Hexapod
+from identification.estimation.criteria import pose_regressors
 from identification.identify import estimate_parameters
-from identification.model import identification_model
-from identification.parameters import linear_parameters
-from identification.recording import Recording
-from identification.result import Estimate
+from identification.machines.hexapod import Hexapod
+from identification.model.model import identification_model
+from identification.model.parameters import linear_parameters
+from identification.recording.recording import Recording
+from identification.results.estimate import Estimate
 from planner.poses.planned_poses import grid_candidates
 
 TRUE_STATIC_MODEL = 5

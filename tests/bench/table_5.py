@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.criteria import POSE_CRITERIA, candidate_scaling, pose_regressors
-from identification.model import identification_model
-from identification.parameters import physical_form
+from identification.estimation.criteria import POSE_CRITERIA, candidate_scaling, pose_regressors
+from identification.model.model import identification_model
+from identification.model.parameters import physical_form
 from planner.poses.planned_poses import grid_candidates
 from planner.poses.removal import reduce_best
 

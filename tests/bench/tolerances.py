@@ -12,9 +12,9 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is not an installed package
 
-from cases.errors import HexciteError
+from cases.base.errors import HexciteError
+from cases.base.units import MM
 from cases.schema import Case
-from cases.units import MM
 from identification.identify import estimate_parameters
 from tests.bench.silent import NOISES, drawn_machines, way_of
 from tests.damaged.runs import SOUND, Machine, machine, recorded

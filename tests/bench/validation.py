@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from postprocessors.execute.linuxcnc.session import linuxcnc_missing
+from postprocessors.controllers.linuxcnc.session import linuxcnc_missing
 from tests.bench.scatter import scatter_rows
 
 WEIGHTS = (0, 3, 5)  # mounted: 0, 60 and 100 kg; the command itself takes every number

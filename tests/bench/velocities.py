@@ -8,9 +8,9 @@ from collections.abc import Callable
 import numpy as np
 
 from cases.schema import load_case
-from identification.hexapod import Hexapod
-from identification.model import identification_model, machine_of, regressors
-from identification.parameters import linear_parameters
+from identification.machines.hexapod import Hexapod
+from identification.model.model import identification_model, machine_of, regressors
+from identification.model.parameters import linear_parameters
 from identification.signals import Filter, decimated
 from tests.helpers import Harmonic
 

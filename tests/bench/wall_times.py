@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from cases.schema import load_case
-from identification.hexapod import Hexapod
-from identification.recording import write_recording
+from identification.machines.hexapod import Hexapod
+from identification.recording.recording import write_recording
 from identification.simulate import circumstances, simulate_recording
 from tests.helpers import Harmonic
 from tests.simulated_machine import PoseExecution

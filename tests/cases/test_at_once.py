@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from cases.errors import FileProblem
-from cases.files import MARKER, PLAN, atomic_folder
+from cases.base.errors import FileProblem
+from cases.base.files import MARKER, PLAN, atomic_folder
 
 WRITERS, ROUNDS = 6, 40
 

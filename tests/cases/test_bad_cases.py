@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from cases.errors import CaseError
+from cases.base.errors import CaseError
 from cases.schema import load_case
 from cases.tables import built_in_cases
 from tests.cases.editing import HEXAPOD, edited

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from cases.base.errors import CaseError, FileProblem
 from cases.basis import (
     KEPT,
     bound_hash,
@@ -18,7 +19,6 @@ from cases.basis import (
     require_unchanged,
     result_basis,
 )
-from cases.errors import CaseError, FileProblem
 from cases.schema import Case, load_case
 from cases.tables import built_in_cases
 

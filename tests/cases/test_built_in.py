@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from cases.errors import CaseError, FileProblem
+from cases.base.errors import CaseError, FileProblem
 from cases.schema import Case, load_case
 from cases.tables import built_in_cases, find_case
 from tests.cases.editing import HEXAPOD, edited

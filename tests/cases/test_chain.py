@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cases.errors import CaseError
+from cases.base.errors import CaseError
 from cases.schema import load_case
 from tests.helpers import one_line
 

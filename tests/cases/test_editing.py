@@ -8,8 +8,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from cases.base.errors import HexciteError
 from cases.editing import changes_of, write_table
-from cases.errors import HexciteError
 from cases.tables import built_in_cases
 from tests.helpers import examples
 

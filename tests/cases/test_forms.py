@@ -10,10 +10,10 @@ from pydantic import ValidationError
 from cases.machine import Ring, Workspace
 from cases.schema import Case, load_case
 from cases.sensors import Bars
-from identification.limit import LimitKind
-from identification.limit_proof import prove
-from identification.motion import StandingPoses
-from postprocessors.execute.linuxcnc.configuration import pose_range
+from identification.limits.limit import LimitKind
+from identification.limits.proof import prove
+from identification.motion.motion import StandingPoses
+from postprocessors.controllers.linuxcnc.configuration import pose_range
 
 PAIRS = {"radius_mm": 520.0, "pair_centres_deg": (30.0, 150.0, 270.0), "z_mm": -45.0}
 

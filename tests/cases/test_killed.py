@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from cases.files import MARKER, PLAN, atomic_folder, write_text
+from cases.base.files import MARKER, PLAN, atomic_folder, write_text
 
 WRITE_FILE = """
 import sys

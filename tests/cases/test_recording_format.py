@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cases.errors import CaseError
+from cases.base.errors import CaseError
 from cases.recording_format import COLUMNS
 from cases.schema import Case, load_case
 from tests.cases.editing import edited

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from cases.errors import CaseError, FileProblem
+from cases.base.errors import CaseError, FileProblem
 from cases.scaffold import new_case
 from cases.schema import load_case
 from tests.helpers import one_line

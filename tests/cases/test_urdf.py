@@ -10,13 +10,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from cases.errors import CaseError, FileProblem
+from cases.base.errors import CaseError, FileProblem
 from cases.scaffold import new_arm, readiness
 from cases.schema import load_case
 from cases.sensors import RigidBody
 from cases.urdf import Arm, read_urdf
-from identification.serial_chain import SerialChain
-from identification.symbolic import over_samples
+from identification.machines.serial_chain import SerialChain
+from identification.machines.casadi_batch import over_samples
 from tests.helpers import examples, one_line
 from tests.robots import MIMIC, panda, ur10, urdf
 

@@ -10,9 +10,9 @@ import numpy as np
 from scipy.interpolate import PPoly
 from scipy.signal import lfilter
 
+from cases.base.units import Flags
 from cases.schema import Case
-from cases.units import Flags
-from identification.recording import Recording
+from identification.recording.recording import Recording
 from tests.bench.machines.description import case_tables
 from tests.bench.machines.designed import DESIGNED
 from tests.bench.machines.drawn import drawn

@@ -12,7 +12,7 @@ import click
 import pytest
 import typer
 
-from planner.cli import app
+from hexcite.cli import app
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "reference" / "paper.md"

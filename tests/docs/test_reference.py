@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
+from cases.base.unit_names import QUANTITIES
 from cases.orientation import CONVENTIONS
 from cases.scaffold import explanations
 from cases.schema import Case
 from cases.tables import Part
-from cases.unit_names import QUANTITIES
 
 spec = importlib.util.spec_from_file_location("generate", Path(__file__).parents[2] / "docs" / "generate.py")
 assert spec is not None

@@ -3,8 +3,8 @@
 import numpy as np
 
 from cases.schema import load_case
-from identification.hexapod import Hexapod
-from identification.trajectories.executed import Execution
+from identification.machines.executed import Execution
+from identification.machines.hexapod import Hexapod
 
 CASE = load_case("hexapod")
 

@@ -8,8 +8,8 @@ from scipy import stats
 from cases.schema import load_case
 from cases.sensors import RigidBody, Truth
 from identification.estimation.fit import Fit
-from identification.model import identification_model, regressors
-from identification.parameters import linear_parameters, physical_form
+from identification.model.model import identification_model, regressors
+from identification.model.parameters import linear_parameters, physical_form
 from tests.helpers import Harmonic
 from tests.simulated_machine import kinematics_of_coordinates
 

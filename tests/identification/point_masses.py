@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from cases.sensors import Bars
-from identification.motion import Trajectory
+from identification.motion.motion import Trajectory
 
 Array = np.ndarray
 

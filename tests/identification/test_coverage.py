@@ -7,10 +7,10 @@ import pytest
 from scipy.signal import lfilter
 
 from cases.schema import load_case
-from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
-from identification.model import identification_model
-from identification.parameters import linear_parameters, physical_form
+from identification.machines.hexapod import Hexapod
+from identification.model.model import identification_model
+from identification.model.parameters import linear_parameters, physical_form
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, few, ideal, simulated
 from tests.simulated_machine import PoseExecution

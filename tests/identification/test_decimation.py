@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cases.errors import RecordingError
+from cases.base.errors import RecordingError
 from identification import signals
 from identification.signals import Filter, decimated
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from cases.schema import load_case
-from identification.hexapod import Hexapod
-from identification.model import identification_model
-from identification.motion import Joined, Motion, TimedPoints
-from identification.parameters import physical_form
-from identification.symbolic import over_samples, rotation
+from identification.machines.hexapod import Hexapod
+from identification.machines.symbolic import over_samples, rotation
+from identification.model.model import identification_model
+from identification.model.parameters import physical_form
+from identification.motion.motion import Joined, Motion, TimedPoints
 from tests.helpers import Harmonic, taylor_slope
 from tests.simulated_machine import kinematics_of_coordinates
 

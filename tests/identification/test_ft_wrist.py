@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 import hexcite as hx
-from cases.errors import IdentificationError
+from cases.base.errors import IdentificationError
 from cases.schema import Case, load_case
+from hexcite._identifiability import identifiability_of_models
+from hexcite.reports.identify import identify_page
 from identification.identify import estimate_parameters
-from identification.model import identification_model
-from identification.recording import Recording, read
-from identification.runs.wrist import wrist_run
-from planner.reports.identify import identify_page
-from planner.told_apart import identifiability_of_models
+from identification.model.model import identification_model
+from identification.recording.recording import Recording, read
+from identification.samples.wrist import wrist_run
 from tests.helpers import few, one_line, tells
 
 FILE = Path(__file__).parents[3] / "shared/data/ft_wrist_ntnu/0-calibration_fts-accel.csv"

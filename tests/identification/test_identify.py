@@ -8,14 +8,14 @@ from scipy.linalg import cho_factor
 from scipy.spatial.transform import Rotation
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from cases.errors import IdentificationError
+from cases.base.errors import IdentificationError
 from cases.schema import Case, load_case
 from identification.estimation import pose_noise
-from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
-from identification.model import identification_model
-from identification.parameters import linear_parameters, physical_form
-from identification.recording import Recording
+from identification.machines.hexapod import Hexapod
+from identification.model.model import identification_model
+from identification.model.parameters import linear_parameters, physical_form
+from identification.recording.recording import Recording
 from identification.simulate import simulate_recording
 from tests.helpers import HOME, Harmonic, few, ideal, simulated
 from tests.simulated_machine import PoseExecution

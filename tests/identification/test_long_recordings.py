@@ -7,10 +7,10 @@ import pytest
 
 from cases.schema import load_case
 from identification import signals
-from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
-from identification.recording import Recording
-from identification.result import Estimate
+from identification.machines.hexapod import Hexapod
+from identification.recording.recording import Recording
+from identification.results.estimate import Estimate
 from identification.signals import STRETCHES, fair_part
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic

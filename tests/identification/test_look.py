@@ -10,13 +10,13 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from cases.errors import RecordingError
+from cases.base.errors import RecordingError
 from cases.recording_format import RecordingFormat
 from cases.schema import Case, load_case
-from identification.hexapod import Hexapod
 from identification.looks import look
-from identification.recording import read
-from identification.runs.preparation import checked_filter
+from identification.machines.hexapod import Hexapod
+from identification.recording.recording import read
+from identification.samples.moving_window import checked_filter
 from tests.bench.reliability.recordings import file_of, simulated
 
 ROWS = 1200

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 import hexcite as hx
-from cases.errors import IdentificationError
+from cases.base.errors import IdentificationError
 from cases.schema import load_case
-from identification.hexapod import Hexapod
 from identification.identify import fitted_run
-from identification.model import identification_model
+from identification.machines.hexapod import Hexapod
+from identification.model.model import identification_model
+from identification.model.parameters import linear_parameters
 from identification.model_choice import ModelChoice, left_out
-from identification.parameters import linear_parameters
 from identification.simulate import simulate_recording
 from tests.bench.table_3 import standing_run
 from tests.helpers import Harmonic, one_line

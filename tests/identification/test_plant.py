@@ -7,10 +7,10 @@ import pytest
 
 from cases.schema import load_case
 from identification.identify import estimate_parameters
-from identification.recording import Recording
-from identification.serial_chain import SerialChain
+from identification.machines.executed import Execution
+from identification.machines.serial_chain import SerialChain
+from identification.recording.recording import Recording
 from identification.simulate import truth_rows
-from identification.trajectories.executed import Execution
 from tests.plant import Plant
 from tests.postprocessors.joint_walks import walk
 

@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cases.errors import CaseError, HexciteError, IdentificationError, RecordingError
+from cases.base.errors import CaseError, HexciteError, IdentificationError, RecordingError
 from cases.schema import Case, load_case
-from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
-from identification.motion import Standstill
-from identification.recording import Recording
+from identification.machines.hexapod import Hexapod
+from identification.motion.motion import Standstill
+from identification.recording.recording import Recording
 from identification.simulate import simulate_recording
 from tests.helpers import HOME, Harmonic, one_line, paper_poses
 from tests.simulated_machine import PoseExecution

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cases.errors import RecordingError
+from cases.base.errors import RecordingError
 from identification.signals import Filter
 from tests.helpers import one_line
 

@@ -6,21 +6,21 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from cases.errors import CaseError
+from cases.base.errors import CaseError
 from cases.schema import load_case
 from cases.sensors import together
-from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
-from identification.model import identification_model
-from identification.motion import Standstill
-from identification.parameters import body_parameters, linear_parameters
+from identification.machines.executed import Execution, mode_frequency, rippled, vibrating
+from identification.machines.hexapod import Hexapod
+from identification.model.model import identification_model
+from identification.model.parameters import body_parameters, linear_parameters
+from identification.motion.motion import Standstill
 from identification.simulate import (
     Circumstances,
     circumstances,
     loaded_truth,
     pose_fields,
 )
-from identification.trajectories.executed import Execution, mode_frequency, rippled, vibrating
 from tests.helpers import Harmonic, paper_poses, pose_covariance
 from tests.simulated_machine import PoseExecution, simulate_standstills, true_forces
 

@@ -5,12 +5,12 @@ import pytest
 from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
-from cases.errors import IdentificationError
+from cases.base.errors import IdentificationError
 from cases.schema import Case, load_case
-from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
-from identification.model import identification_model, regressors
-from identification.parameters import linear_parameters
+from identification.machines.hexapod import Hexapod
+from identification.model.model import identification_model, regressors
+from identification.model.parameters import linear_parameters
 from identification.simulate import loaded_truth, simulate_recording
 from tests.helpers import HOME, Harmonic, tells
 from tests.simulated_machine import PoseExecution, kinematics_of_coordinates

@@ -5,8 +5,8 @@ import pytest
 
 from cases.schema import load_case
 from identification.estimation.fit import Regression, gauss_markov
-from identification.model import identification_model
-from identification.parameters import physical_form
+from identification.model.model import identification_model
+from identification.model.parameters import physical_form
 from tests.helpers import paper_poses
 
 CASE = load_case("hexapod")

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from cases.schema import Case
-from identification.recording import Recording
+from identification.recording.recording import Recording
 from tests.bench.machines.description import Hexapod
 from tests.bench.machines.description import case_tables as tables_of_hexapod
 from tests.damaged.runs import Machine, Waves

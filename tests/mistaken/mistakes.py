@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from cases.schema import Case
-from identification.recording import Recording, read
+from identification.recording.recording import Recording, read
 from tests.mistaken.machines import WRIST, Run, machine, run, wrist_case
 
 Array = NDArray[np.float64]

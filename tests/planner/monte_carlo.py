@@ -6,13 +6,13 @@ import numpy as np
 
 from cases.schema import Case
 from cases.sensors import RigidBody
-from identification.criteria import reference_scaling
-from identification.model import identification_model
-from identification.motion import Trajectory
-from identification.parameters import physical_form
-from identification.symbolic import over_samples
+from identification.estimation.criteria import reference_scaling
+from identification.machines.symbolic import over_samples
+from identification.model.model import identification_model
+from identification.model.parameters import physical_form
+from identification.motion.motion import Trajectory
 from planner.noise import expected_noise, mean_information
-from planner.plan_figures import predicted_std, predicted_std_of
+from planner.plans.figures import predicted_std, predicted_std_of
 from tests.identification.point_masses import PointMasses, wrench_of_bars
 
 RATE = 1000.0  # [1/s]

@@ -7,33 +7,33 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cases.errors import CaseError, HexciteError, IdentificationError
+from cases.base.errors import CaseError, HexciteError, IdentificationError
 from cases.recording_format import WRENCH
 from cases.schema import Case, load_case
+from hexcite._demo import demo
+from hexcite._run import execute
+from hexcite._write import write
+from hexcite.reports.plan import plan_page
 from identification.identify import identify
-from identification.limit_proof import prove
-from identification.limited_chain import chain_frames, sensor_motion
-from identification.model import identification_model
-from identification.motion import Motion, StandingPoses
-from identification.parameters import linear_parameters
-from identification.recording import Recording, read
-from identification.serial_chain import SerialChain
+from identification.limits.chain import chain_frames, sensor_motion
+from identification.limits.proof import prove
+from identification.machines.serial_chain import SerialChain
+from identification.machines.symbolic import over_samples
+from identification.model.model import identification_model
+from identification.model.parameters import linear_parameters
+from identification.motion.motion import Motion, StandingPoses
+from identification.recording.recording import Recording, read
 from identification.simulate import truth_rows
-from identification.symbolic import over_samples
-from planner.bounds.information_limit import compute_bound
-from planner.demonstration import demo
-from planner.execution import execute
+from planner.bounds.bound import compute_bound
 from planner.families.ptp import shortest_phase
 from planner.families.settings import FamilySettings, Fourier, PointToPoint, Spline
-from planner.plan_program import write
-from planner.planning import make
-from planner.plans import Plan
-from planner.reports.plan import plan_page
+from planner.plans.making import make
+from planner.plans.plan import Plan
 from planner.request import Request
 from planner.search.parallel import run_here, silent
 from tests.chains import chain_case
 from tests.helpers import few
-from tests.planner.command_line import call, refused
+from tests.hexcite.command_line import call, refused
 
 PLANS: dict[int, FamilySettings] = {5: PointToPoint(moves=8), 6: Fourier(order=3), 7: Spline(knots=40)}
 

@@ -13,14 +13,14 @@ OF_ONE_KIND = "configuration.py"  # the kinematics of a case, with which LinuxCN
 @pytest.mark.parametrize(
     "place",
     [
-        "planner/families", "planner/search", "planner/bounds", "planner/retiming.py", "identification/trajectories",
-        "identification/limit_proof.py", "postprocessors/proving", "postprocessors/reading", "postprocessors/execute",
+        "planner/families", "planner/search", "planner/bounds", "planner/retiming.py", "identification/motion",
+        "identification/limits/proof.py", "postprocessors/proof", "postprocessors/dialects", "postprocessors/controllers",
         "postprocessors",
     ],
 )  # fmt: skip
 def test_no_module_asks_which_kind_of_machine_a_case_has(place: str):
     files = [HOME / place] if place.endswith(".py") else sorted((HOME / place).glob("*.py"))
-    if place == "postprocessors/execute":
+    if place == "postprocessors/controllers":
         files += sorted((HOME / place / "linuxcnc").glob("*.py"))
     assert files
     for file in files:

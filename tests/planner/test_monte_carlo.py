@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from identification.criteria import box_middle
-from identification.trajectories.curves import FourierMotion
+from identification.estimation.criteria import box_middle
+from identification.motion.curves import FourierMotion
 from planner.families.fourier import FourierFamily
 from planner.search.feasibility import keep_limits
 from tests.planner.monte_carlo import monte_carlo

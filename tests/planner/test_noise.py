@@ -9,16 +9,16 @@ import pytest
 
 from cases.schema import Case
 from cases.tables import built_in_cases
-from identification.criteria import CRITERIA, box_middle, reference_scaling, singular_values
-from identification.model import identification_model
-from identification.trajectories.curves import FourierMotion
+from identification.estimation.criteria import CRITERIA, box_middle, reference_scaling, singular_values
+from identification.model.model import identification_model
+from identification.motion.curves import FourierMotion
 from planner.families.fourier import FourierFamily
 from planner.noise import ExpectedNoise, expected_noise, mean_information, seen_through
 from planner.search.feasibility import MARGIN, keep_limits
 from planner.search.problem import build_program
 from planner.search.solving import Task, run_start
 from tests.helpers import tells
-from tests.planner.command_line import call
+from tests.hexcite.command_line import call
 from tests.planner.monte_carlo import vibrating, vibrating_runs
 from tests.random_start import random_start
 

@@ -11,16 +11,16 @@ from scipy.special import gamma, kv
 from cases.schema import load_case
 from cases.sensors import PoseField
 from cases.tables import find_case
-from identification.criteria import box_middle, pose_regressors, reference_scaling
-from identification.hexapod import Hexapod
-from identification.model import identification_model
-from planner.families import Family
+from identification.estimation.criteria import box_middle, pose_regressors, reference_scaling
+from identification.machines.hexapod import Hexapod
+from identification.model.model import identification_model
+from planner.families.family import Family
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion, sequence_file
 from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
 from planner.noise import PoseErrors, expected_noise, information_of, mean_information, of_estimate
-from planner.plan_figures import predicted_std_at_poses, predicted_std_of
+from planner.plans.figures import predicted_std_at_poses, predicted_std_of
 from planner.search.problem import build_program
 from tests.bench.pose_errors import over_machines
 from tests.helpers import few, taylor_slope

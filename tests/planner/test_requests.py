@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cases.errors import HexciteError
+from cases.base.errors import HexciteError
 from cases.schema import Case
-from identification.criteria import Criterion
+from identification.estimation.criteria import Criterion
 from planner.families.settings import USUAL_PERIOD, Fourier, PointToPoint, Spline, family_class
 from planner.request import PoseRequest, Request
 from tests.helpers import one_line

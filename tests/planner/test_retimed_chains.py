@@ -5,9 +5,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from identification.limit_proof import prove
-from identification.motion import Joined
-from identification.trajectories.moves import StraightMove
+from identification.limits.proof import prove
+from identification.motion.motion import Joined
+from identification.motion.moves import StraightMove
 from planner.retiming import by_controller
 from tests.chains import chain_case
 from tests.helpers import few

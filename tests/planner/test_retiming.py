@@ -6,19 +6,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cases.errors import HexciteError, InfeasiblePlan
+from cases.base.errors import HexciteError, InfeasiblePlan
 from cases.schema import load_case
-from identification.limit_proof import prove
-from identification.motion import Joined, Standstill
-from identification.trajectories.curves import PolynomialMotion
-from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_profile
-from identification.trajectories.path_timing import retime as timed_path
-from identification.trajectories.path_timing import rounded
+from identification.limits.proof import prove
+from identification.machines.path_timing import retime as timed_path
+from identification.machines.path_timing import rounded
+from identification.motion.curves import PolynomialMotion
+from identification.motion.motion import Joined, Standstill
+from identification.motion.moves import CircularMove, Plane, StraightMove, fastest_profile
 from planner.families.manual import fastest_within_limits
-from planner.plans import Plan
+from planner.plans.plan import Plan
 from planner.retiming import Way, as_fast_as_possible, by_controller, force_shares
 from tests.helpers import few
-from tests.planner.command_line import call, refused
+from tests.hexcite.command_line import call, refused
 from tests.postprocessors.changed_case import changed
 
 CASE = load_case("hexapod")

@@ -6,8 +6,8 @@ import numpy as np
 
 from cases.controller import UrScript
 from cases.schema import Case, load_case
-from identification.motion import Joined
-from identification.trajectories.moves import StraightMove
+from identification.motion.motion import Joined
+from identification.motion.moves import StraightMove
 
 ROBOT = load_case("ur10_wrist")
 

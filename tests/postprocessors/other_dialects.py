@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from cases.schema import Case, load_case
-from identification.motion import Standstill
-from identification.trajectories.curves import PolynomialMotion
+from identification.motion.curves import PolynomialMotion
+from identification.motion.motion import Standstill
 from postprocessors.blocks import Block, Blocks, TimedPath, ToHome, Trigger, timed_path
-from postprocessors.dialects import Dialect, dialect
-from postprocessors.proving.guarantees import Guarantees
-from postprocessors.proving.homing import predicted
-from postprocessors.proving.proof import ProgramProof, prove_program
+from postprocessors.program import Dialect, dialect
+from postprocessors.proof.guarantees import Guarantees
+from postprocessors.proof.homing import predicted
+from postprocessors.proof.proof import ProgramProof, prove_program
 from postprocessors.reading import Reading, Stretch, Timed
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import HEAD, HOME

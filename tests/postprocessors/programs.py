@@ -7,15 +7,16 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from cases.schema import Case, load_case
-from identification.limit_proof import prove
-from identification.motion import Standstill, TimedPoints
-from identification.trajectories.moves import StraightMove
+from identification.limits.proof import prove
+from identification.motion.motion import Standstill, TimedPoints
+from identification.motion.moves import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.blocks import Blocks, TimedPath, ToHome, Trigger, timed_path
-from postprocessors.linuxcnc import with_moving_blocks, write_linuxcnc
-from postprocessors.proving.guarantees import linuxcnc_guarantees
-from postprocessors.proving.proof import ProgramProof, prove_program
-from postprocessors.reading import Reading, Stretch, linuxcnc
+from postprocessors.dialects.linuxcnc import read as linuxcnc
+from postprocessors.dialects.linuxcnc.write import with_moving_blocks, write_linuxcnc
+from postprocessors.proof.guarantees import linuxcnc_guarantees
+from postprocessors.proof.proof import ProgramProof, prove_program
+from postprocessors.reading import Reading, Stretch
 
 Array = NDArray[np.float64]
 

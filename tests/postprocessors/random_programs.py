@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 
-from cases.errors import ProgramError
+from cases.base.errors import ProgramError
 from cases.schema import Case, load_case
-from postprocessors.dialects import Program, dialect
-from postprocessors.execute import ControllerLog
-from postprocessors.execute.linuxcnc.configuration import AxisLayout
-from postprocessors.proving.homing import motions
-from postprocessors.proving.proof import prove_program
+from postprocessors.controllers.executed_run import ControllerLog
+from postprocessors.controllers.linuxcnc.configuration import AxisLayout
+from postprocessors.program import Program, dialect
+from postprocessors.proof.homing import motions
+from postprocessors.proof.proof import prove_program
 from postprocessors.reading import Reading, Still, Timed, Untimed
 
 Array = np.ndarray

@@ -58,5 +58,5 @@ class _Log(Grouping):
 
 def reports(read: Callable[..., Reading], *arguments: Any) -> tuple[Any, ...]:
     """What a reader of a language with modal words reports of a program."""
-    with patch("postprocessors.reading.modal.Grouping", _Log):
+    with patch("postprocessors.dialects.modal.Grouping", _Log):
         return read(*arguments).stretches

@@ -8,17 +8,17 @@ from functools import cache
 
 import numpy as np
 
-from cases.errors import ProgramError
+from cases.base.errors import ProgramError
 from cases.recording_format import setpoint_columns
 from cases.schema import load_case
 from cases.tables import own_units
-from identification.limit_proof import limited_machine, prove
-from identification.motion import Joined, Motion, Standstill
-from identification.trajectories.moves import StraightMove
+from identification.limits.proof import limited_machine, prove
+from identification.motion.motion import Joined, Motion, Standstill
+from identification.motion.moves import StraightMove
 from planner.families.fourier import FourierFamily
-from postprocessors.dialects import dialect
-from postprocessors.proving.proof import ProgramProof, prove_program
-from postprocessors.setpoints import decimals_of, write_setpoints
+from postprocessors.dialects.setpoints.write import decimals_of, write_setpoints
+from postprocessors.program import dialect
+from postprocessors.proof.proof import ProgramProof, prove_program
 from postprocessors.writing import excitation_program
 from tests.helpers import one_line
 from tests.postprocessors.independent import derivatives_reached, share_of_limits, strut_lengths

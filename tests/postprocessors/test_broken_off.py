@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cases.errors import ProgramError
-from postprocessors.execute.virtual import run_virtual
-from postprocessors.proving.guarantees import linuxcnc_guarantees
-from postprocessors.proving.proof import prove_program
+from cases.base.errors import ProgramError
+from postprocessors.controllers.virtual import run_virtual
+from postprocessors.proof.guarantees import linuxcnc_guarantees
+from postprocessors.proof.proof import prove_program
 from tests.bench.reliability.programs import edited, originals
 from tests.helpers import examples, one_line
 from tests.postprocessors.other_dialects import BOTH, CASE, LINUXCNC, Typed

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from identification.limit import LimitKind
-from identification.limit_proof import of_mechanics, prove_at, shares_at
-from identification.motion import Joined, Standstill
-from postprocessors.dialects import dialect
+from identification.limits.limit import LimitKind
+from identification.limits.proof import of_mechanics, prove_at, shares_at
+from identification.motion.motion import Joined, Standstill
+from postprocessors.program import dialect
 from postprocessors.writing import proven_program
 from tests.postprocessors.joint_walks import ROBOT, walk
 

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from postprocessors.blocks import Blocks, ToHome
-from postprocessors.reading.linuxcnc import LONGEST_LINE
+from postprocessors.dialects.linuxcnc.read import LONGEST_LINE
 from tests.postprocessors.programs import HOME, linuxcnc_text, read_linuxcnc
 
 MOVE = (ToHome(HOME, 0.05),)

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from cases.errors import ProgramError
+from cases.base.errors import ProgramError
 from tests.helpers import few, one_line
 from tests.postprocessors.edited import CASES, EVERY_DIALECT, NAMES, changed, moves, path, proof, tenfold
 

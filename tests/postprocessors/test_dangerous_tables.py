@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cases.errors import ProgramError
+from cases.base.errors import ProgramError
 from tests.helpers import few
 from tests.postprocessors.damaged_tables import DAMAGE
 from tests.postprocessors.programs import HOME

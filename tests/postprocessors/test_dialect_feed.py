@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cases.errors import ProgramError
-from cases.units import DEG, MM
-from identification.trajectories.moves import StraightMove
+from cases.base.errors import ProgramError
+from cases.base.units import DEG, MM
+from identification.motion.moves import StraightMove
 from postprocessors.blocks import TimedPath, ToHome
-from postprocessors.proving.homing import predicted
+from postprocessors.proof.homing import predicted
 from postprocessors.reading import Timed, Untimed
 from tests.postprocessors.other_dialects import (
     BOTH,

@@ -4,9 +4,9 @@ import re
 
 import pytest
 
-from cases.errors import CaseError, ProgramError
+from cases.base.errors import CaseError, ProgramError
 from cases.schema import Case
-from postprocessors.dialects import dialect
+from postprocessors.program import dialect
 from tests.helpers import one_line
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import BOTH, CASE, SINUMERIK, TWINCAT, Typed, smooth_points

@@ -8,14 +8,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cases.base.units import DEG, MM
 from cases.schema import Case
-from cases.units import DEG, MM
-from identification.motion import Standstill, TimedPoints
-from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_circle
+from identification.motion.motion import Standstill, TimedPoints
+from identification.motion.moves import CircularMove, Plane, StraightMove, fastest_circle
 from postprocessors.blocks import Blocks, TimedPath, ToHome, Trigger
-from postprocessors.proving.homing import predicted
+from postprocessors.dialects.sinumerik.read import LONGEST_LINE
+from postprocessors.proof.homing import predicted
 from postprocessors.reading import Timed, Untimed
-from postprocessors.reading.sinumerik import LONGEST_LINE
 from postprocessors.writing import off_the_plan
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import (

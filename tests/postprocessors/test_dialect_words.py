@@ -5,10 +5,10 @@ The fragments are quoted from manuals: SINUMERIK ONE and 828D programming, 810D 
 
 import pytest
 
-from cases.errors import ProgramError
-from postprocessors.dialects import dialect
-from postprocessors.reading.sinumerik import SinumerikInterpreter
-from postprocessors.reading.twincat import TwinCatInterpreter
+from cases.base.errors import ProgramError
+from postprocessors.dialects.sinumerik.read import SinumerikInterpreter
+from postprocessors.dialects.twincat.read import TwinCatInterpreter
+from postprocessors.program import dialect
 from tests.helpers import one_line
 from tests.postprocessors.other_dialects import BOTH, CASE, SINUMERIK, TWINCAT, Typed
 from tests.postprocessors.programs import typed as typed_linuxcnc

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from cases.errors import ProgramError
-from identification.motion import Joined, Standstill
-from identification.trajectories.moves import Plane, StraightMove, fastest_circle
+from cases.base.errors import ProgramError
+from identification.motion.motion import Joined, Standstill
+from identification.motion.moves import Plane, StraightMove, fastest_circle
 from planner.families.fourier import FourierFamily
-from postprocessors.dialects import DIALECTS, dialect, dialect_of_file
+from postprocessors.program import DIALECTS, dialect, dialect_of_file
 from postprocessors.writing import proven_program
 from tests.helpers import few, jerked
 from tests.postprocessors.changed_case import changed

@@ -9,17 +9,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cases.errors import ProgramError
+from cases.base.errors import ProgramError
+from cases.base.units import DEG, MM
 from cases.schema import Case
-from cases.units import DEG, MM
-from identification.motion import Joined, Standstill, Trajectory
-from identification.trajectories.moves import StraightMove
+from identification.motion.motion import Joined, Standstill, Trajectory
+from identification.motion.moves import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.blocks import block_motions
-from postprocessors.dialects import dialect
-from postprocessors.joint_trajectory import FIRST
-from postprocessors.proving.homing import predicted
-from postprocessors.proving.proof import prove_program
+from postprocessors.dialects.joint_trajectory.write import FIRST
+from postprocessors.program import dialect
+from postprocessors.proof.homing import predicted
+from postprocessors.proof.proof import prove_program
 from postprocessors.reading import Untimed
 from postprocessors.writing import excitation_program, proven_program
 from tests.helpers import examples, polynomials_of

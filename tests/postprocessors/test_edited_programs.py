@@ -6,9 +6,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from cases.errors import ProgramError
+from cases.base.errors import ProgramError
 from cases.schema import load_case
-from postprocessors.proving.proof import ProgramProof
+from postprocessors.proof.proof import ProgramProof
 from tests.postprocessors.independent import points, share_of_limits, timed_lines
 from tests.postprocessors.programs import proof, small_excitation
 

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cases.base.units import DEG, MM
 from cases.schema import Case, load_case
-from cases.units import DEG, MM
 from postprocessors.reading import Timed, Untimed
 from tests.postprocessors.programs import HEAD, parts, proof, read_linuxcnc, there_and_back, timed, typed
 

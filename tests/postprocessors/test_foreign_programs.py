@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cases.errors import ProgramError
+from cases.base.errors import ProgramError
 from cases.schema import Case
-from identification.motion import Joined, Standstill
-from identification.trajectories.moves import StraightMove, unit_profile
-from planner.execution import carried_out
-from planner.plan_program import require_proven
-from postprocessors.dialects import Program, dialect, read_program
+from hexcite._run import carried_out
+from hexcite._write import require_proven
+from identification.motion.motion import Joined, Standstill
+from identification.motion.moves import StraightMove, unit_profile
+from postprocessors.program import Program, dialect, read_program
 from postprocessors.reading import Reading
 from postprocessors.writing import excitation_program, proven_program
 from tests.postprocessors.changed_case import changed

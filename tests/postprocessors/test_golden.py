@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cases.base.units import DEG, MM
 from cases.schema import load_case
-from cases.units import DEG, MM
-from identification.motion import Joined, Standstill
-from identification.trajectories.curves import FourierMotion
-from identification.trajectories.moves import StraightMove, unit_profile
+from identification.motion.curves import FourierMotion
+from identification.motion.motion import Joined, Standstill
+from identification.motion.moves import StraightMove, unit_profile
 from postprocessors.blocks import Blocks, ToHome, Trigger
-from postprocessors.linuxcnc import prepare_linuxcnc
+from postprocessors.dialects.linuxcnc.write import prepare_linuxcnc
 from postprocessors.writing import excitation_program
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import HOME, linuxcnc_text, path_through, proof

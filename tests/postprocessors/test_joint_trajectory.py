@@ -13,17 +13,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import BPoly
 
-from cases.errors import CaseError, ProgramError
+from cases.base.errors import CaseError, ProgramError
 from cases.schema import load_case
 from cases.tables import built_in_cases
-from identification.limit import LimitKind
-from identification.motion import Joined, Motion
-from identification.trajectories.moves import StraightMove, unit_profile
-from postprocessors.dialects import Program, dialect
-from postprocessors.joint_trajectory import CLOSEST
-from postprocessors.proving.proof import prove_program
+from identification.limits.limit import LimitKind
+from identification.motion.motion import Joined, Motion
+from identification.motion.moves import StraightMove, unit_profile
+from postprocessors.dialects.joint_trajectory.read import _NUMBER, _name
+from postprocessors.dialects.joint_trajectory.write import CLOSEST
+from postprocessors.program import Program, dialect
+from postprocessors.proof.proof import prove_program
 from postprocessors.reading import Timed
-from postprocessors.reading.joint_trajectory import _NUMBER, _name
 from postprocessors.writing import proven_program
 from tests.helpers import examples, few, one_line, polynomials_of
 from tests.postprocessors.changed_case import changed

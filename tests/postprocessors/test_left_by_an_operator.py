@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cases.errors import ProgramError
+from cases.base.errors import ProgramError
 from cases.schema import Case
-from planner.execution import carried_out
-from postprocessors.dialects import read_program
-from postprocessors.linuxcnc import write_linuxcnc
-from postprocessors.proving.guarantees import linuxcnc_guarantees
-from postprocessors.proving.proof import prove_program
+from hexcite._run import carried_out
+from postprocessors.dialects.linuxcnc.write import write_linuxcnc
+from postprocessors.program import read_program
+from postprocessors.proof.guarantees import linuxcnc_guarantees
+from postprocessors.proof.proof import prove_program
 from tests.postprocessors.edited import moves as written_moves
 from tests.postprocessors.edited import proof
 from tests.postprocessors.programs import HEAD, linuxcnc_text, read_linuxcnc, typed

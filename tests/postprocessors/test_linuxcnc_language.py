@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import pytest
 
-from cases.errors import ProgramError
+from cases.base.errors import ProgramError
 from tests.helpers import one_line
 from tests.postprocessors.programs import read_linuxcnc, typed
 from tests.postprocessors.reported import Move, Pause, Switch, reports

@@ -3,7 +3,7 @@
 import pytest
 
 from cases.schema import Case
-from identification.motion import Motion
+from identification.motion.motion import Motion
 from tests.postprocessors.programs import HEAD, proof, timed, typed
 
 MOST = 1_000_000  # instants; some seconds

@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cases.errors import ProgramError
+from cases.base.errors import ProgramError
 from cases.schema import Case, load_case
-from identification.motion import Joined, Trajectory
-from identification.trajectories.curves import PolynomialMotion
-from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_circle
-from postprocessors.dialects import dialect
-from postprocessors.proving.guarantees import linuxcnc_guarantees
-from postprocessors.proving.homing import predicted
+from identification.motion.curves import PolynomialMotion
+from identification.motion.motion import Joined, Trajectory
+from identification.motion.moves import CircularMove, Plane, StraightMove, fastest_circle
+from postprocessors.program import dialect
+from postprocessors.proof.guarantees import linuxcnc_guarantees
+from postprocessors.proof.homing import predicted
 from postprocessors.reading import Timed, Untimed
 from postprocessors.writing import excitation_program, proven_program
 from tests.helpers import examples, jerked

@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cases.units import DEG, MM
-from identification.motion import Standstill
+from cases.base.units import DEG, MM
+from identification.motion.motion import Standstill
 from postprocessors.blocks import Blocks, ToHome
 from tests.postprocessors.programs import HOME, linuxcnc_text, path_through, programs
 

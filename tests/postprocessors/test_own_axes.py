@@ -6,15 +6,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cases.errors import HexciteError, ProgramError
+from cases.base.errors import HexciteError, ProgramError
 from cases.schema import load_case
-from postprocessors.dialects import dialect
-from postprocessors.proving.homing import predicted
-from postprocessors.proving.proof import prove_program
+from postprocessors.program import dialect
+from postprocessors.proof.homing import predicted
+from postprocessors.proof.proof import prove_program
 from postprocessors.reading import Untimed
 from postprocessors.writing import proven_program
 from tests.helpers import one_line, polynomials_of
-from tests.postprocessors.execute.runs import run_text
+from tests.postprocessors.controllers.runs import run_text
 from tests.postprocessors.joint_walks import ROBOT, walk
 
 CASE = load_case("five_axis_table")

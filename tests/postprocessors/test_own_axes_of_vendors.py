@@ -5,13 +5,13 @@ import re
 import numpy as np
 import pytest
 
-from cases.errors import HexciteError, ProgramError
+from cases.base.errors import HexciteError, ProgramError
 from cases.schema import Case, load_case
-from identification.motion import Joined, Standstill
-from identification.trajectories.moves import StraightMove
-from postprocessors.dialects import dialect
-from postprocessors.proving.homing import predicted
-from postprocessors.proving.proof import prove_program
+from identification.motion.motion import Joined, Standstill
+from identification.motion.moves import StraightMove
+from postprocessors.program import dialect
+from postprocessors.proof.homing import predicted
+from postprocessors.proof.proof import prove_program
 from postprocessors.reading import Still, Untimed
 from postprocessors.writing import proven_program
 from tests.helpers import one_line, polynomials_of

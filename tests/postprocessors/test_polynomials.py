@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from cases.errors import CaseError
-from identification.motion import Joined
-from identification.trajectories.curves import PolynomialMotion
-from identification.trajectories.moves import StraightMove
+from cases.base.errors import CaseError
+from identification.motion.curves import PolynomialMotion
+from identification.motion.motion import Joined
+from identification.motion.moves import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.blocks import (
     TimedPath,

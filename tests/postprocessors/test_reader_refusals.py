@@ -4,8 +4,8 @@ import re
 
 import pytest
 
-from cases.errors import ProgramError
-from postprocessors.reading.linuxcnc import LONGEST_LINE
+from cases.base.errors import ProgramError
+from postprocessors.dialects.linuxcnc.read import LONGEST_LINE
 from tests.helpers import one_line
 from tests.postprocessors.programs import FIRST, read_linuxcnc, typed
 

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 
+from cases.base.units import DEG, MINUTE, MM
 from cases.schema import Case, load_case
-from cases.units import DEG, MINUTE, MM
-from identification.motion import Standstill
+from identification.motion.motion import Standstill
 from postprocessors.blocks import Blocks, TimedPath, ToHome, Trigger
+from postprocessors.dialects.linuxcnc.read import LONGEST_LINE
 from postprocessors.reading import Still, Timed, Untimed
-from postprocessors.reading.linuxcnc import LONGEST_LINE
 from postprocessors.writing import excitation_program
 from tests.postprocessors.programs import HOME, linuxcnc_text, programs, read_linuxcnc
 from tests.postprocessors.reported import Pause, Switch, reports

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from cases.errors import ProgramError
+from cases.base.errors import ProgramError
+from cases.base.units import DEG, MINUTE, MM
 from cases.schema import Case
-from cases.units import DEG, MINUTE, MM
 from postprocessors.blocks import Blocks, ToHome
 from tests.helpers import examples
 from tests.postprocessors.programs import HEAD, HOME, linuxcnc_text, programs, read_linuxcnc, small_excitation, typed

@@ -7,17 +7,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cases.errors import CaseError, ProgramError
+from cases.base.errors import CaseError, ProgramError
+from cases.base.units import DEG, MM
 from cases.schema import load_case
-from cases.units import DEG, MM
-from identification.motion import Joined, Standstill
-from identification.trajectories.moves import StraightMove
+from identification.motion.motion import Joined, Standstill
+from identification.motion.moves import StraightMove
 from postprocessors.blocks import Blocks, ToHome, Trigger
-from postprocessors.dialects import dialect
-from postprocessors.execute.virtual import run_virtual
-from postprocessors.proving.proof import ProgramProof, prove_program
+from postprocessors.controllers.virtual import run_virtual
+from postprocessors.dialects.setpoints.write import write_setpoints
+from postprocessors.program import dialect
+from postprocessors.proof.proof import ProgramProof, prove_program
 from postprocessors.reading import Still, Timed
-from postprocessors.setpoints import write_setpoints
 from postprocessors.writing import excitation_program, proven_program
 from tests.helpers import examples, one_line
 from tests.postprocessors.changed_case import changed

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from cases.errors import FileProblem, ProgramError
+from cases.base.errors import FileProblem, ProgramError
 from cases.schema import load_case
 from planner.families.manual import load_poses
-from postprocessors.dialects import read_program
+from postprocessors.program import read_program
 from tests.helpers import one_line
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from cases.errors import ProgramError
+from cases.base.errors import ProgramError
 from cases.schema import Case
 from postprocessors.reading import Still, Stretch, Timed, Untimed
 from tests.helpers import one_line

@@ -2,7 +2,7 @@
 
 import pytest
 
-from cases.errors import ProgramError
+from cases.base.errors import ProgramError
 from cases.schema import Case
 from tests.helpers import one_line
 from tests.postprocessors.programs import parts, proof, there_and_back, timed, typed

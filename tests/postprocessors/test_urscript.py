@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cases.errors import CaseError, HexciteError, ProgramError
+from cases.base.errors import CaseError, HexciteError, ProgramError
 from cases.schema import load_case
-from postprocessors.dialects import Program, dialect
-from postprocessors.proving.homing import predicted
-from postprocessors.proving.proof import prove_program
+from postprocessors.program import Program, dialect
+from postprocessors.proof.homing import predicted
+from postprocessors.proof.proof import prove_program
 from postprocessors.reading import Untimed
 from postprocessors.writing import excitation_program, proven_program
 from tests.helpers import examples, one_line

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import pytest
 
 from cases.schema import Case
-from identification.limit import KINETIC, Limit, LimitCheck, LimitKind, LimitReport, OwnMove, Status, worst_of
-from postprocessors.proving.proof import ProgramProof
+from identification.limits.limit import KINETIC, Limit, LimitCheck, LimitKind, LimitReport, OwnMove, Status, worst_of
+from postprocessors.proof.proof import ProgramProof
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import CASE, SINUMERIK, TWINCAT, Typed, smooth_points
 from tests.postprocessors.programs import proof, there_and_back, timed, typed
@@ -136,8 +136,8 @@ def test_each_limit_in_each_kind_of_block_has_the_one_who_answers_for_it(name: s
 
 
 def test_a_table_of_setpoints_is_proven_in_all_its_limits():
-    from identification.motion import Joined
-    from postprocessors.dialects import dialect
+    from identification.motion.motion import Joined
+    from postprocessors.program import dialect
     from postprocessors.writing import proven_program
     from tests.postprocessors.test_dialects_of_plans import moves
 

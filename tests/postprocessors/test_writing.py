@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cases.errors import HexciteError, ProgramError
+from cases.base.errors import HexciteError, ProgramError
 from cases.schema import Case
-from identification.limit import LimitKind
-from identification.limit_proof import prove
-from identification.motion import Trajectory
-from identification.trajectories.curves import FourierMotion
-from identification.trajectories.moves import StraightMove
+from identification.limits.limit import LimitKind
+from identification.limits.proof import prove
+from identification.motion.curves import FourierMotion
+from identification.motion.motion import Trajectory
+from identification.motion.moves import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.blocks import TimedPath
-from postprocessors.dialects import dialect, dialect_of_file
+from postprocessors.program import dialect, dialect_of_file
 from postprocessors.reading import Timed
 from postprocessors.writing import APPROACH_SHARE, excitation_program, proven_program
 from tests.helpers import one_line

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cases.errors import HexciteError
+from cases.base.errors import HexciteError
+from cases.base.units import Array
 from cases.schema import Case
-from cases.units import Array
 from identification.estimation.fit import Fit
 from identification.findings.causes.hypothesis import (
     RECORDED,
@@ -26,10 +26,10 @@ from identification.findings.causes.hypothesis import (
 from identification.findings.causes.instants import instants_of
 from identification.findings.causes.remedies import keys_to_write
 from identification.findings.causes.search import MODERATE, NEAR, Search, Tried, search
-from identification.hexapod import Hexapod
-from identification.model import Model, identification_model, machine_of
-from identification.recording import Recording
-from identification.runs.sample_checks import scan
+from identification.machines.hexapod import Hexapod
+from identification.model.model import Model, identification_model, machine_of
+from identification.recording.recording import Recording
+from identification.samples.sample_checks import scan
 
 MOST_NAMED = 3  # explanations that a sentence names
 CONFIRMED = 2.0  # times the residuals at some instants that those of the whole run may have

@@ -6,11 +6,11 @@ from itertools import product
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from cases.base.units import DEG, Array
 from cases.machine import Frame, turned
 from cases.recording_format import ROLE_OF, ROLE_UNITS, Role
 from cases.schema import Case
 from cases.sensors import Transducer
-from cases.units import DEG, Array
 from identification.findings.causes.hypothesis import Edit, Family, Hypothesis
 
 ORDER = tuple(range(6))

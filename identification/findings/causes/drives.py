@@ -6,11 +6,11 @@ from itertools import combinations, product
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from cases.base.units import DEG, Array
 from cases.chain import Chain, Joint
 from cases.machine import turned
 from cases.recording_format import STRUTS, Role
 from cases.schema import Case
-from cases.units import DEG, Array
 from identification.findings.causes.channels import in_unit, mapped, matrix_of, order_words, orders, other_units, rpy_of
 from identification.findings.causes.hypothesis import Affine, Edit, Family, Hypothesis
 

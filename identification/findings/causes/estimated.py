@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from cases.base.units import DEG, Array
 from cases.schema import Case
-from cases.units import DEG, Array
 from identification.findings.causes.channels import of_gain, of_point, of_turn
 from identification.findings.causes.drives import of_offset
 from identification.findings.causes.geometry import of_turned_bars

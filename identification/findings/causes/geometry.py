@@ -6,10 +6,10 @@ from itertools import combinations
 
 import numpy as np
 
+from cases.base.units import MM
 from cases.machine import HexapodMachine, Joints, Ring
 from cases.schema import Case
 from cases.sensors import Bars
-from cases.units import MM
 from identification.findings.causes.hypothesis import Edit, Family, Hypothesis
 
 BETWEEN = 60.0  # [deg] between the centre of a pair of joints and the middle to the next pair

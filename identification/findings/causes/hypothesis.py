@@ -11,9 +11,9 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from cases.base.units import Array
 from cases.schema import Case
-from cases.units import Array
-from identification.recording import Recording
+from identification.recording.recording import Recording
 
 
 class Family(StrEnum):

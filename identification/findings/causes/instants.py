@@ -5,16 +5,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from cases.base.units import Array, Flags, Indices
 from cases.schema import Case
-from cases.units import Array, Flags, Indices
-from identification.model import Model, machine_of
-from identification.recording import Recording
-from identification.runs.preparation import spoilt_by
-from identification.runs.sample_checks import bridged
-from identification.runs.wrist import wrist_run
-from identification.samples import MOST_DELAY
+from identification.machines.symbolic import Machine
+from identification.model.model import Model, machine_of
+from identification.recording.recording import Recording
+from identification.samples.moving_window import spoilt_by
+from identification.samples.sample_checks import bridged
+from identification.samples.samples import MOST_DELAY
+from identification.samples.wrist import wrist_run
 from identification.signals import Filter, decimated, white_noise
-from identification.symbolic import Machine
 
 INSTANTS = 120  # at which hypotheses are tried
 FEWEST = 60  # forces beyond the unknowns, below which nothing is tried

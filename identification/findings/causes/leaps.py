@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from cases.base.units import Array
 from cases.schema import Case
-from cases.units import Array
 from identification.estimation.fit import column_scale
 from identification.findings.causes.hypothesis import AS_RECORDED, Family, Hypothesis
 from identification.findings.causes.instants import Instants
 from identification.findings.causes.trials import regressors_of
-from identification.parameters import FIRST_MOMENT, INERTIA, MASS
-from identification.recording import Recording
+from identification.model.parameters import FIRST_MOMENT, INERTIA, MASS
+from identification.recording.recording import Recording
 
 FEWEST = 20  # instants on either side of a leap
 CLEAR = 5.0  # deviations by which an offset must leap to be named

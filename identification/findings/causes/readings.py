@@ -6,18 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from cases.errors import HexciteError
+from cases.base.errors import HexciteError
+from cases.base.units import Array
 from cases.machine import POSE
 from cases.orientation import ANGLES, CONVENTIONS, OF_ANGLES, QUATERNION, ROLL_PITCH_YAW, Convention
 from cases.recording_format import TICKS, Role
 from cases.schema import Case
-from cases.units import Array
 from identification.findings.causes.channels import in_unit, mapped, order_words, other_units, scaled
 from identification.findings.causes.drives import with_joints
 from identification.findings.causes.hypothesis import Edit, Family, Hypothesis
-from identification.formats.reading import written_columns
-from identification.hexapod import Hexapod
-from identification.recording import Recording
+from identification.machines.hexapod import Hexapod
+from identification.recording.formats.reading import written_columns
+from identification.recording.recording import Recording
 
 Changed = Callable[[Recording, Case], Recording | None]
 Turns = Callable[[Array], Array]

@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases.errors import HexciteError
+from cases.base.errors import HexciteError
+from cases.base.units import Array
 from cases.schema import Case
-from cases.units import Array
 from identification.estimation.fit import Fit
 from identification.findings.causes import channels, drives, geometry, surroundings
 from identification.findings.causes.estimated import Sized, refined, settled, sized_of
@@ -32,8 +32,8 @@ from identification.findings.causes.instants import Instants, instants_of
 from identification.findings.causes.leaps import leaps_of
 from identification.findings.causes.readings import of_recording
 from identification.findings.causes.trials import Left, closing, left_by, moments_about, tried
-from identification.model import Model
-from identification.recording import Recording
+from identification.model.model import Model
+from identification.recording.recording import Recording
 
 NEAR = 3.0  # times what noise makes of the residuals, up to which they are explained
 REMOVED = 0.02  # share of what is above the noise, squared, that an explanation leaves at most

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from cases.base.units import Array
 from cases.schema import Case
-from cases.units import Array
 from identification.findings.causes.hypothesis import Edit, Family, Hypothesis
 
 DIRECTIONS = tuple(

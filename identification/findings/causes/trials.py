@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases.errors import HexciteError
+from cases.base.errors import HexciteError
+from cases.base.units import Array, Flags
 from cases.schema import Case
-from cases.units import Array, Flags
 from identification.estimation.fit import column_scale
 from identification.findings.causes.hypothesis import (
     FAMILIES,
@@ -27,10 +27,10 @@ from identification.findings.causes.hypothesis import (
     pace_of,
 )
 from identification.findings.causes.instants import Instants
-from identification.hexapod import kinematics_of_hexapods
-from identification.model import identification_model
-from identification.serial_chain import SerialChain
-from identification.symbolic import over_samples
+from identification.machines.hexapod import kinematics_of_hexapods
+from identification.machines.serial_chain import SerialChain
+from identification.machines.symbolic import over_samples
+from identification.model.model import identification_model
 
 AT_ONCE = 24_000  # samples whose regressors are in memory
 STEPS = 9  # of Newton's method: under a right hypothesis home is near enough

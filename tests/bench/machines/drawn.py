@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.errors import InfeasiblePlan
+from cases.base.errors import InfeasiblePlan
 from cases.schema import Case
-from identification.hexapod import Hexapod as Kinematics
+from identification.machines.hexapod import Hexapod as Kinematics
 from planner.search.feasibility import require_rest
 from tests.bench.machines.description import Hexapod, Range, case_of, reachable
 from tests.helpers import pose_shares

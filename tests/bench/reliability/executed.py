@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from cases.errors import HexciteError
-from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
+from cases.base.errors import HexciteError
+from postprocessors.controllers.linuxcnc.session import linuxcnc_missing, run_linuxcnc
 from tests.bench.reliability.tally import Tally
 from tests.postprocessors.random_programs import CASES, differences, one_after_the_other
 

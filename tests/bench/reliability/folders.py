@@ -10,22 +10,22 @@ from pathlib import Path
 
 import numpy as np
 
-from cases.errors import HexciteError
+from cases.base.errors import HexciteError
 from cases.scaffold import readiness
 from cases.schema import load_case
 from cases.tables import built_in_cases
-from identification.hexapod import Hexapod
-from identification.recording import Recording
-from planner.reach import reach
-from planner.reports.case_figures import case_figures, has_motion_box, leftovers
-from postprocessors.dialects import read_program
-from postprocessors.proving.proof import prove_program
+from hexcite.reports.case_figures import case_figures, has_motion_box, leftovers
+from identification.machines.hexapod import Hexapod
+from identification.recording.recording import Recording
+from planner.box.reach import reach
+from postprocessors.program import read_program
+from postprocessors.proof.proof import prove_program
 from tests.bench.reliability.programs import ROUNDED
 from tests.bench.reliability.recordings import file_of, simulated, stained
 from tests.bench.reliability.tally import Tally, tallied
 from tests.bench.reliability.trees import damaged
 from tests.cases.editing import written
-from tests.planner.command_line import Answer, call, hexcite
+from tests.hexcite.command_line import Answer, call, hexcite
 from tests.postprocessors.canonical import interpreted_share, missing_interpreter
 from tests.postprocessors.edited import moves
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from tests.bench.reliability.tally import Tally
-from tests.planner.command_line import ACCEPT, PROGRAM, hexcite
+from tests.hexcite.command_line import ACCEPT, PROGRAM, hexcite
 
 INTERRUPTED = 130  # exit code
 LIMIT = 900.0  # [s] on the wall for a command on a busy computer

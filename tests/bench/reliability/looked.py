@@ -7,7 +7,7 @@ import numpy as np
 from cases.recording_format import RecordingFormat
 from cases.schema import Case
 from identification.looks import look
-from identification.recording import Recording, read
+from identification.recording.recording import Recording, read
 from tests.bench.reliability.tally import Tally
 
 

@@ -12,8 +12,8 @@ from functools import cache
 import numpy as np
 
 from cases.schema import Case, load_case
-from postprocessors.dialects import dialect
-from postprocessors.proving.proof import ProgramProof, prove_program
+from postprocessors.program import dialect
+from postprocessors.proof.proof import ProgramProof, prove_program
 from postprocessors.reading import Reading, Timed
 from tests.bench.reliability.tables import damaged_table
 from tests.bench.reliability.tally import Tally, tallied

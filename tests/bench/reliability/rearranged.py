@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 from cases.recording_format import RecordingFormat
 from cases.schema import Case, load_case
 from identification.finding import Kind
-from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
 from identification.looks import look
-from identification.model import identification_model
-from identification.parameters import linear_parameters, physical_form
-from identification.recording import read
-from identification.result import Estimate
-from identification.runs.preparation import on_one_clock
+from identification.machines.hexapod import Hexapod
+from identification.model.model import identification_model
+from identification.model.parameters import linear_parameters, physical_form
+from identification.recording.recording import read
+from identification.results.estimate import Estimate
+from identification.samples.moving_window import on_one_clock
 from identification.simulate import simulate_recording
 from tests.bench.reliability.recordings import DEVIATIONS, stained
 from tests.bench.reliability.tally import Tally, tallied

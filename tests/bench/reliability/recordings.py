@@ -16,22 +16,22 @@ import pyarrow as pa
 import pyarrow.csv as pacsv
 from numpy.typing import NDArray
 
+from cases.base.units import MM
 from cases.recording_format import BAR_FORCES, STRUTS
 from cases.schema import Case, load_case
-from cases.units import MM
-from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
-from identification.model import identification_model
-from identification.parameters import linear_parameters, physical_form
-from identification.recording import read
-from identification.runs.preparation import on_one_clock
+from identification.machines.hexapod import Hexapod
+from identification.model.model import identification_model
+from identification.model.parameters import linear_parameters, physical_form
+from identification.recording.recording import read
+from identification.samples.moving_window import on_one_clock
 from identification.simulate import simulate_recording
 from tests.bench.reliability.looked import as_stated
 from tests.bench.reliability.tally import Tally, tallied
 from tests.helpers import Harmonic, paper_poses
-from tests.identification.formats.runs import NAMES, Truth, case_with, csv
-from tests.identification.formats.test_halsampler import sampled
-from tests.identification.formats.test_twincat import COLUMNS, both, exported
+from tests.identification.recording.formats.runs import NAMES, Truth, case_with, csv
+from tests.identification.recording.formats.test_halsampler import sampled
+from tests.identification.recording.formats.test_twincat import COLUMNS, both, exported
 from tests.simulated_machine import PoseExecution
 
 Array = NDArray[np.float64]

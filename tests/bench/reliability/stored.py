@@ -21,8 +21,8 @@ from rosbags.rosbag2 import StoragePlugin
 from tests.bench.reliability.looked import as_proposed, as_stated
 from tests.bench.reliability.tally import Tally, tallied
 from tests.chains import ROBOT
-from tests.identification.formats.runs import HEXAPOD, NAMES, Truth
-from tests.identification.formats.test_ros import EPOCH, JOINTS, WRENCH, header, make, run, state, write
+from tests.identification.recording.formats.runs import HEXAPOD, NAMES, Truth
+from tests.identification.recording.formats.test_ros import EPOCH, JOINTS, WRENCH, header, make, run, state, write
 
 Message = tuple[str, int, Any]
 

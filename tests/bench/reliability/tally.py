@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from cases.errors import HexciteError
+from cases.base.errors import HexciteError
 from tests.helpers import one_line
 
 Answer = TypeVar("Answer")

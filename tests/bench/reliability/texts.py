@@ -11,13 +11,13 @@ from functools import cache
 from pathlib import Path
 
 from cases.schema import Case
-from identification.formats.words import MISSING
+from identification.recording.formats.words import MISSING
 from tests.bench.reliability.looked import as_proposed, as_stated
 from tests.bench.reliability.recordings import ODD, stained
 from tests.bench.reliability.tally import Tally, tallied
-from tests.identification.formats import test_lvm, test_shapes, test_sinumerik, test_twincat
-from tests.identification.formats.runs import HEXAPOD, NAMES, Truth, case_with, csv, rows
-from tests.identification.formats.test_halsampler import sampled
+from tests.identification.recording.formats import test_lvm, test_shapes, test_sinumerik, test_twincat
+from tests.identification.recording.formats.runs import HEXAPOD, NAMES, Truth, case_with, csv, rows
+from tests.identification.recording.formats.test_halsampler import sampled
 
 RUN = Truth()
 SIGNALS = dict(zip(NAMES[1:], test_sinumerik.SIGNALS, strict=True))

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from cases.base.units import DEG, MM
 from cases.scaffold import new_arm
 from cases.schema import load_case
-from cases.units import DEG, MM
 from cases.urdf import Arm, read_urdf
 from tests.bench.reliability.recordings import stained
 from tests.bench.reliability.tally import Tally, tallied

@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 from cases.schema import load_case
 from identification.estimation.fit import Fit, Regression, gauss_markov
 from identification.estimation.force_noise import coloured_covariance, turned
-from identification.hexapod import Hexapod
+from identification.machines.hexapod import Hexapod
 from tests.bench.coverage import coloured_coverage
 from tests.helpers import Harmonic, few
 from tests.simulated_machine import PoseExecution

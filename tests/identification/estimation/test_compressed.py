@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cases.errors import IdentificationError
+from cases.base.errors import IdentificationError
 from identification.estimation.fit import (
     Filtered,
     Regression,

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from cases.errors import IdentificationError
+from cases.base.errors import IdentificationError
 from identification.estimation.fit import Regression, gauss_markov
 from tests.helpers import one_line
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cases.errors import IdentificationError
+from cases.base.errors import IdentificationError
 from identification.estimation.estimators import EACH, Method
 from identification.estimation.fit import Regression
 from identification.estimation.priors import Prior

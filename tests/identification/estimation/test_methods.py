@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cases.errors import IdentificationError
+from cases.base.errors import IdentificationError
 from cases.schema import load_case
 from identification.estimation.estimators import EACH, Method, huber, huber_of, symmetric_platform
 from identification.estimation.fit import Regression, gauss_markov
 from identification.estimation.priors import Prior
-from identification.hexapod import Hexapod
 from identification.identify import fitted_run, identify
-from identification.model import identification_model
-from identification.samples import Fitted
+from identification.machines.hexapod import Hexapod
+from identification.model.model import identification_model
+from identification.samples.samples import Fitted
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, one_line
 from tests.identification.moving_run import NAMES, A, U, forces

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cases.errors import IdentificationError
+from cases.base.errors import IdentificationError
 from identification.estimation import priors as solver
 from identification.estimation.fit import Filtered, Fit, Regression, gauss_markov
 from identification.estimation.priors import Prior, as_measurements, conflict_of, with_priors

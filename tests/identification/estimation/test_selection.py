@@ -5,12 +5,12 @@ from functools import partial
 import numpy as np
 import pytest
 
-from cases.errors import IdentificationError
+from cases.base.errors import IdentificationError
 from cases.schema import load_case
 from identification.estimation.estimators import estimate_selected, per_channel
 from identification.estimation.fit import Regression, gauss_markov
-from identification.model import identification_model
-from identification.parameters import physical_form, select
+from identification.model.model import identification_model
+from identification.model.parameters import physical_form, select
 from tests.helpers import one_line
 from tests.identification.moving_run import FORM, MODEL, NAMES, ONES, PHYSICAL, A, coverage, forces, truth_with
 

@@ -11,17 +11,17 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike, NDArray
 
+from cases.base.units import DEG, MM
 from cases.schema import Case, load_case
-from cases.units import DEG, MM
 from identification.finding import Finding
 from identification.findings.as_planned import as_planned, closest
 from identification.identify import identify
-from identification.model import machine_of
-from identification.motion import Joined, Motion, Slowed, Standstill, Trajectory
-from identification.recording import Recording
+from identification.machines.executed import Execution
+from identification.model.model import machine_of
+from identification.motion.motion import Joined, Motion, Slowed, Standstill, Trajectory
+from identification.motion.moves import StraightMove, limits_along, ruckig_profile
+from identification.recording.recording import Recording
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import Execution
-from identification.trajectories.moves import StraightMove, limits_along, ruckig_profile
 from tests.helpers import Harmonic, few, tells
 
 Array = NDArray[np.float64]

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from cases.errors import IdentificationError
+from cases.base.errors import IdentificationError
 from cases.recording_format import Drives
 from cases.schema import Case, load_case
 from identification.findings.causes.channels import order_words, orders
 from identification.findings.causes.search import search
 from identification.identify import estimate_parameters
-from identification.recording import read
+from identification.recording.recording import read
 from identification.simulate import simulate_recording
 from tests.helpers import HOME, few, one_line, tells
-from tests.identification.test_findings import CASE, MODEL, MOTIONS, run
+from tests.identification.findings.test_findings import CASE, MODEL, MOTIONS, run
 from tests.simulated_machine import simulate_standstills
 
 ORDERS = list(orders(6))

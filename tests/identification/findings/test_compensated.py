@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from cases.errors import IdentificationError
+from cases.base.errors import IdentificationError
 from identification.identify import estimate_parameters
-from identification.model import machine_of
-from identification.recording import Recording
+from identification.model.model import machine_of
+from identification.recording.recording import Recording
 from tests.chains import ROBOT, standing_forces, swing, swung_forces
 from tests.helpers import few
 

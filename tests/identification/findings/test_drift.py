@@ -8,15 +8,15 @@ import pytest
 from scipy.signal import lfilter
 
 from cases.schema import Case, load_case
-from identification.external import force
 from identification.finding import Kind
 from identification.findings.drift import drift_of
 from identification.identify import estimate_parameters, fitted_run
-from identification.model import identification_model
-from identification.outcome import Result
-from identification.recording import Recording
-from identification.result import entries_of
-from identification.samples import GAUSS_MARKOV
+from identification.model.model import identification_model
+from identification.recording.recording import Recording
+from identification.results.estimate import entries_of
+from identification.results.force import force
+from identification.results.result import Result
+from identification.samples.samples import GAUSS_MARKOV
 from tests.bench.table_3 import standing_run
 from tests.chains import ROBOT, standing_forces, swing, swung_forces
 from tests.helpers import few

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cases.schema import load_case
-from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
-from identification.motion import Joined, Motion, Standstill, TimedPoints, Trajectory
-from identification.recording import Recording
+from identification.machines.hexapod import Hexapod
+from identification.motion.motion import Joined, Motion, Standstill, TimedPoints, Trajectory
+from identification.recording.recording import Recording
 from identification.simulate import simulate_recording
 from tests.helpers import HOME, tells
 from tests.simulated_machine import PoseExecution

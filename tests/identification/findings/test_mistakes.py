@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from cases.errors import IdentificationError
+from cases.base.errors import IdentificationError
 from cases.schema import Case, load_case
 from identification.findings.causes.answer import mended, words_of
 from identification.findings.causes.channels import of_point, of_turn
@@ -27,8 +27,8 @@ from identification.findings.causes.instants import instants_of
 from identification.findings.causes.search import Search, search
 from identification.findings.causes.trials import tried
 from identification.identify import default_model, estimate_parameters
-from identification.model import identification_model
-from identification.recording import Recording, read, write_recording
+from identification.model.model import identification_model
+from identification.recording.recording import Recording, read, write_recording
 from tests.helpers import few, one_line
 from tests.machines_in_numpy import Body
 from tests.mistaken.machines import NAMES, WRIST, machine, run

@@ -3,7 +3,7 @@
 import pytest
 
 from identification.identify import estimate_parameters
-from identification.result import Estimate
+from identification.results.estimate import Estimate
 from tests.damaged.kinds import DAMAGES
 from tests.damaged.runs import SOUND, STATED, Change, Machine, Waves, machine, recorded
 from tests.helpers import few, tells

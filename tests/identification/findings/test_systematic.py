@@ -7,10 +7,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from cases.errors import HexciteError
+from cases.base.errors import HexciteError
 from identification.finding import Kind
 from identification.identify import estimate_parameters
-from identification.result import Estimate
+from identification.results.estimate import Estimate
 from tests.damaged.kinds import DAMAGES, Damage, damages_of
 from tests.damaged.runs import SOUND, STATED, Change, Machine, Moves, Noise, Waves, machine, recorded
 from tests.helpers import few, one_line, tells

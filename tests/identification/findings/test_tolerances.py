@@ -6,18 +6,18 @@ from functools import cache
 import numpy as np
 import pytest
 
+from cases.base.units import DEG, MM
 from cases.schema import Case
 from cases.tolerances import Tolerances
-from cases.units import DEG, MM
 from identification.estimation.estimators import Method
 from identification.estimation.priors import Prior
 from identification.findings.left_out import LeftOut
 from identification.findings.remains import free_basis, remainder_of
 from identification.findings.tolerances import biases_of
 from identification.identify import default_model, estimate_parameters, fitted_run
-from identification.model import identification_model
-from identification.recording import Recording
-from identification.samples import GAUSS_MARKOV
+from identification.model.model import identification_model
+from identification.recording.recording import Recording
+from identification.samples.samples import GAUSS_MARKOV
 from tests.damaged.runs import SOUND, STATED, Machine, Moves, machine, recorded
 from tests.helpers import few, tells
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from cases.schema import load_case
-from identification.criteria import reference_scaling
-from identification.model import identification_model
-from identification.parameters import MODELS
-from identification.symbolic import over_samples
+from identification.estimation.criteria import reference_scaling
+from identification.machines.symbolic import over_samples
+from identification.model.model import identification_model
+from identification.model.parameters import MODELS
 from planner.bounds.certificate import NODES, control_tables, enclosure_errors, rate_products
 from planner.bounds.features import GIBBS, PAIRS, PRODUCTS, Features, box_features
 

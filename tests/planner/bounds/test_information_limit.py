@@ -8,14 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cases.schema import load_case
-from identification.criteria import reference_scaling, uniform_states
-from identification.limit_proof import prove
-from identification.model import identification_model
-from identification.symbolic import over_samples
+from identification.estimation.criteria import reference_scaling, uniform_states
+from identification.limits.proof import prove
+from identification.machines.symbolic import over_samples
+from identification.model.model import identification_model
+from planner.bounds.bound import GAP, Bound, compute_bound
 from planner.bounds.certificate import box_bounds, first_cells
 from planner.bounds.design import Design, improved_weights, optimal_design
 from planner.bounds.features import box_features
-from planner.bounds.information_limit import GAP, Bound, compute_bound
 from planner.families.fourier import FourierFamily
 from planner.noise import mean_information
 from tests.helpers import examples

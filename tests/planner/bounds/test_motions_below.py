@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cases.base.units import DEG, MM
 from cases.schema import load_case
-from cases.units import DEG, MM
-from identification.criteria import box_middle, reference_scaling
-from identification.limit_proof import prove
-from identification.model import Model, identification_model
-from identification.motion import Trajectory
-from planner.bounds.information_limit import compute_bound, information_limit
+from identification.estimation.criteria import box_middle, reference_scaling
+from identification.limits.proof import prove
+from identification.model.model import Model, identification_model
+from identification.motion.motion import Trajectory
+from planner.bounds.bound import compute_bound, information_limit
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion
 from planner.families.ptp import PointToPointFamily

@@ -5,14 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cases.errors import HexciteError
+from cases.base.errors import HexciteError
 from cases.schema import Case
-from identification.limit_proof import prove
-from identification.motion import Standstill
-from identification.trajectories.moves import CircularMove, StraightMove
+from identification.limits.proof import prove
+from identification.motion.motion import Standstill
+from identification.motion.moves import CircularMove, StraightMove
 from planner.families.manual import manual_motion, sequence_file
 from tests.helpers import one_line, tells
-from tests.planner.command_line import call, refused
+from tests.hexcite.command_line import call, refused
 
 HOME = np.array([0.0, 0.0, 0.9, 0.0, 0.0, 0.0])
 

@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from identification.criteria import reference_scaling
-from identification.limit_proof import prove
-from identification.model import identification_model
-from identification.motion import sample
-from identification.trajectories.moves import StraightMove
+from identification.estimation.criteria import reference_scaling
+from identification.limits.proof import prove
+from identification.model.model import identification_model
+from identification.motion.motion import sample
+from identification.motion.moves import StraightMove
 from planner.families.ptp import PointToPointFamily, controlled
 from planner.families.rows import StateRows
 from planner.noise import mean_information
 from planner.search.feasibility import MARGIN, keep_limits
+from planner.search.nlp import NonlinearProgram
 from planner.search.problem import build_program
-from planner.search.program import NonlinearProgram
 from planner.search.solving import Start, Task, run_start
 from tests.helpers import pose_shares
 from tests.random_start import random_start

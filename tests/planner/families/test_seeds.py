@@ -5,10 +5,10 @@ from functools import cache
 import numpy as np
 import pytest
 
+from cases.base.units import Array
 from cases.schema import Case, load_case
-from cases.units import Array
 from planner.families.settings import FamilySettings, Fourier, PointToPoint, Spline
-from planner.planning import search
+from planner.plans.making import search
 from planner.request import Request
 from planner.search.parallel import Listener, Outcome, Results, Schedule, silent
 from planner.search.solving import run_safely

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from identification.criteria import reference_scaling
-from identification.hexapod import Hexapod
-from identification.model import identification_model
-from identification.motion import sample
+from identification.estimation.criteria import reference_scaling
+from identification.machines.hexapod import Hexapod
+from identification.model.model import identification_model
+from identification.motion.motion import sample
 from planner.families.rows import LinearRows
 from planner.families.spline import FINE, SplineFamily
 from planner.families.states import state_size
+from planner.search.nlp import NonlinearProgram
 from planner.search.problem import build_program, state_limits
-from planner.search.program import NonlinearProgram
 
 
 @pytest.fixture(scope="module")

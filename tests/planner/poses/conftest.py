@@ -7,8 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 from cases.schema import Case, load_case
-from identification.criteria import candidate_scaling, pose_regressors
-from identification.model import Model, identification_model
+from identification.estimation.criteria import candidate_scaling, pose_regressors
+from identification.model.model import Model, identification_model
 from planner.poses.planned_poses import grid_candidates, sampled_candidates
 
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from cases.errors import CaseError, HexciteError, InfeasiblePlan
+from cases.base.errors import CaseError, HexciteError, InfeasiblePlan
 from cases.schema import Case, load_case
-from identification.hexapod import Hexapod
-from identification.limit_proof import prove_at
-from identification.motion import Standstill
+from identification.limits.proof import prove_at
+from identification.machines.hexapod import Hexapod
+from identification.motion.motion import Standstill
 from planner.poses.planned_poses import grid_candidates, sampled_candidates
 from planner.poses.space import PoseSpace, valid_poses
 from tests.helpers import one_line, paper_poses

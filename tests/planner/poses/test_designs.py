@@ -4,7 +4,7 @@ import cvxpy as cp
 import numpy as np
 import pytest
 
-from identification.criteria import POSE_CRITERIA, pose_regressors, total_information
+from identification.estimation.criteria import POSE_CRITERIA, pose_regressors, total_information
 from planner.poses.planned_poses import candidate_design
 from planner.poses.removal import reduce_best, refine
 from planner.poses.space import valid_poses

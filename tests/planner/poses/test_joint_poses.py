@@ -7,19 +7,19 @@ import numpy as np
 import pytest
 
 from cases.schema import Case, load_case
+from hexcite._run import execute
+from hexcite._write import write
 from identification.identify import identify
-from identification.limit_proof import prove
-from identification.model import static_model
-from identification.motion import StandingPoses
+from identification.limits.proof import prove
+from identification.model.model import static_model
+from identification.motion.motion import StandingPoses
 from identification.simulate import truth_rows
-from planner.execution import execute
-from planner.library import plan_poses
-from planner.plan_program import write
-from planner.plans import Plan
+from planner._plan import plan_poses
+from planner.plans.plan import Plan
 from planner.poses.travel import fastest_move
 from tests.chains import chain_case
 from tests.helpers import few
-from tests.planner.command_line import call, refused
+from tests.hexcite.command_line import call, refused
 
 COUNT = 8
 

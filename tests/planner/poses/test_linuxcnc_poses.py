@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.planner.command_line import call
+from tests.hexcite.command_line import call
 
 COUNT = 5
 

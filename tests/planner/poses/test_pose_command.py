@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from cases.tables import built_in_cases
-from identification.motion import Standstill
-from planner.plans import Plan
+from identification.motion.motion import Standstill
+from planner.plans.plan import Plan
 from tests.helpers import tells
-from tests.planner.command_line import call, refused
+from tests.hexcite.command_line import call, refused
 
 FEW = "8"
 
@@ -74,7 +74,7 @@ def test_every_dialect_measures_at_each_pose_with_the_trigger_on_and_moves_with_
     folder: Path, quick: Path, planned: dict[str, Any], dialect: str, suffix: str
 ) -> None:
     from cases.schema import load_case
-    from postprocessors.dialects import read_program
+    from postprocessors.program import read_program
 
     program = folder / f"dialect{suffix}"
     accept = ("--accept", "jerk,strut-acceleration") if dialect == "linuxcnc" else ()

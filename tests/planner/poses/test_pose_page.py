@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser
 
-from identification.precision import std_text
-from tests.planner.browser import opened
-from tests.planner.command_line import call
+from identification.texts import std_text
+from tests.hexcite.browser import opened
+from tests.hexcite.command_line import call
 
 
 @pytest.mark.slow

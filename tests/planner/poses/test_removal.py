@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from identification.criteria import POSE_CRITERIA, total_information
+from identification.estimation.criteria import POSE_CRITERIA, total_information
 from planner.poses.removal import full_rank, reduce_best
 from tests.planner.poses.conftest import Setting
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from cases.schema import load_case
-from identification.criteria import POSE_CRITERIA, candidate_scaling
-from identification.result import Estimate
+from identification.estimation.criteria import POSE_CRITERIA, candidate_scaling
+from identification.results.estimate import Estimate
 from planner.poses.removal import reduce_best
 from tests.bench.fit_frame import HIGH, LOW, Q5M, STARTS
 from tests.bench.table_3 import rows_of as rows_of_table_3

@@ -5,11 +5,11 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from cases.errors import InfeasiblePlan
+from cases.base.errors import InfeasiblePlan
 from cases.schema import load_case
-from identification.hexapod import Hexapod
-from identification.limit_proof import prove
-from identification.motion import StandingPoses
+from identification.limits.proof import prove
+from identification.machines.hexapod import Hexapod
+from identification.motion.motion import StandingPoses
 from planner.poses.planned_poses import sampled_candidates
 from planner.poses.travel import duration, fastest_move, require_ways, shortest_order, travel_times
 from tests.postprocessors.changed_case import changed

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from identification.criteria import box_middle, reference_scaling
-from identification.model import Model, identification_model
-from planner.families import Family
+from identification.estimation.criteria import box_middle, reference_scaling
+from identification.model.model import Model, identification_model
+from planner.families.family import Family
 from planner.families.fourier import FourierFamily, FreePeriod
 from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
+from planner.search.nlp import NonlinearProgram
 from planner.search.problem import build_program
-from planner.search.program import NonlinearProgram
 from tests.random_start import random_start
 
 Small = tuple[Family, NonlinearProgram, np.ndarray]

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from identification.criteria import reference_scaling
-from identification.limit_proof import prove
-from identification.model import Model, identification_model
-from identification.trajectories.moves import fastest_profile
+from identification.estimation.criteria import reference_scaling
+from identification.limits.proof import prove
+from identification.model.model import Model, identification_model
+from identification.motion.moves import fastest_profile
 from planner.families.ptp import PointToPointFamily
 from planner.noise import mean_information
 from planner.search.annealing import EXCESS, POSE_REACHED, RIDGE, SLACK, Walk, annealed_start

@@ -9,18 +9,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cases.errors import HexciteError
+from cases.base.errors import HexciteError
 from cases.schema import Case
-from planner.cli.compare import validate
-from planner.cli.plan import OPTIONS, SEARCHED, plan, refuse_foreign
-from planner.comparison.trials import ValidationSettings
+from hexcite.cli.compare import validate
+from hexcite.cli.plan import OPTIONS, SEARCHED, plan, refuse_foreign
+from hexcite.comparison.trials import ValidationSettings
 from planner.families import ptp, spline
 from planner.families.settings import FAMILIES, Best, Fourier, PointToPoint, Spline
-from planner.planning import KEPT, search
-from planner.rating import PlannedMotion, choice_notes, tried_families
+from planner.plans.making import KEPT, search
+from planner.plans.rating import PlannedMotion, choice_notes, tried_families
 from planner.request import OWNERS, Request
-from planner.search import Failed, SolverStatus, StartRecord
 from planner.search.parallel import Listener, Outcome, Results, Schedule, silent
+from planner.search.record import Failed, SolverStatus, StartRecord
 from planner.search.solving import Start, Task
 from tests.helpers import examples, one_line
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from identification.criteria import box_middle, uniform_states
-from identification.model import Model, identification_model
-from identification.symbolic import over_samples
+from identification.estimation.criteria import box_middle, uniform_states
+from identification.machines.symbolic import over_samples
+from identification.model.model import Model, identification_model
 from planner.families.fourier import FourierFamily
 from planner.noise import mean_information
-from planner.search.program import regressor_kernel
+from planner.search.nlp import regressor_kernel
 
 
 @pytest.fixture(scope="module")

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from identification.criteria import reference_scaling
-from identification.model import identification_model
+from identification.estimation.criteria import reference_scaling
+from identification.model.model import identification_model
 from planner.families.settings import family_class
 from planner.noise import mean_information
-from planner.planning import search
+from planner.plans.making import search
 from planner.request import Request
 from planner.search.parallel import run_here, silent
 from tests.bench.machines.description import case_of

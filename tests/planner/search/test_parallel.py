@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from planner.families.fourier import FourierFamily
 from planner.families.settings import Fourier, PointToPoint, Spline
 from planner.request import Request
-from planner.search import Failed, SolverStatus, StartRecord
 from planner.search.parallel import (
     FAILURES,
     MOST,
@@ -19,6 +18,7 @@ from planner.search.parallel import (
     gain,
     most_starts,
 )
+from planner.search.record import Failed, SolverStatus, StartRecord
 from planner.search.solving import Start
 
 SIZE = 20

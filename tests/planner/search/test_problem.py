@@ -5,19 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cases.errors import InfeasiblePlan
+from cases.base.errors import InfeasiblePlan
 from cases.schema import Case
-from identification.criteria import box_middle, reference_scaling
-from identification.limit_proof import prove
-from identification.model import identification_model
-from planner.families import Family
+from identification.estimation.criteria import box_middle, reference_scaling
+from identification.limits.proof import prove
+from identification.model.model import identification_model
+from planner.families.family import Family
 from planner.families.fourier import START_SHARE, FourierFamily
 from planner.families.rows import LinearRows, Rows, StateRows
 from planner.families.states import state_size
-from planner.planning import seeds_of
+from planner.plans.making import seeds_of
 from planner.search.feasibility import CLOSE_ENOUGH, MARGIN, keep_limits
+from planner.search.nlp import NonlinearProgram
 from planner.search.problem import build_program, near_limits, state_limits
-from planner.search.program import NonlinearProgram
 from tests.bench.machines.description import case_of
 from tests.bench.machines.designed import DESIGNED
 from tests.helpers import few

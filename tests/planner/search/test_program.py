@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from identification.criteria import reference_scaling
-from identification.model import Model, identification_model
+from identification.estimation.criteria import reference_scaling
+from identification.model.model import Model, identification_model
 from planner.noise import mean_information
-from planner.search.program import NonlinearProgram, regressor_kernel
+from planner.search.nlp import NonlinearProgram, regressor_kernel
 from tests.helpers import taylor_slope
 from tests.planner.search.conftest import Small
 

@@ -9,8 +9,8 @@ from scipy.sparse import csr_array
 
 from planner.families.rows import LinearRows
 from planner.request import Solver
-from planner.search import SolverStatus
-from planner.search.program import NonlinearProgram
+from planner.search.nlp import NonlinearProgram
+from planner.search.record import SolverStatus
 from planner.search.solvers import INSIDE, solve
 from tests.helpers import few
 from tests.planner.search.conftest import Small

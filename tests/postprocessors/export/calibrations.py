@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from cases.recording_format import Drives
 from cases.schema import Case, load_case
-from identification.model import Model, identification_model
-from identification.outcome import Result
-from identification.parameters import body_parameters
-from identification.result import physical_values
+from identification.model.model import Model, identification_model
+from identification.model.parameters import body_parameters
+from identification.results.estimate import physical_values
+from identification.results.result import Result
 
 Array = NDArray[np.float64]
 

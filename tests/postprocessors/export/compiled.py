@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from identification.outcome import Result
+from identification.results.result import Result
 from postprocessors.export.code import RING, c_sources
 
 Array = NDArray[np.float64]

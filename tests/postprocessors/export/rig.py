@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from postprocessors.execute.linuxcnc import configuration, session
-from postprocessors.execute.linuxcnc.isolation import run_session
+from postprocessors.controllers.linuxcnc import configuration, session
+from postprocessors.controllers.linuxcnc.isolation import run_session
 
 Array = NDArray[np.float64]
 HERE = Path(__file__).parent

@@ -7,12 +7,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from cases.schema import Case, load_case
-from identification.external import tare
-from identification.hexapod import Hexapod
-from identification.model import expected_forces
-from identification.motion import Standstill
+from identification.machines.hexapod import Hexapod
+from identification.machines.symbolic import Kinematics
+from identification.model.model import expected_forces
+from identification.motion.motion import Standstill
+from identification.results.force import tare
 from identification.simulate import simulate_recording
-from identification.symbolic import Kinematics
 from postprocessors.export.calibration import MOST_STEPS, result_hash
 from postprocessors.export.code import RING, c_sources, half_window
 from tests.helpers import HOME, Harmonic, few, simulated
@@ -159,8 +159,8 @@ def test_the_signal_chain_is_exact_for_constant_acceleration(nine: Compiled) -> 
 def test_the_chain_reads_no_force_from_a_fast_motion_with_late_noisy_forces(delay_ms: float, tmp_path: Path) -> None:
     """Raw encoder positions and late, noisy forces of a moving machine without contact leave noise alone."""
     case: Case = simulated(CASE, force_delay_ms=delay_ms, force_sampling_offset_cycles=0.0)
-    from identification.model import identification_model
-    from identification.parameters import linear_parameters
+    from identification.model.model import identification_model
+    from identification.model.parameters import linear_parameters
 
     assert case.simulation is not None
     truth = linear_parameters(identification_model(case, 9), case.simulation.parameters)

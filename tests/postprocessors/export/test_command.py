@@ -8,15 +8,15 @@ from typing import Any
 
 import pytest
 
-from cases.errors import FileProblem
-from cases.files import MARKER
+from cases.base.errors import FileProblem
+from cases.base.files import MARKER
 from cases.schema import load_case
 from cases.tables import built_in_cases
 from identification.finding import Finding, Kind, warning
-from identification.outcome import Result
+from identification.results.result import Result
 from postprocessors.export.calibration import require_exportable
 from postprocessors.export.targets import TARGETS
-from tests.planner.command_line import call, refused
+from tests.hexcite.command_line import call, refused
 from tests.postprocessors.export.calibrations import write_result
 
 CASE = load_case("hexapod")
@@ -152,7 +152,7 @@ def test_a_tared_result_says_so(tmp_path: Path, here: Path) -> None:
 
 
 def test_a_negative_mass_is_no_machine(tmp_path: Path, here: Path) -> None:
-    from identification.model import identification_model
+    from identification.model.model import identification_model
     from tests.postprocessors.export.calibrations import plausible
 
     u = plausible(CASE, identification_model(CASE, 9))

@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from cases.schema import load_case
-from identification.model import identification_model
+from identification.model.model import identification_model
 from postprocessors.export import calibration as module
 from postprocessors.export.calibration import json_document
 from tests.postprocessors.export.calibrations import calibration, with_drives

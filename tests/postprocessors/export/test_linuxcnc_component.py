@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from cases.base.units import DEG, MM
 from cases.schema import load_case
-from cases.units import DEG, MM
-from identification.model import identification_model
-from identification.parameters import linear_parameters
-from postprocessors.execute.linuxcnc.isolation import preload_works
-from postprocessors.execute.linuxcnc.session import linuxcnc_missing
+from identification.model.model import identification_model
+from identification.model.parameters import linear_parameters
+from postprocessors.controllers.linuxcnc.isolation import preload_works
+from postprocessors.controllers.linuxcnc.session import linuxcnc_missing
 from postprocessors.export.code import half_window, linuxcnc_component
 from tests.helpers import few
 from tests.postprocessors.export.calibrations import calibration

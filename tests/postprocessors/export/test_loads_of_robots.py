@@ -16,11 +16,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from cases.base.errors import CaseError, HexciteError, IdentificationError
 from cases.basis import plan_basis, result_basis
-from cases.errors import CaseError, HexciteError, IdentificationError
 from cases.schema import Case, load_case
-from identification.model import identification_model
-from identification.outcome import Result
+from identification.model.model import identification_model
+from identification.results.result import Result
 from postprocessors.export import preview
 from postprocessors.export.load import principal_axes
 from postprocessors.export.targets import SINGLE_FILES

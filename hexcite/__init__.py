@@ -1,0 +1,76 @@
+"""Plans, programs and evaluates the motion that calibrates a force-measuring machine in seconds.
+
+    import hexcite as hx
+
+    case = hx.load_case("hexapod")
+    plan = hx.plan(case, hx.PointToPoint(moves=40), duration=12.0)
+    program = hx.write(plan, "sinumerik")
+    recording = hx.run(program, case, on="virtual", seed=0)
+    result = hx.identify(recording, case)
+    result["m"].value, result["m"].reported
+
+Values are in SI and radians and have a short `repr`. Plans, programs, recordings and results have `save` and `load`;
+`hx.report(value, "page.html")` makes the page of a plan, result, comparison or validation, `hx.plot(value)` a figure of
+matplotlib. What stands here is public,
+and nothing else. It is imported when it is first used; an argument of a wrong type is refused with its name, its value
+and what it should be.
+"""
+
+from typing import TYPE_CHECKING
+
+from cases import door
+
+if TYPE_CHECKING:
+    from cases import Case as Case
+    from cases import HexciteError as HexciteError
+    from cases import load_case as load_case
+    from cases import new_arm as new_arm
+    from cases import new_case as new_case
+    from hexcite.studies.conduct import study as study
+    from identification import Finding as Finding
+    from identification import Identifiability as Identifiability
+    from identification import Look as Look
+    from identification import Method as Method
+    from identification import Model as Model
+    from identification import ModelChoice as ModelChoice
+    from identification import Prior as Prior
+    from identification import Recording as Recording
+    from identification import Result as Result
+    from identification import Treatment as Treatment
+    from identification import Verdict as Verdict
+    from identification import accept as accept
+    from identification import force as force
+    from identification import identify_models as identify_models
+    from identification import look as look
+    from identification import payload as payload
+    from identification import pool as pool
+    from identification import read as read
+    from identification import tare as tare
+    from identification import verify as verify
+    from identification.identify import identify as identify
+    from planner import Fourier as Fourier
+    from planner import Manual as Manual
+    from planner import Plan as Plan
+    from planner import PointToPoint as PointToPoint
+    from planner import Spline as Spline
+    from planner import ValidationSettings as ValidationSettings
+    from planner import bound as bound
+    from planner import check as check
+    from planner import check_case as check_case
+    from planner import compare as compare
+    from planner import demo as demo
+    from planner import identifiability as identifiability
+    from planner import plan as plan
+    from planner import plan_poses as plan_poses
+    from planner import plot as plot
+    from planner import report as report
+    from planner import retime as retime
+    from planner import run as run
+    from planner import validate as validate
+    from planner import write as write
+    from postprocessors import Program as Program
+    from postprocessors import read_program as read_program
+    from postprocessors.export import export as export
+    from postprocessors.export import preview as preview
+
+__getattr__, __dir__ = door(__name__, checked=True)

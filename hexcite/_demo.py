@@ -1,0 +1,204 @@
+"""The whole chain on one case: motions planned, programmed, proven, run, identified, and compared with the truth."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cases.base.errors import HexciteError
+from cases.base.files import DEMO, check_folder
+from cases.base.units import as_html
+from cases.controller import ControllerName
+from cases.schema import Case
+from hexcite._run import best_controller, run
+from hexcite._write import usual_dialect, write
+from hexcite.comparison.comparison import Comparison, compare
+from identification.identify import identify
+from identification.limits.limit import KINETIC, LimitKind
+from identification.model.model import full_model, machine_of
+from identification.recording.recording import Recording
+from identification.results.result import Result
+from identification.simulate import truth_rows
+from identification.texts import efficiency_text
+from planner._plan import Settings
+from planner._plan import plan as motion
+from planner.families.ptp import steps_of
+from planner.families.settings import FamilySettings, Fourier, Manual, PointToPoint
+from planner.plans.plan import Plan
+from planner.request import Solver, require_seed, require_starts
+from postprocessors.program import Dialect, Program, dialect
+
+
+@dataclass(frozen=True, slots=True)
+class Tried:
+    """One motion from its plan to the truth."""
+
+    plan: Plan
+    program: Program  # proven
+    recording: Recording
+    result: Result
+    truth: tuple[dict[str, Any], ...]  # each parameter beside that of the simulated machine, as `truth_rows` has them
+
+    @property
+    def worst(self) -> float:
+        """Largest error in reported standard deviations."""
+        return float(max(abs(row["error"]) / row["std"] for row in self.truth))
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Demo:
+    """Results of the steps: of seven-segment moves, and of a hand-made motion and a Fourier series beside them."""
+
+    moves: Tried
+    others: tuple[Tried, ...]
+    comparison: Comparison  # of all of them, after their runs
+    left_out: tuple[str, ...]  # motions that this machine or its controllers have no place for, and why
+
+    @property
+    def all(self) -> tuple[Tried, ...]:
+        """All motions, the moves last."""
+        return (*self.others, self.moves)
+
+    @property
+    def plan(self) -> Plan:
+        """The plan of the moves."""
+        return self.moves.plan
+
+    @property
+    def program(self) -> Program:
+        """Their program, in the machine's usual dialect, proven."""
+        return self.moves.program
+
+    @property
+    def recording(self) -> Recording:
+        """Their recorded run."""
+        return self.moves.recording
+
+    @property
+    def result(self) -> Result:
+        """Their result."""
+        return self.moves.result
+
+    @property
+    def truth(self) -> tuple[dict[str, Any], ...]:
+        """Their parameters beside the truth."""
+        return self.moves.truth
+
+    @property
+    def worst(self) -> float:
+        """Their largest error in reported standard deviations."""
+        return self.moves.worst
+
+    def __repr__(self) -> str:
+        """The plan, the result, how far it is from the truth, and which motion is preferred."""
+        error = f"largest error against the simulated machine: {self.worst:.2g} reported standard deviations"
+        return "\n".join([repr(self.plan), repr(self.result), error, *self.comparison.sentences])
+
+    _repr_html_ = as_html
+
+
+FOURIER = Fourier(order=3)  # of the paper's D9N
+
+
+def demo(
+    case: Case,
+    folder: Path | str,
+    on: str | None = None,
+    *,
+    seed: int = 0,
+    starts: int = 1,
+    progress: Callable[[str], None] = lambda line: None,
+) -> Demo:
+    """Plan, program, proof, run, identification and comparison, end to end.
+
+    A hand-made motion (where the case has one), a Fourier series and seven-segment moves go the same way, and are
+    compared as planned, as run, and with the truth.
+
+    Args:
+        case: case with a simulated machine.
+        folder: folder to make: plan, program, recording and result of the moves are written there, one after the other,
+            those of the other motions in folders of their own.
+        on: controller: virtual, or linuxcnc, for which moves are planned without jerk; by default virtual, with the
+            first program of the case that keeps all limits.
+        seed: seed of the starts and of the sensors' noise.
+        starts: number of random starts; one is enough for a demo.
+        progress: shows a line as each step ends.
+
+    Raises:
+        HexciteError: a step failed.
+    """
+    place = Path(folder)
+    case.need_simulation("the demo")
+    require_starts(starts)  # before the first motion, which needs none, is written
+    require_seed(seed)
+    check_folder(place, DEMO, overwrite=True)
+    # All limits are kept unless a real controller is asked for that cannot keep them.
+    real = on == ControllerName.LINUXCNC
+    language = dialect(ControllerName.LINUXCNC if real else usual_dialect(case))
+    best, reason = best_controller(language.name) if steps_of(case, language.name) else (ControllerName.VIRTUAL, "")
+    steps = steps_of(case, language.name) > 0.0
+    where = "as asked" if on is not None else reason or f"in place of {language.name}"
+    way = _Way(case, on or best, where, seed, starts, progress)
+    for_paths = language if real else dialect(usual_dialect(case, path=True))
+    wanted: list[tuple[FamilySettings, Dialect]] = [(FOURIER, for_paths)]
+    if machine_of(case).of_pose:
+        wanted.insert(0, (Manual(), language))
+    others, left_out = [], []
+    for family, own in wanted:
+        try:
+            others.append(way.gone(family, own, place / family.name))
+        except HexciteError as error:
+            left_out.append(f"{family.name}: {error.typed}")
+            progress(f"{family.name}: left out, {error}")
+    moves = way.gone(PointToPoint(controller=language.name, without=LimitKind.JERK if steps else None), language, place)
+    results = [place / each.plan.family / "result" for each in others]
+    comparison = compare([*results, place / "result"], case)
+    for sentence in comparison.sentences:
+        progress(f"compare: {sentence}")
+    return Demo(moves, tuple(others), comparison, tuple(left_out))
+
+
+@dataclass(frozen=True, slots=True)
+class _Way:
+    """How every motion of a demo goes from its plan to the truth."""
+
+    case: Case
+    on: str  # controller
+    where: str  # why that one
+    seed: int
+    starts: int
+    progress: Callable[[str], None]
+
+    def gone(self, family: FamilySettings, language: Dialect, place: Path) -> Tried:
+        """One motion, planned, programmed, proven, run and identified in a folder."""
+        case, progress, searched = self.case, self.progress, family.optimised
+        settings: Settings = {"starts": self.starts, "seed": self.seed} if searched else {}
+        if family is FOURIER:
+            settings["solver"] = Solver.ACTIVE_SET  # converges sooner than others from a single start
+        motion(case, family, **settings).save(place / "plan", overwrite=True)
+        plan = Plan.load(place / "plan", case)
+        worth = plan.of_motion[1]
+        without = ", without jerk" if plan.without else ""
+        progress(
+            f"plan: {plan.family} of {plan.duration:.3g} s for {language.name}{without}, D-efficiency "
+            f"{worth.d_efficiency:.3f} against the bound ({worth.bound.label}), found in {plan.solve_s:.0f} s"
+        )
+        file = place / f"excitation{language.suffix}"
+        program = write(plan, language.name, accept=KINETIC, file=file)  # no metal moves
+        program.save(program.path, overwrite=True)
+        progress(f"post: {program.reading.blocks} blocks, {program.proof.duration:.2f} s with approach and return")
+        progress(f"check: the text read back, independently of its writer: {program.proof.verdict}")
+        recording = run(program, case, self.on, seed=self.seed)
+        recording.save(place / "recording", overwrite=True)
+        record = recording.record
+        progress(
+            f"run: on {record['controller']} ({self.where}), {record['executed_s']:.3f} s of "
+            f"{record['planned_s']:.3f} s planned, {record['path_error_mm']:.3f} mm from the path, D-efficiency "
+            f"{efficiency_text(record['d_efficiency'])} as executed"
+        )
+        result = identify(Recording.load(place / "recording"), case, full_model(case))
+        result.save(place / "result", overwrite=True)
+        data = result.record
+        progress(f"identify: {len(data.parameters)} parameters from {data.samples} samples, s0 {data.s0:.3g} N")
+        assert result.estimate is not None
+        return Tried(plan, program, recording, result, tuple(truth_rows(case, result.estimate)))

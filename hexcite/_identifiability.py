@@ -1,0 +1,119 @@
+"""What a plan, poses, a recording or a result say about the parameters of a model, before or after measuring."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from cases.base.errors import HexciteError, IdentificationError
+from cases.base.units import Array
+from cases.schema import Case
+from identification.estimation.identifiability import Identifiability, analysed, models_of, of_models
+from identification.identify import default_model, samples_of
+from identification.machines.symbolic import over_samples
+from identification.model.model import Model, identification_model, regressors
+from identification.motion.motion import sample
+from identification.recording.recording import Recording
+from identification.results.result import Result
+from identification.samples.moving import Run
+from identification.samples.samples import Samples
+from planner.plans.plan import Plan
+
+RATE = 100.0  # [1/s] at which a motion is looked at, less where that makes more instants than
+MOST_INSTANTS = 1500
+
+
+def identifiability(
+    thing: Plan | Recording | Result | Array, model: int | None = None, case: Case | None = None
+) -> Identifiability:
+    """Which parameters of a model a motion or poses can tell apart, with W = 1 (Figure 3).
+
+    Args:
+        thing: a plan, before anything is measured; poses to stand at, shape (n, k) [m or rad]; a recording; a result
+            that was identified here, not loaded.
+        model: number in Table 2; by default that of the plan or result, and what the poses or the recording can carry.
+        case: case of the machine; that of the plan, recording or result unless given.
+
+    Raises:
+        HexciteError: poses or a recording without a case, a result without its recording, or no such model.
+    """
+    own, number, evaluate, _ = _looked_at(thing, case)
+    chosen = identification_model(own, number if model is None else model)
+    return analysed(evaluate(chosen), chosen.names, chosen.number)
+
+
+def identifiability_of_models(
+    thing: Plan | Recording | Result | Array, case: Case | None = None
+) -> tuple[Identifiability, ...]:
+    """The same of all models that the sensors can have, by number; errors as of `identifiability`."""
+    own, _, evaluate, known = _looked_at(thing, case)
+    return of_models({number: model for number, model in models_of(own).items() if known(model)}, evaluate)
+
+
+def _looked_at(
+    thing: Plan | Recording | Result | Array, case: Case | None
+) -> tuple[Case, int, Callable[[Model], Array], Callable[[Model], bool]]:
+    """The case, the number of the usual model, what gives A for a model, and of which models it can."""
+    match thing:
+        case Plan():
+            own = thing.case if case is None else case
+            if len(thing.poses):
+                return own, thing.model, lambda model: _at_poses(model, thing.poses), _any
+            motion = sample(thing.motion, min(RATE, MOST_INSTANTS / thing.duration))
+            states = motion.pose, motion.rates, motion.accelerations
+            return own, thing.model, lambda model: over_samples(model.coordinate_regressor, *states)[0], _any
+        case Recording():
+            own_case = thing.case if case is None else case
+            if own_case is None:
+                raise HexciteError(thing.source, "does not say which machine it is from", "give its case")
+            usual = default_model(thing, own_case)
+            samples = samples_of(thing, own_case, identification_model(own_case, usual))
+            return own_case, usual, *_at_samples(samples, 0.0)
+        case Result():
+            if thing.estimate is None:
+                raise HexciteError(thing.source, "was loaded without its samples", "give its recording")
+            own = thing.case if case is None else case
+            return own, thing.record.model, *_at_samples(thing.estimate.evaluated, thing.estimate.at)
+        case _:
+            if case is None:
+                raise HexciteError("identifiability", "poses belong to a machine", "give its case")
+            poses = np.atleast_2d(np.asarray(thing, dtype=float))
+            count = len(case.need_motion("identifiability")[0])
+            if poses.shape[1] != count:
+                problem = f"poses of {poses.shape[1]} coordinates"
+                raise HexciteError("identifiability", problem, f"{case.name} has {count} [m or rad]")
+            usual = 5 if 5 in models_of(case) else 0
+            return case, usual, lambda model: _at_poses(model, poses), _any
+
+
+def _at_poses(model: Model, poses: Array) -> Array:
+    """A for standing still, also of a model with inertia, whose columns are zero then, shape (n, 6, u)."""
+    return over_samples(model.coordinate_regressor, poses, 0.0 * poses, 0.0 * poses)[0]
+
+
+def _any(model: Model) -> bool:
+    """Of every model: the whole motion is known."""
+    del model
+    return True
+
+
+def _at_samples(samples: Samples, delay: float) -> tuple[Callable[[Model], Array], Callable[[Model], bool]]:
+    """What gives A for a model at samples, or a part of many that stands for all, and of which models it can."""
+    part = samples.excerpt()
+    motion = None if isinstance(part, Run) else part.motion(delay)
+
+    def known(model: Model) -> bool:
+        if isinstance(part, Run) or model.names == part.model.names:
+            return True
+        return motion is not None and (motion.drives is not None or not model.needs_position)
+
+    def evaluate(model: Model) -> Array:
+        if model.names == part.model.names:
+            return part.regressors(delay)
+        if isinstance(part, Run):
+            return replace(part, model=model).regressors(delay)
+        if motion is None or not known(model):  # as `require_position` says of a fit
+            raise IdentificationError(f"model {model.number} needs more of the motion than the recording holds")
+        return regressors(model, motion.load)[motion.known]
+
+    return evaluate, known

@@ -1,0 +1,224 @@
+"""Runs a program on a controller, simulates the sensors for what was really executed, and rates the run."""
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cases.base.errors import HexciteError, ProgramError, choice
+from cases.base.units import MM
+from cases.basis import motion_hash
+from cases.controller import ControllerName
+from cases.schema import Case
+from hexcite._write import plan_of_program, read_for, require_proven, written_for_another
+from identification.estimation.criteria import reference_scaling
+from identification.limits.limit import LimitKind
+from identification.limits.proof import CHUNK, everything
+from identification.machines.executed import Execution, executed_information, executed_motion, path_error
+from identification.model.model import full_model, identification_model, machine_of
+from identification.motion.motion import Joined, Trajectory
+from identification.recording.recording import Recording, about_case
+from identification.simulate import UNDISTURBED, Circumstances, circumstances, simulate_recording
+from planner.bounds.bound import Bound, information_limit
+from planner.noise import mean_information
+from planner.request import require_seed
+from postprocessors.controllers.executed_run import ExecutedRun, moving_windows, stood, windows
+from postprocessors.controllers.linuxcnc.session import linuxcnc_missing, run_linuxcnc
+from postprocessors.controllers.virtual import run_virtual
+from postprocessors.program import Program
+from postprocessors.proof.guarantees import Guarantees
+from postprocessors.proof.homing import motions, planned_excitation
+
+CONTROLLERS = (ControllerName.VIRTUAL, ControllerName.LINUXCNC)
+NOTICEABLE = 0.01  # share of a run from which a remark says so
+MEASURED = LimitKind.VELOCITY, LimitKind.ACCELERATION, LimitKind.STRUT_VELOCITY, LimitKind.STRUT_ACCELERATION
+
+
+def best_controller(dialect: str = ControllerName.LINUXCNC) -> tuple[ControllerName, str]:
+    """The real controller if it is installed and runs programs of a dialect, else the virtual one, with the reason."""
+    if dialect != ControllerName.LINUXCNC:
+        return ControllerName.VIRTUAL, "no real controller here runs such programs"
+    reason = linuxcnc_missing()
+    if reason is not None:
+        return ControllerName.VIRTUAL, reason
+    return ControllerName.LINUXCNC, "LinuxCNC is installed"
+
+
+def require_controller(on: str) -> None:
+    """Raises HexciteError unless `on` names a controller that can run here."""
+    if on not in CONTROLLERS:
+        raise HexciteError(f"controller {on!r} is unknown; {choice(on, CONTROLLERS)}")
+    if on == ControllerName.LINUXCNC and (missing := linuxcnc_missing()) is not None:
+        raise HexciteError(missing)
+
+
+def execute(
+    program: Program, case: Case, on: str, seed: int, around: Circumstances = UNDISTURBED
+) -> tuple[ExecutedRun, Recording]:
+    """The run of a program, as `carried_out`, and a recording whose measurements are simulated."""
+    case.need_simulation("a run")
+    run = carried_out(program, case, on)
+    planned: Trajectory
+    if program.reading.measures_at_poses:
+        planned = Joined(tuple(motion for _, motion in motions(program.reading, program.guarantees)))
+        poses = program.reading.measured_poses
+        seconds, off = stood(run, poses, program.path)
+        rating = {"executed_s": seconds, "path_error_mm": off / MM, "d_efficiency_planned": None, "d_efficiency": None}
+        rating["poses_m_rad"] = poses.tolist()
+    else:
+        planned = planned_excitation(program)
+        rating = _rating(case, planned, run)
+    recording = simulate_recording(case, run.execution, run.trigger, seed, around=around)
+    peaks = executed_peaks(run.execution, case)
+    record = {
+        **_record(program, case, run, around),
+        "seed": seed,
+        "samples": len(recording.forces),
+        "planned_s": planned.duration,
+        **rating,
+        "peaks_of_limit": {str(kind): share for kind, share in peaks.items()},
+        "exceeded": exceeded(peaks, program.guarantees, run.real),
+        "units": "SI with the unit in each column name",
+    }
+    return run, replace(recording, case=case, record=record)
+
+
+def executed_peaks(execution: Execution, case: Case) -> dict[LimitKind, float]:
+    """Largest share of each limit of velocities and accelerations over the whole run, at `execution.extremes`.
+
+    There, between two cycles of a controller that interpolates by cubic splines, are the largest accelerations.
+    """
+    instants = execution.extremes
+    worst: dict[LimitKind, float] = {}
+    for first in range(0, len(instants), CHUNK):
+        for quantity in everything(executed_motion(execution, instants[first : first + CHUNK]), case, False):
+            if quantity.of.kind.family in MEASURED:
+                worst[quantity.of.kind] = max(worst.get(quantity.of.kind, 0.0), float(quantity.ratio.max()))
+    return worst
+
+
+def exceeded(peaks: Mapping[LimitKind, float], guarantees: Guarantees, real: bool) -> list[str]:
+    """Sentences on limits that the executing controller exceeded, the `real` one or one that stands in for it."""
+    over = {kind for kind, share in peaks.items() if share > 1.01}
+    if not real:  # it keeps these itself, as the case says, and takes longer than the built-in one
+        over -= {kind for kind in over if kind.family in guarantees.enforced}
+    words = "know what the drives bear before a real machine runs this"
+    return (
+        [f"EXCEEDED BY THE CONTROLLER, which does not enforce them: {', '.join(sorted(over))}; {words}"] if over else []
+    )
+
+
+def carried_out(program: Program, case: Case, on: str) -> ExecutedRun:
+    """Proves a program and runs it.
+
+    Raises:
+        HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.
+    """
+    require_controller(on)
+    require_proven(program, case)
+    if on == ControllerName.VIRTUAL:
+        run = run_virtual(program.reading, replace(program.guarantees, case=case))
+    else:
+        run = _on_linuxcnc(program, case, program.reading.measures_at_poses)
+    if not len(run.trigger):
+        raise HexciteError(program.path, f"the trigger never came on while {run.controller} ran it", "report this")
+    return run
+
+
+def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
+    if read.dialect.name != ControllerName.LINUXCNC:
+        raise HexciteError(read.path, f"is not a LinuxCNC program ({read.dialect.name})", "run it with --on virtual")
+    log = run_linuxcnc(read, case)
+    remark = ""
+    if log.left_out > NOTICEABLE * len(log.lines):
+        remark = f"{log.left_out * log.period:.2f} s of standstill removed, which only this computer's clock caused"
+    execution = Execution.of_log(machine_of(case), log.period, log.drives)
+    on = windows(log.trigger, log.period)
+    measured = on if at_poses else moving_windows(log.trigger, log.drives, log.period)
+    return ExecutedRun(log.controller, execution, measured, real=True, remark=remark)
+
+
+def _rating(case: Case, planned: Trajectory, run: ExecutedRun) -> dict[str, Any]:
+    """Entries of `recording.json` on how a moving excitation was executed."""
+    model = identification_model(case, full_model(case))
+    scaling, bound = reference_scaling(case, model), information_limit(case, model)
+    cutoff = case.recording.filter_cutoff_Hz
+    if cutoff is None:
+        case.missing("recording.filter_cutoff_Hz", "the rating of a run")
+    after = executed_information(model, scaling, run.execution, run.trigger, cutoff)
+    return {
+        "executed_s": run.excitation,
+        "path_error_mm": path_error(planned, run.execution, run.trigger) / MM,
+        "d_efficiency_planned": _efficiency(bound, mean_information(model, scaling, planned)),
+        "d_efficiency": _efficiency(bound, after),  # behind the filter of the evaluation
+        "poses_m_rad": [],
+    }
+
+
+def _efficiency(bound: Bound, information: np.ndarray) -> float:
+    sign, logdet = np.linalg.slogdet(information)
+    return bound.efficiency(float(logdet)) if sign > 0 else 0.0
+
+
+def run(
+    program: Program | Path | str,
+    case: Case,
+    on: str = ControllerName.VIRTUAL,
+    *,
+    seed: int = 0,
+    payload: int = 0,
+    disturbed: bool = False,
+) -> Recording:
+    """The recording of a program's run: sensors and encoders are simulated for what the controller really executed.
+
+    Its `record` has the figures of the run, such as `path_error_mm`, `d_efficiency`, `peaks_of_limit` and `exceeded`.
+
+    Args:
+        program: program, or its file.
+        case: case with a simulated machine.
+        on: controller: virtual or linuxcnc.
+        seed: seed of the sensors' noise.
+        payload: number of the case's weights that are mounted.
+        disturbed: whether the case's disturbances are on: vibration, ripple, errors that depend on the pose.
+
+    Raises:
+        HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.
+    """
+    require_seed(seed)
+    require_controller(on)
+    around = circumstances(case, payload, disturbed)
+    read = program if isinstance(program, Program) else read_for(case, Path(program))
+    if motion_hash(read.case) != motion_hash(case):
+        raise ProgramError(
+            read.path,
+            0,
+            0,
+            f"is proven for case {read.case.name}, whose machine or limits are others "
+            f"than those of {case.name}; give the program's own case, or write the plan for this one",
+        )
+    return execute(read, case, on, seed, around)[1]
+
+
+def _record(program: Program, case: Case, run: ExecutedRun, around: Circumstances) -> dict[str, Any]:
+    """Entries of `recording.json` on program, controller and machine."""
+    disturbances = around.disturbances
+    other = written_for_another(program.content, case)
+    return {
+        **about_case(case),
+        "controller_hash": case.controller_hash,
+        "program": str(program.path.resolve()),
+        "program_hash": hashlib.sha256(program.content).hexdigest()[:16],
+        "plan_hash": plan_of_program(program.content),
+        "controller": run.controller,
+        "controller_real": run.real,
+        "simulated": True,
+        "simulated_parts": "sensors and encoders; the motion is what the controller executed",
+        "simulation_source": case.need_simulation("a recording").source,
+        "payload": {"weights": len(around.weights), "mass_kg": around.load},
+        "disturbances": None if disturbances is None else disturbances.model_dump(mode="json"),
+        "trigger_windows_s": run.trigger.tolist(),
+        "remark": "; ".join(text for text in (other and f"the program was {other}", run.remark) if text),
+    }

@@ -1,0 +1,101 @@
+"""`hexcite cases`, `hexcite case new`, `hexcite case check` and `hexcite case show`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import hexcite as hx
+from cases.base.files import atomic_file, check_file, output_place
+from hexcite.cli import console
+from hexcite.cli.console import argument, option, out
+from identification.texts import aligned
+
+app = typer.Typer(help="Work with the description of a machine.", no_args_is_help=True, rich_markup_mode=None)
+
+
+def list_cases(json: console.Json = False) -> None:
+    """List the built-in cases."""
+    from cases.tables import built_in_cases
+
+    rows = [
+        {"name": c.name, "setup": c.setup, "title": c.title, "file": str(file)}
+        for name, file in built_in_cases().items()
+        for c in [hx.load_case(name)]
+    ]
+    table = aligned(("case", "setup", "what it is"), *([r["name"], r["setup"], r["title"]] for r in rows))
+    setups = "setup: the sensors' frame stands (1a), moves (1b), sensors in the struts (2x), a sensor at a flange (R)"
+    console.answered({"cases": rows}, json, *table, setups)
+
+
+@app.command("check")
+def check(
+    case: Annotated[str, argument("Built-in name, folder or case file.")],
+    propose: Annotated[bool, option("Look for a motion box that is within reach as a whole.", "--propose")] = False,
+    json: console.Json = False,
+) -> None:
+    """Validate a case and say how much of its motion box is reachable."""
+    with console.status("looking for a box", json or not propose):
+        checked = hx.check_case(case, propose)
+    if console.answered({"ok": True, **checked.to_json()}, json):
+        return
+    console.say(checked)
+
+
+@app.command("show")
+def show(
+    case: Annotated[str, argument("Built-in name, folder or case file.")],
+    output: Annotated[Path | None, out("Picture to write: .svg, .png or .pdf; SVG by default.")] = None,
+    overwrite: console.Overwrite = False,
+    json: console.Json = False,
+) -> None:
+    """Draw the machine at home."""
+    from cases.tables import find_case
+
+    loaded = hx.load_case(case)
+    loaded.need_motion("the picture of the machine")
+    file = output_place(output, Path(f"{loaded.name}-machine.svg"), overwrite)
+    check_file(file, (".svg", ".png", ".pdf"), [find_case(case)], overwrite)
+    with console.status("drawing", json):
+        from hexcite.reports.plots import case_figure
+
+        with atomic_file(file) as part:
+            case_figure(loaded).savefig(part, format=file.suffix[1:].lower())
+    if not console.answered({"ok": True, "figure": str(file)}, json):
+        console.say(f"picture written: {file}")
+
+
+@app.command("new")
+def new(
+    name: Annotated[str, argument("Name of the machine: small letters, digits and underscores.")],
+    like: Annotated[str | None, option("Built-in case to begin from; hexapod by default.", "--like")] = None,
+    urdf: Annotated[Path | None, option("Robot to begin from: a URDF file.", "--urdf")] = None,
+    flange: Annotated[str | None, option("Link of the URDF that carries the sensor.", "--flange")] = None,
+    sensor: Annotated[
+        str | None, option("Link of the URDF whose frame is the sensor's; that of the flange by default.", "--sensor")
+    ] = None,
+    output: Annotated[Path | None, out("Folder to make; NAME by default.")] = None,
+    json: console.Json = False,
+) -> None:
+    """Begin the description of one's own machine.
+
+    The case file is filled in section by section; it tells how.
+    """
+
+    if urdf is not None and like is not None:
+        raise typer.BadParameter("a case begins from a built-in case or from a URDF file; give --like or --urdf")
+    if urdf is None and (flange or sensor) is not None:
+        raise typer.BadParameter("--flange and --sensor name links of a URDF file; give --urdf too")
+    if urdf is None:
+        file, notes = hx.new_case(name, like or "hexapod", output), tuple[str, ...]()
+    else:
+        from cases.scaffold import begin_arm
+
+        file, notes = begin_arm(name, urdf, flange, output, sensor)
+    fill = "fill it in from top to bottom with your machine's values"
+    if urdf is not None:
+        fill = "to identify, say how the sensor reads and is mounted; to plan, fill in the rest from top to bottom"
+    written = f"case written: {file}; {fill}"
+    check = f"hexcite case check {file.parent} says what is missing, and what cannot be"
+    odd = [f"look at {note}" for note in notes]
+    console.answered({"ok": True, "case": str(file), "notes": list(notes)}, json, *odd, written, check)

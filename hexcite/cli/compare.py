@@ -1,0 +1,98 @@
+"""`hexcite compare` and `hexcite validate`: methods side by side."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import hexcite as hx
+from cases.base.files import COMPARISON, VALIDATION, check_folder, output_place
+from hexcite.cli import console
+from hexcite.cli.console import argument, option, out
+from hexcite.comparison.methods import METHOD_TABLES
+from identification.texts import aligned
+
+if TYPE_CHECKING:
+    from hexcite.comparison.validation import Validation
+
+
+def compare(
+    folders: Annotated[list[Path], argument("Folders of plan, poses, run and identify, in any mix.")],
+    case: console.OwnCase = None,
+    output: Annotated[Path | None, out("Folder to write; hexcite-comparison by default.")] = None,
+    stale: console.Stale = False,
+    overwrite: console.Overwrite = False,
+    json: console.Json = False,
+) -> None:
+    """Compare excitations before and after running them.
+
+    Shows cost, information and standard deviations, and which to prefer.
+
+    A result belongs to the run it was made of, whose figures then stand in its column, a run to the plan that its
+    program was written from. Models of one run are compared by hexcite identify RUN --model all.
+    """
+
+    from hexcite.reports.compare import parameter_columns, parameter_rows
+
+    place = output_place(output, Path("hexcite-comparison"), overwrite)
+    check_folder(place, COMPARISON, folders, overwrite)
+    with console.status("comparing", json):
+        comparison = hx.compare(folders, None if case is None else hx.load_case(case), stale)
+        console.save_with_page(comparison, COMPARISON, place, overwrite)
+    answer = {"report": str(place / "report.html")} | comparison.to_json()
+    table = aligned(parameter_columns(comparison.entries), *parameter_rows(comparison.entries))
+    console.answered(answer, json, *table, f"report written: {answer['report']}", comparison)
+
+
+def validate(
+    case: Annotated[str, argument("Built-in name, folder or case file, with payloads.")],
+    methods: Annotated[
+        str | None, option(f"Methods, separated by commas, by default all: {', '.join(METHOD_TABLES)}.")
+    ] = None,
+    weights: Annotated[
+        str | None, option("How many weights are mounted: 0,3,5; by default none, and each up to all.")
+    ] = None,
+    on: Annotated[str, option("Controller: virtual or linuxcnc.")] = "virtual",
+    starts: Annotated[int, option("Random starts of the optimised methods.")] = 2,
+    seed: Annotated[int, option("Seed of the starts and of the sensors' noise.")] = 0,
+    workers: console.Workers = None,
+    output: Annotated[Path | None, out("Folder to write; hexcite-validation by default.")] = None,
+    overwrite: console.Overwrite = False,
+    json: console.Json = False,
+) -> None:
+    """Identify known weights by each method; compare with theory.
+
+    They are mounted one after the other on the case's simulated machine; the answer says what that models.
+    Interrupted, the same command uses the plans that are there.
+    """
+    from hexcite.comparison.trials import mounted_weights, unfinished
+
+    settings = hx.ValidationSettings(on, starts, seed, workers)
+    loaded = hx.load_case(case)
+    names = None if methods is None else [name.strip() for name in methods.split(",") if name.strip()]
+    place = output_place(output, Path("hexcite-validation"), overwrite)
+    check_folder(place, VALIDATION, overwrite=overwrite)
+    mounted = mounted_weights(loaded, weights)
+    with unfinished(place, loaded, settings) as work, console.status("validating", json) as remark:
+        validation = hx.validate(
+            loaded, tuple(METHOD_TABLES) if names is None else names, mounted, settings, folder=work, progress=remark
+        )
+        console.save_with_page(validation, VALIDATION, place, overwrite)
+    answer = {"report": str(place / "report.html")} | validation.to_json()
+    if not console.answered(answer, json):
+        _show_validation(answer, validation)
+
+
+def _show_validation(answer: dict[str, Any], validation: "Validation") -> None:
+    from hexcite.reports.validation import TABLE_7, table_7
+
+    console.say(f"machine: {validation.machine}")
+    for method, text in validation.executed.items():
+        if ";" in text:
+            console.say(f"{method}: executed on {text}")
+    for method, reason in validation.failed.items():
+        console.say(f"NOT RUN: {method}: {reason}")
+    for method in dict.fromkeys(trial.method for trial in validation.trials):
+        own = [trial for trial in validation.trials if trial.method == method]
+        console.print_table(method, TABLE_7, table_7(own))
+    console.say(f"report written: {answer['report']}")
+    for sentence in validation.sentences:
+        console.say(f"recommendation: {sentence}")

@@ -1,0 +1,120 @@
+"""What commands print: one JSON object, or tables for people; progress goes to stderr, and only to a terminal."""
+
+import json
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from cases.base.errors import legible
+from cases.base.files import FolderKind, atomic_folder
+from identification.texts import aligned
+
+if TYPE_CHECKING:
+    from planner.progress import Standing
+
+EVERY = 10.0  # [s] between two lines of progress where there is no terminal
+
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace what an earlier run wrote there.")]
+OwnCase = Annotated[
+    str | None, typer.Option("--case", help="Built-in name, folder or case file; a plan, run or result knows its own.")
+]
+Stale = Annotated[
+    bool, typer.Option("--stale", help="Go on although the case has changed since; what is written says so.")
+]
+Workers = Annotated[int | None, typer.Option(help="Processes on this computer; by default one a core.")]
+Criterion = Annotated[
+    str,
+    typer.Option(
+        help="What to optimise, Table 4: A average variance, D volume of the confidence ellipsoid, K condition, N "
+        "noise amplification."
+    ),
+]
+
+
+def option(text: str, *names: str) -> Any:
+    """An option for typer: its meaning, and its names where they differ from the parameter's."""
+    return typer.Option(*names, help=text)
+
+
+def argument(text: str) -> Any:
+    """An argument for typer: its meaning."""
+    return typer.Argument(help=text)
+
+
+def out(text: str) -> Any:
+    """The option for typer that says where to write."""
+    return typer.Option("-o", "--output", help=text)
+
+
+def answered(answer: dict[str, Any], as_json: bool, *texts: object) -> bool:
+    """Prints the answer as one JSON object where that was requested, texts for people else; returns whether it was."""
+    for text in [json.dumps(answer, allow_nan=False)] if as_json else texts:
+        say(text)
+    return as_json
+
+
+def say(*texts: object) -> None:
+    """Prints texts for people, without characters that steer a terminal."""
+    print(*(legible(str(text)) for text in texts), sep="\n", flush=True)
+
+
+def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Prints a table; every row is a line."""
+    say(title, *aligned(columns, *rows), "")
+
+
+@contextmanager
+def status(text: str, quiet: bool) -> Iterator[Callable[[object], None]]:
+    """A spinner on stderr; yields a function that shows a remark beside it, without a terminal as a line every 10 s."""
+    if quiet:
+        yield lambda _: None
+        return
+    from rich.console import Console
+    from rich.text import Text  # names may hold what is markup in a plain string
+
+    console = Console(stderr=True)
+    if console.is_terminal:
+        with console.status(Text(legible(text))) as spinner:
+            yield lambda remark: spinner.update(Text(legible(f"{text}: {remark}")))
+        return
+    last_report = time.monotonic()
+
+    def report(remark: object) -> None:
+        nonlocal last_report
+        if time.monotonic() - last_report >= EVERY:
+            last_report = time.monotonic()
+            print(legible(f"{text}: {remark}"), file=sys.stderr, flush=True)
+
+    yield report
+
+
+def as_lines() -> "Callable[[Standing], None]":
+    """A listener that prints on stderr, as a JSON object a line, where a search stands: whatever is new, or a second
+    after the last one.
+    """
+    shown: tuple[float, tuple[object, ...]] = (-math.inf, ())
+
+    def report(standing: "Standing") -> None:
+        nonlocal shown
+        news = (standing.done, standing.least, standing.best)
+        if news != shown[1] or time.monotonic() - shown[0] >= 1.0:
+            shown = time.monotonic(), news
+            print(json.dumps(standing.to_json()), file=sys.stderr, flush=True)
+
+    return report
+
+
+def save_with_page(value: Any, kind: FolderKind, folder: Path, overwrite: bool) -> None:
+    """Writes a value with its page, report.html; raises FileProblem where the folder is taken or cannot be written."""
+    from hexcite.reports import page_of
+
+    with atomic_folder(folder, kind, overwrite) as part:
+        value.write(part)
+        (part / "report.html").write_text(page_of(value), encoding="utf-8")

@@ -1,0 +1,57 @@
+"""`hexcite demo`: the whole chain on one case, from its description to a report."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import hexcite as hx
+from cases.base.files import DEMO, check_folder, output_place, write_text
+from hexcite.cli.console import Json, Overwrite, answered, option, out, say
+from identification.texts import aligned
+
+
+def demo(
+    case: Annotated[str, option("Built-in name, folder or case file, with a simulated machine.")] = "hexapod",
+    on: Annotated[
+        str | None, option("Controller: virtual, which keeps all limits, or linuxcnc, which cannot keep jerk.")
+    ] = None,
+    seed: Annotated[int, option("Seed of the starts and of the sensors' noise.")] = 0,
+    starts: Annotated[int, option("Number of random starts; one is enough for a demo.")] = 1,
+    output: Annotated[Path | None, out("Folder for everything; hexcite-demo by default.")] = None,
+    overwrite: Overwrite = False,
+    json: Json = False,
+) -> None:
+    """Plan, program, prove, execute, identify and report, end to end.
+
+    A hand-made motion, a Fourier series and seven-segment moves go the same way and are compared with the truth.
+    """
+    from hexcite.cli.method_options import answer_of_result
+    from hexcite.cli.plan import answer_of_plan
+    from hexcite.cli.programs import answer_of_program, answer_of_proof, answer_of_run
+    from hexcite.reports.demo import MOTION_COLUMNS, TRUTH_COLUMNS, demo_page, motion_rows, truth_cells
+
+    loaded = hx.load_case(case)
+    place = output_place(output, Path("hexcite-demo"), overwrite)
+    check_folder(place, DEMO, overwrite=overwrite)
+    chain = hx.demo(loaded, place, on, seed=seed, starts=starts, progress=lambda line: None if json else say(line))
+    for each in chain.all:
+        home = place if each is chain.moves else place / each.plan.family
+        for value, folder in ((each.plan, "plan"), (each.result, "result")):
+            hx.report(value, home / folder / "report.html")
+    answer: dict[str, Any] = {
+        "plan": answer_of_plan(chain.plan, place / "plan"),
+        "post": answer_of_program(chain.program),
+        "check": answer_of_proof(chain.program),
+        "run": answer_of_run(chain.recording, place / "recording"),
+        "identify": answer_of_result(chain.result, place / "result"),
+        "truth": list(chain.truth),
+        "comparison": chain.comparison.to_json(),
+        "motions": [dict(zip(MOTION_COLUMNS, row, strict=True)) for row in motion_rows(chain)],
+        "left_out": list(chain.left_out),
+    }
+    file = place / "report.html"
+    write_text(file, demo_page(chain))
+    summary = {"report": str(file), "controller": answer["run"]["controller"], "worst_error_in_std": chain.worst}
+    table = aligned(TRUTH_COLUMNS, *map(truth_cells, chain.truth))
+    error = f"largest error: {chain.worst:.2f} reported standard deviations"
+    motions = aligned(MOTION_COLUMNS, *motion_rows(chain))
+    answered(summary | answer, json, *table, error, *motions, f"report written: {file}")

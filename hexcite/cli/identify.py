@@ -1,0 +1,231 @@
+"""`hexcite identify`: parameters with error bars from a recording; `hexcite look`: what one of unknown format holds."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+import hexcite as hx
+from cases.base.errors import printable
+from cases.base.files import RESULT, check_file, check_folder, output_place, toml_value
+from cases.editing import Change
+from hexcite.cli import console
+from hexcite.cli.console import argument, option, out
+from identification.texts import aligned
+
+
+def identify(
+    recordings: Annotated[
+        list[Path], argument("One run: a file, several files of it in any order, or a folder of hexcite run.")
+    ],
+    case: console.OwnCase = None,
+    model: Annotated[
+        str | None,
+        option(
+            "Identification model, 0 to 9, or 10 (3 with inertia); by default what the run can carry. all: every model "
+            "(Table 3), and that one is kept which predicts best what is left out."
+        ),
+    ] = None,
+    weights: Annotated[
+        str | None,
+        option(
+            "W: equal, per_channel or per_unit (from the residuals), full (from their covariance between channels), "
+            "stated (from the noise of forces and accelerations in the case, through the model), huber (per_channel, "
+            "and gross errors count less); by default the case's."
+        ),
+    ] = None,
+    fix: Annotated[list[str] | None, option("A known value, taken as exact: m=93.1kg, xC=0mm. Repeatable.")] = None,
+    drop: Annotated[list[str] | None, option("A parameter to leave out, as if it were zero: k3. Repeatable.")] = None,
+    prior: Annotated[list[str] | None, option("An uncertain value: m=33+-0.5kg. Repeatable.")] = None,
+    symmetric: Annotated[
+        bool, option("A symmetric platform without accessories: xC = yC = 0, I12 = I13 = I23 = 0.", "--symmetric")
+    ] = False,
+    estimator: Annotated[
+        str,
+        option(
+            "linear (17)-(22), or nonlinear: the form (18) by its local Jacobian, where central inertia can be fixed "
+            "too."
+        ),
+    ] = "linear",
+    accelerated: Annotated[
+        float | None,
+        option(
+            "Evaluate samples from this share of the run's largest acceleration on alone: 0.3. Shown beside default."
+        ),
+    ] = None,
+    period: Annotated[
+        float | None,
+        option("Replace the motion by a Fourier series (34)-(36) of this period in s. Shown beside the default."),
+    ] = None,
+    harmonics: Annotated[int, option("Harmonics of that series.")] = 7,
+    cutoff: Annotated[
+        str | None,
+        option("Low-pass in Hz in place of the case's, or none: the widest there is. Shown beside the default."),
+    ] = None,
+    plan: Annotated[
+        Path | None,
+        option(
+            "The plan of this run: what was different from it is reported. By default the one that the run names, or "
+            "that lies beside the recording."
+        ),
+    ] = None,
+    poses: Annotated[
+        Path | None, option("Plan of poses: average the run's standstills, which must be those of this plan.")
+    ] = None,
+    standstills: Annotated[bool, option("Average the run's standstills, wherever they are.", "--standstills")] = False,
+    verify: Annotated[Path | None, option("Predict this second run with the parameters of the first.")] = None,
+    output: Annotated[Path | None, out("Folder to write; RECORDING-result by default.")] = None,
+    stale: console.Stale = False,
+    overwrite: console.Overwrite = False,
+    json: console.Json = False,
+) -> None:
+    """Identify parameters from a recorded run.
+
+    Standard deviations: `std` by (28), right where noise is white; `std_robust` allows for noise that is not. The
+    larger of the two is what to report. Exit code 1 where the case states [accept] and the result fails it.
+    """
+    from hexcite.cli.method_options import answer_of_result, method_of, number_of, treatment_of
+    from identification.recording.formats.reading import files_of
+    from identification.recording.formats.table import require_file
+    from identification.recording.recording import record_of
+    from planner.plans.at_hand import plans_at_hand
+
+    if verify is not None:
+        require_file(files_of([verify])[0])  # before a result is written
+    folder = output_place(output, Path(f"{recordings[0].resolve().stem}-result"), overwrite)
+    check_folder(folder, RESULT, recordings, overwrite)
+    with console.status("identifying", json):
+        named = None if plan is None else hx.Plan.load(plan, None if case is None else hx.load_case(case), stale=True)
+        own = named.case if named is not None and not record_of(recordings[0]) else None
+        run = hx.Recording.load(recordings, own if case is None else hx.load_case(case), stale)
+        assert run.case is not None  # it was read with one
+        planned = None
+        if poses is not None:
+            posed = hx.Plan.load(poses, run.case, stale=True)  # of a plan of poses only these are wanted
+            planned = posed.poses
+            if not len(planned):
+                raise hx.HexciteError(
+                    poses, f"is a plan of family {posed.family}, not of poses; name one of hexcite poses"
+                )
+
+        def how(model: hx.Model) -> hx.Method:
+            return method_of(model, fix, drop, prior, weights, symmetric, estimator)
+
+        choice = None
+        if model == "all":
+            choice = hx.identify_models(run, how=how, average_standstills=standstills, poses=planned)
+        result = hx.identify(
+            run,
+            model=None if model is None else number_of(model) if choice is None else choice.best,
+            how=how,
+            average_standstills=standstills,
+            poses=planned,
+            plan=plans_at_hand(run) if named is None else named,
+            treatment=treatment_of(accelerated, period, harmonics, cutoff),
+        )
+        if choice is not None:
+            result = result.chosen_among(choice.to_json())
+        console.save_with_page(result, RESULT, folder, overwrite)
+    answer = answer_of_result(result, folder)
+    verdict = None if result.case.accept is None else hx.accept(result)
+    texts: list[object] = [f"result written: {folder}, with its report {folder}/report.html"]
+    if verdict is not None:
+        answer["accept"] = verdict.to_json()
+        texts.append(verdict)
+    texts.append(result)
+    if choice is not None:
+        texts.append(choice)
+    if verify is not None:
+        prediction = hx.verify(hx.read(verify, result.case), result)
+        answer["verify"] = prediction.to_json()
+        texts.append(prediction)
+    console.answered(answer, json, *texts)
+    if verdict is not None and not verdict.passed:
+        raise typer.Exit(1)
+
+
+def look(
+    recordings: Annotated[
+        list[Path],
+        argument("File of unknown format, text or Parquet, the files of one run, or the folder of a ROS 2 bag."),
+    ],
+    case: Annotated[
+        str | None, option("Built-in name, folder or file: by its machine units are known, and what is missing.")
+    ] = None,
+    write: Annotated[
+        str | None,
+        option(
+            "Folder or file of a case, whose [recording] becomes the proposal; all else in it, comments too, stays."
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None, out("Picture to write; RECORDING-look.svg by default, more pages beside it.")
+    ] = None,
+    overwrite: Annotated[
+        bool, option("Replace earlier pictures, and with --write what the case states otherwise.", "--overwrite")
+    ] = False,
+    json: console.Json = False,
+) -> None:
+    """Propose how a file of unknown format is read, and try that.
+
+    Compare the proposal with what you know, and paste it into the case file, or let --write do that. Exit code 1: the
+    file is not read with the proposal.
+    """
+    if write is not None and case is not None and hx.load_case(write).origin != hx.load_case(case).origin:
+        raise hx.HexciteError(write, f"is not the case that --case names, {case}", "name one of them")
+    named = case if write is None else write
+    file = output_place(output, Path(f"{recordings[0].stem}-look.svg"), overwrite)
+    check_file(file, (".svg", ".png", ".pdf"), recordings, overwrite)
+    with console.status("looking", json):
+        report = hx.look(recordings, None if named is None else hx.load_case(named))
+        changes = () if write is None or not report.reads else report.write(write, overwrite)
+        pictures = _draw(report, file, overwrite)
+    columns = [{"name": c.name, "meaning": c.ours, "unit": c.unit, "guessed": c.guessed} for c in report.columns]
+    answer = {
+        "recording": str(report.file),
+        "reads": report.reads,
+        "unchanged": report.unchanged,
+        "rows": report.rows,
+        "rate_Hz": report.rate,
+        "columns": columns,
+        "topics": [topic.to_json() for topic in report.topics],
+        "settings": dict(report.settings),
+        "odd": list(report.odd),
+        "picture": str(pictures[0]) if pictures else None,
+        "pictures": [str(picture) for picture in pictures],
+        "changes": [{"key": key, "before": before, "after": after} for key, before, after in changes],
+    }
+    rows = ([printable(c.name), c.ours or "-", f"{c.unit} (a guess)" if c.guessed else c.unit] for c in report.columns)
+    table = aligned(("column", "meaning", "unit"), *rows) if report.columns else []
+    texts = [*report.remarks, *table, report.toml, *(f"picture written: {picture}" for picture in pictures)]
+    console.answered(answer, json, *texts, *_end_of_look(report, write, changes))
+    if not report.reads:
+        raise typer.Exit(1)
+
+
+def _end_of_look(report: "hx.Look", write: str | None, changes: Sequence[Change]) -> list[str]:
+    """What to do next, or what was written."""
+    if not report.reads:
+        nothing = "nothing was written: " if write is not None else ""
+        return [f"{nothing}the file is not read with this table yet; complete it as said above, then look again"]
+    if write is not None and changes:
+        done = [f"{key}: {_shown(before)} -> {_shown(after)}" for key, before, after in changes]
+        return [f"written into {write}:", *(f"  {line}" for line in done)]
+    if report.unchanged:
+        return ["the [recording] of the case reads this file; nothing is to be changed"]
+    return ["paste the table into case.toml in place of its [recording], or run this again with --write CASE"]
+
+
+def _shown(value: Any) -> str:
+    """A value of a case as TOML has it."""
+    return "not stated" if value is None else toml_value(value)
+
+
+def _draw(report: "hx.Look", file: Path, overwrite: bool) -> list[Path]:
+    """Writes the pictures of a look, a file a page, of PDF all pages in one; returns their paths."""
+    if not any(len(column.values) for column in report.columns):
+        return []
+    from hexcite.reports.look import look_pages, save_pages
+
+    return save_pages(look_pages(report), file, overwrite)

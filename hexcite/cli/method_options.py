@@ -1,0 +1,95 @@
+"""Options of identify, and a result as JSON."""
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from cases.base.errors import HexciteError
+from identification.estimation.estimators import Method, symmetric_platform
+from identification.estimation.fit import Value
+from identification.estimation.priors import Prior
+from identification.model.model import Model
+from identification.results.result import Result
+from identification.model.parameters import physical_form
+from identification.texts import parameter_words
+from identification.samples.treatment import Treatment
+from identification.verdicts import Check, Verdict, en
+from planner.request import read_value
+
+ESTIMATORS = ("linear", "nonlinear")
+
+
+def method_of(
+    model: Model,
+    fix: Sequence[str] | None = None,
+    drop: Sequence[str] | None = None,
+    prior: Sequence[str] | None = None,
+    weights: str | None = None,
+    symmetric: bool = False,
+    estimator: str = "linear",
+) -> Method:
+    """The method that a user asks for by the options as typed; HexciteError where one of them is not understood."""
+    units = {p.name: p.unit for p in (*model.parameters, *physical_form(model).parameters)}
+    constants: dict[str, float] = {}
+    for text in fix or ():
+        typed = read_value(text, units, "--fix", "m=93.1kg", model.number)
+        if typed.std is not None:
+            raise HexciteError(f"--fix {text}", f"is exact; write an uncertain value as --prior {text}")
+        if typed.name in constants:
+            raise HexciteError(f"--fix {text}", f"{typed.name} is given twice; give it once")
+        constants[typed.name] = typed.value
+    priors = []
+    for text in prior or ():
+        typed = read_value(text, units, "--prior", "m=33+-0.5kg", model.number)
+        if typed.std is None:
+            raise HexciteError(f"--prior {text}", "has no standard deviation; write it as --prior m=33+-0.5kg")
+        priors.append(Prior(typed.name, typed.value, typed.std))
+    if estimator not in ESTIMATORS:
+        raise HexciteError(f"--estimator {estimator}", "is unknown", f"choose {' or '.join(ESTIMATORS)}")
+    nonlinear = estimator == "nonlinear"
+    if symmetric:
+        own = symmetric_platform(model, nonlinear)
+        if twice := sorted({*own} & {*constants, *(drop or ()), *(p.name for p in priors)}):
+            raise HexciteError("--symmetric", f"says what {twice[0]} is", f"leave {twice[0]} or --symmetric out")
+        constants |= own
+    return Method(constants, tuple(drop or ()), tuple(priors), weights, nonlinear)
+
+
+def number_of(text: str) -> int:
+    """The number of a model as typed; HexciteError where it is none."""
+    try:
+        return int(text)
+    except ValueError:
+        raise HexciteError(f"--model {text}", "is neither a number of Table 2 nor all", "give 0 to 9, or all") from None
+
+
+def treatment_of(
+    accelerated: float | None, period: float | None, harmonics: int, cutoff: str | None
+) -> Treatment | None:
+    """The treatment of the data that is asked for; None for the default."""
+    if accelerated is None and period is None and cutoff is None:
+        return None
+    try:
+        frequency = None if cutoff is None else math.inf if cutoff == "none" else float(cutoff)
+    except ValueError:
+        raise HexciteError(f"--cutoff {cutoff}", "is neither a frequency in Hz nor none", "give 40, or none") from None
+    return Treatment(accelerated, period, harmonics, frequency)
+
+
+def verdict_of_references(texts: Sequence[str], parameters: Mapping[str, Value], model: int) -> Verdict:
+    """E_n of parameters beside reference values as typed; HexciteError where one of them is not understood."""
+    units, found = {name: value.unit for name, value in parameters.items()}, []
+    for text in texts:
+        typed = read_value(text, units, "--reference", "m=19.93+-0.01kg", model)
+        if typed.std is None:
+            remedy = "write it as --reference m=19.93+-0.01kg"
+            raise HexciteError(f"--reference {text}", "has no expanded uncertainty (k = 2)", remedy)
+        value = parameters[typed.name]
+        found.append(Check(f"E_n of {parameter_words(typed.name)}", en(value, typed.value, typed.std), 1.0, ""))
+    return Verdict(tuple(found), ())
+
+
+def answer_of_result(result: Result, folder: Path) -> dict[str, Any]:
+    """The JSON answer of a result that was written."""
+    return {"result": str(folder), "report": str(folder / "report.html"), **result.record.to_json()}

@@ -1,0 +1,47 @@
+"""`hexcite study`: grids of plans, runs and identifications on a Dask cluster, resumable."""
+
+from pathlib import Path
+from typing import Annotated
+
+import hexcite as hx
+from hexcite.cli.console import Json, Workers, answered, argument, option, out, status
+
+
+def study(
+    case: Annotated[str, argument("Built-in name, folder or case file.")],
+    spec: Annotated[str, option("TOML file of the study, or a built-in one: paper, validation.")],
+    scheduler: Annotated[
+        str | None, option("Running Dask scheduler, tls://host:port; by default this computer's cores.")
+    ] = None,
+    certificates: Annotated[
+        Path | None, option("Folder with ca.pem, cert.pem, key.pem for it; by default those of Dask's configuration.")
+    ] = None,
+    insecure: Annotated[bool, option("Use a scheduler without TLS, tcp://host:port.", "--insecure")] = False,
+    workers: Workers = None,
+    one_process: Annotated[
+        bool, option("Compute here, one cell after the other: nothing listens on a port.", "--one-process")
+    ] = False,
+    output: Annotated[Path | None, out("Study folder; continued if it is there.")] = None,
+    json: Json = False,
+) -> None:
+    """Plan, run and identify every cell of a grid of settings.
+
+    It can be stopped at any time: the same command goes on.
+    """
+    from hexcite.studies.spec import load_spec
+
+    loaded, asked = hx.load_case(case), load_spec(spec)
+    with status(f"study {asked.name} of {loaded.name}", json) as remark:
+        result = hx.study(
+            loaded,
+            asked,
+            output,
+            workers=workers,
+            scheduler=scheduler,
+            certificates=certificates,
+            insecure=insecure,
+            one_process=one_process,
+            progress=remark,
+        )
+    answer = {**result.to_json(), "report": str(result.write_page())}
+    answered(answer, json, result, f"report written: {answer['report']}")

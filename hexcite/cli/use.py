@@ -1,0 +1,147 @@
+"""`hexcite force`, `tare`, `payload` and `export`: identified parameters in use."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+import hexcite as hx
+from cases.base.files import RESULT, check_file, check_folder, output_place
+from hexcite.cli.console import Json, Overwrite, OwnCase, Stale, answered, argument, option, out
+
+
+def export(
+    result: Annotated[Path, argument("Result folder of hexcite identify or tare.")],
+    to: Annotated[
+        str,
+        option(
+            "The model: c (C99), linuxcnc (HAL component), st (IEC 61131-3), python, json. The load for a robot: "
+            "urscript, kuka, rapid, franka, xarm, table (to type in: FANUC and others). For ROS 2: ros2, ft-tools. "
+            "As a link: urdf, mjcf, sdf.",
+            "--to",
+        ),
+    ],
+    case: OwnCase = None,
+    frame: Annotated[
+        str | None, option("Of urdf, mjcf and sdf: count from the sensor (default) or the flange.", "--frame")
+    ] = None,
+    preview: Annotated[bool, option("Print what would be written, and write nothing.", "--preview")] = False,
+    force: Annotated[bool, option("Export a result with warnings; they are written into the file.", "--force")] = False,
+    output: Annotated[Path | None, out("File to write; for c a folder.")] = None,
+    stale: Stale = False,
+    overwrite: Overwrite = False,
+    json: Json = False,
+) -> None:
+    """Write the calibrated model, or the load that it found, for a controller."""
+    identified = hx.Result.load(result, None if case is None else hx.load_case(case), stale)
+    warnings = [*identified.warnings, *identified.remarks]
+    case_name, model = identified.case.name, identified.model.number
+    answer = {"target": to, "case": case_name, "model": model, "warnings": warnings}
+    if preview:
+        texts = dict(hx.preview(identified, to, frame=frame))
+        answered(answer | {"texts": texts}, json, *(text.rstrip("\n") for text in texts.values()))
+        return
+    names = [str(file) for file in hx.export(identified, to, output, frame=frame, force=force, overwrite=overwrite)]
+    told = (f"warning, also in the file: {warning}" for warning in warnings)
+    answer = {"file": names[0], "files": names, **answer}
+    answered(answer, json, *told, f"model {model} of case {case_name} written: {', '.join(names)}")
+
+
+Parameters = Annotated[Path, option("Result folder of hexcite identify.", "--parameters")]
+
+
+def force(
+    recordings: Annotated[
+        list[Path], argument("One run: a file, several files of it in any order, or a folder of hexcite run.")
+    ],
+    parameters: Parameters,
+    case: OwnCase = None,
+    output: Annotated[Path | None, out("CSV file to write; RECORDING-force.csv by default.")] = None,
+    stale: Stale = False,
+    overwrite: Overwrite = False,
+    json: Json = False,
+) -> None:
+    """Compute external force and moment over a recording."""
+    from cases.recording_format import WRENCH
+
+    file = output_place(output, Path(f"{recordings[0].resolve().stem}-force.csv"), overwrite)
+    inputs = [path for place in recordings for path in (place, *(place.glob("*") if place.is_dir() else ()))]
+    check_file(file, [".csv"], inputs, overwrite)
+    result = hx.force(*_read(recordings, parameters, case, stale))
+    result.save(file, overwrite)
+    answer: dict[str, Any] = {
+        "force": str(file),
+        "samples": len(result.t),
+        "rms": {name: float(v) for name, v in zip(WRENCH, result.rms, strict=True)},
+        "peak": {name: float(v) for name, v in zip(WRENCH, result.peak, strict=True)},
+        "warnings": list(result.warnings),
+    }
+    answered(answer, json, f"written: {file}, behind the filter of the case", result)
+
+
+def _read(recordings: list[Path], parameters: Path, case: str | None, stale: bool) -> "tuple[hx.Recording, hx.Result]":
+    """The run, and the result whose parameters are used; its case stands in where no other is named."""
+    from identification.recording.recording import record_of
+    from identification.results.result import case_of_result
+
+    named = None if case is None else hx.load_case(case)
+    if named is None and not record_of(recordings[0]):
+        named = case_of_result(parameters)
+    run = hx.Recording.load(recordings, named, stale)
+    return run, hx.Result.load(parameters, run.case, stale)
+
+
+def tare(
+    recordings: Annotated[list[Path], argument("Recording of a standstill without contact, in one or several files.")],
+    parameters: Parameters,
+    case: OwnCase = None,
+    output: Annotated[Path | None, out("Result folder to write; RESULT-tared by default.")] = None,
+    stale: Stale = False,
+    overwrite: Overwrite = False,
+    json: Json = False,
+) -> None:
+    """Identify the sensor offsets anew from a short standstill.
+
+    All other parameters stay as they are.
+    """
+    folder = output_place(output, Path(f"{parameters.resolve().stem}-tared"), overwrite)
+    check_folder(folder, RESULT, [*recordings, parameters], overwrite)
+    run, saved = _read(recordings, parameters, case, stale)
+    tared = hx.tare(run, saved)
+    tared.save(folder, overwrite)
+    answered({"result": str(folder), **tared.record.to_json()}, json, f"result written: {folder}", tared)
+
+
+def payload(
+    before: Annotated[Path, argument("Result folder without the payload.")],
+    after: Annotated[Path, argument("Result folder with it.")],
+    reference: Annotated[
+        list[str] | None,
+        option("A value that it should have, with its expanded uncertainty (k = 2): m=19.93+-0.01kg. Repeatable."),
+    ] = None,
+    case: OwnCase = None,
+    stale: Stale = False,
+    json: Json = False,
+) -> None:
+    """Compute the payload from results without and with it.
+
+    Mass, centre of gravity and inertia, as far as both results determine them. With --reference: E_n of each, the
+    difference over the root of both squared U (k = 2); exit code 1 where one is above 1.
+    """
+    old = hx.Result.load(before, None if case is None else hx.load_case(case), stale)
+    found = hx.payload(old, hx.Result.load(after, old.case, stale))
+    answer: dict[str, Any] = {
+        "parameters": {name: value._asdict() for name, value in found.parameters.items()},
+        "warnings": list(found.warnings),
+    }
+    texts: list[object] = [found]
+    verdict = None
+    if reference:
+        from planner.cli.identification import verdict_of_references
+
+        verdict = verdict_of_references(reference, found.parameters, old.model.number)
+        answer["reference"] = verdict.to_json()
+        texts.append(verdict)
+    answered(answer, json, *texts)
+    if verdict is not None and not verdict.passed:
+        raise typer.Exit(1)

@@ -1,0 +1,165 @@
+"""Known weights mounted one after the other and identified by each method (section 8, Table 7)."""
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from threadpoolctl import threadpool_limits
+
+from cases.base.errors import HexciteError
+from cases.base.files import VALIDATION, atomic_folder, check_folder, json_text
+from cases.base.units import as_html
+from cases.schema import Case
+from cases.sensors import Disturbances
+from hexcite._run import require_controller
+from hexcite.comparison.comparison import Comparison, recommend
+from hexcite.comparison.entries import Conditions, Entry
+from hexcite.comparison.trials import (
+    METHODS,
+    USUAL,
+    Remark,
+    Trial,
+    ValidationSettings,
+    executed,
+    mounted_weights,
+    require_methods,
+    trials,
+)
+
+OFF = 3.0  # reported standard deviations; more is a systematic error
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Validation:
+    """Known weights as each method identifies them; saved for people and programs, not read back: only plans are."""
+
+    case: Case  # machine and weights
+    machine: str  # machine that was identified, in words
+    trials: tuple[Trial, ...]
+    failed: Mapping[str, str]  # methods that could not be carried out, and why
+    executed: Mapping[str, str]  # controller of each method, with remarks on its run
+    controller: str  # controller that ran the programs
+    made: Mapping[str, bytes]  # files of plans and programs by their place in the folder
+
+    @property
+    def comparison(self) -> Comparison:
+        """The methods without payload, side by side."""
+        return recommend([[_entry(self.case, trial)] for trial in self.trials if not trial.weights])
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """Which method to prefer, and how many results are as close to a simulated machine's truth as they report."""
+        errors = [abs(error) for trial in self.trials for error in trial.errors.values()]
+        words = (
+            f"mass, centre of gravity and inertia: {sum(e <= OFF for e in errors)} of {len(errors)} are within {OFF:g} "
+            f"reported standard deviations of the truth, the worst is off by {max(errors):.1f}"
+        )
+        return (*self.comparison.sentences, words)
+
+    def to_json(self) -> dict[str, Any]:
+        """Entries of `validation.json`."""
+        advice = self.comparison
+        return {
+            "case": self.case.name,
+            "case_hash": self.case.hash,
+            "machine": self.machine,
+            "simulated": True,
+            "controller": self.controller,
+            "not_run": dict(self.failed),
+            "rows": [trial.to_json() for trial in self.trials],
+            "recommendation": {"best": advice.best, "ratios": advice.ratios, "sentences": self.sentences},
+            "executed": dict(self.executed),
+        }
+
+    def write(self, folder: Path) -> None:
+        """Writes validation.json, plans and programs into an existing folder."""
+        (folder / "validation.json").write_text(json_text(self.to_json()), encoding="utf-8")
+        for name, content in self.made.items():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            (folder / name).write_bytes(content)
+
+    def save(self, folder: Path | str, overwrite: bool = False) -> None:
+        """Makes a folder with the same files."""
+        check_folder(Path(folder), VALIDATION, overwrite=overwrite)
+        with atomic_folder(Path(folder), VALIDATION, overwrite) as part:
+            self.write(part)
+
+    def __repr__(self) -> str:
+        """Which method to prefer, and how far results are from the truth."""
+        return "\n".join([f"Validation of {self.case.name}", *self.sentences])
+
+    _repr_html_ = as_html
+
+
+def _entry(case: Case, trial: Trial) -> Entry:
+    estimate = trial.estimate
+    return Entry(
+        trial.method, "identified", Conditions(case), estimate.model.number, METHODS[trial.method].family,
+        trial.duration, estimate.evaluated.samples, {}, estimate.physical, estimate.s0, {}, estimate.warnings,
+        estimate.fit.white_noise, residual=estimate.s0_N,
+    )  # fmt: skip
+
+
+def validate(
+    case: Case,
+    methods: Sequence[str] = tuple(METHODS),
+    mounted: Sequence[int] | None = None,
+    settings: ValidationSettings = USUAL,
+    *,
+    folder: Path | str | None = None,
+    progress: Remark = lambda remark: None,
+) -> Validation:
+    """Carries out the payload experiment on the case's simulated machine, with the disturbances that the case states.
+
+    Args:
+        case: case with payloads and a simulated machine.
+        mounted: numbers of weights, from 0 on; by default none, and each up to all.
+        folder: folder for plans and programs, in which an existing plan is not made again; a temporary one unless
+            given.
+        progress: shows the present step in words.
+
+    Raises:
+        HexciteError: no method could be carried out, an unknown method or controller, or a case without simulation.
+    """
+    require_methods(methods)
+    mounted = mounted_weights(case, mounted)
+    case.need_machine("a validation")
+    require_controller(settings.on)
+    disturbances = case.need_simulation("a validation").disturbances
+    with ExitStack() as places, threadpool_limits(limits=1, user_api="blas"):
+        work = Path(folder or places.enter_context(tempfile.TemporaryDirectory(prefix="hexcite-validation-")))
+        found, controllers, failed = list[Trial](), dict[str, str](), dict[str, str]()
+        for method in methods:
+            try:
+                excitation = executed(case, method, settings, work, progress)
+            except HexciteError as error:  # the others go on
+                failed[method] = error.typed.replace(f"{work}/", "")
+                continue
+            controllers[method] = excitation.controller
+            progress(f"{method}: identifying")
+            for trial in trials(excitation, mounted, disturbances):
+                found.append(trial)
+                progress(f"{method} {trial.load:.0f} kg")
+        if not found:
+            raise HexciteError("; ".join(f"{method}: {reason}" for method, reason in failed.items()))
+        made = {
+            str(file.relative_to(work)): file.read_bytes()
+            for name in ("plans", "programs")
+            for file in sorted((work / name).rglob("*"))
+            if file.is_file()
+        }
+    machine = _simulated(case, disturbances, settings)
+    return Validation(case, machine, tuple(found), failed, controllers, settings.on, made)
+
+
+def _simulated(case: Case, disturbances: Disturbances | None, settings: ValidationSettings) -> str:
+    machine = f"a simulated machine ({case.need_simulation('a validation').source})"
+    if disturbances is not None:
+        machine += (
+            f", with a structural mode at {disturbances.mode_Hz:g} Hz that falls with the load, ripple of the "
+            f"struts and force errors that depend on the pose ({disturbances.source})"
+        )
+    return f"{machine}; programs executed on {settings.on}"

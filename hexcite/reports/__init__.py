@@ -1,0 +1,38 @@
+"""Pages, and pictures in files: `report` writes the page of a value."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cases.base.files import write_text
+
+if TYPE_CHECKING:
+    from hexcite.comparison.comparison import Comparison
+    from hexcite.comparison.validation import Validation
+    from identification.results.result import Result
+    from planner.plans.plan import Plan
+
+
+def report(value: "Plan | Result | Comparison | Validation", file: Path | str) -> None:
+    """Writes the page of a value, one HTML file that needs no network."""
+    write_text(Path(file), page_of(value))
+
+
+def page_of(value: Any) -> str:
+    """The page of a value as HTML."""
+    match type(value).__name__:  # to import the types of all takes a second
+        case "Plan":
+            from hexcite.reports.plan import plan_page
+
+            return plan_page(value)
+        case "Result":
+            from hexcite.reports.identify import identify_page
+
+            return identify_page(value)
+        case "Comparison":
+            from hexcite.reports.compare import compare_page
+
+            return compare_page(value)
+        case _:
+            from hexcite.reports.validation import validation_page
+
+            return validation_page(value)

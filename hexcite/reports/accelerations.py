@@ -1,0 +1,85 @@
+"""Accelerations of the load's frame, planned and measured (Figure 5)."""
+
+import casadi as ca
+import numpy as np
+
+from cases.base.units import Array
+from cases.schema import Case
+from hexcite.reports.chart import Axis, Chart, Dash, lines
+from identification.machines.symbolic import over_samples
+from identification.model.model import machine_of
+from identification.motion.motion import Trajectory, sample
+from identification.results.estimate import Estimate
+from identification.samples.moving import Run
+
+RATE = 200.0  # [1/s] at which a plan is drawn
+POINTS = 700  # of a line: there are twelve on a page
+AXES = (("translation", slice(0, 3), ("x", "y", "z"), "m/s²"), ("rotation", slice(3, 6), ("a", "b", "c"), "rad/s²"))
+Accelerations = tuple[Array, Array]
+"""Times, shape (n,) [s], and twist rates in {B}, shape (n, 6) [m/s^2, rad/s^2]."""
+
+
+def planned_accelerations(case: Case, motion: Trajectory, begins: float = 0.0) -> Accelerations:
+    """Those of a plan, which begins at a time of the run [s]."""
+    machine = machine_of(case)
+    state = [ca.SX.sym(name, machine.count) for name in ("coordinates", "rates", "accelerations")]
+    function = ca.Function("twist_rate", state, [ca.densify(machine.frame(*state)[3])])
+    path = sample(motion, RATE)
+    return path.t + begins, over_samples(function, path.pose, path.rates, path.accelerations)[0]
+
+
+def measured_accelerations(estimate: Estimate) -> Accelerations | None:
+    """Those of a run by its drives, behind the evaluation's filter; None where nothing moves, or it is not known."""
+    samples, at = estimate.evaluated, estimate.at
+    if isinstance(samples, Run):
+        return samples.t, samples.kinematics(at).twist_rate
+    motion = samples.motion(at)
+    if motion is None or not samples.nuisances:
+        return None
+    return samples.t[motion.known], motion.load.twist_rate[motion.known]
+
+
+def acceleration_charts(
+    measured: Accelerations | None, planned: Accelerations | None, name: str = "", of: str = ""
+) -> tuple[Chart, ...]:
+    """Figure 5: measured and planned accelerations over time.
+
+    Args:
+        name: what the names of the figures end in, where there are several on a page.
+        of: whose they are, for the caption.
+    """
+    charts = []
+    for kind, own, labels, unit in AXES:
+        series = () if measured is None else lines(measured[0], measured[1][:, own], labels, 1.2, most=POINTS)
+        if planned is not None:
+            dash: Dash = "dash" if measured is not None else "solid"
+            series += lines(planned[0], planned[1][:, own], labels, 1.2, dash, most=POINTS)
+        words = "lines: by the drives, behind the evaluation's filter; dashed: planned"
+        if planned is None or measured is None:
+            words = "planned" if measured is None else "by the drives, behind the evaluation's filter"
+        charts.append(
+            Chart(
+                f"figure5-{kind}{name}",
+                f"Accelerations of the {kind} of the load's frame in {{B}}{f' of {of}' if of else ''}: {words}.",
+                series,
+                Axis("time [s]"),
+                Axis(f"acceleration [{unit}]"),
+                height=260,
+                half=True,
+            )
+        )
+    return tuple(charts)
+
+
+def summary(measured: Accelerations, planned: Accelerations) -> str:
+    """How far measured accelerations are from those planned, rms over what both hold, in words."""
+    inside = (measured[0] >= planned[0][0]) & (measured[0] <= planned[0][-1])
+    if not np.any(inside):
+        return "plan and run share no time"
+    expected = np.array([np.interp(measured[0][inside], planned[0], column) for column in planned[1].T]).T
+    away = measured[1][inside] - expected
+    parts = []
+    for kind, own, _, unit in AXES:
+        size, whole = np.sqrt(np.mean(away[:, own] ** 2)), np.sqrt(np.mean(expected[:, own] ** 2))
+        parts.append(f"{kind} {size:.2g} of {whole:.2g} {unit} rms")
+    return f"measured less planned accelerations: {', '.join(parts)}"

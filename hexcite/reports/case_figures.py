@@ -1,0 +1,132 @@
+"""What `hexcite case check` reports beyond "valid": whether home can be, its reach, and values that are suspicious.
+
+Such values come from another machine, or are in mistaken units.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from cases.base.errors import CaseError
+from cases.basis import values
+from cases.schema import Case, load_case
+from cases.tables import built_in_cases
+from identification.limits.proof import prove
+from identification.motion.motion import StandingPoses
+from planner.box.reach import Reach
+from planner.search.feasibility import remedy
+
+
+def case_figures(case: Case, file: str) -> dict[str, Any]:
+    """Name, title, setup and hash; raises CaseError, with the case's file, where home is out of reach."""
+    if has_motion_box(case):
+        home, _ = case.need_motion("the check of its reach")
+        at_home = prove(StandingPoses(np.array([home, home])), case, 1.0)
+        if at_home.violations:
+            broken = at_home.violations[0]
+            hint = "".join(f"; look at {words}" for words in case.doubts)
+            key = "machine.home" if case.chain is None else "machine.chain.joints"
+            way = f"move home or {remedy(broken, case)}" if case.chain is None else "choose another home"
+            raise CaseError(file, key, f"home cannot be: {broken.sentence(timed=False)}; {way}{hint}")
+    return {"name": case.name, "title": case.title, "setup": case.setup, "hash": case.hash}
+
+
+def has_motion_box(case: Case) -> bool:
+    """Whether the case describes a machine and the box in which it moves."""
+    if case.limits is None:
+        return False
+    return case.chain is not None or (case.hexapod is not None and case.workspace is not None)
+
+
+def share_sentences(reach: Reach) -> str:
+    """The reachable share of the box's volume, and the limits that the rest exceeds, in a line."""
+    worst = reach.worst.sentence(timed=False)
+    if reach.whole:
+        return (
+            f"The whole motion box is reachable, by {reach.poses} random poses, corners and middles; closest to a "
+            f"limit: {worst}."
+        )
+    exceeded = sorted(reach.exceeded.items(), key=lambda item: -item[1])
+    kinds = ", ".join(f"{kind} in {100 * share:.2g} %" for kind, share in exceeded) or "none by a random pose"
+    return (
+        f"Of the motion box's volume {100 * reach.share:.3g} % is reachable (of {reach.poses} random poses, standard "
+        f"error {100 * reach.share_std:.2g} %; farthest out, corners and middles included: {worst}). Exceeded "
+        f"limits: {kinds}."
+    )
+
+
+_TABLES = (
+    "machine", "workspace", "limits", "poses", "sensor_frame", "sensors", "recording", "nominal", "simulation",
+    "payloads", "controller", "controller.linuxcnc", "controller.sinumerik", "controller.twincat",
+    "controller.setpoints", "controller.urscript",
+)  # fmt: skip
+
+
+def leftovers(case: Case) -> tuple[str, ...]:
+    """Sentences about values that the user should look at, each with its key."""
+    if case.name in built_in_cases() and case == load_case(case.name):
+        return ()
+    return (*_of_the_template(case), *_of_single_values(case), *case.doubts)
+
+
+def _of_the_template(case: Case) -> Iterator[str]:
+    """Sentences on values that are still those of the built-in case that a case was begun from, key by key."""
+    template = case.template or _likely_template(case)
+    if template is None:
+        return
+    own, other = (_by_table(values(of, _TABLES)) for of in (case, load_case(template)))
+    whole, keys = list[str](), list[str]()
+    for table, leaves in sorted(own.items(), key=lambda item: _TABLES.index(item[0])):
+        same = [f"{table}.{key}" for key, value in leaves.items() if other.get(table, {}).get(key) == value]
+        if len(same) == len(leaves):
+            whole.append(table)
+        else:
+            keys += [key for key in same if not _is_zero(leaves[key.removeprefix(f"{table}.")])]  # as many are
+    done = f'; once all values are yours, delete the line template = "{template}"' if case.template else ""
+    still = f"still the values of the built-in case {template}; replace them by your machine's"
+    if whole:
+        yield f"{', '.join(whole)}: {still}, or delete tables that it does not need{done}"
+    if keys:
+        yield f"{', '.join(keys)}: {still}{done}"
+
+
+def _is_zero(value: Any) -> bool:
+    return not any(value) if isinstance(value, list) else value == 0.0
+
+
+def _likely_template(case: Case) -> str | None:
+    """The built-in case of which a case has the most whole tables; None where it has none."""
+    own = {name: table for name in _TABLES if len(table := values(case, [name])) > 2}  # two values may well be the same
+    whole = {
+        other: sum(len(table) for name, table in own.items() if table == values(load_case(other), [name]))
+        for other in built_in_cases()
+        if other != case.name
+    }
+    likely = max(whole, key=lambda other: whole[other])
+    return likely if whole[likely] else None
+
+
+def _by_table(leaves: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Values by the table that they stand in, the innermost of `_TABLES`."""
+    tables: dict[str, dict[str, Any]] = {}
+    for key, value in leaves.items():
+        table = max((t for t in _TABLES if key.startswith(f"{t}.")), key=len)
+        tables.setdefault(table, {})[key.removeprefix(f"{table}.")] = value
+    return tables
+
+
+def _of_single_values(case: Case) -> Iterator[str]:
+    """Sentences on limits and gravity that are hardly meant."""
+    joints = () if case.chain is None else case.chain.joints
+    without = [joint.name for joint in joints if joint.link is None]
+    if without and any(joint.torque_Nm or joint.force_N for joint in joints):
+        yield (
+            f"machine.chain.joints: torque_Nm and force_N limit nothing, for the link of {', '.join(without)} is not "
+            "stated; add its mass, centre of gravity and inertia"
+        )
+    if case.gravity[2] > 0.0:
+        yield (
+            f"gravity_m_s2 = {list(case.gravity_m_s2)} points along +z of {{B}}; gravity points down: change its sign, "
+            "unless the machine hangs"
+        )

@@ -1,0 +1,69 @@
+"""Figures and tables of which parameters can be told apart (Figure 3)."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from hexcite.reports.chart import Axis, Chart, Heat
+from hexcite.reports.page import Block, note, table
+from identification.estimation.identifiability import Identifiability
+
+HEIGHT = 460  # of a square of parameters [pixels]
+
+
+def identifiability_charts(value: Identifiability) -> tuple[Chart, ...]:
+    """Magnitudes of the correlations of the regressor's columns, and of R of the scaled regressor."""
+    across, down = Axis(names=value.names, tilt=90.0), Axis(names=value.names, downwards=True)
+    return (
+        Chart(
+            "columns",
+            f"Magnitude of the Pearson correlation of the columns of the regressor, model {value.model}: near 1 two "
+            "parameters make nearly the same forces.",
+            (Heat(np.abs(value.correlation)),),
+            across,
+            down,
+            height=HEIGHT,
+            half=True,
+        ),
+        Chart(
+            "qr",
+            "Magnitude of R of the QR decomposition of the scaled regressor. A diagonal element of numerical zero "
+            f"({value.zero:.1g}): the parameters before it make the same forces. A large value above the diagonal: "
+            "the parameter of the column depends on that of the row.",
+            (Heat(np.minimum(np.abs(value.r), 1.0)),),
+            across,
+            down,
+            height=HEIGHT,
+            half=True,
+        ),
+    )
+
+
+def identifiability_blocks(models: Sequence[Identifiability], own: int) -> tuple[Block, ...]:
+    """What each model could tell apart, and the figures of the one that is used."""
+    rows = [
+        (
+            f"{m.model}{' (this one)' if m.model == own else ''}",
+            "yes" if m.determined else "NO",
+            f"{m.rank} of {len(m.names)}",
+            f"{m.condition:.3g}" if m.determined else "-",
+        )
+        for m in models
+    ]
+    said: dict[str, list[str]] = {}
+    for m in models:
+        for sentence in m.sentences:
+            said.setdefault(sentence, []).append(str(m.model))
+    (used,) = (m for m in models if m.model == own)
+    return (
+        table(("model", "works", "rank", "condition"), rows, left=2),
+        *(
+            note(f"Model{'s' * (len(numbers) > 1)} {', '.join(numbers)}: {sentence}.")
+            for sentence, numbers in said.items()
+        ),
+        note(
+            "By the motion alone, without forces, all channels weighed alike. Models 0 to 9: Table 2; 10: model 3 with "
+            "inertia. The condition is that of the scaled regressor (26)."
+        ),
+        *identifiability_charts(used),
+    )

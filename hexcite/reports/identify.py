@@ -1,0 +1,286 @@
+"""The page of an identification: parameters with standard deviations, residuals, correlations of the estimates."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from markupsafe import Markup
+
+from cases.schema import Case
+from cases.base.units import Array
+from identification.findings.noise_level import noise_of_channels, stated_noise
+from identification.model_choice import figures_of, table_3
+from identification.results.result import RUN_ENTRIES, Result, pooled_rows, scatter_rows, treatment_rows
+from identification.texts import budget_cells, carries_rods, legible, value_cells, value_text, with_deviation
+from identification.signals import Residuals
+from identification.verdicts import accept
+from hexcite.reports.accelerations import acceleration_charts, measured_accelerations, planned_accelerations, summary
+from hexcite.reports.chart import Axis, Chart, Heat, Rule, lines
+from hexcite.reports.densities import density_charts, normal_chart
+from hexcite.reports.figures import unit_of
+from hexcite.reports.identifiability import identifiability_blocks
+from hexcite.reports.page import Block, Head, note, page, section, table, tiles
+from hexcite._identifiability import identifiability_of_models
+
+PARAMETER_COLUMNS = ("parameter", "value", "±", "U (k = 2)", "unit", "95 % from", "to", "std (28)", "std robust")
+
+
+def identify_page(result: Result) -> str:
+    """The page of a result; residuals are shown where it was not loaded from a folder."""
+    case, record, residuals = result.case, result.record, result.residuals
+    samples = "averaged standstills" if record.delay_s is None else "samples"
+    source = record.recording
+    run = record.run
+    origin = run_inputs(run) if run else (("origin", "recorded on a machine: nothing says that it was simulated"),)
+    origin += tuple((i["file"], f"SHA-256 {i['sha256']}") for i in record.inputs)
+    origin += tuple(record.versions.items())
+    sections = []
+    if case.accept is not None:
+        verdict = accept(result)
+        columns, *rows = verdict.rows()
+        unjudged = (note(f"Not judged: {'; '.join(verdict.unjudged)}."),) if verdict.unjudged else ()
+        sections.append(section(f"Verdict: {verdict.word}", table(columns, rows, left=2), *unjudged))
+    sections.append(section("Parameters with standard deviations", _headline(result), *parameter_blocks(result)))
+    if record.treatment is not None:
+        (columns, *rows), words = treatment_rows(record.treatment), record.treatment["words"]
+        text = f"Evaluated: {words}. Differences are shares of the default's deviations."
+        sections.append(section("Treatment of the data beside the default", note(text), table(columns, rows)))
+    if record.pooled is not None:
+        words = "Runs are compared by their own noise; tolerances of the case, which they have in common, count once."
+        both = (table(columns, rows) for columns, *rows in (pooled_rows(record.pooled), scatter_rows(record.pooled)))
+        sections.append(section("The runs, and how far they scatter", note(words), *both))
+    if record.models is not None:
+        sections.append(section("All models of the run (Table 3)", *model_blocks(record.models)))
+    if residuals is not None:
+        sections.append(section("Forces and residuals", *misfit_blocks(result), *residual_blocks(case, residuals)))
+        if accelerations := acceleration_blocks(result):
+            sections.append(section("Accelerations, planned and measured", *accelerations))
+    sections.append(section("Parameters that take each other's part", *correlation_blocks(result)))
+    if densities := density_charts(result.parameters):
+        sections.append(section("Normal densities of the parameters (Table 5)", *densities))
+    if residuals is not None:
+        told = identifiability_blocks(identifiability_of_models(result), record.model)
+        sections.append(section("Which parameters can be told apart", *told))
+    return page(
+        f"Identification: {case.title}",
+        identified_head(result),
+        f"Model {record.model} identified from {record.samples} {samples} of {source}.",
+        (("case", f"{case.name} (hash {case.hash})"), ("recording", source), *origin),
+        result.warnings,
+        *sections,
+    )
+
+
+def model_blocks(choice: Mapping[str, Any]) -> tuple[Block, ...]:
+    """Table 3 of a run, what each model predicts of what is left out, and which is preferred."""
+    (columns, *rows), (names, *values) = figures_of(choice), table_3(choice)
+    words = (f"{sentence[0].upper()}{sentence[1:]}." for sentence in choice["sentences"])
+    return table(columns, rows), *map(note, words), table(names, values)
+
+
+def identified_head(result: Result) -> Head:
+    """What the page of a result begins with."""
+    parameters, warnings = result.parameters, result.warnings
+    mass = parameters.get("m")
+    value = "" if mass is None else f"Mass {with_deviation(mass.value, mass.reported)} kg. "
+    first = f"{warnings[0][0].upper()}{warnings[0][1:]}." if warnings else "Nothing speaks against this run."
+    more = f" {len(warnings) - 1} more below." if len(warnings) > 1 else ""
+    facts = [("recording", str(result.record.recording))]
+    if (program := (result.record.run or {}).get("program")) is not None:
+        facts.append(("program", str(program)))
+    return Head(f"{value}{first}{more}", not warnings, result.case.name, tuple(facts))
+
+
+def _headline(result: Result) -> Markup:
+    body = (("m", 1.0, "kg", "mass, with its standard deviation"), ("zC", 1e3, "mm", "centre of gravity, z"))
+    parameters = result.parameters
+    figures = [
+        (f"{with_deviation(parameters[name].value * scale, parameters[name].reported * scale)} {unit}", text)
+        for name, scale, unit, text in body
+        if name in parameters  # a frame that does not move determines offsets alone
+    ]
+    condition, rank = result.record.condition, result.record.rank
+    figures += [noise_tile(result), (f"{condition:.3g}", f"condition of the scaled regressor, rank {rank}")]
+    return tiles(*figures)
+
+
+def correlations(result: Result) -> tuple[list[str], Array]:
+    """Names of the estimated parameters, and their correlations by (28), shape (u, u)."""
+    std = np.sqrt(np.diag(result.covariance))
+    free = np.flatnonzero(std > 0.0)  # what was given correlates with nothing
+    correlation = result.covariance[np.ix_(free, free)] / np.outer(std[free], std[free])
+    return [result.model.names[k] for k in free], correlation
+
+
+def correlation_chart(result: Result) -> Chart:
+    """Magnitudes of the correlations of the estimated parameters."""
+    names, correlation = correlations(result)
+    return Chart(
+        "correlation",
+        "Magnitude of the correlation of two estimates; near 1 only their sum or difference is known well.",
+        (Heat(np.abs(correlation)),),
+        Axis(names=tuple(names), tilt=90.0),
+        Axis(names=tuple(names), downwards=True),
+        height=560,
+    )
+
+
+def correlation_blocks(result: Result) -> tuple[Block, ...]:
+    """Correlations of the estimated parameters, and the strongest pairs."""
+    names, correlation = correlations(result)
+    first, second = np.triu_indices(len(names), 1)
+    strongest = np.argsort(-np.abs(correlation[first, second]))[:5]
+    rows = [
+        (f"{names[i]} ~ {names[j]}", f"{correlation[i, j]:+.3f}")
+        for i, j in zip(first[strongest], second[strongest], strict=True)
+    ]
+    return (correlation_chart(result), table(("strongest correlations", "value"), rows))
+
+
+def noise_tile(result: Result) -> tuple[str, str]:
+    """Value of s0 and its meaning; white noise does not contain what a filter removes from the recorded forces."""
+    record = result.record
+    if record.weights != "equal":
+        recorded = f"white noise {record.white_noise:.3g}, recorded forces less the model {record.s0_N:.3g} N rms"
+        return (f"{record.s0:.3g}", f"s0 (27), 1 where the weights are right ({recorded})")
+    band = "" if record.delay_s is None else " by the filter's pass band"
+    noise = f"white noise{band} {record.white_noise:.3g} N"
+    return (f"{record.s0:.3g} N", f"s0 (27), recorded forces less the model ({noise})")
+
+
+def parameter_blocks(result: Result) -> tuple[Block, ...]:
+    """Table of the parameters."""
+    rows, freedom, rods = [], float(result.record.degrees_of_freedom), carries_rods(result.parameters)
+    for name, p in result.parameters.items():
+        scale, unit = legible(p.unit)
+        low, high = p.interval(freedom)
+        ends = (value_text(v * scale, p.reported * scale) for v in (low, high))
+        words, value, widest, expanded, *stds, _ = value_cells(name, p, rods)
+        rows.append((words, value, widest, expanded, unit, *ends, *stds))
+    delay = delay_words(result)
+    stated = f" They count no tolerances of {', '.join(result.not_counted)}; see [tolerances]."
+    missing = stated if result.not_counted else ""
+    return (
+        table(PARAMETER_COLUMNS, rows),
+        note(f"± is the larger of std (28), which takes the noise as white, and std robust, which does not.{missing}"),
+        *_budget(result),
+        *map(note, [*([] if delay is None else [delay]), *result.notes]),
+    )
+
+
+def _budget(result: Result) -> tuple[Block, ...]:
+    """The parts of each deviation by their causes; nothing where the case states no tolerances."""
+    head, *rows = budget_cells(result.parameters, result.budget) or [()]
+    about = "Squares of the parts add up to that of ±; tolerances are carried through to first order."
+    return (table(head, rows), note(about)) if rows else ()
+
+
+def delay_words(result: Result) -> str | None:
+    """Delay of the forces behind the motion, in words; None where it was not estimated."""
+    delay = result.record.delay_s
+    if delay is None:
+        return None
+    lag, std = delay.value * 1e3, delay.std * 1e3
+    return f"Forces lag the motion by {lag:.3f} ± {std:.3f} ms: estimated with the parameters."
+
+
+def residual_charts(case: Case, residuals: Residuals) -> list[Chart]:
+    """Forces, residuals over time and their spectrum."""
+    channels = case.sensor_frame.channels
+    at, unit = "time [s]" if residuals.step is not None else "standstill", unit_of(channels)
+    source = "recorded" if residuals.filtered is None else "recorded, behind the evaluation's low-pass"
+    standing = residuals.step is None  # a few points, not a line
+    forces = Chart(
+        "forces",
+        f"Lines: {source}. Dotted: the identified model.",
+        lines(residuals.t, residuals.explained, channels, 1.0, dots=standing)
+        + lines(residuals.t, residuals.predicted, channels, 2.0, "dot", dots=standing),
+        Axis(at),
+        Axis(f"force [{unit}]"),
+        height=340,
+    )
+    rest = Chart(
+        "residuals",
+        "What the model leaves of each channel. Noise without a pattern is good; waves and steps have a cause.",
+        lines(residuals.t, residuals.evaluated, channels, 0.8, dots=standing),
+        Axis(at),
+        Axis(f"recorded - model [{unit}]"),
+        height=320,
+    )
+    charts = [forces, rest]
+    if not standing:
+        charts.append(spectrum_chart(residuals, channels, case.recording.filter_cutoff_Hz))
+    charts.append(normal_chart(residuals, channels))
+    return charts
+
+
+def acceleration_blocks(result: Result) -> tuple[Block, ...]:
+    """Accelerations of the run beside those of its plan (Figure 5); none where nothing moves."""
+    made = result.estimate
+    measured = None if made is None else measured_accelerations(made)
+    if made is None or measured is None:
+        return ()
+    planned = None if made.planned is None else planned_accelerations(result.case, *made.planned)
+    words = () if planned is None else (note(f"{summary(measured, planned)}."),)
+    return (*acceleration_charts(measured, planned), *words)
+
+
+def misfit_blocks(result: Result) -> tuple[Block, ...]:
+    """What the residuals follow, and the noise of each channel beside what the case states."""
+    blocks: list[Block] = []
+    channels = result.case.sensor_frame.channels
+    for finding in result.findings:
+        if effects := finding.quantity.get("systematic"):
+            rows = [(e["follows"], e["as_with"], f"{100 * e['share']:.2g} %", f"{e['chance']:.0e}") for e in effects]
+            blocks.append(table(("residuals follow", "as with", "share of their power", "chance of it by noise"), rows))
+    made = result.estimate
+    stated = None if made is None else stated_noise(made.evaluated, made.fit, result.case)
+    if made is not None and stated is not None:
+        noise = noise_of_channels(made.evaluated, made.fit)
+        rows = [
+            (name, f"{n:.3g}", f"{s:.3g}", f"{n / s:.2g}") for name, n, s in zip(channels, noise, stated, strict=True)
+        ]
+        columns = ("channel", f"white noise by its residuals [{unit_of(channels)}]", "stated by the case", "ratio")
+        blocks.append(table(columns, rows))
+    return tuple(blocks)
+
+
+def residual_blocks(case: Case, residuals: Residuals) -> tuple[Block, ...]:
+    """Forces, residuals over time and their spectrum, and the size of the residuals."""
+    channels = case.sensor_frame.channels
+    rms = [(values**2).mean(axis=0) ** 0.5 for values in (residuals.evaluated, residuals.values)]
+    rows = ((name, *(f"{r[k]:.3g}" for r in rms)) for k, name in enumerate(channels))
+    return (
+        *residual_charts(case, residuals),
+        table(("channel", "residual as evaluated, rms", "of the forces as recorded"), rows),
+    )
+
+
+def run_inputs(about: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
+    """Facts about a run from `recording.json` or the answer of the run: names and values."""
+    simulated = "sensors and encoders are simulated" if about.get("simulated") else "recorded on a machine"
+    known = {key: about[key] for key in RUN_ENTRIES if about.get(key) is not None}
+    words = {
+        k: ", ".join(f"{n} {v}" for n, v in value.items()) for k, value in known.items() if isinstance(value, Mapping)
+    }
+    return (("origin", simulated), *((key, words.get(key, str(value))) for key, value in known.items()))
+
+
+def spectrum_chart(residuals: Residuals, channels: Sequence[str], cutoff: float | None) -> Chart:
+    """Amplitude spectral density of the residuals; the evaluation does not use frequencies above the cut-off."""
+    frequency, density = residuals.spectrum()
+    caption = "Of the forces as recorded."
+    if cutoff is not None:
+        caption += (
+            f" Dashed: the evaluation's low-pass at {cutoff:g} Hz; what lies above it, as ripple of a controller, the "
+            "estimate does not see."
+        )
+    return Chart(
+        "spectrum",
+        caption,
+        lines(frequency[1:], density[1:], channels, 1.2),
+        Axis("frequency [Hz]", logarithmic=True),
+        Axis(f"residual [{unit_of(channels)}/√Hz]", logarithmic=True),
+        () if cutoff is None else (Rule("x", cutoff),),
+        height=320,
+    )

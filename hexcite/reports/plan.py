@@ -1,0 +1,57 @@
+"""The page of a plan: what it promises, the machine along it, and how close it comes to its limits."""
+
+from markupsafe import Markup
+
+from cases.base.files import provenance
+from hexcite._identifiability import identifiability_of_models
+from hexcite.reports.figures import limits_table, motion_blocks
+from hexcite.reports.identifiability import identifiability_blocks
+from hexcite.reports.page import Head, note, page, section, table, tiles
+from hexcite.reports.scene import moving_machine, posing_machine
+from identification.limits.limit import TOLERANCE, Status
+from identification.motion.motion import sample
+from planner.plans.plan import Plan
+
+KEPT = "No limit of the case is exceeded: proven at 10 kHz."
+DRAWN_RATE = 500.0  # [1/s]
+
+
+def plan_page(plan: Plan) -> str:
+    """The page of `hexcite plan` and `hexcite poses`."""
+    case = plan.case
+    entries = {"criterion": plan.request.criterion, "model": plan.model, **plan.settings}
+    inputs = [(name, str(value)) for name, value in entries.items() if not isinstance(value, list | dict)]
+    notes = [f"{text[0].upper()}{text[1:]}." for text in plan.remarks]
+    deviations = table(("parameter", "predicted std", "unit"), plan.deviation_rows())
+    counted = [check for check in plan.limits.checks if check.status is not Status.LEFT_OUT]
+    exceeded = [check.name for check in counted if check.ratio > 1.0 + TOLERANCE]
+    words = f"EXCEEDED, which its controller does not limit: {', '.join(exceeded)}." if exceeded else KEPT
+    if plan.without:
+        words = f"{words.removesuffix('.')}, without {', '.join(plan.without)} as planned."
+    verdict = " ".join([words, *(f"{doubt[0].upper()}{doubt[1:]}." for doubt in plan.doubts)])
+    scene = posing_machine(case, plan.poses) if len(plan.poses) else moving_machine(case, plan.motion)
+    return page(
+        f"Plan: {case.title}",
+        Head(verdict, not (plan.doubts or exceeded), case.name, (("plan", plan.headline),)),
+        "What the motion is, how precise its run will make the parameters, and how close it comes to each limit.",
+        (("case", f"{case.name} (hash {case.hash})"), *inputs, *provenance([])["versions"].items()),
+        plan.doubts,
+        section("What the plan promises", _headline(plan), deviations, *map(note, notes)),
+        section(
+            "Which parameters can be told apart", *identifiability_blocks(identifiability_of_models(plan), plan.model)
+        ),
+        section("The machine along the plan", scene),
+        section("How close it comes to each limit", limits_table(plan.limits)),
+        section("The motion and its limits", *motion_blocks(case, sample(plan.motion, DRAWN_RATE))),
+    )
+
+
+def _headline(plan: Plan) -> Markup:
+    efficiency, measure = plan.rating
+    most = max(check.ratio for check in plan.limits.checks if check.binding and check.room is None)
+    return tiles(
+        (f"{plan.duration:.2f} s", "duration, from rest to rest"),
+        (f"{efficiency:.3f}", f"D-efficiency {measure}"),
+        (f"{plan.worth.condition:.3g}", "condition in reference scaling"),
+        (f"{100 * most:.1f} %", "most that is used of any limit of position, speed or force"),
+    )

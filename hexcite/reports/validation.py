@@ -1,0 +1,90 @@
+"""The page of a validation: what each method costs and gives without payload, Table 7, and residuals over the load."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cases.base.files import provenance
+from hexcite.comparison.trials import METHODS, SHOWN, Trial
+from hexcite.comparison.validation import Validation
+from hexcite.reports.chart import Axis, Chart, Line, colour
+from hexcite.reports.compare import comparison_head, figure_rows, parameter_columns, parameter_rows, std_chart
+from hexcite.reports.page import Block, note, page, section, table
+from identification.texts import legible
+
+TABLE_7 = ("load", "s0", *(label for n in SHOWN for label in ((n,) if n[0] == "k" else (n, "dev."))))
+LEAST_DEVIATION = 1e-12  # the first trial is its own theory
+THEORY = (
+    "Theory: what the method itself identified without payload, plus the known weights; offsets must stay. s0 is (27), "
+    "of the recorded forces [N]. m in kg, zC in mm, IC33 in kg m², f_q0_3 in N, k0 in N/m, k1 in N m/m."
+)
+
+
+UNDISTURBED = (
+    "The order of the methods is that of this machine with its vibration, ripple and errors of the pose. Without them "
+    "it may be another, as for a motion by hand (D9M) and a Fourier series (D9N), Table 6: compare results of runs on "
+    "the virtual controller, which are undisturbed."
+)
+
+
+def table_7(trials: Sequence[Trial]) -> list[list[str]]:
+    """Rows as in Table 7, one a load: values with their relative deviation from theory."""
+    rows = []
+    for trial in trials:
+        row = [f"{trial.load:.0f} kg", f"{trial.s0:.2f}"]
+        for name in SHOWN:
+            value = trial.estimate.physical.get(name)
+            row.append("-" if value is None else f"{value.value * legible(value.unit)[0]:.2f}")
+            if name[0] != "k":
+                deviation = trial.deviation(name) or 0.0
+                row.append("" if abs(deviation) < LEAST_DEVIATION else f"{100 * deviation:+.2f} %")
+        rows.append(row)
+    return rows
+
+
+def validation_page(validation: Validation) -> str:
+    """The page of `hexcite validate`."""
+    case, payloads, comparison = validation.case, validation.case.payloads, validation.comparison
+    assert payloads is not None
+    by_method: dict[str, list[Trial]] = {}
+    for trial in validation.trials:
+        by_method.setdefault(trial.method, []).append(trial)
+    tables: list[Block] = []
+    for method, own in by_method.items():
+        words = f"{method} ({METHODS[method].label}), {own[0].duration:.1f} s, model {own[0].estimate.model.number}"
+        tables += [note(words), table(TABLE_7, table_7(own))]
+    entries = comparison.entries
+    mounted = ", ".join(dict.fromkeys(f"{trial.load:.0f}" for trial in validation.trials))
+    return page(
+        f"Validation with payloads: {case.title}",
+        comparison_head(comparison)._replace(machine=validation.machine),
+        f"Known weights of {mounted} kg mounted one after the other and identified by {len(by_method)} methods on "
+        f"{validation.machine}.",
+        (
+            ("case", f"{case.name} (hash {case.hash})"),
+            ("machine", validation.machine),
+            ("weights", payloads.source),
+            *provenance([])["versions"].items(),
+        ),
+        (*(f"{method} was not run: {why}" for method, why in validation.failed.items()), *comparison.warnings),
+        section("Recommendation", *map(note, validation.sentences)),
+        section(
+            "Without payload, side by side",
+            std_chart(comparison.groups),
+            table(parameter_columns(entries), parameter_rows(entries)),
+            table(("", *(entry.name for entry in entries)), figure_rows(entries)),
+        ),
+        section("Values and deviations from theory (Table 7)", note(THEORY), note(UNDISTURBED), *tables),
+        section("Residuals grow with the load", growth_chart(validation)),
+    )
+
+
+def growth_chart(validation: Validation) -> Chart:
+    """Values of s0 by each method over the load."""
+    caption = "s0 over the load: vibration and errors of the pose make it grow with the mass that is moved."
+    series = []
+    for k, method in enumerate(dict.fromkeys(trial.method for trial in validation.trials)):
+        own = [trial for trial in validation.trials if trial.method == method]
+        loads, s0 = np.array([t.load for t in own]), np.array([t.s0 for t in own])
+        series.append(Line(loads, s0, method, colour(k), dots=True))
+    return Chart("s0", caption, tuple(series), Axis("load [kg]"), Axis("s0 [N]", logarithmic=True), height=340)

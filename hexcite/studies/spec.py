@@ -1,0 +1,140 @@
+"""A study: its file, and the cells that follow from it, each a combination of the grid's settings."""
+
+import itertools
+import math
+from importlib.metadata import version
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeVar
+
+from pydantic import BeforeValidator, Field
+
+from cases.base.errors import FileProblem, HexciteError
+from cases.basis import study_basis
+from cases.schema import Case, fingerprint
+from cases.tables import Part, Positive, read_tables
+from identification.model.model import full_model
+from planner.families.settings import Fourier, family_class
+from planner.request import OWNERS, Request
+
+MOST_CELLS = 1_000_000
+
+T = TypeVar("T")
+
+
+def _listed(value: object) -> object:
+    return value if isinstance(value, list) else [value]
+
+
+Values = Annotated[tuple[T, ...], BeforeValidator(_listed), Field(min_length=1)]
+Whole = Annotated[int, Field(strict=True)]
+
+_USUAL = Request()
+OPTIONS = {"duration_s": "duration", "period_s": "period"}  # of settings whose columns carry a unit
+
+
+class Grid(Part):
+    """Values of most settings of `hexcite plan`; every combination is a cell. One value may stand without brackets.
+
+    A model that is not stated is the machine's largest; period, moves and knots fit the duration, as they do there.
+    """
+
+    family: Values[str] = ("fourier",)
+    criterion: Values[str] = (str(_USUAL.criterion),)
+    model: Values[Whole | None] = (None,)
+    duration_s: Values[Positive] = (_USUAL.duration,)
+    order: Values[Whole] = (Fourier().order,)
+    period_s: Values[Positive | None] = (None,)
+    moves: Values[Whole | None] = (None,)
+    knots: Values[Whole | None] = (None,)
+    equal_start: Values[bool] = (False,)
+    solver: Values[str | None] = (None,)
+    payload: Values[Whole] = (_USUAL.payload,)
+    seed: Values[Whole] = (_USUAL.seed,)
+
+
+SETTINGS = tuple(Grid.model_fields)
+CellSettings = dict[str, Any]
+"""One value of each setting of a `Grid`; those of the machine's choice, or of other families, are absent."""
+
+
+class ExecutionSpec(Part):
+    """Settings of the runs: each plan is run and identified with several seeds of the sensors' noise."""
+
+    on: Literal["virtual"] = "virtual"
+    disturbed: bool = False
+    noise_seeds: Annotated[int, Field(strict=True, ge=1, le=100_000)] = 1
+
+
+class Cells(Part):
+    """Limits of a cell."""
+
+    time_limit_s: Positive = 600.0
+    memory_GB: Positive = 2.0
+
+
+class Spec(Part):
+    """A study."""
+
+    schema_version: Literal[1]
+    name: str = Field(pattern=r"^[A-Za-z0-9_-]{1,60}$")
+    grid: Grid = Grid()
+    execute: ExecutionSpec | None = None
+    cells: Cells = Cells()
+
+    @property
+    def size(self) -> int:
+        """Number of combinations of the grid."""
+        return math.prod(len(getattr(self.grid, name)) for name in SETTINGS)
+
+
+BUILT_IN = Path(__file__).parent / "specs"
+
+
+def load_spec(name: str) -> Spec:
+    """Reads a study by its built-in name or its file; raises FileProblem or CaseError where it cannot be."""
+    files = {file.stem: file for file in sorted(BUILT_IN.glob("*.toml"))}
+    path = files.get(name, Path(name))
+    if not path.is_file():
+        raise FileProblem(name, "cannot be read", f"built-in studies are {', '.join(files)}, else name a TOML file")
+    return read_tables(Spec, path)
+
+
+def cells_of(spec: Spec, case: Case) -> dict[str, CellSettings]:
+    """Settings of each cell, by a fingerprint of all that its rows follow from.
+
+    Raises:
+        HexciteError: a cell cannot be planned, or there are too many.
+    """
+    if spec.size > MOST_CELLS:
+        raise HexciteError(
+            f"study {spec.name}", f"the grid has {spec.size} cells, at most {MOST_CELLS}: list fewer values"
+        )
+    executed = None if spec.execute is None else [*spec.execute.model_dump().values(), case.controller_hash]
+    behind = [executed, fingerprint(study_basis(case)), version("hexcite")]
+    cells = {}
+    for values in itertools.product(*(getattr(spec.grid, name) for name in SETTINGS)):
+        settings = dict(zip(SETTINGS, values, strict=True))
+        family = settings["family"]
+        # Settings of another family do not make another cell.
+        own = [k for k in settings if OWNERS.get(OPTIONS.get(k, k), family) == family]
+        settings = {"model": full_model(case)} | {k: settings[k] for k in own if settings[k] is not None}
+        if settings.get("equal_start"):  # its seed decides nothing
+            settings["seed"] = 0
+        request_of(settings)
+        cells[fingerprint([settings, *behind])] = settings
+    return cells
+
+
+def request_of(settings: CellSettings) -> Request:
+    """The request of a cell, with one start; HexciteError where its settings cannot be planned."""
+    ours = {OPTIONS.get(k, k): v for k, v in settings.items()}
+    kind = family_class(ours.pop("family"))
+    own = {name: ours.pop(name) for name in OWNERS if name in ours}
+    return Request(kind(**own), starts=1, **ours)
+
+
+def command_of(settings: CellSettings, case: str) -> str:
+    """The command line that plans a cell anew, from as many starts as pay."""
+    plain = {OPTIONS.get(k, k).replace("_", "-"): v for k, v in settings.items() if k != "seed" and v is not False}
+    words = [f"--{option}" if v is True else f"--{option} {v}" for option, v in plain.items()]
+    return " ".join(["hexcite plan", case, *words])

@@ -1,0 +1,165 @@
+"""Observability criteria A, D, K, N of an information matrix (Table 4), as values to maximise.
+
+With mu_1 >= ... >= mu_u the singular values of the scaled regressor, F = A^T A has the eigenvalues mu^2. Values of
+different motions are comparable in one scaling only: the reference scaling (CONVENTIONS).
+
+Of a set of poses to stand at, F is the sum of A^T A over the set.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import NoReturn
+
+import numpy as np
+
+from cases.base.errors import HexciteError, IdentificationError, choice
+from cases.base.units import Array
+from cases.schema import Case
+from identification.machines.symbolic import over_samples
+from identification.model.model import Model
+
+
+class Criterion(StrEnum):
+    """Criteria of Table 4, by their letters."""
+
+    A = "A"
+    D = "D"
+    K = "K"
+    N = "N"
+
+    @classmethod
+    def _missing_(cls, value: object) -> NoReturn:
+        """Refuses what is not a letter of Table 4."""
+        raise HexciteError(f"criterion {value!r} is unknown; {choice(str(value), cls)}")
+
+
+CRITERIA: dict[str, Callable[[Array], float]] = {
+    Criterion.A: lambda mu: -float(np.sum(mu**-2.0)),  # average variance, -trace F^-1 (30)
+    Criterion.D: lambda mu: 2.0 * float(np.log(mu).sum()),  # volume of the confidence ellipsoid, log det F (31)
+    Criterion.K: lambda mu: -float(mu[0] / mu[-1]),  # condition, -mu_1 / mu_u (32)
+    Criterion.N: lambda mu: float(mu[-1] ** 2 / mu[0]),  # noise amplification, mu_u^2 / mu_1 (33)
+}
+"""Singular values, shape (u,), descending -> a value that is better the larger it is."""
+
+
+def singular_values(information: Array, names: Sequence[str]) -> Array:
+    """Singular values of the scaled regressor behind an information matrix, descending, shape (u,).
+
+    `information` is F = A^T W A in a scaling, shape (u, u). Raises IdentificationError where F is singular, with the
+    parameters that are not determined.
+    """
+    values, directions = np.linalg.eigh(information)
+    # F squares the regressor: its eigenvalues are known to u eps of the largest.
+    zero = len(names) * np.finfo(float).eps * values[-1]
+    free = values <= zero
+    if free.any():
+        share = np.abs(directions[:, free]).max(axis=1)
+        hidden = [name for name, s in zip(names, share, strict=True) if s > 1e-3]
+        raise IdentificationError(
+            f"rank {int((~free).sum())} of {len(names)}: {', '.join(hidden)} not determined; "
+            "excite them or choose a model without them"
+        )
+    return np.asarray(np.sqrt(values[::-1]))
+
+
+STATES = 20_000
+SEED = 0
+
+
+def box_middle(case: Case) -> tuple[Array, Array]:
+    """Middle of the box of coordinates and half of its width, shapes (n,) [m or rad]."""
+    home, limits = case.need_motion("planning")
+    low, high = limits.pose
+    return home + (low + high) / 2, np.asarray((high - low) / 2)
+
+
+def uniform_states(case: Case, count: int, seed: int) -> tuple[Array, Array, Array]:
+    """Independent uniform states of the motion box of a case: coordinates, rates and accelerations, shapes (n, k)."""
+    home, box = case.need_motion("the reference scaling")
+    shape = (count, len(home))
+    draw = np.random.default_rng(seed)
+    pose = home + draw.uniform(box.pose[0], box.pose[1], shape)
+    rates = draw.uniform(-box.rate, box.rate, shape)
+    return pose, rates, draw.uniform(-box.acceleration, box.acceleration, shape)
+
+
+def reference_scaling(case: Case, model: Model) -> Array:
+    """H*: one over the RMS of each regressor column, over 20 000 seeded uniform states of the box, shape (u,).
+
+    The paper's own scaling (26) depends on the motion at hand, so that criteria of two motions could not be compared.
+    """
+    states = uniform_states(case, STATES, SEED)
+    matrices = over_samples(model.coordinate_regressor, *states)[0]
+    return np.asarray(1.0 / np.sqrt(np.einsum("nij,nij->j", matrices, matrices) / STATES))
+
+
+def information(model: Model, scaling: Array, states: tuple[Array, Array, Array]) -> Array:
+    """Mean of H A^T A H over states (equal sensors, W = 1), shape (u, u)."""
+    matrices = over_samples(model.coordinate_regressor, *states)[0].reshape(-1, len(scaling)) * scaling
+    return np.asarray(matrices.T @ matrices / len(states[0]))
+
+
+def pose_regressors(model: Model, poses: Array) -> Array:
+    """Regressors A of (21) for standing still at coordinates, shape (n, k) [m or rad], shape (n, 6, u).
+
+    Raises IdentificationError where the model has parameters that standstills cannot excite.
+    """
+    if model.needs_motion:
+        raise IdentificationError(
+            f"model {model.number} contains inertia, which standstills cannot excite; choose a model from 0 to 5"
+        )
+    return over_samples(model.coordinate_regressor, poses, 0.0 * poses, 0.0 * poses)[0]
+
+
+def candidate_scaling(regressors: Array) -> Array:
+    """Reference scaling of pose sets: one over the RMS of each column over the candidates, or 1, shape (u,)."""
+    mean_square = np.mean(np.sum(regressors**2, axis=1), axis=0)
+    return np.asarray(1.0 / np.sqrt(np.where(mean_square > 0.0, mean_square, 1.0)))
+
+
+def total_information(regressors: Array) -> Array:
+    """Sum of A^T A over poses, shape (u, u)."""
+    rows = regressors.reshape(-1, regressors.shape[2])
+    return np.asarray(rows.T @ rows)
+
+
+@dataclass(frozen=True, slots=True)
+class PoseCriterion:
+    """A criterion of pose sets."""
+
+    letter: Criterion  # of Table 4
+
+    @property
+    def losses_grow(self) -> bool:
+        """Whether a pose costs the more, the fewer others are left."""
+        return self.letter is Criterion.D
+
+    def value(self, information: Array) -> Array:
+        """Criterion (30) to (33) of one or more informations, shape (..., u, u) -> (...); -inf where singular."""
+        if self.letter is Criterion.D:
+            return _log_det(information)
+        values = np.maximum(np.linalg.eigvalsh(information), 0.0)  # mu^2, ascending
+        smallest, largest = values[..., 0], values[..., -1]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            if self.letter is Criterion.A:
+                found = -np.sum(1.0 / values, axis=-1)
+            else:
+                found = -np.sqrt(largest / smallest) if self.letter is Criterion.K else smallest / np.sqrt(largest)
+        return np.where(smallest > 0.0, found, -np.inf)
+
+    def after_removal(self, information: Array, regressors: Array) -> Array:
+        """Value without each pose, F - A_j^T A_j, shape (k,), of its regressors A_j, shape (k, 6, u)."""
+        if self.letter is not Criterion.D:
+            return self.value(information - regressors.transpose(0, 2, 1) @ regressors)
+        weighted = (regressors.reshape(-1, len(information)) @ np.linalg.inv(information)).reshape(regressors.shape)
+        left = np.eye(6) - weighted @ regressors.transpose(0, 2, 1)  # log det F + log det(1 - A F^-1 A^T)
+        return np.asarray(_log_det(information) + _log_det(left))
+
+
+def _log_det(matrices: Array) -> Array:
+    sign, logdet = np.linalg.slogdet(matrices)
+    return np.where(sign > 0, logdet, -np.inf)
+
+
+POSE_CRITERIA: dict[str, PoseCriterion] = {letter: PoseCriterion(letter) for letter in Criterion}

@@ -1,0 +1,233 @@
+"""Files that hold numbers as numbers: bags of ROS 2 and ROS 1, and Parquet.
+
+A bag has positions of joints and readings of a force/torque sensor in two topics, each with a clock of its own:
+`sensor_msgs/JointState` and `geometry_msgs/WrenchStamped`, in SI units (REP 103), by the stamps in their headers. A
+host gives these, so that they jitter: samples are taken to be at equal steps, on the straight line through the stamps.
+Joints go by name, for their order differs between messages; messages of other joints on the topic are skipped.
+
+Parquet files have a column a channel, named as in `csv`; clocks are numbers or Parquet's own time stamps.
+"""
+
+import struct
+from array import array
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from cases.base.errors import RecordingError
+from cases.base.units import Array
+from cases.recording_format import CLOCK, TICKS, WRENCH, Clock, FileFormat
+from cases.schema import Case
+from identification.recording.formats.table import ColumnTable, Lines, Stamps, listed, require_room, shown, unreadable
+from identification.recording.formats.text import Field, select, without
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+    from rosbags.highlevel import AnyReader
+
+STAMP = "header.stamp"
+AXES = tuple(f"{kind}.{axis}" for kind in ("force", "torque") for axis in "xyz")
+Topic = Literal["joints", "wrench"]
+KINDS: dict[Topic, str] = {
+    "joints": "sensor_msgs/msg/JointState",
+    "wrench": "geometry_msgs/msg/WrenchStamped",
+}
+
+
+def bag_format(form: FileFormat, case: Case) -> FileFormat:
+    """What the columns of a bag are called: joints as in the case, unless `columns` of the form has other names."""
+    stated = form.columns
+    joints = {} if case.chain is None else dict(zip(case.chain.columns, case.chain.names, strict=True))
+    columns = {ours: stated.get(ours, name) for ours, name in joints.items()}
+    columns |= dict(zip(WRENCH, AXES, strict=True)) | {CLOCK: STAMP}
+    units = {"joints": "rad", "drives": "m"} | form.units
+    clock = Clock(unit="ns", offset_s=form.clock.offset_s)
+    return form.model_copy(update={"format": "csv", "columns": columns, "units": units, "clock": clock})
+
+
+def bag_tables(bag: Path, form: FileFormat) -> Iterator[ColumnTable]:
+    """Reads a bag in the format of `bag_format`: a table of each topic; raises RecordingError."""
+    with opened(bag) as reader:
+        joints, wrench = (topic_of(bag, reader, what, form.ros.get(what)) for what in KINDS)
+        theirs = [form.file_name(ours) for ours in form.columns if ours not in (*WRENCH, CLOCK)]
+        received = form.ros.get("time") == "receipt"
+        positions = _positions(reader, joints, theirs, received)
+        if (table := _table(f"{bag}, {joints}", theirs, positions, form)) is None:
+            raise RecordingError(
+                f"{bag}, {joints}",
+                f"no message has all of {listed(theirs)}; its joints are {listed(joint_names(reader, joints))}",
+                "map their names in [recording.columns] of the case, such as q1_deg",
+            )
+        yield table
+        if (table := _table(f"{bag}, {wrench}", AXES, _readings(bag, reader, wrench, form), form)) is None:
+            problem = "holds none of the messages that the bag's index counts"
+            raise RecordingError(f"{bag}, {wrench}", problem, "copy it again, or run ros2 bag reindex")
+        yield table
+
+
+@contextmanager
+def opened(bag: Path) -> "Iterator[AnyReader]":
+    """The bag, whose damages become one line each."""
+    try:
+        import apsw  # by which rosbags reads SQLite
+        from rosbags import rosbag1, rosbag2
+        from rosbags.highlevel import AnyReader, AnyReaderError
+        from rosbags.serde import SerdeError
+        from rosbags.typesys import Stores, TypesysError, get_typestore
+    except ModuleNotFoundError:
+        raise RecordingError(bag, "is a ROS bag, which rosbags reads", "pip install 'hexcite[ros]'") from None
+    import sqlite3
+
+    damaged = (AnyReaderError, OSError, EOFError, ValueError, LookupError, AttributeError, TypeError, AssertionError)
+    inside = (rosbag1.ReaderError, rosbag2.ReaderError, SerdeError, TypesysError, apsw.Error)
+    try:
+        with AnyReader([bag], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
+            yield reader
+    except (*damaged, *inside, ArithmeticError, MemoryError, struct.error, sqlite3.Error) as error:
+        if isinstance(error, RecordingError):
+            raise
+        reason = shown(" ".join(str(error).split()) or type(error).__name__, 120)
+        raise RecordingError(bag, f"is a damaged bag ({reason})", "copy it again, or run ros2 bag reindex") from error
+
+
+def topics_of(reader: "AnyReader", what: Topic) -> list[str]:
+    """Topics that carry such messages, `joints` or `wrench`."""
+    return sorted({c.topic for c in reader.connections if c.msgtype == KINDS[what] and c.msgcount})
+
+
+def topic_of(bag: Path, reader: "AnyReader", what: Topic, stated: str | None) -> str:
+    """The topic that is stated, or the only one of its kind; raises RecordingError where there are none or several."""
+    possible = topics_of(reader, what)
+    if stated in possible or (stated is None and len(possible) == 1):
+        return stated or possible[0]
+    kind = KINDS[what].rpartition("/")[2]
+    if not possible:
+        every = listed(sorted({f"{c.topic} ({c.msgtype.rpartition('/')[2]})" for c in reader.connections}))
+        raise RecordingError(bag, f"has no messages {kind}; its topics are {every}", "record such a topic too")
+    reason = f"has no topic {stated} of {kind}" if stated else f"has several topics of {kind}: {listed(possible)}"
+    raise RecordingError(bag, reason, f'set recording.ros.{what} = "{shown(possible[0])}" in the case')
+
+
+def _positions(
+    reader: "AnyReader", topic: str, joints: Sequence[str], received: bool
+) -> Iterator[tuple[int, list[float]]]:
+    """Stamps [ns], and positions of some joints [rad or m], of messages that have all of them."""
+    for stamp, message in _messages(reader, topic, received):
+        place = {name: k for k, name in enumerate(message.name) if k < len(message.position)}
+        if joints and all(joint in place for joint in joints):
+            yield stamp, [message.position[place[joint]] for joint in joints]
+
+
+_FIXED = ("base", "base_link", "base_footprint", "world", "map", "odom")  # frames that no sensor moves with
+
+
+def _readings(bag: Path, reader: "AnyReader", topic: str, form: FileFormat) -> Iterator[tuple[int, list[float]]]:
+    """Stamps [ns], and forces and moments [N, N m]; raises RecordingError where their frame changes or stands."""
+    frame = None
+    for stamp, message in _messages(reader, topic, form.ros.get("time") == "receipt"):
+        if frame is None and message.header.frame_id.strip("/") in _FIXED and form.ros.get("frame") is None:
+            own = shown(message.header.frame_id)
+            raise RecordingError(
+                f"{bag}, {topic}",
+                f"its wrench is in the frame {own}, which does not move with the sensor",
+                f'record the raw topic, in the axes of the sensor; if they are, state recording.ros.frame = "{own}"',
+            )
+        if (frame := frame or message.header.frame_id) != message.header.frame_id:
+            names = f"{frame}, {message.header.frame_id}"
+            raise RecordingError(f"{bag}, {topic}", f"is in several frames: {names}", "record the sensor's own topic")
+        vectors = message.wrench.force, message.wrench.torque
+        yield stamp, [getattr(vector, axis) for vector in vectors for axis in "xyz"]
+
+
+def joint_names(reader: "AnyReader", topic: str) -> tuple[str, ...]:
+    """The joints of the message of a topic that has most."""
+    return max((tuple(map(str, message.name)) for _, message in _messages(reader, topic)), key=len, default=())
+
+
+def _messages(reader: "AnyReader", topic: str, received: bool = False) -> Iterator[tuple[int, Any]]:
+    """Stamps in the headers, or of receipt [ns], and messages."""
+    connections = [c for c in reader.connections if c.topic == topic]
+    for connection, receipt, raw in reader.messages(connections=connections):
+        message: Any = reader.deserialize(raw, connection.msgtype)
+        stamp = message.header.stamp
+        yield receipt if received else int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec), message
+
+
+def _table(
+    source: str, names: Sequence[str], samples: Iterator[tuple[int, list[float]]], form: FileFormat
+) -> ColumnTable | None:
+    """The samples in the order of their stamps. None: there are none."""
+    at, numbers = array("q"), array("d")
+    for stamp, values in samples:
+        at.append(stamp)
+        numbers.extend(values)
+    if not at:
+        return None
+    order = np.argsort(at, kind="stable")
+    stamps, rows = np.array(at)[order], np.array(numbers).reshape(-1, len(names))[order]
+    if len(stamps) > 1 and len(np.unique(stamps)) < len(stamps) / 2:
+        problem = "its headers have no stamps of use: most of them are alike"
+        remedy = 'take the time of receipt: state recording.ros.time = "receipt" in the case'
+        raise RecordingError(source, problem, remedy)
+    ours, lines = {form.file_name(column): column for column in form.columns}, Lines(1, word="message")
+    columns = {ours[name]: np.ascontiguousarray(rows[:, k]) for k, name in enumerate(names)}
+    return ColumnTable(source, form, (STAMP, *names), columns, stamps, form.tick, lines, True)
+
+
+def parquet_tables(file: Path, form: FileFormat) -> list[ColumnTable]:
+    """Reads a file; raises RecordingError with the place and the remedy."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq  # costs 50 ms, and few need it
+
+    try:
+        with pq.ParquetFile(file) as parquet:
+            names, rows = tuple(parquet.schema_arrow.names), parquet.metadata.num_rows
+            chosen = select(file, [Field(name) for name in names], form)
+            clock = [names[chosen.pop(CLOCK)]] if CLOCK in chosen else []
+            if not chosen:
+                raise RecordingError(file, without(names, form))
+            if not rows:
+                raise RecordingError(file, "has columns but no rows", "record again")
+            require_room(file, rows, len(chosen))
+            table = parquet.read(columns=[*(names[k] for k in chosen.values()), *clock])
+    except (pa.ArrowException, OSError, ValueError) as error:
+        if isinstance(error, RecordingError):
+            raise
+        if isinstance(error, OSError) and error.errno is not None:
+            raise unreadable(file, error) from error
+        reason = shown(" ".join(str(error).split()) or type(error).__name__, 120)
+        raise RecordingError(file, f"is a damaged Parquet file ({reason})", "copy or export it again") from error
+    values = {ours: _numbers(file, names[k], table) for ours, k in chosen.items()}
+    stamps, tick = _stamps(file, clock[0], table, form.tick) if clock else (None, 0.0)
+    if stamps is None and form.clock.period is not None:
+        stamps, tick = np.arange(rows), form.clock.period
+    return [ColumnTable(str(file), form, names, values, stamps, tick, Lines(1, word="row"), bool(clock))]
+
+
+def _numbers(file: Path, name: str, table: "pa.Table") -> Array:
+    import pyarrow as pa
+
+    column = table.column(name)
+    kind = column.type
+    if not (pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_boolean(kind)):
+        raise RecordingError(f"{file}, {shown(name)}", f"holds {shown(str(kind))}, not numbers", "export it as double")
+    return np.asarray(column.cast(pa.float64(), safe=False).to_numpy())
+
+
+def _stamps(file: Path, name: str, table: "pa.Table", tick: float) -> tuple[Stamps, float]:
+    """Time stamps, and the duration of one unit of them [s]."""
+    import pyarrow as pa
+
+    column = table.column(name)
+    kind = column.type
+    if column.null_count:
+        row = int(np.argmin(column.is_valid().to_numpy()))
+        raise RecordingError(f"{file}, {shown(name)}", f"has no value in row {row + 1}", "remove the row")
+    if pa.types.is_timestamp(kind) or pa.types.is_duration(kind):
+        return column.cast(pa.int64()).to_numpy(), TICKS[kind.unit]
+    if pa.types.is_integer(kind):
+        return column.cast(pa.int64()).to_numpy(), tick
+    return _numbers(file, name, table), tick

@@ -1,0 +1,192 @@
+"""Units of the columns that are used: what the case states, else what the file states; else that of our name.
+
+A unit that is not known, or not of the column's quantity, is refused: no unit is taken for the usual one because it
+could not be read. What the case states wins, for labels err too; that they differ is a finding.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from cases.base.errors import RecordingError
+from cases.base.unit_names import is_unit
+from cases.base.units import Array
+from cases.recording_format import BAR_FORCES, CLOCK, COLUMNS, ROLE_OF, ROLE_UNITS, TICKS, WRENCH, Role
+from identification.finding import Finding, Kind, note, warning
+from identification.recording.formats.families import words_of
+from identification.recording.formats.labels import StatedUnit, counted, is_count, stated_unit
+from identification.recording.formats.table import ColumnTable, shown
+from identification.recording.formats.vocabulary import computed
+
+_FORCES = (*BAR_FORCES, *WRENCH)
+_ENOUGH = 1000  # rows that show whether numbers are whole
+
+
+def with_units(table: ColumnTable) -> ColumnTable:
+    """The table with SI values of its columns' units, with findings about them; raises RecordingError."""
+    form = table.form
+    factors: dict[str, float] = {}
+    by_label: dict[Role, list[tuple[str, StatedUnit]]] = {}
+    contradicted: dict[Role, list[tuple[str, StatedUnit]]] = {}
+    unknown: dict[str, StatedUnit] = {}
+    for ours, values in table.values.items():
+        role = ROLE_OF.get(ours)
+        factors[ours] = form.factor(ours)
+        if role is None or ours in form.scale:
+            continue
+        units, label = ROLE_UNITS[role], form.file_name(ours)
+        stated = _stated(table, ours)
+        if role in form.units:
+            if stated is None:
+                continue
+            if stated.counts != 1.0 and label not in COLUMNS:
+                factors[ours] /= stated.counts
+                by_label.setdefault(role, []).append((label, stated))
+            elif (stated.several or is_unit(stated.text)) and stated.symbol != units.symbol(form.units[role]):
+                contradicted.setdefault(role, []).append((label, stated))
+        elif stated is None:
+            if label not in COLUMNS and (word := counted(label, _whole(values))):
+                unknown[ours] = StatedUnit(word, None)
+        elif stated.symbol is None or stated.several:
+            unknown[ours] = stated
+        else:
+            factors[ours] = units[stated.symbol] / stated.counts
+            if stated.symbol != units.usual or stated.counts != 1.0:
+                by_label.setdefault(role, []).append((label, stated))
+    if unknown:
+        raise _refusal(table, unknown)
+    findings = [
+        note(
+            Kind.FORMAT,
+            f"{role} are read in {_symbols(columns)}, as the file says of {_labels(columns)}, {table.source}",
+        )
+        for role, columns in by_label.items()
+    ]
+    findings += [
+        warning(
+            Kind.FORMAT,
+            f"the file says {_symbols(columns)} of {_labels(columns)}, recording.units.{role} of the case says "
+            f"{form.units[role]}, which is used; correct one of them",
+            table.source,
+        )
+        for role, columns in contradicted.items()
+    ]
+    tick, of_clock = _tick(table)
+    found = (*table.findings, *findings, *of_clock, *_whole_forces(table), *_no_readings(table))
+    return replace(table, factors=factors, tick=tick, findings=found)
+
+
+def _stated(table: ColumnTable, ours: str) -> StatedUnit | None:
+    """The unit that the file states for a column; beside a name of ours, which says one too, several if it differs."""
+    label = table.form.file_name(ours)
+    units = TICKS if ours == CLOCK else ROLE_UNITS[ROLE_OF[ours]]
+    if label not in COLUMNS:
+        return stated_unit(label, table.unit_cells.get(ours, ""), units, table.header)
+    stated = stated_unit("", table.unit_cells.get(ours, ""), units, table.header)
+    if stated is None or stated.symbol is None or (stated.symbol == units.usual and stated.counts == 1.0):
+        return stated
+    other = stated.text if stated.counts == 1.0 else f"{stated.text}/{stated.counts:.6g}"
+    return replace(stated, text=f"{units.usual} and {other}", several=True)
+
+
+def _refusal(table: ColumnTable, unknown: Mapping[str, StatedUnit]) -> RecordingError:
+    """The error for columns whose unit is not known, our name -> what the file says."""
+    ours, stated = next(iter(unknown.items()))
+    role, label = ROLE_OF[ours], table.form.file_name(ours)
+    units = ROLE_UNITS[role]
+    others = f" (likewise {len(unknown) - 1} more)" if len(unknown) > 1 else ""
+    scale = f"recording.scale = {{ {ours} = .. }}, what a 1 of each channel is in {units.usual}"
+    remedy = f"state recording.units.{role}, one of {', '.join(units)}; or {scale}"
+    if is_count(stated.text):
+        problem = f"holds counts ({shown(stated.text)}), which have a unit by a factor only{others}"
+        remedy = f"state {scale}; where they are {role} already, recording.units.{role} = '{units.usual}'"
+    elif stated.several:
+        problem = f"has units that differ, {shown(stated.text)}{others}"
+    else:
+        problem = f"{shown(stated.text)!r} is not a known unit of {role}{others}"
+    return RecordingError(f"{table.source}, {shown(label)}", problem, remedy)
+
+
+def _tick(table: ColumnTable) -> tuple[float, list[Finding]]:
+    """Duration of a unit of the time stamps [s], and findings about it; raises RecordingError."""
+    form = table.form
+    label = form.file_name(CLOCK)
+    of_file = table.stamps is not None and form.clock.period_ms is None and label in table.names
+    if not of_file or table.tick != form.tick or form.format == "twincat-scope":
+        return table.tick, []
+    if CLOCK in form.scale:
+        return form.scale[CLOCK], []
+    if (stated := _stated(table, CLOCK)) is None:
+        return table.tick, []
+    if form.clock.unit is not None:
+        if stated.symbol in (None, form.clock.unit):
+            return table.tick, []
+        sentence = (
+            f"{shown(label)} says {stated.text}, recording.clock.unit of the case says {form.clock.unit}, which is used"
+        )
+        return table.tick, [warning(Kind.FORMAT, f"{sentence}; correct one of them", table.source)]
+    if stated.symbol is None or stated.several:
+        known = "is not a unit of time that is known" if not stated.several else "are units that differ"
+        raise RecordingError(
+            f"{table.source}, {shown(label)}",
+            f"{shown(stated.text)!r} {known}",
+            f"state recording.clock.unit: {', '.join(TICKS)}; of counts recording.scale = {{ t_s = 0.001 }} [s]",
+        )
+    if stated.symbol == TICKS.usual:
+        return table.tick, []
+    sentence = f"time stamps are read in {stated.symbol}, as {shown(label)} says in {table.source}"
+    return TICKS[stated.symbol], [note(Kind.FORMAT, sentence)]
+
+
+def _whole(values: Array) -> bool:
+    """Whether all numbers are whole, those that are missing apart, and some of them differ."""
+    for part in (values[:_ENOUGH], values):
+        numbers = part[np.isfinite(part)]
+        if not len(numbers) or np.any(numbers != np.rint(numbers)):
+            return False
+    return bool(numbers.max() > numbers.min())
+
+
+def _whole_forces(table: ColumnTable) -> Iterator[Finding]:
+    """A finding where forces whose unit nobody states are whole numbers, as converters give them."""
+    form = table.form
+    silent = [ours for ours in table.values if ours in _FORCES and _nobody_says(table, ours)]
+    if silent and all(_whole(table.values[ours]) for ours in silent):
+        label, role = shown(form.file_name(silent[0])), ROLE_OF[silent[0]]
+        yield warning(
+            Kind.FORMAT,
+            f"{label} to {shown(form.file_name(silent[-1]))} hold whole numbers only and are taken to be in "
+            f"{ROLE_UNITS[role].usual}: of counts of a converter state recording.scale in the case, else "
+            f"recording.units.{role} = '{ROLE_UNITS[role].usual}'",
+            table.source,
+        )
+
+
+def _nobody_says(table: ColumnTable, ours: str) -> bool:
+    """Whether neither case nor file states the unit of a column."""
+    form = table.form
+    named = form.file_name(ours) in COLUMNS or ours in form.scale or ROLE_OF[ours] in form.units
+    return not named and _stated(table, ours) is None
+
+
+def _no_readings(table: ColumnTable) -> Iterator[Finding]:
+    """A finding where the columns of the forces are not readings of a sensor by their names."""
+    for ours in table.values:
+        if ours in _FORCES and (what := computed(words_of(label := table.form.file_name(ours)))):
+            yield warning(
+                Kind.FORMAT,
+                f"{shown(label)} is not a reading of the sensor but {what[0]}; {what[1]}",
+                table.source,
+            )
+            return
+
+
+def _labels(columns: Sequence[tuple[str, StatedUnit]]) -> str:
+    others = f" (likewise {len(columns) - 1} more)" if len(columns) > 1 else ""
+    return f"{shown(columns[0][0])}{others}"
+
+
+def _symbols(columns: Sequence[tuple[str, StatedUnit]]) -> str:
+    symbols = ((stated.symbol or stated.text, stated.counts) for _, stated in columns)
+    return " and ".join(dict.fromkeys(unit if counts == 1.0 else f"{unit}/{counts:.6g}" for unit, counts in symbols))

@@ -1,0 +1,194 @@
+"""Samples at equal steps: repeated rows go, lost samples get rows, what was done is a finding.
+
+Where stamps stray from equal steps, either the samples are at equal steps and the stamps are late, or they were taken
+when the stamps say. The motion decides: with the wrong instants it is rougher.
+"""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cases.base.units import Array, Flags, Indices
+from identification.finding import Finding, Kind, note, warning
+from identification.recording.formats.clocks import GAP, Even, Unsteady, agrees, evened
+from identification.recording.formats.table import Channel, ColumnTable, Stream
+
+MOST_PUT_BACK = 3  # samples in a row
+_SWITCHING: tuple[Channel, ...] = ("trigger", "override", "rotations")  # a lost sample gets their last value
+_MOTIONS: tuple[Channel, ...] = ("struts", "poses")
+_SMOOTHER = 2.0  # times, by which the motion must be smoother for stamps to be the instants
+_LEAST_MOVING = 100  # samples that show it
+_LEAST_APART = 0.2  # steps between stamps of which it can be seen
+_OTHER_CLOCK = 1e-3  # share by which a stated period may differ from the stamps before one of them is called wrong
+_UNSURE = 1e-3  # share of the step, from which on its deviation is a warning
+
+
+def clocked(table: ColumnTable) -> ColumnTable:
+    """The table without repeated rows, and with the clock that the case states where its stamps are of another kind."""
+    table = _without_repeats(table)
+    period = table.form.clock.period
+    if period is None or table.stamps is None or not table.stamped:
+        return table
+    t = (table.stamps - table.stamps[0]) * table.tick
+    if table.rows < 2 or agrees(t, period):
+        return table
+    if table.form.format == "twincat-scope":  # its clocks are at different rates
+        said = note(Kind.CLOCK, f"{_name(table)}: recording.clock.period_ms is not used, its clocks have their stamps")
+        return replace(table, stamped=False, findings=(*table.findings, said))
+    sentence = f"{_name(table)}: recording.clock.period_ms = {period * 1e3:.6g} counts, not its time stamps, which are "
+    said = note(Kind.CLOCK, f"{sentence}{float(t[-1]) / (table.rows - 1) * 1e3:.4g} ms apart on average")
+    return replace(table, stamps=np.arange(table.rows), tick=period, stamped=False, findings=(*table.findings, said))
+
+
+def _without_repeats(table: ColumnTable) -> ColumnTable:
+    """Without rows that repeat the one above, stamp and values alike, unless others repeat their stamp alone."""
+    if table.stamps is None or table.rows < 2 or not table.values:
+        return table
+    again = np.r_[False, table.stamps[1:] == table.stamps[:-1]]
+    at = np.flatnonzero(again)
+    if not len(at) or any(not np.array_equal(c[at], c[at - 1], equal_nan=True) for c in table.values.values()):
+        return table
+    values = {ours: column[~again] for ours, column in table.values.items()}
+    rows = f"{len(at)} rows repeat the one above them" if len(at) > 1 else "1 row repeats the one above it"
+    said = note(Kind.CLOCK, f"{_name(table)}: {rows}, {table.lines.place(int(at[0]))} first; left out")
+    kept = {"stamps": table.stamps[~again], "lines": table.lines.without(at.tolist())}
+    return replace(table, values=values, findings=(*table.findings, said), **kept)
+
+
+def on_equal_steps(stream: Stream, period: float | None = None) -> Stream | Unsteady:
+    """The stream with samples at equal steps, and with rows for those that were lost, a few at a time.
+
+    Args:
+        stream: samples with their stamps.
+        period: time between samples that is stated, which counts more than the stamps [s].
+
+    Returns:
+        the stream as it is where its stamps are at no one rate, `Stream.step` then says why; why nothing can be made of
+        them where they do not increase.
+    """
+    if stream.t is None or len(stream.t) < 2:
+        return stream
+    even = evened(stream.t, period)
+    if isinstance(even, Unsteady):
+        return even if even.backwards else stream
+    taken = even.strays and period is None and _taken_when_stamped(stream, stream.t, even)
+    findings = (*stream.findings, *_about(stream, even, taken))
+    if taken:
+        return replace(_at(stream, even), findings=findings)
+    t = even.t if even.strays or even.written is not None else stream.t  # rounding of what is printed stays
+    return _with_lost_rows(replace(stream, t=t, findings=findings), t, even.numbers)
+
+
+def _name(source: ColumnTable | Stream) -> str:
+    return Path(source.source).name
+
+
+def _about(stream: Stream, even: Even, taken: bool) -> list[Finding]:
+    """What to say of the clock."""
+    ms, name = 1e3, _name(stream)
+    if even.written is not None:
+        off = abs(even.written / even.step - 1.0)
+        counts = f"{name}: recording.clock.period_ms = {even.step * ms:.6g} counts, not its time stamps"
+        if off < _OTHER_CLOCK:
+            return [note(Kind.CLOCK, f"{counts}; these say which samples were lost")]
+        sentence = f"{counts}, which are {even.written * ms:.6g} ms apart: accelerations differ by {200 * off:.2g} %; "
+        return [warning(Kind.CLOCK, f"{sentence}find out which of them is right")]
+    if not even.strays:
+        return []
+    by = f"by {even.stray * ms:.3g} ms (rms), at most {even.most * ms:.3g} ms"
+    done = "the samples are taken to be at these"
+    if taken:
+        done = "the motion is smoother at the stamps, so that samples are interpolated between them"
+    sentence = f"{name}: time stamps stray from equal steps of {even.step * ms:.6g} ms {by}; {done}"
+    stated = {"step_ms": even.step * ms, "rms_ms": even.stray * ms, "most_ms": even.most * ms}
+    findings = [note(Kind.CLOCK, sentence, time_stamps=stated | {"step_deviation": even.deviation})]
+    if even.deviation > _UNSURE:
+        hidden = "" if even.clear else ": single lost samples are not seen behind what stamps stray by"
+        sentence = f"{name}: the step of {even.step * ms:.4g} ms is uncertain by {100 * even.deviation:.2g} %{hidden}; "
+        findings.append(warning(Kind.CLOCK, f"{sentence}state recording.clock.period_ms if it is known"))
+    return findings
+
+
+def _with_lost_rows(stream: Stream, t: Array, numbers: Indices) -> Stream:
+    """The stream with rows for samples that were lost, a few at a time, so that a filter can pass them.
+
+    By the instants of its rows, shape (n,) [s], and their numbers where lost ones count.
+    """
+    gaps = np.diff(numbers) - 1
+    count = np.r_[0, np.where(gaps <= MOST_PUT_BACK, gaps, 0)]
+    if not count.any():
+        return stream
+    own = np.arange(len(t)) + np.cumsum(count)  # where the rows that are there stand in the result
+    rows = np.arange(own[-1] + 1)
+    present = np.zeros(len(rows), dtype=bool)
+    present[own] = True
+    more: dict[Any, Any] = {n: spread(v, own, rows, n in _SWITCHING) for n, v in stream.channels.items()}
+    missing = ~present
+    if stream.missing is not None:
+        missing[own] = stream.missing
+    lines = replace(stream.lines, inserted=tuple(np.flatnonzero(~present).tolist()))
+    return replace(stream, t=np.interp(rows, own, t), lines=lines, missing=missing, **more)
+
+
+def spread(values: Array, own: Indices | Array, rows: Indices | Array, last: bool) -> Array:
+    """Values at all rows: straight lines between those that are there, or the last of them."""
+    if last:
+        return np.asarray(values[np.maximum(np.searchsorted(own, rows, side="right") - 1, 0)])
+    columns = [np.interp(rows, own, column) for column in values.reshape(len(values), -1).T]
+    return np.stack(columns, axis=1).reshape(len(rows), *values.shape[1:])
+
+
+def _taken_when_stamped(stream: Stream, stamps: Array, even: Even) -> bool:
+    """Whether the motion is clearly smoother with samples at their stamps than at equal steps."""
+    if stamps.size < _LEAST_MOVING or np.diff(stamps).min() < _LEAST_APART * even.step:
+        return False
+    rougher = []
+    for name in _MOTIONS:
+        if name not in stream.channels:
+            continue
+        for column in stream.channels[name].reshape(len(stamps), -1).T:
+            moving = _moving(column)
+            if moving.sum() >= _LEAST_MOVING:
+                levels = [float(np.median(np.abs(_rough(column, t)[moving]))) for t in (even.t, stamps)]
+                rougher.append(levels[0] / max(levels[1], np.finfo(float).tiny))
+    return bool(rougher) and float(np.median(rougher)) > _SMOOTHER
+
+
+def _moving(column: Array) -> Flags:
+    """Samples where a coordinate is fast, two at either end apart, shape (n - 4,)."""
+    speed = np.abs(column[3:-1] - column[1:-3])
+    return np.asarray((speed > 0.5 * np.quantile(speed, 0.95)) & (speed > 0.0))
+
+
+def _rough(column: Array, t: Array) -> Array:
+    """How far samples are from the cubic through two on either side, over what noise makes of it, shape (n - 4,)."""
+    around = [np.arange(len(t) - 4) + k for k in (0, 1, 3, 4)]
+    at, result, noise = t[2:-2], -column[2:-2], np.ones(len(t) - 4)
+    for k in around:
+        weight = np.ones(len(t) - 4)
+        for other in around:
+            if other is not k:
+                weight = weight * (at - t[other]) / (t[k] - t[other])
+        result = result + weight * column[k]
+        noise = noise + weight**2
+    return np.asarray(result / np.sqrt(noise))
+
+
+def _at(stream: Stream, even: Even) -> Stream:
+    """The samples, which were taken at their stamps, interpolated at equal steps."""
+    from scipy.interpolate import CubicSpline
+
+    assert stream.t is not None
+    more: dict[Any, Any] = {}
+    for name, values in stream.channels.items():
+        if name in ("struts", "poses"):
+            more[name] = CubicSpline(stream.t, values)(np.clip(even.t, stream.t[0], stream.t[-1]))
+        else:
+            more[name] = spread(values, stream.t, even.t, name in _SWITCHING)
+    after = np.clip(np.searchsorted(stream.t, even.t), 1, len(stream.t) - 1)
+    missing = stream.t[after] - stream.t[after - 1] > GAP * even.step
+    if stream.missing is not None:
+        missing |= stream.missing[after] | stream.missing[after - 1]
+    return replace(stream, t=even.t, missing=missing if missing.any() else None, **more)

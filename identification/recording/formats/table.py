@@ -1,0 +1,276 @@
+"""What readers share: columns with the place of each row in its file, and streams."""
+
+import stat
+from bisect import bisect_right
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from os import PathLike
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.base.errors import RecordingError, printable
+from cases.base.units import Array, Flags
+from cases.recording_format import FileFormat
+from identification.finding import Finding
+from identification.recording.formats.clocks import Unsteady, evened
+
+Stamps = NDArray[np.float64] | NDArray[np.int64]
+Channel = Literal["struts", "rotations", "forces", "trigger", "poses", "specific_forces", "override"]
+
+_SHOWN_NAMES = 40
+_SHOWN_CHARACTERS = 40
+
+
+@dataclass(frozen=True, slots=True)
+class Lines:
+    """Where in its file each row stands."""
+
+    first: int = 2  # number of the line of the first row, counted from 1
+    skipped: tuple[int, ...] = ()  # numbers of lines behind it that hold no row, ascending
+    word: str = "line"  # what the file's rows are called
+    every: int = 1  # distance of the samples among the file's rows
+    # rows that stand in no line, counted from 0 and ascending, before only every n-th is taken
+    inserted: tuple[int, ...] = ()
+
+    def later(self, row: int, every: int = 1) -> "Lines":
+        """Places of the rows from `row` on, counted from 0, or of every n-th of them, n = `every`."""
+        start = row * self.every
+        count = bisect_right(self.inserted, start)
+        inserted = tuple(k - start for k in self.inserted[count:])
+        return replace(self, first=self.first + start - count, every=self.every * every, inserted=inserted)
+
+    def without(self, rows: Sequence[int]) -> "Lines":
+        """Places where some rows, counted from 0 and ascending, are left out."""
+        return replace(self, skipped=tuple(sorted({*self.skipped, *map(self.number, rows)})))
+
+    def number(self, row: int) -> int:
+        """Number of the line of a row, counted from 0; of one that stands in no line that before it."""
+        line = self.first + row * self.every - bisect_right(self.inserted, row * self.every)
+        for skipped in self.skipped:
+            if skipped > line:
+                break
+            line += 1
+        return line
+
+    def place(self, row: int) -> str:
+        """Place of a row, counted from 0, as a message names it."""
+        return f"{self.word} {self.number(row)}"
+
+
+@dataclass(frozen=True, slots=True)
+class ColumnTable:
+    """Columns of a file that share their rows, in the file's units."""
+
+    source: str  # the file, for messages
+    form: FileFormat  # how it is written
+    names: tuple[str, ...]  # all columns that the file has, as it calls them
+    # our column name -> numbers, shape (n,); missing ones are NaN. Only columns that we know
+    values: Mapping[str, Array]
+    # stamps of the clock, shape (n,), as the file counts; integers where it writes such. None: no clock
+    stamps: Stamps | None
+    tick: float  # duration of one unit of the stamps [s]
+    lines: Lines  # where the rows stand
+    stamped: bool = False  # whether the file has stamps; else its rows are counted
+    unit_cells: Mapping[str, str] = field(default_factory=dict)  # our column name -> what a row of units has for it
+    header: tuple[str, ...] = ()  # lines above the rows, which may say more about units
+    factors: Mapping[str, float] = field(default_factory=dict)  # our column name -> SI value of the file's unit
+    findings: tuple[Finding, ...] = ()  # what reading it made known
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        columns = [*self.values.values(), *([] if self.stamps is None else [self.stamps])]
+        return len(columns[0]) if columns else 0
+
+    def place(self, row: int, ours: str) -> str:
+        """File, line and column of a value, as a message names them."""
+        return f"{self.source}, {self.lines.place(row)}, {shown(self.form.file_name(ours))}"
+
+
+@dataclass(frozen=True, slots=True)
+class Stream:
+    """Samples of one clock in SI units, one row a sample; arrays are None where there are no such channels."""
+
+    source: str  # the file, for messages
+    t: Array | None  # time since the first sample of the run, shape (n,) [s]; None: every row is an averaged standstill
+    # what moves the sensors: strut lengths, shape (n, 6) [m]; of a chain its joints, shape (n, k) [m or rad]
+    struts: Array | None
+    rotations: Array | None  # R, shape (n, 3, 3)
+    forces: Array | None  # forces of the sensors, shape (n, 6) [N, or N and N m]
+    trigger: Flags | None  # shape (n,)
+    poses: Array | None = None  # poses of {P} in {B}, shape (n, 6) [m, rad]
+    specific_forces: Array | None = None  # acceleration less gravity, in the axes of {P}, shape (n, 3) [m/s^2]
+    override: Array | None = None  # override of the feed, shape (n,); 1 for 100 %
+    lines: Lines = field(default_factory=Lines)  # where the rows stand in the file
+    # rows in which a value was not measured and stands for nothing, shape (n,); None: there are none
+    missing: Flags | None = None
+    missing_in: tuple[str, ...] = ()  # the columns in which they are, as the file calls them
+    findings: tuple[Finding, ...] = ()  # what reading made known: how it was read, and doubts about that
+
+    def __post_init__(self) -> None:
+        """Makes arrays of what is given as such, of floats or flags; RecordingError names what cannot be."""
+        kind = type(self).__name__
+        if not isinstance(self.source, str | PathLike):
+            raise RecordingError(f"{kind}: source", f"is {told(self.source)}", "name the file or place it is from")
+        object.__setattr__(self, "source", printable(str(self.source)))
+        for name, shape in SHAPES.items():
+            if (value := getattr(self, name, None)) is not None:
+                object.__setattr__(self, name, _array(value, shape, name in FLAGS, f"{kind}: {name}"))
+        self._require_alike(kind)
+
+    def _require_alike(self, kind: str) -> None:
+        """Raises RecordingError where arrays differ in length, or have no value in a row that is not missing."""
+        own = {name: array for name in SHAPES if (array := getattr(self, name, None)) is not None}
+        first = next((name for name in ("forces", "t", *own) if name in own), None)
+        for name, array in own.items():
+            if first is not None and len(array) != (rows := len(own[first])):
+                problem = f"has {len(array)} rows where {first} has {rows}"
+                raise RecordingError(f"{kind}: {name}", problem, "give one row a sample of one clock")
+            if name in FLAGS or np.isfinite(array).all():
+                continue
+            odd = ~np.isfinite(array.reshape(len(array), -1)).all(axis=1)
+            odd = odd if name == "t" or self.missing is None else odd & ~self.missing
+            if odd.any():
+                remedy = "leave the row out" if name == "t" else "mark such rows in missing, or leave them out"
+                problem = f"row {int(np.argmax(odd))} of {len(array)}, counted from 0, is not finite"
+                raise RecordingError(f"{kind}: {name}", problem, remedy)
+
+    @property
+    def channels(self) -> dict[Channel, Any]:
+        """The arrays that are there, by name."""
+        arrays = {name: getattr(self, name) for name in get_args(Channel)}
+        return {name: array for name, array in arrays.items() if array is not None}
+
+    @property
+    def rows(self) -> int:
+        """Number of samples."""
+        return len(next(iter(self.channels.values()), ()))
+
+    @property
+    def bad(self) -> Flags:
+        """Rows that no estimate may use, shape (n,)."""
+        return np.zeros(self.rows, dtype=bool) if self.missing is None else self.missing
+
+    @property
+    def step(self) -> float:
+        """Time between samples, gaps apart [s].
+
+        Raises RecordingError where there is no clock, or where samples are not at equal steps: with the first that is
+        not.
+        """
+        if self.t is None:
+            raise RecordingError(self.source, "has no t_s column", "its rows are standstills")
+        if len(self.t) < 2:
+            raise RecordingError(self.source, "has one row, which is not a motion", "record again")
+        even = evened(self.t)
+        if isinstance(even, Unsteady):
+            raise RecordingError(f"{self.source}, {self.lines.place(even.row)}, t_s", even.problem, even.remedy)
+        return even.step
+
+
+SHAPES: dict[str, tuple[int | None, ...]] = {
+    "t": (None,), "struts": (None, None), "rotations": (None, 3, 3), "forces": (None, 6), "trigger": (None,),
+    "poses": (None, None), "specific_forces": (None, 3), "override": (None,), "missing": (None,), "weights": (None,),
+}  # fmt: skip
+"""Shapes of the arrays of a stream; None: any number."""
+FLAGS = ("trigger", "missing")
+
+
+def told(value: object) -> str:
+    """A value as a message can show it."""
+    text = repr(value)
+    return shown(text) if len(text) <= _SHOWN_CHARACTERS else f"a {type(value).__name__}"
+
+
+def _array(value: Any, shape: tuple[int | None, ...], flags: bool, place: str) -> Any:
+    """A value as an array of floats or flags; raises RecordingError where it is none, or of another shape."""
+    wanted = "flags" if flags else "numbers"
+    if isinstance(value, np.ma.MaskedArray):
+        if np.any(np.ma.getmaskarray(value)):
+            count = int(np.count_nonzero(np.ma.getmaskarray(value)))
+            problem = f"is a masked array that hides {count} of its {value.size} values"
+            raise RecordingError(place, problem, "give a plain array, and mark such rows in missing")
+        value = value.data
+    try:
+        array = np.asarray(value)
+    except ValueError:  # rows of unequal length
+        raise RecordingError(
+            place, "is not an array of equal rows", f"give {wanted} of shape {_shape(shape)}"
+        ) from None
+    if array.dtype.kind not in "bifu":
+        kind = told(value) if array.ndim == 0 else f"an array of {array.dtype}"
+        raise RecordingError(place, f"is {kind}", f"give {wanted} of shape {_shape(shape)}")
+    if array.ndim != len(shape) or any(want not in (None, have) for want, have in zip(shape, array.shape, strict=True)):
+        problem = f"has the shape {_shape(array.shape)}"
+        raise RecordingError(place, problem, f"give {wanted} of shape {_shape(shape)}, one row a sample")
+    if not flags:
+        return np.asarray(array, dtype=float)
+    if array.dtype.kind != "b" and not np.isin(array, (0, 1)).all():
+        raise RecordingError(place, "holds more than 0 and 1", "give flags, such as trigger > 0.5")
+    return np.asarray(array, dtype=bool)
+
+
+def _shape(shape: Sequence[int | None]) -> str:
+    """A shape in words: (n, 6)."""
+    letters = iter("nk")
+    words = [str(next(letters, "m") if size is None else size) for size in shape]
+    return f"({', '.join(words)}{',' * (len(words) == 1)})"
+
+
+def require_file(file: Path) -> None:
+    """Raises RecordingError unless there is a file that holds something."""
+    try:
+        about = file.stat()
+    except (OSError, ValueError) as error:
+        raise unreadable(file, error) from error
+    if not stat.S_ISREG(about.st_mode):
+        raise RecordingError(file, "cannot be read (it is not a regular file)", "give a recording's CSV or folder")
+    if about.st_size == 0:
+        raise RecordingError(file, "is empty", "record again")
+
+
+MOST_MISSING = 0.3  # of a column's rows; one with more is sampled at another rate, or is broken
+BYTES = 40  # of memory that reading and evaluating a run take at most for each number in it
+
+
+def require_room(file: Path, rows: int, columns: int, others: int = 0) -> None:
+    """Raises RecordingError where a run takes more than half of the free memory; `others` are its other numbers."""
+    most = free_memory() // (2 * BYTES)
+    if others + rows * columns > most:
+        raise RecordingError(
+            file,
+            f"{others + rows * columns:,} numbers in this run take more than half of the free memory to be evaluated "
+            f"({2e-09 * BYTES * most:.3g} GB)",
+            f"cut the run, at most {most // columns:,} rows of {columns} columns fit, or free memory",
+        )
+
+
+def free_memory() -> int:
+    """Memory that can be used without swapping [bytes]; 2^60 where the system does not report it."""
+    try:
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+        return next(int(line.split()[1]) * 1024 for line in lines if line.startswith("MemAvailable:"))
+    except (OSError, StopIteration):
+        return 1 << 60
+
+
+def unreadable(file: Path, error: Exception) -> RecordingError:
+    """The error for a file that the system cannot read."""
+    reason = (error.strerror if isinstance(error, OSError) else None) or type(error).__name__
+    return RecordingError(file, f"cannot be read ({reason})", "give a recording's CSV or folder")
+
+
+def shown(text: str, limit: int = _SHOWN_CHARACTERS) -> str:
+    """Text from a file as a message can show it: printable and short."""
+    clean = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+    return clean if len(clean) <= limit else clean[: limit - 2] + ".."
+
+
+def listed(names: Iterable[str]) -> str:
+    """Names from a file as a message can list them."""
+    labels = [shown(n) for n in names if n.strip()]
+    more = f" and {len(labels) - _SHOWN_NAMES} more" if len(labels) > _SHOWN_NAMES else ""
+    return (", ".join(labels[:_SHOWN_NAMES]) or "no names") + more

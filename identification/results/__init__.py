@@ -1,0 +1,1 @@
+"""What an identification gives: estimates, results as folders, and their use for forces and payloads."""

@@ -1,0 +1,175 @@
+"""The payload: the rigid body that was added from one identification to another."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import chdtri
+
+from cases.base.errors import IdentificationError
+from cases.base.units import Array, as_html
+from identification.estimation.fit import Value
+from identification.finding import Finding, Kind, changed_cases, sentences, warning
+from identification.model.model import Model
+from identification.results.result import Result
+from identification.model.blocks import FIRST_MOMENT, INERTIA, MASS, Block
+from identification.texts import parameter_lines
+from identification.results.estimate import physical_values
+
+LEVEL = 1e-3  # share of gravity along an axis from which on the payload's place along it is uncertain
+UNLIKELY = 1e-3  # chance of so large a misfit of a weight by noise
+
+
+class Payload(NamedTuple):
+    """The payload between two results."""
+
+    parameters: dict[str, Value]  # mass, centre of gravity in {P} and inertia about it (where both results have it)
+    findings: tuple[Finding, ...]
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Sentences that people should act on."""
+        return sentences(self.findings, "warning")
+
+    def __repr__(self) -> str:
+        """A line for each parameter, and warnings."""
+        warnings = (f"warning: {warning}" for warning in self.warnings)
+        return "\n".join(["Payload", *parameter_lines(self.parameters), *warnings])
+
+    def _repr_html_(self) -> str:
+        return as_html(self)
+
+
+def payload(before: Result, after: Result) -> Payload:
+    """The body that was mounted from one identification to another: mass, centre of gravity, inertia.
+
+        empty, loaded = hx.Result.load("empty"), hx.Result.load("loaded")
+        hx.payload(empty, loaded).parameters["m"].value
+
+    Raises:
+        IdentificationError: both are of the same recording, or the difference in mass is not significant.
+        FileProblem: parameters of another case.
+    """
+    require_two(before, after)
+    found = (payload_on_table if before.case.setup == "1a" else payload_between)(before, after)
+    return found._replace(findings=(*found.findings, *changed_cases(before.remarks + after.remarks)))
+
+
+def payload_on_table(before: Result, after: Result) -> Payload:
+    """The payload that was put on a frame that does not move, from the offsets without and with it (setup 1a).
+
+    Its weight pulls along gravity alone: the component of the centre of gravity along gravity stays unknown, and so do
+    all of xC, yC, zC that have a share in it; the warnings name them.
+
+    Raises:
+        IdentificationError: the difference in mass is not significant.
+    """
+    body = replace(after.model, blocks=(MASS, FIRST_MOMENT))
+    still = np.zeros((1, 6))
+    matrix = body.matrices(np.zeros((1, 3)), np.eye(3)[None], still, still)[0]
+    white = np.diag(before.covariance + after.covariance)
+    robust = np.diag(before.covariance_robust + after.covariance_robust - common_of(before, after))
+    variance = np.maximum(np.maximum(white, robust), np.finfo(float).tiny)
+    root = 1.0 / np.sqrt(variance)
+    along = np.abs(body.gravity) > LEVEL * np.linalg.norm(body.gravity)
+    # The unknown direction stays free, so that the others do not take over its share.
+    spread = np.linalg.pinv(matrix * root[:, None], rcond=1e-9) * root
+    u = spread @ (after.values - before.values)
+    of_u = (spread * variance) @ spread.T
+    findings = _about(before, after, float(u[0]), float(of_u[0, 0]))
+    residuals = (after.values - before.values - matrix @ u) * root
+    if float(residuals @ residuals) > float(chdtri(3, UNLIKELY)):
+        sentence = "the change of the forces is not a weight alone: something pushes, or a sensor has drifted"
+        findings.append(warning(Kind.MODEL, sentence))
+    names = [n for n, a in zip(("xC", "yC", "zC"), along, strict=True) if a]
+    sentence = f"{', '.join(names)} not determined: gravity acts along it, and the frame does not move; weigh the "
+    findings.append(warning(Kind.MODEL, f"{sentence}payload in another orientation"))
+    physical = physical_values(body, u, of_u, of_u)
+    return Payload({name: value for name, value in physical.items() if name not in names}, tuple(findings))
+
+
+def common_of(
+    before: Result, after: Result, old: Sequence[int] | None = None, new: Sequence[int] | None = None
+) -> Array:
+    """What the difference of two results has less variance by, for both are off by the same tolerances, shape (u, u).
+
+    Args:
+        before: one result.
+        after: the other one; where its tolerances are others, they have nothing in common.
+        old: places of parameters in u of `before`; all of them unless given.
+        new: the same of `after`.
+    """
+    one, other = (slice(None) if places is None else list(places) for places in (old, new))
+    tolerances = [
+        {key: value for key, value in (of.record.computed_from or {}).items() if key.startswith("tolerances")}
+        for of in (before, after)
+    ]
+    size = len(before.values[one])
+    both = before.biases.keys() & after.biases.keys() if tolerances[0] == tolerances[1] else set()
+    cross = np.zeros((size, size))
+    for key in both:
+        there, here = before.biases[key][one], after.biases[key][other]
+        if there.shape[1] == here.shape[1]:
+            cross += here @ there.T
+    return np.asarray(cross + cross.T)
+
+
+def require_two(before: Result, after: Result) -> None:
+    """Refuses one recording as both.
+
+    Raises:
+        IdentificationError: both results are of the same files.
+    """
+    if before.source == after.source or (before.recordings and before.recordings == after.recordings):
+        raise IdentificationError(
+            after.source,
+            f"is of the same recording as {before.source}; name the result of a run without the payload, then of one "
+            "with it",
+        )
+
+
+def _about(before: Result, after: Result, mass: float, variance: float) -> list[Finding]:
+    """What to say of two results that differ by a mass; raises IdentificationError where it is not significant."""
+    std = float(np.sqrt(variance))
+    if not abs(mass) > 3.0 * std:
+        raise IdentificationError(
+            after.source,
+            f"mass differs from {before.source} by {mass:.4g} +- {std:.2g} kg, not by a payload; name the "
+            "results without and with payload, in this order",
+        )
+    findings = []
+    if before.model.number != after.model.number:
+        numbers = f"{before.model.number} and {after.model.number}"
+        findings.append(warning(Kind.MODEL, f"models {numbers} differ: masses of different models do not compare"))
+    if before.record.computed_from != after.record.computed_from:
+        findings.append(warning(Kind.CASE, "the case was changed between the two identifications"))
+    if mass < 0.0:
+        sentence = "the mass became smaller: this is what was taken off, as a negative payload"
+        findings.append(warning(Kind.MODEL, sentence))
+    return findings
+
+
+def payload_between(before: Result, after: Result) -> Payload:
+    """The body that has to be added to `before` to get `after`; the two runs are independent.
+
+    Mass, first moments and inertia about the origin of {P} of rigid bodies add, so their differences are those of the
+    payload, and covariances add, but for the tolerances that both results are off by. What two different models blame
+    on mass differs (section 5): then a warning says so.
+
+    Raises:
+        IdentificationError: the difference in mass is not significant, so that there is no centre of gravity.
+    """
+    model_before, model_after = before.model, after.model
+    shared: tuple[Block, ...] = (MASS, FIRST_MOMENT)
+    if INERTIA in model_before.blocks and INERTIA in model_after.blocks:
+        shared = (*shared, INERTIA)
+    body = Model(model_after.number, shared, model_after.structure, model_after.gravity)
+    old = [model_before.names.index(name) for name in body.names]
+    new = [model_after.names.index(name) for name in body.names]
+    difference = after.values[new] - before.values[old]
+    covariance = after.covariance[np.ix_(new, new)] + before.covariance[np.ix_(old, old)]
+    robust = after.covariance_robust[np.ix_(new, new)] + before.covariance_robust[np.ix_(old, old)]
+    robust -= common_of(before, after, old, new)
+    findings = _about(before, after, float(difference[0]), max(float(covariance[0, 0]), float(robust[0, 0])))
+    return Payload(physical_values(body, difference, covariance, robust), tuple(findings))

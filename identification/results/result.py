@@ -1,0 +1,365 @@
+"""The result of an identification as users hold it: parameters by name, saved and loaded as a folder."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from cases import checks
+from cases.base.errors import FileProblem, HexciteError
+from cases.base.files import RESULT, atomic_folder, check_folder, json_text, read_json
+from cases.base.units import Array, as_html
+from cases.basis import CONTENT, case_of, content_of, require_unchanged, result_basis
+from cases.schema import Case
+from identification.estimation.fit import Value
+from identification.finding import Finding, sentences
+from identification.model.model import Model, identification_model
+from identification.results.estimate import SCHEMA_VERSION, Estimate, ResultEntries, of_version_0_2, physical_values
+from identification.signals import Residuals
+from identification.texts import (
+    aligned,
+    budget_cells,
+    carries_rods,
+    legible,
+    parameter_lines,
+    parameter_words,
+    std_text,
+    value_cells,
+    value_text,
+)
+
+# Entries of recording.json that a result takes over.
+RUN_ENTRIES = ("controller", "program", "program_hash", "plan_hash", "seed", "payload", "simulation_source")
+PROMINENT = ("m", "xC", "yC", "zC")  # shown first
+AGAIN = "identify again"
+ALIKE = 1e-9  # of numbers that are computed anew: another computer rounds otherwise
+
+
+@dataclass(frozen=True, repr=False)
+class Result:
+    """Identified parameters; two are equal where they say the same.
+
+    Args:
+        record: entries of result.json.
+        case: case of the recording.
+        estimate: estimate with everything that is not saved; None where it was loaded.
+        file: file that it was loaded from.
+        remarks: what has changed in the case since, where it was loaded nevertheless.
+    """
+
+    case: Case = field(compare=False)
+    record: ResultEntries
+    estimate: Estimate | None = field(default=None, compare=False)
+    file: Path | None = field(default=None, compare=False)
+    remarks: tuple[str, ...] = field(default=(), compare=False)
+
+    def __hash__(self) -> int:
+        return hash((self.record.case_hash, self.record.values))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """What goes to another process: all that `save` keeps, without the residuals."""
+        return type(self), (self.case, self.record, None, self.file, self.remarks)
+
+    def __getitem__(self, name: str) -> Value:
+        """A physical parameter [SI]: `result["m"].value`, `.std` by (28), `.std_robust`, `.unit`."""
+        return self.parameters[name]
+
+    @property
+    def parameters(self) -> Mapping[str, Value]:
+        """Physical parameters by name [SI]."""
+        return self.record.parameters
+
+    @cached_property
+    def residuals(self) -> Residuals | None:
+        """Residuals of the recorded forces; None where it was loaded."""
+        made = self.estimate
+        return None if made is None else made.evaluated.series(made.at, made.fit.values)
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """What speaks against it, and what is good to know."""
+        return self.record.findings
+
+    def _quantity(self, name: str) -> Any:
+        """What a finding says in numbers; None where none has it."""
+        return next((finding.quantity[name] for finding in self.findings if name in finding.quantity), None)
+
+    @property
+    def budget(self) -> Mapping[str, Mapping[str, float]]:
+        """Of each parameter the parts of its deviation by their causes [SI]; their squares add up to that of the
+        reported one. Empty where the case states no tolerances.
+        """
+        return self._quantity("budget") or {}
+
+    @property
+    def not_counted(self) -> list[str]:
+        """Kinds of tolerances that no deviation counts, for the case states none."""
+        return self._quantity("not_counted") or []
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Sentences that a user should act on."""
+        return sentences(self.findings, "warning")
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Further sentences on the evaluation."""
+        return sentences(self.findings, "note")
+
+    @property
+    def source(self) -> str:
+        """Its name in messages: its file, or the recording that it is from."""
+        return str(self.record.recording if self.file is None else self.file)
+
+    @property
+    def model(self) -> Model:
+        """The model of the parameters.
+
+        Raises:
+            FileProblem: they belong to another case, or no model of it has that number.
+        """
+        name = self.record.case
+        if self.case.name != name:
+            problem = f"parameters of case {name}, not {self.case.name}"
+            raise FileProblem(self.source, problem, f"identify them for {self.case.name}")
+        try:
+            return identification_model(self.case, self.record.model)
+        except HexciteError as error:
+            raise FileProblem(self.source, error.typed, AGAIN) from error
+
+    @property
+    def values(self) -> Array:
+        """The linear parameters u, shape (u,) [SI]."""
+        return np.array(self.record.values, dtype=float)
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance of u by (28), shape (u, u)."""
+        return np.array(self.record.covariance, dtype=float)
+
+    @property
+    def covariance_robust(self) -> Array:
+        """Covariance of u that allows for noise with memory, shape (u, u)."""
+        return np.array(self.record.covariance_robust, dtype=float)
+
+    @property
+    def biases(self) -> Mapping[str, Array]:
+        """Of u by one standard deviation of each size that a tolerance of the case is one of, shape (u, k), by its key.
+
+        They are part of `covariance_robust`; other runs of the same machine have the same sizes.
+        """
+        return {key: np.array(rows, dtype=float) for key, rows in (self.record.tolerance_biases or {}).items()}
+
+    @property
+    def mounted(self) -> float:
+        """Mass of the payload that was mounted for a run of hexcite [kg]; 0 where its recording says nothing."""
+        payload = (self.record.run or {}).get("payload")
+        return float(payload.get("mass_kg", 0.0)) if isinstance(payload, Mapping) else 0.0
+
+    @property
+    def delay(self) -> float:
+        """Delay of the forces [s]; 0 where none was estimated."""
+        return 0.0 if self.record.delay_s is None else self.record.delay_s.value
+
+    @property
+    def recordings(self) -> frozenset[str]:
+        """SHA-256 of the files that it was made of; empty where it does not say."""
+        return frozenset(entry["sha256"] for entry in self.record.inputs)
+
+    def write(self, folder: Path) -> None:
+        """Writes result.json into a folder that is there."""
+        entries = self.record.to_json()
+        (folder / "result.json").write_text(json_text(entries | {CONTENT: content_of(entries)}), encoding="utf-8")
+
+    def save(self, folder: Path | str, overwrite: bool = False) -> None:
+        """Makes a folder with the same file; residuals are not saved.
+
+        Raises:
+            FileProblem: the folder holds something else, or cannot be written.
+        """
+        check_folder(Path(folder), RESULT, overwrite=overwrite)
+        with atomic_folder(Path(folder), RESULT, overwrite) as part:
+            self.write(part)
+
+    @classmethod
+    @checks
+    def load(cls, folder: Path | str, case: Case | None = None, stale: bool = False) -> "Result":
+        """The result of a folder.
+
+        Args:
+            folder: folder that `save` or `hexcite identify` wrote.
+            case: instead of the one that the folder names.
+            stale: read it although its case has changed since.
+
+        Raises:
+            FileProblem: missing, damaged, changed by hand or of another version; or its case has changed since.
+        """
+        file, record = _read(Path(folder))
+        own = case_of(file, record.to_json(), AGAIN) if case is None else case
+        _require_agreement(cls(own, record, file=file))
+        remarks = require_unchanged(file, record.to_json(), result_basis(own), own, stale, AGAIN)
+        return cls(own, record, file=file, remarks=remarks)
+
+    def chosen_among(self, choice: Mapping[str, Any]) -> "Result":
+        """The same with all models of its run, entries of `ModelChoice`, which it keeps and its page shows."""
+        return replace(self, record=self.record.replaced(models=choice))
+
+    def __repr__(self) -> str:
+        """A few lines: model, warnings, residuals, the body."""
+        about, *rest = self._summary()
+        return "\n".join([about, *self._warned(), *rest])
+
+    def _warned(self) -> list[str]:
+        """A line for each warning."""
+        return [f"warning: {warning}" for warning in self.warnings]
+
+    def _summary(self) -> list[str]:
+        """The lines of `repr` without warnings."""
+        record, parameters = self.record, self.parameters
+        equal = record.weights == "equal"
+        unit, recorded = (" N", "") if equal else ("", f", recorded forces less the model {record.s0_N:.3g} N rms")
+        residuals = f"s0 {record.s0:.3g}{unit} (27), white noise {record.white_noise:.3g}{unit}{recorded}"
+        samples = "averaged standstills" if record.delay_s is None else "samples"
+        lines = [f"Result for {self.case.name}: model {record.model}, {record.samples} {samples}"]
+        lines.append(f"weights {record.weights}, {residuals}")
+        lines.append(f"{len(parameters)} parameters, rank {record.rank}, condition {record.condition:.3g}")
+        for name in [name for name in PROMINENT if name in parameters] or list(parameters)[:4]:
+            words, value, deviation, *_, unit = value_cells(name, parameters[name], carries_rods(parameters))
+            lines.append(f"{words} = {value} +- {deviation} {unit}")
+        return lines
+
+    def __str__(self) -> str:
+        """The warnings, a table of all parameters, the notes, and a few lines on model, residuals and body."""
+        which = (
+            "+- is the larger of std (28), right for white noise, and of std robust, which allows for noise that is not"
+        )
+        if missing := self.not_counted:
+            why = "the case states none, see [tolerances]" if missing == self.case.not_counted else "see the notes"
+            which += f";\n  they count no tolerances of {', '.join(missing)}: {why}"
+        lag = self.record.delay_s
+        lines = [] if lag is None else [f"forces lag the motion by {lag.value * 1e3:.3f} +- {lag.std * 1e3:.3f} ms"]
+        table = [
+            *parameter_lines(self.parameters),
+            which,
+            *aligned(*budget_cells(self.parameters, self.budget)),
+            *lines,
+            *self._pooled(),
+            *self._treated(),
+            *self._tared(),
+            *self.notes,
+        ]
+        return "\n".join([*self._warned(), *table, *self._summary()])
+
+    def _treated(self) -> list[str]:
+        """A table of the parameters with another treatment of the data beside the default."""
+        return [] if self.record.treatment is None else aligned(*treatment_rows(self.record.treatment))
+
+    def _pooled(self) -> list[str]:
+        """Tables of the runs that it is the mean of, and of how far they scatter."""
+        pooled = self.record.pooled
+        return [] if pooled is None else [*aligned(*pooled_rows(pooled)), *aligned(*scatter_rows(pooled))]
+
+    def _tared(self) -> list[str]:
+        """A table of the offsets before and after a tare."""
+        if not self.record.tared:
+            return []
+        rows = [
+            (
+                name, value_text(entry["before"], entry["change_std"]), value_text(entry["after"], entry["change_std"]),
+                value_text(entry["after"] - entry["before"], entry["change_std"]), std_text(entry["change_std"]),
+                entry["unit"],
+            )
+            for name, entry in self.record.tared.items()
+        ]  # fmt: skip
+        return aligned(("offset", "before", "after", "change", "+-", "unit"), *rows)
+
+    _repr_html_ = as_html
+
+
+def treatment_rows(treatment: Mapping[str, Any]) -> list[tuple[str, ...]]:
+    """Rows of a table, the head first: what a treatment of the data changes beside the default."""
+    rows: list[tuple[str, ...]] = [("beside the default", "default", "+-", "treated", "+-", "by deviations")]
+    for name, of in treatment["parameters"].items():
+        usual, treated = (Value(**of[key]) for key in ("default", "treated"))
+        scale, unit = legible(usual.unit)
+        cells = (
+            text
+            for value in (usual, treated)
+            for text in (value_text(value.value * scale, value.reported * scale), std_text(value.reported * scale))
+        )
+        rows.append((f"{parameter_words(name)} [{unit}]", *cells, f"{of['deviations']:+.2g}"))
+    for key, words in (("s0", "s0 (27)"), ("white_noise", "white noise"), ("samples", "samples")):
+        rows.append((words, f"{treatment[key]['default']:.4g}", "", f"{treatment[key]['treated']:.4g}", "", ""))
+    return rows
+
+
+def pooled_rows(pooled: Mapping[str, Any]) -> list[tuple[str, ...]]:
+    """Rows of a table, the head first: runs that a result is the mean of, and how the others agree without each."""
+    rows: list[tuple[str, ...]] = [("run", "share of chi-square", "without it: scatter / promised", "p")]
+    others = pooled["without"] or [None] * len(pooled["results"])
+    for of, other in zip(pooled["results"], others, strict=True):
+        cells = ("-", "-") if other is None else (f"{other['scatter']:.2f}", f"{other['p']:.2g}")
+        rows.append((of["result"], f"{100.0 * of['chi2_share']:.0f} %", *cells))
+    return rows
+
+
+def scatter_rows(pooled: Mapping[str, Any]) -> list[tuple[str, ...]]:
+    """Rows of a table, the head first: of each parameter, how far the runs scatter."""
+    head = ("scatter of the runs", "scatter / promised", "p")
+    return [
+        head,
+        *((parameter_words(n), f"{of['scatter']:.2f}", f"{of['p']:.2g}") for n, of in pooled["parameters"].items()),
+    ]
+
+
+def case_of_result(path: Path) -> Case:
+    """The case that a saved result names.
+
+    Raises:
+        FileProblem: no such result, or it names no case.
+        CaseError: its case cannot be read.
+    """
+    file, record = _read(path)
+    return case_of(file, record.to_json(), AGAIN)
+
+
+def _read(path: Path) -> tuple[Path, ResultEntries]:
+    """`result.json`, or that of the folder that holds it, and its entries."""
+    file = path / "result.json" if path.is_dir() else path
+    data = read_json(file, "hexcite identify")
+    version = data.get("schema_version")
+    if version != SCHEMA_VERSION:
+        raise FileProblem(file, f"schema_version {version!r}, expected {SCHEMA_VERSION}", AGAIN)
+    if data.pop(CONTENT, None) not in (None, content_of(data)):  # version 0.2 stated none
+        raise FileProblem(file, "was changed by hand", AGAIN)
+    try:
+        return file, ResultEntries.model_validate_json(json_text(of_version_0_2(data)))
+    except ValidationError as error:
+        place = ".".join(map(str, error.errors()[0]["loc"]))
+        raise FileProblem(file, f"entry {place} is missing or damaged", AGAIN) from error
+
+
+def _require_agreement(result: Result) -> None:
+    """Refuses physical parameters that do not follow from the linear ones: changed by hand, or of another model."""
+    record, model = result.record, result.model
+    lengths = {len(row) for square in (record.covariance, record.covariance_robust) for row in (square, *square)}
+    other = FileProblem(result.source, f"its parameters are not those of model {model.number}", AGAIN)
+    if record.names != tuple(model.names) or lengths | {len(record.values)} != {len(model.names)}:
+        raise other
+    squares = result.covariance, result.covariance_robust
+    physical = physical_values(model, result.values, *squares)
+    if physical.keys() != record.parameters.keys():
+        raise other
+    for name, computed in physical.items():
+        stated, size = record.parameters[name], max(abs(computed.value), computed.reported)
+        if stated.unit != computed.unit or not np.allclose(stated[:3], computed[:3], rtol=0.0, atol=ALIKE * size):
+            problem = f"{name} is {stated.value:.6g} {stated.unit}, by the linear parameters {computed.value:.6g} "
+            raise FileProblem(result.source, f"{problem}{computed.unit}: value or deviation changed by hand", AGAIN)
+    for square in squares:
+        scale = np.sqrt(np.outer(np.diag(square), np.diag(square)).clip(0.0))
+        if np.any(np.abs(square - square.T) > ALIKE * scale):
+            raise FileProblem(result.source, "a covariance is not symmetric: changed by hand", AGAIN)

@@ -1,0 +1,132 @@
+"""Forces and struts of different rates brought to one clock.
+
+Forces that are sampled faster than the motion are averaged over the motion's sampling interval (section 7 of the
+paper), centred on its instants, so that the average has no group delay. The average of the straight lines between
+samples is taken, so that rates need no common multiple; what averaging and straight lines take from a signal's
+curvature is given back to second order: the force then is that of the instant, as the motion is. Struts that are
+sampled faster than the forces are read from the cubic spline through them at the instants of the forces.
+"""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from cases.base.errors import RecordingError
+from cases.base.units import Array, Flags, Indices
+from cases.schema import Case
+from identification.recording.formats.table import Channel, Stream
+from identification.recording.recording import Recording
+from identification.samples.sample_checks import at_full_range
+
+GAP = 1.6  # usual steps of the forces without a sample, which an average would hide
+ROUNDING = 1e-6  # of a step, that clocks may be off by rounding
+
+
+def at_the_motion(recording: Recording, motion: Stream, interval: float, step: float, case: Case) -> Recording:
+    """The run at the samples of the motion, which are an interval apart [s], the forces averaged over it."""
+    assert motion.t is not None
+    assert motion.struts is not None
+    assert recording.t is not None
+    measured = slice(None) if recording.missing is None else ~recording.missing  # the others make a gap
+    t, forces = recording.t[measured], recording.forces[measured]
+    half = interval / 2.0
+    # A sample more on either side for the curvature; rounding must not decide whether the first reaches the edge.
+    room = half - ROUNDING * step
+    inside = np.flatnonzero((motion.t - room >= t[0]) & (motion.t + room <= t[-1]))
+    if len(inside) < 3:
+        raise RecordingError(recording.source, "its forces cover less than 3 samples of the motion", "record together")
+    means = interval_means(t, forces, motion.t[inside], interval)
+    curvature = means[2:] - 2.0 * means[1:-1] + means[:-2]
+    means = means[1:-1] - (1.0 / 24.0 + (step / interval) ** 2 / 12.0) * curvature
+    inside = inside[1:-1]
+    at = motion.t[inside]
+    # The neighbours' averages are in the curvature.
+    hidden = _reach_a_gap(t, max(GAP, 0.5 * interval / step) * step, at, 1.5 * interval)
+    means = _at_full_range(means, t, forces, at, half, case)
+    run = _at_clock(recording, motion, inside, hidden, "the forces averaged there", motion.struts[inside], means)
+    return replace(run, averaged=interval / step)
+
+
+def _reach_a_gap(t: Array, most: float, centres: Array, reach: float) -> Flags:
+    """Whether samples further apart than `most` are within reach of some instants, shape (m,)."""
+    long = np.flatnonzero(np.diff(t) > most)
+    ends = np.searchsorted(centres + reach, t[long], side="right"), np.searchsorted(centres - reach, t[long + 1])
+    change = np.zeros(len(centres) + 1, dtype=np.int64)
+    np.add.at(change, ends[0], 1)
+    np.add.at(change, np.maximum(*ends), -1)
+    return np.asarray(np.cumsum(change)[:-1] > 0)
+
+
+def interval_means(t: Array, values: Array, centres: Array, interval: float) -> Array:
+    """Means over intervals of the straight lines between samples, shape (m, channels).
+
+    Args:
+        t: increasing, shape (n,) [s].
+        values: shape (n, channels).
+        centres: centres of the intervals, which lie inside t, shape (m,) [s].
+        interval: their length [s].
+    """
+    from scipy.interpolate import make_interp_spline
+
+    mean = values.mean(axis=0)  # keeps rounding small against what changes
+    integral = make_interp_spline(t, values - mean, k=1).antiderivative()
+    return np.asarray((integral(centres + interval / 2.0) - integral(centres - interval / 2.0)) / interval + mean)
+
+
+def _latest(recording: Recording, name: Channel, at: Array) -> Any:
+    """A channel that switches, or changes slowly, as last recorded at given instants; None where there is none."""
+    stream = recording.stream_with(name)
+    if stream is None or stream.t is None:
+        return None
+    return getattr(stream, name)[np.maximum(np.searchsorted(stream.t, at, side="right") - 1, 0)]
+
+
+def _at_full_range(means: Array, t: Array, forces: Array, centres: Array, half: float, case: Case) -> Array:
+    """Averages over samples at the end of the sensor's range are at its end too, so that they are found there."""
+    most = case.sensors.range_N
+    if most is None:
+        return means
+    newtons = 3 if case.sensor_frame.has_moments else 6
+    first, end = np.searchsorted(t, centres - half), np.searchsorted(t, centres + half)
+    for k in range(newtons):
+        clipped = np.r_[0, np.cumsum(at_full_range(forces[:, k], most))]
+        rows = clipped[end] > clipped[first]
+        if np.abs(forces[:, k]).min() < most:  # else its range is about a constant, and its end is in the means
+            means[rows, k] = np.copysign(most, means[rows, k])
+    return means
+
+
+def at_the_forces(recording: Recording, motion: Stream) -> Recording:
+    """Struts as fast as the forces or faster, on a clock of their own."""
+    from scipy.interpolate import CubicSpline
+
+    if recording.struts is not None:
+        return recording
+    assert motion.t is not None
+    assert motion.struts is not None
+    assert recording.t is not None
+    measured = slice(None) if motion.missing is None else ~motion.missing
+    at, struts = motion.t[measured], motion.struts[measured]
+    usual = float(np.median(np.diff(at)))
+    inside = np.flatnonzero((recording.t >= at[0]) & (recording.t <= at[-1]))
+    if not len(inside):
+        return recording
+    t = recording.t[inside]
+    hidden, struts = _reach_a_gap(at, GAP * usual, t, usual), CubicSpline(at, struts)(t)
+    return _at_clock(recording, recording, inside, hidden, "the struts there", struts, recording.forces[inside])
+
+
+def _at_clock(
+    recording: Recording, clock: Stream, inside: Indices, hidden: Flags, what: str, struts: Array, forces: Array
+) -> Recording:
+    """The run at samples of a clock, with struts and forces there; `what` is missing where a gap would hide it."""
+    assert clock.t is not None
+    t = clock.t[inside]
+    override = _latest(recording, "override", t)
+    trigger = _latest(recording, "trigger", t) if clock.trigger is None else clock.trigger[inside]
+    return replace(
+        recording, source=clock.source, t=t, struts=struts, forces=forces, trigger=trigger, override=override,
+        rotations=None, poses=None, specific_forces=None, others=(), lines=clock.lines.later(int(inside[0])),
+        missing=hidden | clock.bad[inside], missing_in=(*clock.missing_in, *((what,) if hidden.any() else ())),
+    )  # fmt: skip

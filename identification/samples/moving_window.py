@@ -1,0 +1,285 @@
+"""From a recording to what is evaluated of it: one clock, a window, a filter, and what damage leaves out."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from cases.base.errors import IdentificationError, RecordingError
+from cases.base.units import Array, Flags, Indices
+from cases.schema import Case
+from identification.finding import Finding, Kind, warning
+from identification.machines.hexapod import Hexapod
+from identification.model.model import Model, machine_of
+from identification.recording.formats.sampling import MOST_PUT_BACK
+from identification.recording.formats.table import Stream
+from identification.recording.recording import Recording
+from identification.samples.clocks import at_the_forces, at_the_motion
+from identification.samples.moving import Run, signals_at
+from identification.samples.sample_checks import bridged
+from identification.samples.samples import MOST_DELAY
+from identification.signals import Filter, stretches, white_noise
+
+OVERSAMPLED = 1.5  # samples of the forces in a motion's interval, from which they are averaged
+HELD_CHANGES = 50  # changes of the struts, from which on a rhythm is looked for
+HELD = 0.98  # of the changes, that must follow the rhythm
+LEAST_TRAVEL = 1e-4  # [m or rad] of struts or joints; below, the pose counts as constant
+MOVING = 1e-3  # [m/s or rad/s] of struts or joints, from which the machine counts as moving, where there is no trigger
+STANDING = 0.5e-3  # [m or rad] of struts or joints with the trigger on; below, a run was recorded at standstills
+MOST_RATE = 2e3  # a fifth of the samples a second that a recorder of forces takes at most [1/s]
+SURE = 6.0  # deviations of the encoders' noise, beyond which a change is motion
+NOISY = 10.0  # deviations of noise between the largest and the smallest reading of a standstill
+SLOWEST = 0.5  # [s] between samples, from which on no motion is seen in them
+MOST_LEFT_OUT = 0.5  # share of the motion lost to damage and the filter's reach around it
+# Bad samples in a row that a straight line replaces; behind the filter the difference is negligible.
+MOST_BRIDGED = MOST_PUT_BACK
+
+
+def on_one_clock(recording: Recording, case: Case) -> Recording:
+    """The run with forces and struts at the same instants; those that a gap of either would hide are marked missing.
+
+    Args:
+        recording: any; without a clock or a machine, or with one rate, it is returned as it is.
+        case: case with the machine whose struts were recorded, and the range of the sensors.
+
+    Raises:
+        RecordingError: struts are held, and a gap breaks their rhythm; forces and struts hardly overlap.
+    """
+    if (case.hexapod is None and case.chain is None) or recording.t is None:
+        return recording
+    motion = _motion(recording, case)
+    if motion is None or motion.t is None or motion.struts is None or len(motion.t) < 2 or len(recording.t) < 2:
+        return recording
+    interval, step = (float(np.median(np.diff(t))) for t in (motion.t, recording.t))
+    if interval < OVERSAMPLED * step:
+        return at_the_forces(recording, motion)
+    return at_the_motion(recording, motion, interval, step, case)
+
+
+def _motion(recording: Recording, case: Case) -> Stream | None:
+    """The struts with their own clock; None where they have that of the forces."""
+    if recording.struts is not None:
+        return _released(recording)
+    stream = recording.stream_with("struts") or recording.stream_with("poses")
+    if stream is None or stream.poses is None or stream.struts is not None:
+        return stream
+    return replace(stream, struts=Hexapod.of(case).strut_lengths(stream.poses))
+
+
+def _released(recording: Recording) -> Stream | None:
+    """The samples of struts that a file holds until the next one comes; None where every row has its own."""
+    assert recording.struts is not None
+    assert recording.t is not None
+    rhythm = _rhythm_of(recording.struts)
+    if rhythm is None:
+        cuts = 1 + np.flatnonzero(recording.lost)
+        between = _rhythm_of(max(np.split(recording.struts, cuts), key=len)) if len(cuts) else None
+        if between is not None:
+            raise RecordingError(
+                f"{recording.source}, {recording.lines.place(int(cuts[0]))}",
+                f"the struts are held for {between[0]} rows each, and a gap breaks their rhythm",
+                "cut the run there, or export struts and forces as files of their own",
+            )
+        return None
+    ratio, phase = rhythm
+    rows = slice(phase, None, ratio)
+    trigger = None if recording.trigger is None else recording.trigger[rows]
+    missing = None if recording.missing is None else recording.missing[rows]
+    return Stream(
+        recording.source, recording.t[rows], recording.struts[rows], None, None, trigger,
+        lines=recording.lines.later(phase, ratio), missing=missing, missing_in=recording.missing_in,
+    )  # fmt: skip
+
+
+def _rhythm_of(struts: Array) -> tuple[int, int] | None:
+    """Rows for each sample of held struts, shape (n, 6), and the first of these; None where every row has its own."""
+    changes = np.flatnonzero(np.any(np.diff(struts, axis=0) != 0.0, axis=1)) + 1
+    if len(changes) < HELD_CHANGES:
+        return None
+    ratio = int(np.median(np.diff(changes)))
+    phase = int(np.bincount(changes % ratio).argmax())
+    if ratio < 2 or np.mean(changes % ratio == phase) < HELD or np.mean(np.diff(changes) == ratio) < HELD / 2:
+        return None
+    return ratio, phase
+
+
+def moving_run(recording: Recording, case: Case, model: Model, whole: bool = False) -> Run:
+    """A moving run with its window; filtered samples that missing ones disturb are left out.
+
+    Args:
+        whole: evaluate all samples, not only the excitation.
+
+    Raises:
+        RecordingError: no struts, no filter in the case, a filter that does not fit the rate, a trigger that is never
+        on.
+        IdentificationError: the pose is constant.
+    """
+    require_position(recording, model)
+    if recording.struts is None:
+        raise RecordingError(
+            recording.source,
+            "has a clock and rotation matrices",
+            "moving runs are evaluated from struts only, remove t_s if each row is an averaged standstill",
+        )
+    low_pass = checked_filter(recording, case)
+    warnings: tuple[Finding, ...] = ()
+    bad = recording.bad
+    invalid = spoilt_by(bad, recording.lost, low_pass)
+    struts = bridged(recording.struts, bad)
+    recording = replace(recording, struts=struts, forces=bridged(recording.forces, bad))
+    if whole:
+        low_pass.require(struts, 0.0)
+        window = np.arange(len(struts) - 2 * low_pass.margin)
+    else:
+        window, warnings = _window(recording, low_pass, *case.drive_words)
+    together = np.flatnonzero(np.diff(window) == 1)
+    missing = int(recording.lost[low_pass.margin + window[together]].sum())
+    share = 1.0 - float(np.sum(~invalid[window])) / (len(window) + missing)
+    warnings += about_left_out(recording.source, share, low_pass)
+    window = window[~invalid[window]]
+    rows = window[:: low_pass.stride]
+    if len(rows) < 2:
+        raise IdentificationError(
+            recording.source,
+            f"{len(window)} samples of motion are {len(rows)} independent ones behind a "
+            f"{low_pass.cutoff:g} Hz filter; record longer",
+        )
+    t, recorded, forces = signals_at(recording, low_pass, rows)
+    return Run(
+        model=model, t=t, recorded=recorded, forces=forces, samples=len(window), window=warnings, filter=low_pass,
+        recording=recording, machine=machine_of(case), rows=rows, spoilt=invalid,
+    )  # fmt: skip
+
+
+def stands_only(recording: Recording) -> bool:
+    """Whether a run was recorded at standstills alone: its trigger comes on several times and nothing moves with it."""
+    if recording.t is None or recording.struts is None or recording.trigger is None or not delimited(recording.trigger):
+        return False
+    ranges = [np.ptp(recording.struts[w], axis=0).max() for w in stretches(recording.trigger) if w.stop > w.start + 1]
+    return bool(ranges) and bool(max(ranges) < STANDING + NOISY * white_noise(recording.struts).max())
+
+
+def delimited(trigger: Flags | None) -> bool:
+    """Whether a trigger, shape (n,), marks standstills: it comes on more than once."""
+    return trigger is not None and len(stretches(trigger)) > 1
+
+
+def checked_filter(recording: Recording, case: Case) -> Filter:
+    """The low-pass of a case at the rate of a recording.
+
+    Raises:
+        RecordingError: the case has none, it does not fit the rate, or the clock is not uniform.
+    """
+    cutoff = case.recording.filter_cutoff_Hz
+    if cutoff is None:
+        raise RecordingError(
+            recording.source, "a moving run needs a filter", "set recording.filter_cutoff_Hz in the case"
+        )
+    if len(recording.forces) < 2:
+        raise RecordingError(recording.source, f"{len(recording.forces)} sample is not a run", "record longer")
+    step = recording.step
+    if step >= SLOWEST and (other := _other_clock(step, cutoff)):
+        raise RecordingError(
+            recording.source,
+            f"{1 / step:.4g} samples a second are too few for a motion{other}, and a cut-off of some ten Hz",
+        )
+    if not cutoff <= 0.2 / step * (1.0 + 1e-3):  # what the message allows is taken, however stamps say the step
+        raise RecordingError(
+            recording.source,
+            f"filter_cutoff_Hz = {cutoff:g} is too high for {1 / step:.4g} samples a second",
+            f"at most {0.2 / step:.4g}{_other_clock(step, cutoff)}",
+        ).in_doubt()
+    return Filter(cutoff, step, MOST_DELAY)
+
+
+def _other_clock(step: float, cutoff: float) -> str:
+    """What to add where the time stamps make sense in a smaller unit."""
+    for unit, factor in {"ms": 1e-3, "us": 1e-6}.items():
+        if cutoff < 0.2 / (step * factor) < MOST_RATE:
+            return f"; time stamps {step:.3g} s apart seem to be in {unit}: set recording.clock.unit = '{unit}'"
+    return ""
+
+
+def spoilt_by(bad: Flags, lost: Indices, low_pass: Filter) -> Flags:
+    """Filtered samples that bad ones disturb, unless bridged, or that reach across a gap, shape (n - 2 margin,).
+
+    Args:
+        bad: samples that may not be used, shape (n,).
+        lost: how many are missing between each and the next, shape (n - 1,).
+        low_pass: the filter; each section between gaps is filtered by itself.
+    """
+    count, margin = len(bad), low_pass.margin
+    change = np.zeros(count + 1, dtype=np.int64)
+    cuts = 1 + np.flatnonzero(lost)
+    np.add.at(change, np.maximum(cuts - margin, 0), 1)
+    np.add.at(change, np.minimum(cuts + margin, count), -1)
+    ends = {0, count, *cuts.tolist()}  # of sections, beyond which there is nothing to bridge to
+    for part in stretches(bad):
+        if part.stop - part.start > MOST_BRIDGED or part.start in ends or part.stop in ends:
+            change[max(part.start - margin, 0)] += 1
+            change[min(part.stop + margin, count)] -= 1
+    invalid = np.cumsum(change)[:-1] > 0
+    return np.asarray(invalid[margin : count - margin])
+
+
+def about_left_out(source: str, share: float, low_pass: Filter) -> tuple[Finding, ...]:
+    """What to say where damage, with the filter's reach around it, takes a share of the motion.
+
+    Raises:
+        RecordingError: it takes too much.
+    """
+    reach = low_pass.margin * low_pass.step
+    if share > MOST_LEFT_OUT:
+        raise RecordingError(
+            source,
+            f"damage, with the filter's reach of {reach:.3g} s on either side, takes {100 * share:.3g} % of the "
+            f"motion, at most {100 * MOST_LEFT_OUT:g} % may be left out",
+            "record again",
+        )
+    if share <= 0.0:
+        return ()
+    sentence = f"{100 * share:.2g} % of the motion is left out: damage longer than {MOST_BRIDGED} samples, gaps, and "
+    return (warning(Kind.DAMAGE, f"{sentence}{reach:.3g} s on either side, as far as the filter reaches"),)
+
+
+def require_position(recording: Recording, model: Model) -> None:
+    """Raises IdentificationError where a model needs the position and the recording has none."""
+    if model.needs_position and recording.struts is None:
+        raise IdentificationError(
+            recording.source,
+            f"model {model.number} needs the platform's position, the recording has orientations "
+            "only; choose model 0 or 6, or record the struts",
+        )
+
+
+def _window(recording: Recording, low_pass: Filter, drives: str, unit: str) -> tuple[Indices, tuple[Finding, ...]]:
+    """Samples with the trigger on; without a trigger from the first movement out of rest to rest again."""
+    assert recording.struts is not None
+    margin = low_pass.margin
+    low_pass.require(recording.struts, 0.0)
+    warnings: tuple[Finding, ...] = ()
+    if recording.trigger is not None:
+        rows = np.flatnonzero(recording.trigger[margin:-margin])
+        if not len(rows):
+            raise RecordingError(
+                f"{recording.source}, trigger", "is never 1", "record with the trigger or leave it out"
+            )
+    else:
+        speed = low_pass.apply(recording.struts, 1)
+        # of noise behind the filter
+        least = SURE * white_noise(recording.struts) * np.sqrt(np.sum(low_pass.kernel(1, 0.0) ** 2))
+        moving = np.flatnonzero(np.any(np.abs(speed) > np.maximum(MOVING, least), axis=1))
+        rows = np.arange(moving[0], moving[-1] + 1) if len(moving) else np.arange(len(speed))
+        if not len(moving):
+            sentence = f"the {drives} are never faster than {MOVING * 1e3:g} {unit}/s, so that all of the recording is "
+            sentence += "evaluated; record a trigger where only a part is meant"
+            warnings = (warning(Kind.WINDOW, sentence),)
+    travel = max(float(np.ptp(strut[margin + rows])) for strut in recording.struts.T)
+    least_travel = LEAST_TRAVEL + NOISY * float(white_noise(recording.struts).max())
+    if travel < least_travel:
+        raise IdentificationError(
+            recording.source,
+            f"the pose is constant ({drives} move by {travel * 1e3:.3g} {unit}, at least "
+            f"{least_travel * 1e3:.3g} {unit} are needed); record the excitation, or remove t_s from averaged "
+            "standstills",
+        ).in_doubt()
+    return rows, warnings

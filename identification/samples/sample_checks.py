@@ -1,0 +1,320 @@
+"""What is wrong with a recording although every number in it could have been measured: checked before any estimate.
+
+Samples that no estimate may use are marked and named with their place; what makes a run useless is an error.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from cases.base.errors import RecordingError
+from cases.base.units import MM, Array, Flags, Indices
+from cases.machine import MotionLimits
+from cases.schema import Case
+from identification.finding import Finding, Kind, warning
+from identification.recording.formats.clocks import lost_samples
+from identification.recording.formats.sampling import spread
+from identification.recording.formats.table import Lines, Stream
+from identification.recording.recording import Recording
+from identification.signals import stretches
+
+Problem = tuple[int, str, Flags]  # number of a channel or strut, counted from 1, what is wrong with it, and where
+
+FULL_RANGE = 0.999  # share of a sensor's range, from which on it is at its end
+FLAT = 5  # samples in a row at the largest or smallest value of a channel, as where it is clipped
+DIGITS = 5.0  # of a channel, by which others must change for it to be stuck: one that counts 10 N stands still for long
+MOST_NAMED = 3  # places of one finding that a message lists
+NEVER = 1e-9  # probability below which a silence of a channel is not chance
+OUTLIER = 20.0  # robust standard deviations by which a single sample leaves its neighbours
+SHAKEN = 4.0  # the same for accelerations of struts, from which on a force that leaves its neighbours is the motion's
+BENT, BESIDE = 0.5, 3  # share of a jump, and samples beside it, by which slopes change where the motion makes it
+TOGETHER = 10  # samples between a leap of the motion and that of the forces, delay included
+LONELY = 5.0  # times what most samples around it do, for a glitch
+LONELY_SHARE = 90.0  # [%] of these samples
+LONELY_WIDTH = 101  # samples around
+_AT_ONCE = 10_000  # windows in memory
+_ENOUGH = 200_000  # samples that suffice for a median
+SWIFT = 5.0  # times the strut limits: no motion of this machine, but a reading that jumps
+TRAVELLING = 1e-4  # [m/s] of the struts from which a sensor that never changes is suspicious
+MOST_BAD = 0.3  # of the samples; a run that is worse is to be recorded again
+SMOOTH = 0.5  # second over first differences of poses, rms: standstills in any order have 1.7, samples of a motion less
+SMALL_STEP = 2.0 * MM  # of the struts between rows: standstills further apart are not samples of a motion
+SMALL_TURN = 0.01  # [rad] the same for orientations
+LEAST_ROWS = 50  # without a clock, from which on a smooth sequence is taken for a motion
+
+
+def places(lines: Lines, rows: Flags) -> str:
+    """Where rows stand in the file: `line 12`, `lines 12 to 40 and 77`, and how many more."""
+    spans = [(span.start, span.stop - 1) for span in stretches(rows)]
+    numbers = [[lines.number(k) for k in dict.fromkeys(span)] for span in spans[:MOST_NAMED]]
+    ranges = [" to ".join(map(str, ends)) for ends in numbers]
+    more = f" and {len(spans) - MOST_NAMED} more places" if len(spans) > MOST_NAMED else ""
+    plural = "s" if int(rows.sum()) > 1 else ""
+    return f"{lines.word}{plural} {', '.join(ranges)}{more}"
+
+
+def scan(recording: Recording, case: Case) -> tuple[tuple[Finding, ...], Recording]:
+    """Findings about a recording, and the recording with all samples marked missing that no estimate may use.
+
+    Args:
+        case: range of the sensors, workspace and limits of the machine.
+
+    Raises:
+        RecordingError: rows without a clock that are samples of a motion, or so much damage that the rest is not a run.
+    """
+    if recording.t is None:
+        _require_standstills(recording)
+    bad, findings = recording.bad.copy(), list(unmeasured(recording))
+    channels = (_clipped(recording, case), _silent(recording), _jumping(recording, case))
+    for thing, problems in (*(("channel", [*alike]) for alike in channels), ("strut", [*_leaping(recording, case)])):
+        if problems:  # one finding for all that err alike, in full for the one with the most rows
+            number, text, _ = max(problems, key=lambda problem: int(problem[2].sum()))
+            others = ", ".join(str(k) for k, *_ in problems if k != number)
+            rows = np.any([rows for *_, rows in problems], axis=0)
+            sentence = f"{thing} {number} {text}{f' (likewise {thing} {others})' if others else ''}; left out"
+            findings.append(warning(Kind.DAMAGE, sentence, places(recording.lines, rows)))
+            bad |= rows
+    findings += _outside(recording, case)
+    if bad.mean() > MOST_BAD:
+        raise RecordingError(
+            recording.source,
+            f"{100 * bad.mean():.0f} % of the samples are unusable, at most {100 * MOST_BAD:.0f} % may "
+            f"be: {next(f for f in findings if f.kind is Kind.DAMAGE)}",
+            "mend the sensor and record again, or name the case of the machine that was recorded",
+        ).in_doubt()
+    return tuple(findings), replace(recording, missing=bad)
+
+
+def unmeasured(recording: Recording) -> tuple[Finding, ...]:
+    """Findings about how a run was read and what was not measured: units and clocks, values that are missing, gaps."""
+    elsewhere = [replace(f, sentence=f"{s.source}, {f}") for s in recording.others for f in missing_values(s)]
+    return *recording.findings, *missing_values(recording), *elsewhere
+
+
+def bridged(values: Array, bad: Flags) -> Array:
+    """Values with bad samples replaced by the straight line between good neighbours, shape (n, k)."""
+    return spread(values[~bad], np.flatnonzero(~bad), np.arange(len(bad)), False) if bad.any() else values
+
+
+def missing_values(stream: Stream) -> list[Finding]:
+    """Values that were not measured, and samples that were lost."""
+    findings, every = [], stream.lines.every
+    inserted = _at(np.array([k // every for k in stream.lines.inserted if k % every == 0], dtype=int), stream.rows)
+    if np.any(stream.bad & ~inserted):
+        names = ", ".join(dict.fromkeys(stream.missing_in))
+        findings.append(
+            warning(
+                Kind.DAMAGE, f"no measured value in {names}; left out", places(stream.lines, stream.bad & ~inserted)
+            )
+        )
+    if inserted.any():
+        before = np.r_[inserted[1:] & ~inserted[:-1], False]
+        sentence = f"{_behind(stream.lines, before, int(inserted.sum()))}; bridged from their neighbours"
+        findings.append(warning(Kind.DAMAGE, sentence))
+    gaps = lost_samples(stream.t)
+    if gaps.any():
+        sentence = f"{_behind(stream.lines, gaps > 0, int(gaps.sum()))}; no filter reaches across"
+        findings.append(warning(Kind.DAMAGE, sentence))
+    return findings
+
+
+def _behind(lines: Lines, rows: Flags, count: int) -> str:
+    """What to say of rows behind which samples are missing, and of how many are in all."""
+    return f"behind {places(lines, rows)}: {count} {'samples are' if count > 1 else 'sample is'} missing"
+
+
+def _clipped(recording: Recording, case: Case) -> Iterator[Problem]:
+    """Forces at the end of the sensors' range."""
+    most = case.sensors.range_N
+    for k in range(3 if case.sensor_frame.has_moments else 6):
+        if most is not None and (rows := at_full_range(recording.forces[:, k], most)).any():
+            yield k + 1, f"is at the end of its range of {most:g} N", rows
+
+
+def at_full_range(force: Array, most: float) -> Flags:
+    """Samples of a channel, shape (n,), at the end of its range [N].
+
+    Of one that reads a constant far beyond its range, as raw values of converters do, the constant does not count: it
+    is at an end where it stays at its largest or smallest value.
+    """
+    beyond = np.abs(force) >= FULL_RANGE * most
+    if not beyond.all() or not 0.0 < np.ptp(force) <= 2.0 * most:
+        return np.asarray(beyond)
+    flat = np.zeros(len(force), dtype=bool)
+    for end in (force.min(), force.max()):
+        for part in stretches(force == end):
+            flat[part] = part.stop - part.start >= FLAT
+    return flat
+
+
+def _silent(recording: Recording) -> Iterator[Problem]:
+    """Force channels that stop changing although the machine moves: a saturated amplifier, a bus that repeats."""
+    if recording.t is None or recording.struts is None or len(recording.t) < LEAST_ROWS:
+        return
+    travel = TRAVELLING * float(np.median(np.diff(recording.t)))
+    for k in range(6):
+        still = np.diff(recording.forces[:, k]) == 0.0
+        steps_of = np.abs(np.diff(recording.forces[:, k]))
+        digit = float(np.min(steps_of[steps_of > 0.0], initial=np.inf))  # what the channel changes by at least
+        usual = float(np.clip(np.mean(still), 0.01, 0.999))
+        least = int(np.ceil(np.log(NEVER / len(still)) / np.log(usual)))
+        rows = np.zeros(len(recording.forces), dtype=bool)
+        for steps in stretches(still):
+            if steps.stop - steps.start < least:
+                continue
+            # The other channels distinguish a stuck sensor from constant forces.
+            span = slice(steps.start, steps.stop + 1)
+            others = np.ptp(np.delete(recording.forces[span], k, axis=1), axis=0).max()
+            moves = np.abs(np.diff(recording.struts[span], axis=0)).max(axis=1) > travel
+            if others > (DIGITS * digit if np.isfinite(digit) else 0.0) and moves.mean() > 0.5:
+                rows[span] = True
+        if rows.any():
+            yield k + 1, f"is stuck at {recording.forces[np.argmax(rows), k]:g} while the machine moves", rows
+
+
+def _jumping(recording: Recording, case: Case) -> Iterator[Problem]:
+    """Single samples too far from their neighbours: no noise moves forces so far."""
+    if recording.t is None or len(recording.t) < LEAST_ROWS:
+        return
+    for k in range(6):
+        force = recording.forces[:, k]
+        jumps = np.abs(_from_neighbours(force))
+        usual = 1.4826 * _median(jumps)
+        # An acceleration that steps moves the force lastingly: the samples on both sides do not agree then.
+        leaps = _peaks(jumps, max(OUTLIER * usual, 1e-9 * max(float(force.max()), -float(force.min()))))
+        leaps = leaps[np.abs(force[leaps + 2] - force[leaps]) < jumps[leaps]]
+        # A jerk that changes its sign bends the force lastingly: slopes before and after do not agree then.
+        leaps = leaps[_bend(force, leaps + 1) < BENT * jumps[leaps]]
+        leaps = leaps[~_shaken(recording, leaps + 1)]
+        # A drive that ripples makes forces that leap again and again; a glitch stands alone.
+        leaps = leaps[jumps[leaps] > LONELY * _around(jumps, leaps)]
+        if usual > 0.0 and len(leaps):
+            unit = "N m" if case.sensor_frame.has_moments and k > 2 else "N"
+            text = f"jumps by up to {jumps[leaps].max():.4g} {unit} for single samples"
+            yield k + 1, text, _at(leaps + 1, len(force))
+
+
+def _leaping(recording: Recording, case: Case) -> Iterator[Problem]:
+    """Single samples of the struts too far from their neighbours for any drive."""
+    limits = None if case.limits is None else case.limits.motion
+    if recording.t is None or recording.struts is None or len(recording.t) < LEAST_ROWS:
+        return
+    if not isinstance(limits, MotionLimits):
+        return
+    step = float(np.median(np.diff(recording.t)))
+    most = SWIFT * max(limits.strut_acceleration_m_s2 * step**2, 0.1 * limits.strut_velocity_m_s * step)
+    gaps = np.flatnonzero(recording.lost)
+    for k in range(6):
+        jumps = np.abs(_from_neighbours(recording.struts[:, k]))
+        for row in (gaps - 1, gaps):  # neighbours that are not neighbours in time
+            jumps[row[(row >= 0) & (row < len(jumps))]] = 0.0
+        leaps = _peaks(jumps, most)
+        if len(leaps):
+            text = f"jumps by up to {jumps.max() / MM:.4g} mm between samples {step * 1e3:.3g} ms apart, which its "
+            text += f"limit of {limits.strut_velocity_m_s:g} m/s forbids"
+            yield k + 1, text, _at(leaps + 1, len(recording.forces))
+
+
+def _from_neighbours(values: Array) -> Array:
+    """How far samples are from the middle of their neighbours, shape (n - 2,)."""
+    deviations = values[:-2] + values[2:]
+    deviations *= -0.5
+    deviations += values[1:-1]
+    return np.asarray(deviations)
+
+
+def _bend(values: Array, rows: Indices) -> Array:
+    """Half of what the slope changes by across some samples, in units of the values, shape of `rows`."""
+    slopes = np.diff(values)
+    before, after = (np.clip(rows + k, 0, len(slopes) - 1) for k in (-BESIDE - 1, BESIDE))
+    return np.asarray(np.abs(slopes[after] - slopes[before]) / 2.0)
+
+
+def _median(values: Array) -> float:
+    """The median, of a long series by many of its values."""
+    return float(np.median(values[:: max(1, len(values) // _ENOUGH)]))
+
+
+def _at(rows: Indices, count: int) -> Flags:
+    marked = np.zeros(count, dtype=bool)
+    marked[rows] = True
+    return marked
+
+
+def _around(size: Array, index: Indices) -> Array:
+    """What most samples around some of them stay below, shape of `index`."""
+    half = LONELY_WIDTH // 2
+    rank = int(LONELY_WIDTH * LONELY_SHARE / 100.0)
+    levels = np.empty(len(index))
+    for start in range(0, len(index), _AT_ONCE):
+        part = index[start : start + _AT_ONCE]
+        windows = size[np.clip(part[:, None] + np.arange(-half, half + 1), 0, len(size) - 1)]
+        levels[start : start + _AT_ONCE] = np.partition(windows, rank, axis=1)[:, rank]
+    return levels
+
+
+def _shaken(recording: Recording, rows: Indices) -> Flags:
+    """Whether at or shortly before some samples the acceleration of a strut leaves its neighbours, shape of `rows`."""
+    # Encoders see an acceleration through two differences of their steps, far less clearly than force sensors. The
+    # limit is low: noise of Gaussian struts hides one glitch in a hundred, but no motion is cut.
+    if recording.struts is None or not len(rows):
+        return np.zeros(len(rows), dtype=bool)
+    near = np.clip(rows[:, None] + np.arange(-TOGETHER, TOGETHER + 1), 2, len(recording.struts) - 3)
+    mask = np.zeros(near.shape, dtype=bool)
+    for k in range(recording.struts.shape[1]):
+        deviations = np.abs(_from_neighbours(np.diff(recording.struts[:, k], 2)))
+        usual = 1.4826 * _median(deviations)
+        if usual > 0.0:
+            mask |= deviations[near - 2] > SHAKEN * usual
+    return np.asarray(mask.any(axis=1))
+
+
+def _peaks(size: Array, most: float) -> Indices:
+    """Places that are larger than `most` and not smaller than their neighbours, which see half of it."""
+    large = np.flatnonzero(size > most)
+    before, after = (size[np.clip(large + k, 0, len(size) - 1)] for k in (-1, 1))
+    return np.asarray(large[(size[large] >= before) & (size[large] >= after)])
+
+
+def _outside(recording: Recording, case: Case) -> list[Finding]:
+    """Struts beyond what the machine can reach by more than its margin: a run of another machine, or a wrong offset."""
+    if recording.struts is None or case.workspace is None:
+        return []
+    low, high = case.workspace.strut_length
+    near = 0.0 if case.limits is None else case.limits.margin.of_length(low, high)  # at an end, encoders are noisy
+    if low - near <= recording.struts.min() and recording.struts.max() <= high + near:
+        return []
+    beyond = np.maximum(low - recording.struts, recording.struts - high)
+    row, worst = np.unravel_index(int(beyond.argmax()), beyond.shape)
+    others = int((beyond > 0.0).any(axis=0).sum()) - 1
+    also = f" (and {others} others)" if others else ""
+    text = f"strut {worst + 1} of {recording.struts[row, worst] / MM:.6g} mm{also} is outside the workspace of "
+    text += f"{low / MM:g} to {high / MM:g} mm; check offset and order of the struts, or workspace.strut_length_mm"
+    return [warning(Kind.CASE, text, places(recording.lines, (beyond > 0.0).any(axis=1)))]
+
+
+def cut_off(recording: Recording) -> list[Finding]:
+    """Where the recorder stopped before the run did: its trigger, which changes, is on in the last row."""
+    if recording.t is None or recording.trigger is None or not recording.trigger[-1] or recording.trigger.all():
+        return []
+    sentence = "the recording ends while the trigger is on; its end is missing, record until the machine rests"
+    return [warning(Kind.WINDOW, sentence, recording.lines.place(len(recording.trigger) - 1))]
+
+
+def _require_standstills(recording: Recording) -> None:
+    """Raises RecordingError where rows without a clock follow each other as samples of a motion do."""
+    for values, small in ((recording.struts, SMALL_STEP), (recording.rotations, SMALL_TURN)):
+        if values is None or len(values) < LEAST_ROWS:
+            continue
+        flat = values.reshape(len(values), -1)
+        first, second = np.diff(flat, axis=0), np.diff(flat, n=2, axis=0)
+        step = float(np.median(np.abs(first).max(axis=1)))
+        if 0.0 < step < small and np.mean(second**2) < SMOOTH**2 * np.mean(first**2):
+            distance = f"{step / MM:.3g} mm" if values is recording.struts else f"{step:.2g} rad"
+            raise RecordingError(
+                recording.source,
+                f"has no t_s column, yet its {len(values)} rows are {distance} apart and smooth like samples of a "
+                "motion, not averaged standstills",
+                "add the time, map its name in [recording.columns] or give recording.clock.period_ms",
+            )

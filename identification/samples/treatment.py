@@ -1,0 +1,128 @@
+"""Other treatments of a moving run, as the paper tried them, each for its effect beside the default."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from cases import checks_arguments
+from cases.base.errors import IdentificationError
+from cases.base.units import Array, Flags
+from cases.schema import Case
+from identification.model.model import Model, machine_of
+from identification.recording.recording import Recording
+from identification.samples.moving import Run
+from identification.samples.moving_window import moving_run
+
+NOT_PERIODIC = 2e-3  # rms of what a Fourier series leaves of a coordinate, over the largest range of its like
+MOST_HARMONICS = 50
+WIDEST = 0.2  # of the samples a second: the widest low-pass behind which positions are differentiated
+
+
+@checks_arguments
+@dataclass(frozen=True, slots=True)
+class Treatment:
+    """How a moving run is treated; what is None is as by default.
+
+    Raises IdentificationError for values that mean nothing.
+    """
+
+    # share of the run's largest translational or rotational acceleration from which samples are evaluated
+    accelerated: float | None = None
+    period: float | None = None  # of a Fourier series that replaces the measured motion, (34) to (36) [s]
+    harmonics: int = 7  # of that series
+    cutoff: float | None = None  # of the low-pass, in place of that of the case [Hz]; infinite: the widest there is
+
+    def __post_init__(self) -> None:
+        if self.accelerated is not None and not 0.0 < self.accelerated < 1.0:
+            raise IdentificationError(f"accelerated {self.accelerated:g}", "is not a share", "give one between 0 and 1")
+        if self.period is not None and not (math.isfinite(self.period) and self.period > 0.0):
+            raise IdentificationError(f"period {self.period:g} s", "is not a duration", "give that of the motion")
+        if not 1 <= self.harmonics <= MOST_HARMONICS:
+            problem = f"is outside 1 to {MOST_HARMONICS}"
+            raise IdentificationError(f"harmonics {self.harmonics}", problem, "give as many as the motion has")
+        if self.cutoff is not None and not self.cutoff > 0.0:
+            raise IdentificationError(f"cutoff {self.cutoff:g} Hz", "is not a frequency", "give one above 0")
+
+    @property
+    def words(self) -> str:
+        """What is done, in words."""
+        parts = []
+        if self.accelerated is not None:
+            parts.append(f"samples with at least {100 * self.accelerated:.3g} % of the largest acceleration")
+        if self.period is not None:
+            parts.append(f"motion as a Fourier series of period {self.period:g} s with {self.harmonics} harmonics")
+        if self.cutoff is not None:
+            wide = f"the widest low-pass ({WIDEST:g} of the samples a second)"
+            parts.append(f"a low-pass at {self.cutoff:g} Hz" if math.isfinite(self.cutoff) else wide)
+        return ", ".join(parts) or "as by default"
+
+    def run(self, recording: Recording, case: Case, model: Model) -> Run:
+        """The samples of a moving run.
+
+        Raises:
+            IdentificationError: nothing moves, no struts are known, or the motion is not such a series.
+            RecordingError: the run cannot be evaluated.
+        """
+        if recording.t is None or recording.struts is None:
+            raise IdentificationError(
+                recording.source, "treatments are for runs that move, by drives or joints", "leave them out"
+            )
+        if self.cutoff is not None:
+            cutoff = min(self.cutoff, WIDEST / recording.step)
+            tables = case.recording.model_copy(update={"filter_cutoff_Hz": cutoff})
+            case = case.model_copy(update={"recording": tables})
+        samples = moving_run(recording, case, model)
+        if self.period is not None:
+            samples = moving_run(self._periodic(recording, case, samples), case, model)
+        if self.accelerated is None:
+            return samples
+        rates = samples.kinematics(0.0).twist_rate
+        sizes = np.array([np.linalg.norm(rates[:, own], axis=1) for own in (slice(0, 3), slice(3, 6))])
+        most = np.maximum(sizes.max(axis=1, keepdims=True), np.finfo(float).tiny)
+        return samples.without(np.max(sizes / most, axis=0) < self.accelerated)
+
+    def _periodic(self, recording: Recording, case: Case, samples: Run) -> Recording:
+        """The run with the motion of its excitation replaced by the Fourier series (34) of each coordinate."""
+        assert recording.t is not None
+        assert recording.struts is not None
+        assert self.period is not None
+        machine, margin = machine_of(case), samples.filter.margin
+        first, last = int(samples.rows[0]) + margin, int(samples.rows[-1]) + margin
+        rows = first + np.flatnonzero(~recording.bad[first : last + 1])
+        angle = 2.0 * np.pi * (recording.t[rows, None] - recording.t[first]) * np.arange(1, self.harmonics + 1)
+        basis = np.hstack([np.ones((len(rows), 1)), np.sin(angle / self.period), np.cos(angle / self.period)])
+        coordinates = machine.coordinates(recording.struts[rows])
+        series = basis @ np.linalg.lstsq(basis, coordinates, rcond=None)[0]
+        _require_periodic(recording, coordinates, series, machine.turns if not machine.of_pose else TURNS, self)
+        struts = recording.struts.copy()
+        struts[rows] = machine.drives(series)
+        return replace(recording, struts=struts)
+
+    def to_json(self) -> dict[str, Any]:
+        """Its entries, in the units of the options."""
+        cutoff = None if self.cutoff is None else self.cutoff if math.isfinite(self.cutoff) else "none"
+        series = None if self.period is None else {"period_s": self.period, "harmonics": self.harmonics}
+        return {"words": self.words, "accelerated": self.accelerated, "fourier": series, "cutoff_Hz": cutoff}
+
+
+TURNS = np.array([False, False, False, True, True, True])  # of a pose, which coordinates are angles
+
+
+def _require_periodic(
+    recording: Recording, coordinates: Array, series: Array, turns: Flags, treatment: Treatment
+) -> None:
+    """Raises IdentificationError where a series leaves more of the coordinates, shapes (n, k), than it may."""
+    left = np.sqrt(np.mean((coordinates - series) ** 2, axis=0))
+    for own in (~turns, turns):
+        if not own.any():
+            continue
+        share = float(left[own].max() / max(float(np.ptp(coordinates[:, own], axis=0).max()), np.finfo(float).tiny))
+        if share > NOT_PERIODIC and left[own].max() > 1e-5:
+            raise IdentificationError(
+                recording.source,
+                f"a Fourier series of period {treatment.period:g} s with {treatment.harmonics} harmonics is off the "
+                f"motion by {100 * share:.2g} % of its range (rms), at most {100 * NOT_PERIODIC:g} % are a filter",
+                "give the period and the harmonics of the plan, or leave --period out",
+            )

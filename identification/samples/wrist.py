@@ -1,0 +1,182 @@
+"""A moving run of a wrist sensor: orientation and accelerometer instead of struts, each stream with a clock of its own.
+
+All streams pass the same low-pass at their own rates and are read at the instants of the forces. The accelerometer
+stands for the acceleration of the sensor's origin: its lever arm is neglected. How it is turned against the sensor by
+small angles is estimated with the parameters, since without that the delay is arbitrary.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation
+
+from cases.base.errors import IdentificationError, RecordingError
+from cases.base.units import Array, Flags
+from cases.schema import Case
+from identification.estimation.fit import Robust
+from identification.estimation.force_noise import coloured_covariance, turned
+from identification.model.model import Model
+from identification.model.parameters import MASS
+from identification.recording.formats.clocks import lost_samples
+from identification.recording.formats.table import Stream
+from identification.recording.recording import Recording
+from identification.samples.moving import DELAY_STEP
+from identification.samples.moving_window import about_left_out, spoilt_by
+from identification.samples.sample_checks import bridged
+from identification.samples.samples import MOST_DELAY, Moving
+from identification.signals import Filter, Residuals
+
+TURNING = 0.02  # [rad/s] from which the sensor counts as moving
+LEAST_ROWS = 20
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WristRun(Moving):
+    """A moving run of a wrist sensor, ready to be evaluated at any delay between forces and motion."""
+
+    quaternion: CubicSpline  # quaternion of R over time, filtered
+    specific_force: CubicSpline  # specific force in the axes of {P} over time, filtered [m/s^2]
+    wide: "WristRun | None" = None  # the run in the widest band that all streams carry, for its delay
+    nuisances: tuple[str, ...] = ("turn_x", "turn_y", "turn_z", "delay")
+
+    def regressors(self, delay: float) -> Array:
+        """A at the instants t_k - delay, shape (n, 6, u)."""
+        return self._matrices(delay, self.specific_force(self.t - delay))
+
+    def turning(self, t: Array) -> tuple[Array, Array, Array, Array]:
+        """Motion at some instants: R, angular velocity and acceleration in {B}, specific force in {P}."""
+        q, first, second = (self.quaternion(t, order) for order in range(3))
+        conjugate = Rotation.from_quat(q).inv()
+        size = np.linalg.norm(q, axis=1)[:, None]
+        omega, alpha = (2.0 * _product(d / size, conjugate.as_quat()) for d in (first, second))
+        return Rotation.from_quat(q).as_matrix(), omega, alpha, self.specific_force(t)
+
+    def _matrices(self, delay: float, specific: Array) -> Array:
+        turn, omega, alpha, _ = self.turning(self.t - delay)
+        still = np.zeros_like(omega)
+        acceleration = np.einsum("nij,nj->ni", turn, specific) + self.model.gravity
+        return self.model.matrices(still, turn, np.hstack([still, omega]), np.hstack([acceleration, alpha]))
+
+    def linearised(self, delay: float, values: Array) -> Array:
+        """A, and how A u changes with small turns of the accelerometer and with the delay, shape (n, 6, u + 4)."""
+        matrices = self.regressors(delay)
+        specific = self.specific_force(self.t - delay)
+        expected = matrices @ values
+        columns = []
+        for axis in np.eye(3):
+            variation = specific + DELAY_STEP * np.cross(axis, specific)
+            columns.append((self._matrices(delay, variation) @ values - expected) / DELAY_STEP)
+        step = DELAY_STEP if delay < 0.0 else -DELAY_STEP
+        columns.append((self.regressors(delay + step) @ values - expected) / step)
+        return np.dstack([matrices, np.stack(columns, axis=2)])
+
+    def robust_covariance(
+        self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
+    ) -> Robust | None:
+        """Covariance of u for noise of any colour, shape (u, u), from A and residuals; None for short runs."""
+        coloured = coloured_covariance(turned(matrices, residuals, weights, self.places))
+        return None if coloured is None else Robust(coloured)
+
+    def series(self, delay: float, values: Array) -> Residuals:
+        """Forces as recorded at the evaluated samples beside the model's."""
+        return Residuals(self.t, self.recorded, self.regressors(delay) @ values, self.step)
+
+
+def wrist_run(recording: Recording, case: Case, model: Model, cutoff: float | None = None) -> WristRun:
+    """A moving run with its window: from the first turn out of rest to rest again.
+
+    Args:
+        recording: recording with forces, rotation matrices and an accelerometer.
+        cutoff: cutoff of the filter [Hz]; by default the case's.
+
+    Raises:
+        RecordingError: a stream or the filter is missing, or too slow or too short for it.
+        IdentificationError: the sensor does not turn, or the model needs the position.
+    """
+    turning, accelerometer = recording.stream_with("rotations"), recording.stream_with("specific_forces")
+    if turning is None or accelerometer is None or turning.rotations is None or accelerometer.specific_forces is None:
+        raise RecordingError(
+            recording.source,
+            "a moving run without struts needs rotation matrices and an accelerometer",
+            "add the file that has them, or remove t_s if each row is an averaged standstill",
+        )
+    if model.needs_position or MASS not in model.blocks:
+        raise IdentificationError(f"model {model.number} needs the platform's position; choose model 0 or 6")
+    cutoff = case.recording.filter_cutoff_Hz if cutoff is None else cutoff
+    if cutoff is None:
+        raise RecordingError("a moving run needs a filter; set recording.filter_cutoff_Hz in the case")
+    quaternions = Rotation.from_matrix(turning.rotations).as_quat()
+    flips = np.cumprod(np.r_[1.0, np.sign(np.sum(quaternions[1:] * quaternions[:-1], axis=1))])
+    # Without inertia, orientations only say where the sensor turns: their own band is enough for that.
+    band = cutoff if model.needs_motion else min(cutoff, widest_band(turning))
+    t, low_pass = _filter(recording, cutoff)
+    inner = slice(low_pass.margin, len(t) - low_pass.margin)
+    lost, t = lost_samples(recording.t), t[inner]
+    recorded = bridged(recording.forces, recording.bad)
+    smooth = low_pass.apply(recorded)
+    quaternion, without_turn = _smooth(turning, quaternions * flips[:, None], band, t)
+    specific, unmoved = _smooth(accelerometer, accelerometer.specific_forces, cutoff, t)
+    invalid = spoilt_by(recording.bad, lost, low_pass) | without_turn | unmoved
+    speed = 2.0 * np.linalg.norm(quaternion(np.clip(t, quaternion.x[0], quaternion.x[-1]), 1), axis=1)
+    speed[invalid] = 0.0
+    moving = np.flatnonzero(speed > TURNING)
+    if not len(moving):
+        raise IdentificationError("the sensor does not turn; record a motion, or remove t_s from averaged standstills")
+    first, last = max(quaternion.x[0], specific.x[0]), min(quaternion.x[-1], specific.x[-1])
+    inside = (t >= first + MOST_DELAY) & (t <= last - MOST_DELAY)
+    inside[: moving[0]] = inside[moving[-1] + 1 :] = False
+    window = np.flatnonzero(inside)
+    missing = lost[low_pass.margin + window[:-1]].sum() if len(window) else 0
+    share = float(np.sum(invalid[window])) + float(missing)
+    rows = window[~invalid[window]]
+    warnings = about_left_out(recording.source, share / max(len(window) + int(missing), 1), low_pass)
+    samples = rows[:: low_pass.stride]
+    if len(samples) < LEAST_ROWS:
+        raise RecordingError("the streams overlap for too short a time behind the filter; record longer")
+    return WristRun(
+        model=model, filter=low_pass, t=t[samples], forces=smooth[samples], recorded=recorded[inner][samples],
+        quaternion=quaternion, specific_force=specific, samples=len(rows), window=warnings,
+    )  # fmt: skip
+
+
+def _smooth(stream: Stream, values: Array, cutoff: float, at: Array) -> tuple[CubicSpline, Flags]:
+    """A stream behind the filter, and whether damage or a gap disturbs it beside some instants, shape (n,)."""
+    t, low_pass = _filter(stream, cutoff)
+    signal = CubicSpline(t[low_pass.margin : len(t) - low_pass.margin], low_pass.apply(bridged(values, stream.bad)))
+    spoilt = spoilt_by(stream.bad, lost_samples(stream.t), low_pass)
+    after = np.clip(np.searchsorted(signal.x, at), 1, len(signal.x) - 1)
+    return signal, np.asarray(spoilt[after] | spoilt[after - 1])
+
+
+def _filter(stream: Stream, cutoff: float) -> tuple[Array, Filter]:
+    """Sampling instants of a stream, and its filter."""
+    t, step = _equal_steps(stream)
+    if not 1.5 * cutoff < 0.5001 / step:
+        raise RecordingError(
+            stream.source,
+            f"{1 / step:.4g} samples a second are too few for filter_cutoff_Hz = {cutoff:g}",
+            f"at most {1 / (3 * step):.3g}",
+        )
+    return t, Filter(cutoff, step, MOST_DELAY)
+
+
+def widest_band(*streams: Stream) -> float:
+    """Highest cut-off at which the filter removes all above half the rate of every stream [Hz].
+
+    In it a delay is estimated: at low frequencies it looks like a turn of the accelerometer about the axis of the
+    motion, and what the sensors err by with the orientation passes for it; vibration and jerks of a machine do not.
+    """
+    return min(1.0 / (3.0 * _equal_steps(stream)[1]) for stream in streams)
+
+
+def _equal_steps(stream: Stream) -> tuple[Array, float]:
+    """Sampling instants of a stream, and their step [s]."""
+    if stream.t is None or len(stream.t) < LEAST_ROWS:
+        raise RecordingError(stream.source, "has too few samples with time stamps for a moving run", "record longer")
+    return stream.t, stream.step
+
+
+def _product(a: Array, b: Array) -> Array:
+    """Vector part of the quaternion product a b, scalar last, shape (n, 3)."""
+    return np.asarray(a[:, 3:] * b[:, :3] + b[:, 3:] * a[:, :3] + np.cross(a[:, :3], b[:, :3]))

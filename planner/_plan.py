@@ -1,0 +1,119 @@
+"""Plans from Python: what notebooks and the command line call."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TypedDict, Unpack
+
+from threadpoolctl import threadpool_limits
+
+from cases.schema import Case
+from cases.base.units import Array
+from identification.model.model import full_model, static_model
+from planner.families.manual import load_poses
+from planner.families.settings import Best, FamilySettings
+from planner.plans.making import make_until_ctrl_c, require_plannable
+from planner.plans.plan import Plan
+from planner.plans.progress import Follower, Standing
+from planner.request import DURATION, LONGEST_WANTED, PoseRequest, Request
+from planner.search.parallel import silent
+from planner.shortest import shortest
+
+
+class Settings(TypedDict, total=False):
+    """What may be asked of a motion; `planner.request.Request` says what each is, and has the defaults."""
+
+    criterion: str
+    model: int  # the largest of the machine unless given
+    payload: int
+    payload_from: int | None
+    starts: int | None
+    seed: int
+    solver: str | None
+    workers: int | None
+    seconds: float | None
+    target: Mapping[str, float]  # [SI]
+
+
+class PoseSettings(TypedDict, total=False):
+    """What may be asked of poses; `planner.request.PoseRequest` says what each is, and has the defaults."""
+
+    criterion: str
+    count: int | None
+    method: str
+    model: int  # the largest of the machine unless given
+    candidates: int | None
+    seed: int
+    without: str | None
+
+
+def plan(
+    case: Case,
+    family: FamilySettings | None = None,
+    duration: float | None = None,
+    *,
+    progress: Callable[[str], None] | None = None,
+    **settings: Unpack[Settings],
+) -> Plan:
+    """The most informative motion inside the machine's limits, proven.
+
+    Ctrl-C ends the search and keeps the best motion found so far; a second one gives up. So does the end of `seconds`;
+    proof and figures come after. The search runs in `workers`
+    processes, which do not run the caller's script.
+
+    Args:
+        case: machine and limits.
+        family: family of motions; unless given the one of which the best motion is found, of moves, splines and series.
+        duration: duration of the excitation [s], 12 s by default; with a target the longest that is tried, by default
+            60 s.
+        progress: shows a line now and then.
+        **settings: criterion, model, payload, payload_from, starts, seed, solver, workers, seconds, target; see
+            `Settings`. With a target, predicted deviations by parameter [SI], the shortest motion that reaches them.
+
+    Raises:
+        HexciteError: what was asked for cannot be met; the message says what to change.
+    """
+    settings.setdefault("model", full_model(case))
+    if duration is None:
+        duration = LONGEST_WANTED if settings.get("target") else DURATION
+    request = Request(family or Best(), duration, **settings)  # type: ignore[arg-type]  # a letter will do
+    return planned(request, case, None if progress is None else lambda standing: progress(standing.line))
+
+
+def planned(request: Request, case: Case, progress: Callable[[Standing], None] | None = None) -> Plan:
+    """`plan` for settings that are one value."""
+    require_plannable(request, case)
+    follower = silent if progress is None else Follower(case, progress)
+    with threadpool_limits(limits=1, user_api="blas"):  # matrices are small: threads of BLAS would wait for each other
+        if request.target:
+            return shortest(request, case, lambda own: make_until_ctrl_c(own, case, follower))
+        return make_until_ctrl_c(request, case, follower)
+
+
+def plan_poses(
+    case: Case,
+    at: Path | Array | None = None,
+    *,
+    progress: Callable[[int], None] | None = None,
+    **settings: Unpack[PoseSettings],
+) -> Plan:
+    """The most informative poses to stand at, in a short order, proven.
+
+    Args:
+        at: poses of one's own instead, to see what they are worth beside chosen ones: a CSV file, or coordinates of the
+            machine, shape (n, k) [m or rad].
+        case: machine, limits and poses.
+        progress: called with the number of poses after each step of the choice.
+        **settings: criterion, count, method, model, candidates, seed; see `PoseSettings`.
+
+    Raises:
+        HexciteError: what was asked for cannot be met; the message says what to change.
+    """
+    from planner.poses.planned_poses import poses_planned  # SciPy, which motions do without
+
+    settings.setdefault("model", static_model(case))
+    if at is not None:
+        settings["method"] = "given"
+    request = PoseRequest(**settings)  # type: ignore[arg-type]  # a letter will do
+    own = load_poses(Path(at), case.need_motion("a plan of poses")[1].columns) if isinstance(at, Path | str) else at
+    with threadpool_limits(limits=1, user_api="blas"):
+        return poses_planned(request, case, progress or (lambda _: None), own)

@@ -1,0 +1,1 @@
+"""A plan: made from a request, rated, saved and loaded."""

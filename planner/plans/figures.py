@@ -1,0 +1,187 @@
+"""Figures of a plan: predicted standard deviations of one run, information, and the record of its search.
+
+Fields of `Worth` and `PoseWorth` have the names of their entries in `plan.json`.
+"""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+
+from cases.schema import Case
+from identification.estimation.criteria import (
+    CRITERIA,
+    Criterion,
+    reference_scaling,
+    singular_values,
+    total_information,
+)
+from identification.limits.limit import LimitReport
+from identification.machines.hexapod import Hexapod
+from identification.model.model import Model, field_covariance
+from identification.model.parameters import nominal_parameters, physical_form
+from identification.motion.motion import Array, Trajectory
+from planner.bounds.bound import Bound
+from planner.noise import (
+    ExpectedNoise,
+    PoseErrors,
+    counted_information,
+    expected_noise,
+    information_of,
+    mean_information,
+    seen_through,
+)
+from planner.search.record import Failed, StartRecord
+
+
+@dataclass(frozen=True, slots=True)
+class Worth:
+    """Figures of a planned motion, and the record of its search."""
+
+    starts: tuple[StartRecord, ...]  # starts with a feasible motion, the best first
+    failed_starts: tuple[Failed, ...]  # the others, with the reason
+    criterion_value: float  # the criterion of Table 4, to be maximised, in reference scaling
+    logdet: float  # log det of the mean information, reference scaling, W = 1
+    condition: float  # mu_1 / mu_u, reference scaling
+    bound: Bound
+    # standard deviation of a sample of each channel behind the predictions [N, or N and N m]
+    assumed_noise_of_channels: tuple[float, ...]
+    noise_of_accelerations: bool  # whether noise of the accelerations is included
+    weights: str  # weights of the identification that predictions assume
+    weaknesses: tuple[str, ...]  # why another plan would carry more information
+    notes: tuple[str, ...]  # notes for the user before running it
+    # D-efficiency of the best motion of each family, the best first, where the family was chosen by trying
+    tried: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def d_efficiency(self) -> float:
+        """D-efficiency against the box bound."""
+        return self.bound.efficiency(self.logdet)
+
+    def to_json(self) -> dict[str, Any]:
+        """Entries of `plan.json`."""
+        return asdict(self) | {"d_efficiency": self.d_efficiency}
+
+
+@dataclass(frozen=True, slots=True)
+class PoseWorth:
+    """Figures of a set of poses."""
+
+    remark: str  # result of the choice, in words
+    candidates: int  # number of valid poses to choose from
+    travel_s: float  # time of the moves [s]
+    criterion_value: float  # criterion of Table 4, to be maximised: mean information, reference scaling
+    condition: float  # mu_1 / mu_u, reference scaling
+    efficiency: float  # lower bound of the D-efficiency against every design over the candidates; certified
+    select_s: float  # time spent on choosing [s]
+
+    def to_json(self) -> dict[str, Any]:
+        """Entries of `plan.json`."""
+        return asdict(self)
+
+
+BINDING = 0.99  # share of a limit from which it determines the motion
+
+
+def bound_by(limits: LimitReport) -> list[str]:
+    """The limits that determine a motion."""
+    return [c.name for c in limits.checks if c.binding and c.ratio > BINDING]
+
+
+def predicted_std(
+    case: Case, model: Model, scaling: Array, information: Array, duration: float, noise: float, payload: int = 0
+) -> dict[str, float]:
+    """Standard deviations of the physical parameters for one run at the rate of the case.
+
+    The body is the nominal one with a number of payloads.
+
+    Args:
+        scaling: diagonal of H, shape (u,).
+        information: mean of H A^T W A H, or that `of_estimate` where W is not right for the noise, shape (u, u).
+        duration: duration of the motion [s].
+        noise: standard deviation of a force sample [N]; W is in units of noise^-2.
+    """
+    covariance = noise**2 / (duration * case.recording.rate_Hz) * np.linalg.inv(information)
+    return _physical_std(case, model, covariance * np.outer(scaling, scaling), payload)
+
+
+def predicted_std_at_poses(
+    case: Case, model: Model, scaling: Array, regressors: Array, poses: Array, noise: float
+) -> dict[str, float]:
+    """Standard deviations of the physical parameters from averaged standstills.
+
+    Args:
+        case: gives the nominal body, and errors that depend on the pose.
+        scaling: scaling of its columns, shape (u,).
+        regressors: regressors of the poses, scaled, shape (n, 6, u).
+        poses: shape (n, 6) [m, rad].
+        noise: standard deviation of an averaged force [N].
+    """
+    inverse = np.linalg.inv(total_information(regressors))
+    covariance = noise**2 * inverse
+    if (field := case.sensors.pose_field) is not None:
+        by_pose = field_covariance(field, Hexapod.of(case).strut_lengths(poses))
+        covariance = covariance + inverse @ sum(a.T @ by_pose @ a for a in regressors.transpose(1, 0, 2)) @ inverse
+    return _physical_std(case, model, covariance * np.outer(scaling, scaling))
+
+
+def _physical_std(case: Case, model: Model, covariance: Array, payload: int = 0) -> dict[str, float]:
+    """Standard deviations with the nominal body and a number of payloads, from the covariance of u, shape (u, u)."""
+    form = physical_form(model)
+    nominal = nominal_parameters(model, case.body(payload))  # the rest is linear: its values do not matter
+    _, physical = form.of(nominal, covariance)
+    std = np.sqrt(np.diag(physical))
+    return {p.name: float(s) for p, s in zip(form.parameters, std, strict=True)}
+
+
+def predicted_std_of(
+    case: Case, model: Model, scaling: Array, motion: Trajectory, noise: ExpectedNoise, payload: int
+) -> dict[str, float]:
+    """Standard deviations of the physical parameters for a run of a motion, by rate, weights, noise and pose errors."""
+    errors = PoseErrors.of(case, noise)
+    by_pose = None
+    if errors is not None:
+        by_pose = errors.scatter_of(seen_through(model, noise.whitening), scaling, motion)
+    information = counted_information(
+        lambda root: mean_information(seen_through(model, root), scaling, motion), noise, by_pose
+    )
+    return predicted_std(case, model, scaling, information, motion.duration, noise.sensors, payload)
+
+
+def worst_std(
+    case: Case, model: Model, scaling: Array, motion: Trajectory, payloads: Sequence[int]
+) -> dict[str, float]:
+    """Largest predicted standard deviation of each parameter over numbers of payloads.
+
+    Each run has the noise and weights of what is mounted.
+    """
+    runs = [predicted_std_of(case, model, scaling, motion, expected_noise(case, model, n), n) for n in payloads]
+    return {name: max(run[name] for run in runs) for name in runs[0]}
+
+
+def figures_of(
+    case: Case, model: Model, motion: Trajectory, payloads: Sequence[int], criterion: Criterion
+) -> tuple[dict[str, float], ExpectedNoise, dict[str, float]]:
+    """Figures of a motion with the most payloads mounted: entries of `plan.json`, the noise and `worst_std`.
+
+    The criterion is of the information that the search maximised: with the weights of the case, and reduced by errors
+    of the pose.
+
+    Raises:
+        IdentificationError: the motion does not excite all parameters of the model.
+    """
+    scaling = reference_scaling(case, model)
+    mu = singular_values(mean_information(model, scaling, motion), model.names)
+    noise = expected_noise(case, model, payloads[-1])
+    weighted, errors = mu, PoseErrors.of(case, noise)
+    if noise.whitening is not None or errors is not None:
+        left = information_of(seen_through(model, noise.whitening), scaling, motion, errors)
+        weighted = singular_values(left, model.names)
+    figures = {
+        "logdet": CRITERIA[Criterion.D](mu),
+        "condition": -CRITERIA[Criterion.K](mu),
+        "criterion_value": CRITERIA[criterion](weighted),
+        "assumed_noise_N": noise.sensors,
+    }
+    return figures, noise, worst_std(case, model, scaling, motion, payloads)

@@ -1,0 +1,250 @@
+"""Plans an excitation from start to proof."""
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import count
+
+import numpy as np
+
+from cases.base.errors import HexciteError, IdentificationError, InfeasiblePlan, Interrupted, choice
+from cases.schema import Case
+from cases.base.units import Array
+from identification.limits.limit import LimitKind
+from identification.limits.proof import PROOF_RATE, prove
+from identification.model.model import identification_model
+from identification.model.parameters import physical_form
+from planner.families.family import Family
+from planner.controller_limits import controlled, with_steps
+from planner.families.settings import Best
+from planner.plans.plan import Plan
+from planner.plans.rating import PlannedMotion, rated_plan
+from planner.request import LONGEST, Request
+from planner.search.record import Failed
+from planner.search.feasibility import keep_limits, remedy, require_identifiable, require_rest
+from planner.search.parallel import (
+    Listener,
+    Outcome,
+    Planned,
+    Runner,
+    Schedule,
+    enough,
+    first_ctrl_c,
+    gain,
+    most_starts,
+    run_here,
+    workers,
+)
+from planner.search.solving import Start, Task
+
+KEPT = 3  # number of the best orders, periods, numbers of moves and families, at most, that get more starts
+CLOSE = 0.03  # share of an efficiency by which others than the best are worse, at most, that get more starts too
+REFINING = 0.4  # share of a search of some seconds that its refinements have, where it explores first
+AHEAD = 8  # starts that may run at a time: what a start is depends on the results of those so many before it
+
+
+def require_plannable(request: Request, case: Case) -> None:
+    """Refuses requests that no search can meet.
+
+    Raises:
+        CaseError: the case has no machine, limits, controller or payload of this number.
+        IdentificationError: an unknown model, or one that no motion of the machine determines.
+        HexciteError: a duration too short for the machine.
+        InfeasiblePlan: standing still in the middle of the motion box exceeds a limit.
+        FileProblem: the sequence cannot be used.
+    """
+    case.need_motion("planning")
+    require_identifiable(case, identification_model(case, request.model))
+    require_targets(request, case)
+    case.body(request.payload)
+    request.family.require_plannable(case, request.duration)
+    require_rest(case)
+
+
+def require_targets(request: Request, case: Case) -> None:
+    """Raises HexciteError where a target is not the positive deviation of a parameter [SI], or nothing is searched."""
+    names = [p.name for p in physical_form(identification_model(case, request.model)).parameters]
+    if request.target and not request.family.optimised:
+        raise HexciteError(f"a target does nothing with family {request.name}, whose duration is given; leave it out")
+    for name, value in request.target.items():
+        if name not in names:
+            raise HexciteError(f"target {name}", f"is not a parameter of model {request.model}; {choice(name, names)}")
+        if not 0.0 < value < math.inf:
+            raise HexciteError(f"target {name}", f"{value:g} is not a deviation to reach; give one above 0")
+
+
+def search(request: Request, case: Case, listener: Listener, run: Runner) -> PlannedMotion:
+    """Explores starts until further ones gain too little, refines the best ones, proves the winner.
+
+    A search that lasts some seconds goes on with rounds of this kind until then.
+
+    Raises:
+        InfeasiblePlan: every start failed; the message is that of the first.
+        Interrupted: Ctrl-C before any start was done.
+    """
+    listener(request)
+    until = math.inf if request.seconds is None else time.monotonic() + request.seconds
+    made_for = request.family.made_for(case)
+    own, step_time = controlled(case, made_for)
+    rounds = _Rounds(request, own.within_margin(), case, listener, run, until)  # the proof asks the limits themselves
+    results: list[Start | Failed] = []
+    ended_early = late = False
+    for number in count():
+        more, ended_early = rounds.one(number, _best_refined(results))
+        results += more
+        late = time.monotonic() >= until
+        if ended_early or late or request.seconds is None or all(isinstance(result, Failed) for result in more):
+            break
+    out_of_time = late
+    starts = sorted(_without_failures(results), key=lambda s: -s.record.criterion_value)
+    failed = tuple(r for r in results if isinstance(r, Failed))
+    if not starts:
+        if ended_early and not out_of_time:
+            raise Interrupted
+        raise InfeasiblePlan(failed[0].reason)
+    best = starts[0]
+    motion = best.family.motion(keep_limits(rounds.case, best.family, best.unknowns, PROOF_RATE)[0])
+    report = with_steps(prove(motion, case), step_time)
+    settings = {**best.family.settings, **best.family.found(best.unknowns)}
+    settings |= {} if made_for is None else {"made_for": made_for}
+    settings |= {} if not step_time else {"without": LimitKind.JERK}
+    interrupted = ended_early and not out_of_time
+    return PlannedMotion(motion, settings, report, tuple(starts), failed, interrupted, out_of_time)
+
+
+def _without_failures(results: Sequence[Start | Failed]) -> list[Start]:
+    return [result for result in results if isinstance(result, Start)]
+
+
+def _best_refined(results: Sequence[Start | Failed]) -> float:
+    return max((s.record.criterion_value for s in _without_failures(results) if s.record.refined), default=-math.inf)
+
+
+@dataclass(frozen=True, slots=True)
+class _Rounds:
+    """Rounds of a search: starts until further ones gain too little, and refinements of the best of them."""
+
+    request: Request
+    case: Case  # case with the limits that its controller enforces, within the margin of their ends
+    reference: Case  # case of the reference scaling
+    listener: Listener
+    run: Runner
+    until: float  # when the search is to end, by `time.monotonic` [s]
+
+    def one(self, number: int, score: float) -> Outcome:
+        """Results of a round, refinements last, and whether Ctrl-C or its time ended it early.
+
+        Args:
+            number: number of the round, from 0.
+            score: criterion of the best motion of earlier rounds.
+        """
+        request = self.request
+        wanted = request.family.refinements(request.criterion)
+        left = self.until - time.monotonic()
+        schedule = self._explorations(number, self.until - REFINING * left if wanted else self.until)
+        least, exactly = self._least(), request.starts is not None
+        self.listener(Planned("start", least, exactly, schedule.until))
+        results, early = self.run(schedule, self.listener)
+        explored, score = _without_failures(results), max(score, _best_refined(results))
+        # An exploration overestimates, and never underestimates: one below the best result so far cannot win.
+        promising = sorted(
+            (s for s in explored if not s.record.refined and s.promise > score), key=lambda s: -s.promise
+        )
+        refinements = [self._task(s.family, s.record.seed, s.begin) for s in promising[:wanted]]
+        early = early and not schedule.late  # the end of its time leaves some to refine, or to go on
+        if refinements and not early:
+            self.listener(Planned("refinement", len(refinements), True, self.until))
+            second, early = self.run(Schedule.of(refinements, self.until), self.listener)
+            results = results + second
+        return results, early
+
+    def _task(self, family: Family, seed: int, begin: Array | None = None) -> Task:
+        own = self.request
+        return Task(self.case, own.model, family, own.criterion, seed, own.payload, begin, self.reference, own.solver)
+
+    def _least(self) -> int:
+        """Number of starts at least. Where there is a choice the first make it; those that follow may gain nothing."""
+        request = self.request
+        if request.starts is not None:
+            return request.starts
+        choices = len(request.family.families(self.case, request.duration))
+        return max(choices, 1) + request.family.idle(request.criterion)
+
+    def _explorations(self, number: int, until: float) -> Schedule:
+        """The starts of a round. Each of several choices has one first; those that follow go to the best of them."""
+        request = self.request
+        idle = request.family.idle(request.criterion)
+        families = request.family.families(self.case, request.duration)[: request.starts]
+        parameters, most = len(identification_model(self.case, request.model).names), most_starts(request)
+        first, least = max(len(families), min(1 + idle, most)), self._least()
+        each = max(first, most)
+        seeds = seeds_of(request.seed, (number + 1) * each)[number * each :]
+        settings = [family.settings for family in families]
+
+        def task(k: int, results: Sequence[Start | Failed]) -> Task | None:
+            known = max(first, k + 1 - AHEAD)
+            if k >= first and (k >= most or len(results) < known):
+                return None
+            if k < first:
+                family = families[k % len(families)]
+            else:
+                starts = sorted(_without_failures(results[:known]), key=lambda s: -s.promise)
+                lost = [-gain(request.criterion, parameters, starts[0].promise, s.promise) for s in starts]
+                leading = [s for s, loss in zip(starts, lost, strict=True) if loss <= CLOSE]
+                ranked = dict.fromkeys(settings.index(s.family.settings) for s in leading)
+                best = [families[n] for n in ranked] or families
+                family = best[(k - first) % min(KEPT, len(best))]
+            return self._task(family, seeds[k])
+
+        def are_enough(results: Sequence[Start | Failed]) -> bool:
+            return len(results) >= least and enough(results, request, parameters)
+
+        return Schedule(task, are_enough, until)
+
+
+def seeds_of(seed: int, starts: int) -> list[int]:
+    """Seeds of the starts, reproducible from one seed; more starts extend the list."""
+    return [int(s.generate_state(1)[0]) for s in np.random.SeedSequence(seed).spawn(starts)]
+
+
+def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
+    """Optimises, proves and rates an excitation.
+
+    Raises:
+        InfeasiblePlan: no motion satisfies the limits.
+        IdentificationError: the motion does not excite all parameters of the model.
+        CaseError: the case has no machine or no limits.
+        HexciteError: a request that no search can meet; see `require_plannable`.
+        Interrupted: Ctrl-C before any start was done.
+    """
+    require_plannable(request, case)
+    start = time.perf_counter()
+    if (by_hand := request.family.motion(case)) is None:
+        result = search(request, case, listener, run)
+        if isinstance(request.family, Best):
+            chosen = request.family.chosen(case, request.duration, result.starts[0].family.name)
+            request = replace(request, family=chosen)
+    else:
+        motion, file = by_hand
+        if not motion.duration <= LONGEST:
+            raise InfeasiblePlan(file, f"takes {motion.duration:.0f} s, longer than {LONGEST:g} s; take steps out")
+        result = PlannedMotion(motion, {"sequence": str(file)}, prove(motion, case))
+    seconds = time.perf_counter() - start
+    if not result.limits.kept:
+        worst = result.limits.violations[0]
+        raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; {remedy(worst, case)}")
+    try:
+        return rated_plan(request, case, result, seconds)
+    except IdentificationError as error:
+        place = str(result.settings.get("sequence", f"no plan for model {request.model}"))
+        raise IdentificationError(place, f"{error.typed}") from error
+
+
+def make_until_ctrl_c(request: Request, case: Case, listener: Listener) -> Plan:
+    """`make`, in the main thread; after the first Ctrl-C the best motion so far is proven and rated."""
+    if not request.family.optimised:
+        return make(request, case, listener, run_here)
+    with first_ctrl_c() as pressed, workers(pressed, request.workers) as run:
+        plan = make(request, case, listener, run)
+    return replace(plan, interrupted=plan.interrupted or pressed.is_set())

@@ -1,0 +1,267 @@
+"""A plan: the chosen motion or set of poses, its predicted figures, and the proof of its limits."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cases import checks
+from cases.base.errors import HexciteError
+from cases.base.files import PLAN, atomic_folder, check_folder, json_text
+from cases.base.units import DEG, MM, as_html
+from cases.basis import CONTENT, KEPT, content_of, plan_basis
+from cases.schema import Case
+from identification.limits.limit import PLANNABLE_WITHOUT, LimitKind, LimitReport, Status
+from identification.model.model import identification_model
+from identification.model.parameters import physical_form
+from identification.motion.motion import Array, Joined, Motion, Standstill, Trajectory, sample
+from identification.texts import aligned, carries_rods, legible, limit_lines, parameter_words, std_text, use_text
+from planner.families.family import Settings
+from planner.plans.figures import PoseWorth, Worth, bound_by
+from planner.plans.folder import SCHEMA_VERSION, fingerprint_of, load_plan, motion_entries
+from planner.request import PoseRequest, Request
+
+SAMPLE_RATE = 1000.0  # [1/s] of motion.csv
+MOST_USED = 0.9  # share of a limit from which it is shown
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plan:
+    """A planned excitation: a motion from rest to rest, or poses to stand at.
+
+    Args:
+        case: case that it was planned for.
+        request: request that it answers.
+        motion: the excitation; of poses from home through all of them and back home.
+        limits: proof of its limits.
+        predicted_std: standard deviation of each physical parameter for one run [SI].
+        assumed_noise: assumed noise of a force sample behind it, of poses of an averaged force [N].
+        assumed_rate: samples of a recording a second behind it [1/s].
+        worth: figures of the motion or of the poses, and the record of their search.
+        settings: settings of the family after the search; of poses origin of the candidates, and measuring time.
+        solve_s: computing time [s].
+        interrupted: whether Ctrl-C ended the search early.
+        folder: folder from which it was loaded; None for a new plan.
+        digest: fingerprint of the plan.json there.
+        stale: changes of the case since then, where the user went on; written into what is made of the plan.
+    """
+
+    case: Case
+    request: Request | PoseRequest
+    motion: Trajectory
+    limits: LimitReport
+    predicted_std: dict[str, float]
+    assumed_noise: float
+    assumed_rate: float
+    worth: Worth | PoseWorth
+    settings: Settings
+    solve_s: float
+    interrupted: bool = False
+    folder: Path | None = None
+    digest: str = ""
+    stale: tuple[str, ...] = ()
+
+    @property
+    def family(self) -> str:
+        """Name of the family of motions, or `poses`."""
+        return self.request.name
+
+    @property
+    def model(self) -> int:
+        """Number in Table 2."""
+        return self.request.model
+
+    @property
+    def duration(self) -> float:
+        """Duration of the motion [s]."""
+        return self.motion.duration
+
+    @property
+    def poses(self) -> Array:
+        """Poses at which it measures standing still, in order of visit, shape (n, k) [m or rad]; empty for motions."""
+        parts = self.motion.parts if isinstance(self.motion, Joined) else ()
+        poses = [part.pose for part in parts if isinstance(part, Standstill) and part.average]
+        return np.array(poses) if poses else np.zeros((0, 6))
+
+    @property
+    def name(self) -> str:
+        """Name of its folder, or of case and family."""
+        return f"{self.case.name}-{self.family}" if self.folder is None else self.folder.resolve().name
+
+    @property
+    def without(self) -> tuple[LimitKind, ...]:
+        """Families of limits of the case that it leaves out, as was asked for."""
+        return tuple(kind for kind in PLANNABLE_WITHOUT if kind == self.settings.get("without"))
+
+    @property
+    def fingerprint(self) -> str:
+        """Fingerprint of its plan.json, wherever the folder is, by which programs and recordings name it."""
+        return self.digest or fingerprint_of(json_text(self.to_json()).encode())
+
+    @property
+    def of_motion(self) -> tuple[Request, Worth]:
+        """Request and figures of a plan of a motion.
+
+        Raises:
+            HexciteError: it is a plan of poses.
+        """
+        if isinstance(self.request, Request) and isinstance(self.worth, Worth):
+            return self.request, self.worth
+        raise HexciteError(self.name, "is a plan of poses; here a plan of a motion is wanted")
+
+    @property
+    def payloads(self) -> range:
+        """Numbers of payloads that may be mounted."""
+        return self.request.payloads if isinstance(self.request, Request) else range(1)
+
+    def save(self, folder: Path | str, overwrite: bool = False) -> None:
+        """Writes plan.json, and motion.csv or poses.csv, into a new folder.
+
+        Raises:
+            FileProblem: the folder is somebody's, or cannot be written.
+        """
+        check_folder(Path(folder), PLAN, overwrite=overwrite)
+        with atomic_folder(Path(folder), PLAN, overwrite) as part:
+            self.write(part)
+
+    def write(self, folder: Path) -> None:
+        """Writes the same files into an existing folder."""
+        (folder / "plan.json").write_text(json_text(self.to_json()), encoding="utf-8")
+        if isinstance(self.request, PoseRequest):
+            poses = poses_in_units(self.poses, self.case)
+            columns = "pose", *self.case.need_motion("a plan")[1].columns
+            name, text = "poses.csv", _csv(columns, np.column_stack([np.arange(1, len(poses) + 1), poses]))
+        else:
+            name, text = "motion.csv", motion_csv(sample(self.motion, SAMPLE_RATE), self.case)
+        (folder / name).write_text(text, encoding="utf-8")
+
+    @classmethod
+    @checks
+    def load(cls, folder: Path | str, case: Case | None = None, stale: bool = False) -> "Plan":
+        """The plan of a folder; see `planner.plans.folder.load_plan`."""
+        return load_plan(cls, Path(folder), case, stale)
+
+    def to_json(self) -> dict[str, Any]:
+        """What `plan.json` holds."""
+        request = self.request
+        if isinstance(request, Request):
+            first, last = self.motion.at([0.0, self.duration]).pose
+            own = {
+                "first_pose_m_rad": first.tolist(),
+                "last_pose_m_rad": last.tolist(),
+                "payload": self.payloads[-1],
+                "payload_from": self.payloads[0],
+                "bound_by": bound_by(self.limits),
+                "interrupted": self.interrupted,
+            }
+        else:
+            columns = self.case.need_motion("a plan")[1].columns
+            rows = poses_in_units(self.poses, self.case).tolist()
+            own = {"count": len(rows), "poses": [dict(zip(columns, row, strict=True)) for row in rows]}
+        entries = {
+            "schema_version": SCHEMA_VERSION,
+            "case": self.case.name,
+            "case_file": self.case.origin,
+            "case_hash": self.case.hash,
+            KEPT: plan_basis(self.case, self.payloads[-1], isinstance(request, PoseRequest)),
+            "family": self.family,
+            "criterion": request.criterion,
+            "model": request.model,
+            "status": "proven",
+            "duration_s": self.duration,
+            "solve_s": self.solve_s,
+            "settings": dict(self.settings),
+            **request.to_json(),
+            **self.worth.to_json(),
+            **own,
+            "predicted_std": self.predicted_std,
+            "assumed_noise_N": self.assumed_noise,
+            "assumed_rate_Hz": self.assumed_rate,
+            "pose_errors": None if (field := self.case.sensors.pose_field) is None else field.keys,
+            "limits": self.limits.to_json(),
+            **motion_entries(self.motion),
+        }
+        if self.stale:
+            entries["stale"] = list(self.stale)
+        return entries | {CONTENT: content_of(entries)}
+
+    @property
+    def rating(self) -> tuple[float, str]:
+        """Its D-efficiency, and against what."""
+        if isinstance(self.worth, PoseWorth):
+            return self.worth.efficiency, f"of the best design over {self.worth.candidates} candidates (lower bound)"
+        return self.worth.d_efficiency, f"against the box bound ({self.worth.bound.label})"
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Why another plan would carry more information."""
+        stopped = ("stopped by Ctrl-C: this is the best of what was found until then",) if self.interrupted else ()
+        return stopped if isinstance(self.worth, PoseWorth) else (*stopped, *self.worth.weaknesses)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What predicted standard deviations assume, and notes for the user before running it."""
+        assumed = f"predicted for {self.assumed_noise:.3g} N white noise of "
+        if isinstance(self.worth, PoseWorth):
+            return f"{assumed}an averaged force", self.worth.remark
+        assumed += f"a force, {self.assumed_rate:g} Hz, {self.of_motion[0].mounted}, weights {self.worth.weights}"
+        return assumed, *self.worth.notes
+
+    @property
+    def headline(self) -> str:
+        """What it is, in a line."""
+        subject = f"{len(self.poses)} poses" if isinstance(self.worth, PoseWorth) else f"{self.family} motion"
+        criterion = f"criterion {self.request.criterion}, model {self.model}"
+        left_out = f", without {', '.join(self.without)}" if self.without else ""
+        return f"Plan for {self.case.name}: {subject}, {self.duration:.2f} s, {criterion}{left_out}"
+
+    def _verdict(self) -> list[str]:
+        efficiency, measure = self.rating
+        return [*(f"weak: {doubt}" for doubt in self.doubts), f"D-efficiency {efficiency:.3f} {measure}"]
+
+    def __repr__(self) -> str:
+        """A few lines: the excitation, the limits that it uses most, and its rating."""
+        counted = (c for c in self.limits.checks if c.binding)
+        most = sorted(counted, key=lambda c: (c.room is not None, -c.ratio))[:3]
+        used = ", ".join(f"{c.name} {use_text(c, unit=c.unit)}" for c in most)
+        return "\n".join([self.headline, f"limits most used: {used}", *self._verdict()])
+
+    def __str__(self) -> str:
+        """The same with predicted standard deviations, and a table of the limits that matter."""
+        checks = [c for c in self.limits.checks if c.ratio >= MOST_USED or c.status is not Status.PROVEN]
+        limits = [*limit_lines(checks), f"{len(self.limits.checks) - len(checks)} other limits are proven too"]
+        deviations = aligned(("parameter", "predicted std", "unit"), *self.deviation_rows())
+        remarks = (f"note: {remark}" for remark in self.remarks)
+        return "\n".join([self.headline, "", *limits, "", *deviations, "", *remarks, *self._verdict()])
+
+    _repr_html_ = as_html
+
+    def deviation_rows(self) -> tuple[tuple[str, str, str], ...]:
+        """Predicted standard deviations for people: each parameter in words, its deviation, and the unit of that."""
+        rods, rows = carries_rods(self.predicted_std), []
+        for p in physical_form(identification_model(self.case, self.model)).parameters:
+            scale, unit = legible(p.unit)
+            rows.append((parameter_words(p.name, rods), std_text(self.predicted_std[p.name] * scale), unit))
+        return tuple(rows)
+
+
+def poses_in_units(poses: Array, case: Case) -> Array:
+    """Coordinates of a case's machine in mm and degrees, shape (n, k), without the noise of the conversion."""
+    return np.asarray(np.round(poses / np.where(case.need_motion("a plan")[1].turns, DEG, MM), 9))
+
+
+def motion_csv(motion: Motion, case: Case) -> str:
+    """The motion as a table in mm and degrees; header as in CONVENTIONS."""
+    from cases.recording_format import motion_columns
+
+    limits = case.need_motion("a plan")[1]
+    unit = np.where(limits.turns, 1 / DEG, 1 / MM)
+    table = np.column_stack([motion.t, motion.pose * unit, motion.rates * unit, motion.accelerations * unit])
+    return _csv(motion_columns(limits.columns), table)
+
+
+def _csv(columns: Sequence[str], table: Array) -> str:
+    form = ",".join(["%.9g"] * table.shape[1])
+    return "\n".join([",".join(columns), *(form % tuple(row) for row in table.tolist())]) + "\n"

@@ -1,0 +1,243 @@
+"""The plan of the motion from a search: its figures, and notes for the user."""
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from cases.schema import Case
+from identification.estimation.criteria import Criterion, box_middle, reference_scaling
+from identification.limits.limit import LimitKind, LimitReport, Status
+from identification.model.model import Model, identification_model
+from identification.motion.curves import FourierMotion
+from identification.motion.motion import Joined, Trajectory
+from identification.motion.moves import StraightMove, fastest_profile, limits_along
+from planner.bounds.bound import information_limit
+from planner.families.family import Settings
+from planner.families.fourier import of_lower_order
+from planner.families.settings import Fourier, PointToPoint
+from planner.noise import mean_information
+from planner.plans.figures import Worth, figures_of
+from planner.plans.plan import Plan
+from planner.request import Request
+from planner.search.feasibility import keep_limits
+from planner.search.problem import CHECK_RATE
+from planner.search.record import Failed
+from planner.search.solving import DRAWN_BACK, Start
+
+_OTHERWISE = {"ptp": "fewer --moves", "fourier": "--free-period", "spline": "--family ptp"}  # by family
+FULL = 0.9  # share of a limit that a good motion uses of at least one
+ORDER_1 = (
+    "order 1 moves on ellipses: accelerations are -w^2 times the way from the middle, all at one frequency; only the "
+    "ways in and out, and gravity as it turns, tell inertia from offsets and from errors that depend on the pose; "
+    "plan order 3 too and compare the predicted deviations"
+)
+SPARE = 0.05  # share of the duration that a free period may leave before it is said
+NEEDLESS = 0.01  # share of the information that harmonics may carry and yet be called needless
+
+
+class PlannedMotion(NamedTuple):
+    """The motion from a search, and the record of the search."""
+
+    motion: Trajectory  # the best one, proven
+    settings: Settings  # settings of its family
+    limits: LimitReport
+    starts: tuple[Start, ...] = ()  # the best one first
+    failed: tuple[Failed, ...] = ()  # starts without a feasible motion
+    interrupted: bool = False  # whether Ctrl-C ended the search early
+    out_of_time: bool = False  # whether it ended because it had lasted as long as was asked for
+
+
+def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: float) -> Plan:
+    """The plan of a feasible motion, with its figures.
+
+    Args:
+        seconds: time spent on the search [s].
+
+    Raises:
+        IdentificationError: the motion does not excite all parameters of the model.
+    """
+    model, motion = identification_model(case, request.model), planned.motion
+    figures, noise, predicted = figures_of(case, model, motion, request.payloads, request.criterion)
+    bound, smooth = information_limit(case, model).raised(figures["logdet"]), None
+    if planned.settings.get("without") == LimitKind.JERK and isinstance(motion, Joined):
+        within = with_jerk_limited(motion, case)
+        smooth = (
+            within.duration,
+            bound.efficiency(figures_of(case, model, within, request.payloads, request.criterion)[0]["logdet"]),
+        )
+    tried = tried_families(planned, bound.efficiency(figures["logdet"]), len(model.names))
+    worth = Worth(
+        starts=tuple(start.record for start in planned.starts),
+        failed_starts=planned.failed,
+        criterion_value=figures["criterion_value"],
+        logdet=figures["logdet"],
+        condition=figures["condition"],
+        bound=bound,
+        assumed_noise_of_channels=tuple(noise.std.tolist()),
+        noise_of_accelerations=noise.shaken,
+        weights=noise.weights,
+        weaknesses=weaknesses(planned, request),
+        notes=(
+            *choice_notes(tried),
+            *notes(planned, smooth),
+            *fourier_notes(case, model, request, motion, figures["logdet"]),
+            *search_notes(planned, request, len(model.names)),
+        ),
+        tried=tried,
+    )
+    return Plan(
+        case, request, motion, planned.limits, predicted, noise.sensors, case.recording.rate_Hz, worth,
+        planned.settings, seconds, planned.interrupted,
+    )  # fmt: skip
+
+
+def weaknesses(planned: PlannedMotion, request: Request) -> tuple[str, ...]:
+    """Reasons why another plan would carry more information, each with a remedy; the first thing that a user reads."""
+    words = []
+    refined = [s.record for s in planned.starts if s.record.refined]
+    ended_early = planned.interrupted or planned.out_of_time
+    unfinished = bool(refined) and not ended_early and not refined[0].converged
+    if unfinished and request.starts is not None:  # a search that ends by itself has tried further starts
+        tried = "the only start" if request.starts == 1 else f"the best of {request.starts} starts"
+        words.append(
+            f"{tried} had not converged ({refined[0].solver.words}): without --starts the search goes on until further "
+            "starts gain little"
+        )
+    if planned.starts and (share := planned.starts[0].shrunk) < DRAWN_BACK:
+        words.append(
+            f"the motion had to be drawn to {100 * share:.0f} % of its ways to satisfy every limit: plan with "
+            "another --seed, or in a smaller box"
+        )
+    checks = [c for c in planned.limits.checks if c.binding and c.kind.kinetic]
+    if planned.starts and checks and (most := max(checks, key=lambda c: c.ratio)).ratio < FULL:
+        words.append(
+            f"no limit of speed or force is used beyond {100 * most.ratio:.0f} % ({most.name}): the ways are short for "
+            f"these speeds; widen [limits.motion], or try {_OTHERWISE[request.name]}"
+        )
+    return tuple(words)
+
+
+def search_notes(planned: PlannedMotion, request: Request, parameters: int) -> tuple[str, ...]:
+    """How close the best starts are where a search for criterion D ended by itself; none of one that was told when.
+
+    Args:
+        parameters: their number u.
+    """
+    if planned.out_of_time:
+        return (f"ended after {request.seconds:g} s, as asked: the best of {len(planned.starts)} motions until then",)
+    values = [s.record.logdet for s in planned.starts if s.record.refined]
+    if request.criterion != Criterion.D or request.starts is not None or planned.interrupted or len(values) < 2:
+        return ()
+    loss = -math.expm1((values[1] - values[0]) / parameters)
+    behind = f"the next one has {100 * loss:.1f} % less information"
+    return (f"the best of {len(values)} starts, {behind}: more starts gain little",)
+
+
+def tried_families(planned: PlannedMotion, d_efficiency: float, parameters: int) -> dict[str, float]:
+    """D-efficiency of the best motion of each family that was searched, the best first; empty where there was one.
+
+    Those behind the best were searched only until others led: what their first starts reached.
+
+    Args:
+        d_efficiency: that of the plan, the best.
+        parameters: their number u.
+    """
+    best: dict[str, float] = {}
+    for start in planned.starts:  # the best first
+        best.setdefault(start.family.name, start.record.logdet)
+    if len(best) < 2:
+        return {}
+    first = planned.starts[0].record.logdet
+    return {name: d_efficiency * math.exp((logdet - first) / parameters) for name, logdet in best.items()}
+
+
+def choice_notes(tried: Mapping[str, float]) -> tuple[str, ...]:
+    """Which family was chosen, and why."""
+    if not tried:
+        return ()
+    (name, most), *others = tried.items()
+    behind = ", ".join(f"{other} {efficiency:.3f}" for other, efficiency in others)
+    path = "" if name == PointToPoint.name else "; for a controller that times moves itself --family ptp"
+    return (f"{name} by trying: D-efficiency {most:.3f}, first starts of {behind}{path}",)
+
+
+def fourier_notes(case: Case, model: Model, request: Request, motion: Trajectory, logdet: float) -> tuple[str, ...]:
+    """Notes on the order of a Fourier series, and on the time that a free period leaves; none of other motions."""
+    if not isinstance(motion, FourierMotion) or not isinstance(request.family, Fourier):
+        return ()
+    words = []
+    if motion.order == 1:
+        words.append(ORDER_1)
+    order, loss = needless_harmonics(case, model, motion, logdet)
+    if order < motion.order:
+        words.append(
+            f"harmonics above {order} are needless: without them the motion keeps {100 * (1 - loss):.1f} % of its "
+            f"information; --order {order} searches fewer unknowns"
+        )
+    spare, one_more = request.duration - motion.duration, motion.duration + motion.period
+    if request.family.free_period and spare > SPARE * request.duration:
+        words.append(
+            f"whole periods of {motion.period:.4g} s take {motion.duration:.4g} s of the {request.duration:g} s; "
+            f"--duration {math.ceil(100 * one_more) / 100:g} has time for one more"
+        )
+    return tuple(words)
+
+
+def needless_harmonics(case: Case, model: Model, motion: FourierMotion, logdet: float) -> tuple[int, float]:
+    """The lowest order that carries as much information as a series, but for 1 %, and the share that it loses.
+
+    The highest harmonics are removed, what remains is brought to rest again and shrunk inside every limit.
+    """
+    scaling, box = reference_scaling(case, model), box_middle(case)
+    order, loss = motion.order, 0.0
+    for lower in range(motion.order - 1, 1, -1):
+        family, unknowns = of_lower_order(motion, lower, *box)
+        inside = keep_limits(case, family, unknowns, CHECK_RATE)[0]
+        mu = np.linalg.eigvalsh(mean_information(model, scaling, family.motion(inside)))
+        own = -math.expm1((np.log(np.maximum(mu, 1e-300)).sum() - logdet) / len(mu))
+        if own > NEEDLESS:
+            break
+        order, loss = lower, own
+    return order, loss
+
+
+def with_jerk_limited(motion: Joined, case: Case) -> Joined:
+    """The same moves as fast as the limits of all coordinates allow, jerk among them."""
+    limits = case.need_motion("a plan")[1]
+    moves: list[Trajectory] = []
+    for move in motion.parts:
+        if isinstance(move, StraightMove):
+            along = limits_along(np.abs(move.end - move.start), limits.rate, limits.acceleration, limits.jerk)
+            moves.append(StraightMove(move.start, move.end, fastest_profile(1.0, *along)))
+        else:
+            moves.append(move)
+    return Joined(tuple(moves))
+
+
+def notes(planned: PlannedMotion, smooth: tuple[float, float] | None = None) -> tuple[str, ...]:
+    """Notes that a user acts on before the plan is run.
+
+    Args:
+        smooth: duration [s] and D-efficiency of the same moves with limited jerk, where the plan leaves it out.
+    """
+    settings, words = planned.settings, []
+    if steps := [c for c in planned.limits.checks if c.status is Status.LEFT_OUT]:
+        limits = ", ".join(f"{abs(c.limit):.4g} {c.unit}" for c in steps)
+        words.append(
+            f"made for {settings.get('made_for')}, which does not limit jerk: accelerations step, and the limits of "
+            f"jerk of the case ({limits}) are left out, as asked for"
+        )
+        if smooth is not None:
+            words.append(
+                f"with limited jerk the same moves take {smooth[0]:.3g} s, at a D-efficiency of {smooth[1]:.3f}"
+            )
+    counts = {walks.moves for start in planned.starts if (walks := start.family.walks) is not None}
+    if len(counts) > 1 and "moves" in settings:
+        words.append(f"{settings['moves']} moves are the best of {', '.join(map(str, sorted(counts)))}")
+    tried = {(s["order"], s["period_s"]) for s in (start.family.settings for start in planned.starts) if "order" in s}
+    if len(tried) > 1:
+        chosen = f"order {settings['order']} with period {settings['period_s']:.4g} s"
+        words.append(f"{chosen} is the best of searches that began at {len(tried)} pairs of order and period")
+    return tuple(words)

@@ -1,0 +1,224 @@
+"""The optimal excitation problem as a non-linear program with exact first and second derivatives.
+
+The criterion couples all unknowns, so that its second derivative is full; yet it is a sum of two parts that are cheap
+(`planner.search.objective`): one of rank u (u + 1) / 2 in the information, and a sum over states of small matrices.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+
+from cases.base.units import Array, Indices
+from identification.estimation.criteria import Criterion
+from identification.model.model import Model
+from planner.families.rows import LinearRows, PacedRows, Rows, StateRows, pulled_back
+from planner.families.states import SHARE, Kernel, States, state_size
+from planner.search.objective import (
+    FieldByStates,
+    InformationOfStates,
+    Local,
+    criterion_at,
+    curvature_through_information,
+    weighted_square,
+)
+
+
+def regressor_kernel(model: Model, scaling: Array) -> Kernel:
+    """State -> A H of (21) and (25), row by row, shape (6 u,); H has the diagonal `scaling`."""
+    n = model.coordinates
+    state = ca.SX.sym("state", state_size(n))
+    matrix = model.coordinate_regressor(state[:n], state[n : 2 * n], state[2 * n : 3 * n]) @ ca.diag(ca.DM(scaling))
+    return Kernel(state, ca.vec(matrix.T))
+
+
+@dataclass(frozen=True)
+class NonlinearProgram:
+    """Minimise a criterion of the mean information over unknowns within bounds and rows."""
+
+    states: States  # states over which the information is averaged, with their shares of the duration
+    regressor: Kernel  # regressor of one state, see `regressor_kernel`
+    rows: tuple[Rows, ...]  # rows of the limits; those of non-linear limits that can bind are the last, one for each
+    lower: Array  # lower limit of each unknown, shape (n,)
+    upper: Array  # upper limit of each unknown, shape (n,)
+    letter: Criterion = Criterion.D  # of Table 4
+    halvings: int = 0  # see `planner.search.objective`
+    # whether second derivatives omit the curvature of the information itself. That part is negative nearly everywhere:
+    # without it Newton steps are longer, need no correction, and lead to better optima from afar; the last digits take
+    # more of them
+    convex: bool = False
+    # errors of the pose, which the information then counts; second derivatives are convex with them
+    errors: FieldByStates | None = None
+    limits: tuple[Kernel, ...] = ()  # state -> shares of each non-linear limit that can bind
+
+    @property
+    def unknowns(self) -> int:
+        """Number of unknowns n."""
+        return len(self.lower)
+
+    @property
+    def size(self) -> int:
+        """Number of parameters u."""
+        return self.regressor.size // 6
+
+    def worst(self, unknowns: Array) -> float:
+        """The largest share of a limit that unknowns use, at all critical states, those without rows included."""
+        return max(float(np.abs(part.all_values(unknowns)).max()) for part in self.rows if part.equal is None)
+
+    def outside(self, unknowns: Array) -> float:
+        """By how much unknowns are outside their bounds."""
+        return float(max((self.lower - unknowns).max(), (unknowns - self.upper).max(), 0.0))
+
+    def with_rows_above(self, unknowns: Array, share: float) -> "NonlinearProgram":
+        """The program with further rows for all that use more than a share of a limit."""
+        rows: list[Rows] = []
+        for part in self.rows:
+            if part.equal is None:
+                part = part.choosing(part.chosen | (np.abs(part.all_values(unknowns)) > share))
+            rows.append(part)
+        return replace(self, rows=tuple(rows))
+
+    def tightened(self, shares: Sequence[float], bound: float) -> "NonlinearProgram":
+        """The program with bounds lowered by as much as `largest_shares` exceed a bound that all should satisfy."""
+        factors = np.array([bound / max(bound, share) for share in shares])  # 0 is the share of jerk without a limit
+        before = len(self.rows) - len(self.limits)
+        rows: list[Rows] = []
+        for k, part in enumerate(self.rows):
+            if isinstance(part, LinearRows | PacedRows):
+                part = part.tightened(factors)
+            elif k >= before:
+                part = replace(part, bound=part.bound * factors[4 + k - before])
+            rows.append(part)
+        return replace(self, rows=tuple(rows))
+
+    @cached_property
+    def row_bounds(self) -> tuple[Array, Array]:
+        """Lower and upper bounds of all rows, shapes (R,)."""
+        lower = [part.upper if part.equal is not None else -part.upper for part in self.rows]
+        return np.concatenate(lower), np.concatenate([part.upper for part in self.rows])
+
+    @cached_property
+    def pattern(self) -> tuple[Indices, Indices]:
+        """Row and column of each derivative of the rows."""
+        first, rows, columns = 0, [], []
+        for part in self.rows:
+            own = part.pattern
+            rows.append(own[0] + first)
+            columns.append(own[1])
+            first += len(part.upper)
+        return np.concatenate(rows), np.concatenate(columns)
+
+    def information(self, unknowns: Array) -> Array:
+        """Mean of H A^T A H over the motion, less what errors of the pose cost, shape (u, u)."""
+        states = np.concatenate(self.states.at(unknowns))
+        regressors = self.regressor.values(states)
+        if self.errors is not None:
+            return self.errors.information(states, regressors)
+        return weighted_square(states, regressors, self.size)
+
+    def value(self, unknowns: Array) -> float:
+        """Value of the criterion."""
+        return criterion_at(self.letter, self.information(unknowns), self.halvings).value
+
+    def row_values(self, unknowns: Array) -> Array:
+        """Values of all rows, shape (R,)."""
+        return np.concatenate([part.values(unknowns) for part in self.rows])
+
+    def row_slopes(self, unknowns: Array) -> Array:
+        """Derivatives of the rows, in the order of `pattern`."""
+        return np.concatenate([part.jacobian(unknowns) for part in self.rows])
+
+    def _point(self, unknowns: Array) -> InformationOfStates:
+        """The information with its derivatives; the last answer is remembered: solvers need both in turn."""
+        last: list[tuple[Array, InformationOfStates]] = self.__dict__.setdefault("_last", [])
+        if last and np.array_equal(last[0][0], unknowns):
+            return last[0][1]
+        states = np.concatenate(self.states.at(unknowns))
+        regressors, slopes = self.regressor.slopes(states)
+        if self.errors is None:
+            point = InformationOfStates.white(states, regressors, slopes, self.size)
+        else:
+            point = self.errors.with_slopes(states, regressors, slopes)
+        last[:] = [(unknowns.copy(), point)]
+        return point
+
+    def _pull(self, point: InformationOfStates, local: Local) -> tuple[Array, Array]:
+        """Derivatives of the criterion by the states, for a share of one and times it, shapes (K, d)."""
+        gradient = (point.rows.reshape(len(point.states), -1, self.size) @ local.slope).reshape(len(point.states), -1)
+        plain = 2.0 * (point.slopes @ gradient[:, :, None])[:, :, 0]
+        pull = plain * point.states[:, SHARE, None]
+        pull[:, SHARE] = np.einsum("ki,ki->k", gradient, point.own)
+        return plain, pull
+
+    def gradient(self, unknowns: Array) -> Array:
+        """Derivative of the criterion, shape (n,)."""
+        point = self._point(unknowns)
+        _, pull = self._pull(point, criterion_at(self.letter, point.information, self.halvings))
+        index = self.states.index
+        pull = pull.reshape(len(index), -1)
+        slopes = self.states.slopes(unknowns).reshape(len(index), pull.shape[1], -1)
+        own = (pull[:, None, :] @ slopes)[:, 0]
+        return np.asarray(np.bincount(index.ravel(), own.ravel(), self.unknowns), dtype=float)
+
+    @cached_property
+    def hessian_pattern(self) -> tuple[Indices, Indices]:
+        """Row and column of each value of `hessian`: the upper triangle, which is full."""
+        return np.triu_indices(self.unknowns)
+
+    def hessian(self, unknowns: Array, factor: float, multipliers: Array) -> Array:
+        """Second derivative of factor times the criterion plus the rows times multipliers, as `hessian_pattern`."""
+        size = self.unknowns
+        total = np.zeros((size, size))
+        blocks = self._curvatures_of_rows(unknowns, multipliers)
+        if factor != 0.0:
+            point = self._point(unknowns)
+            local = criterion_at(self.letter, point.information, self.halvings)
+            total += factor * curvature_through_information(self.states, unknowns, local, point, size)
+            if self.errors is not None:  # where field and motion change together this part is flat, and steps too long
+                white = InformationOfStates.white(point.states, point.regressors, point.changes, self.size)
+                local = criterion_at(Criterion.D, white.information)
+                total += factor * curvature_through_information(self.states, unknowns, local, white, size)
+            elif not self.convex:
+                blocks.append((self.states.index, factor * self._curvature_at_states(unknowns, local, point)))
+        for index, matrices in blocks:
+            flat = (index[:, :, None] * size + index[:, None, :]).ravel()
+            total += np.bincount(flat, matrices.ravel(), total.size).reshape(total.shape)
+        return np.asarray(total[np.triu_indices(size)])
+
+    def _curvatures_of_rows(self, unknowns: Array, multipliers: Array) -> list[tuple[Indices, Array]]:
+        """Second derivatives of the rows by blocks of unknowns; limits at the same states are pulled back together."""
+        first = 0
+        at_states: dict[int, list[tuple[StateRows, Array]]] = {}
+        blocks: list[tuple[Indices, Array]] = []
+        for part in self.rows:
+            weights = multipliers[first : first + len(part.upper)]
+            first += len(weights)
+            if isinstance(part, PacedRows):
+                blocks.append(part.curvature(unknowns, weights))
+            elif isinstance(part, StateRows):
+                at_states.setdefault(id(part.states), []).append((part, weights))
+        for parts in at_states.values():
+            states = parts[0][0].states
+            at = states.at(unknowns)
+            own, pull = np.zeros((*at.shape, at.shape[2])), np.zeros(at.shape)
+            for limits, weights in parts:
+                limits.add_curvature(at, weights, own, pull)
+            blocks.append((states.index, pulled_back(states, unknowns, own, pull)))
+        return blocks
+
+    def _curvature_at_states(self, unknowns: Array, local: Local, point: InformationOfStates) -> Array:
+        """Second derivative of the criterion that the information's own makes, along the blocks, shape (B, m, m)."""
+        size, shape = self.size, (len(self.states.index), -1, point.states.shape[1])
+        shares = point.states[:, SHARE]
+        plain, pull = self._pull(point, local)
+        projections = (point.regressors.reshape(-1, size) @ local.vectors).reshape(len(point.states), -1)
+        turned_slopes = (point.changes.reshape(-1, size) @ local.vectors).reshape(*point.changes.shape)
+        products = (projections.reshape(-1, size) * local.first) @ local.vectors.T
+        along = self.regressor.curvature(point.states, 2.0 * products.reshape(len(point.states), -1))
+        scaled = (turned_slopes.reshape(-1, size) * local.first).reshape(*turned_slopes.shape)
+        along += 2.0 * scaled @ turned_slopes.transpose(0, 2, 1)
+        along *= shares[:, None, None]
+        along[:, SHARE, :SHARE] = along[:, :SHARE, SHARE] = plain[:, :SHARE]
+        return pulled_back(self.states, unknowns, along.reshape(*shape, shape[2]), pull.reshape(shape))

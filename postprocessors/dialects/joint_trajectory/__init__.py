@@ -1,0 +1,1 @@
+"""ROS 2 `trajectory_msgs/msg/JointTrajectory` as YAML."""

@@ -1,0 +1,1 @@
+"""Tables of setpoints, one row a control cycle."""

@@ -1,0 +1,1 @@
+"""SINUMERIK 840D sl and ONE."""

@@ -1,0 +1,1 @@
+"""TwinCAT CNC (TF5200) and other ISG kernels."""

@@ -1,0 +1,1 @@
+"""URScript of Universal Robots."""

@@ -1,0 +1,230 @@
+"""Programs and the languages of controllers: functions that write and read them, and the controllers' guarantees."""
+
+import re
+from collections import Counter
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+from cases import checks
+from cases.base.errors import FileProblem, HexciteError, ProgramError, choice
+from cases.base.files import atomic_file, check_file, read_whole
+from cases.base.units import as_html
+from cases.controller import ControllerName
+from cases.schema import Case
+from identification.limits.limit import PLANNABLE_WITHOUT, LimitKind
+from identification.texts import limit_lines
+from postprocessors.blocks import Blocks
+from postprocessors.dialects.joint_trajectory.read import read_joint_trajectory
+from postprocessors.dialects.joint_trajectory.write import require_same_trajectory, write_joint_trajectory
+from postprocessors.dialects.linuxcnc.read import read_linuxcnc
+from postprocessors.dialects.linuxcnc.write import prepare_linuxcnc, write_linuxcnc
+from postprocessors.dialects.setpoints.read import read_setpoints
+from postprocessors.dialects.setpoints.write import require_same_table, write_setpoints
+from postprocessors.dialects.sinumerik.read import read_sinumerik
+from postprocessors.dialects.sinumerik.write import prepare_sinumerik, write_sinumerik
+from postprocessors.dialects.twincat.read import read_twincat
+from postprocessors.dialects.twincat.write import write_twincat
+from postprocessors.dialects.urscript.read import read_urscript
+from postprocessors.dialects.urscript.write import write_urscript
+from postprocessors.proof.guarantees import (
+    Guarantees,
+    joint_trajectory_guarantees,
+    linuxcnc_guarantees,
+    setpoint_guarantees,
+    sinumerik_guarantees,
+    twincat_guarantees,
+    urscript_guarantees,
+)
+from postprocessors.proof.proof import ProgramProof, prove_program
+from postprocessors.reading import Reading
+
+
+def _as_it_is(program: Blocks, case: Case) -> Blocks:
+    return program
+
+
+@dataclass(frozen=True, slots=True)
+class Dialect:
+    """A controller's language, and the functions that write and read it."""
+
+    name: ControllerName  # name on the command line
+    suffixes: tuple[str, ...]  # suffixes of its files, in lower case, the usual one first
+    # program and case -> content of the file; raises CaseError where the case lacks what it needs, HexciteError for a
+    # block that it cannot express
+    write: Callable[[Blocks, Case], bytes]
+    # content, name for messages, case -> its reading; shares no code with `write`; raises ProgramError with line at
+    # anything that it does not understand, CaseError as `write`
+    read: Callable[[bytes, str, Case], Reading]
+    # guarantees of the controller when it runs a program that was read
+    guarantees: Callable[[Reading, Case], Guarantees]
+    # raises ProgramError where a reading is not the program; None where blocks read back one by one
+    same: Callable[[Blocks, Reading, Case], None] | None = None
+    # program and case -> the program in the blocks that this dialect is set up to use
+    prepare: Callable[[Blocks, Case], Blocks] = _as_it_is
+    # first motion of the machine, for the program's header
+    start: str = "the program stops unless the machine stands at home"
+
+    @property
+    def suffix(self) -> str:
+        """The usual suffix."""
+        return self.suffixes[0]
+
+
+# In the order in which they are taken where none is named, if the case has their settings.
+DIALECTS: dict[str, Dialect] = {
+    d.name: d
+    for d in (
+        Dialect(
+            ControllerName.LINUXCNC,
+            (".ngc",),
+            write_linuxcnc,
+            read_linuxcnc,
+            linuxcnc_guarantees,
+            prepare=prepare_linuxcnc,
+        ),
+        Dialect(
+            ControllerName.SINUMERIK,
+            (".mpf",),
+            write_sinumerik,
+            read_sinumerik,
+            sinumerik_guarantees,
+            prepare=prepare_sinumerik,
+        ),
+        Dialect(ControllerName.TWINCAT, (".nc", ".cnc"), write_twincat, read_twincat, twincat_guarantees),
+        Dialect(ControllerName.URSCRIPT, (".script",), write_urscript, read_urscript, urscript_guarantees),
+        Dialect(
+            ControllerName.SETPOINTS,
+            (".csv",),
+            write_setpoints,
+            read_setpoints,
+            setpoint_guarantees,
+            require_same_table,
+            start="the machine must stand at home when the table starts",
+        ),
+        Dialect(
+            ControllerName.ROS2,
+            (".yaml", ".yml"),
+            write_joint_trajectory,
+            read_joint_trajectory,
+            joint_trajectory_guarantees,
+            require_same_trajectory,
+            start="the machine must stand at home when the trajectory starts",
+        ),
+    )
+}
+
+
+def dialect(name: str) -> Dialect:
+    """The dialect of a name; raises HexciteError, which lists the known ones, where there is none."""
+    if name not in DIALECTS:
+        raise HexciteError(f"dialect {name!r} is unknown; {choice(name, DIALECTS)}")
+    return DIALECTS[name]
+
+
+def dialect_of_file(file: str) -> Dialect:
+    """The dialect of the suffix of a program's file; raises ProgramError where none has it."""
+    for dialect in DIALECTS.values():
+        if file.lower().endswith(dialect.suffixes):
+            return dialect
+    suffixes = ", ".join(s for d in DIALECTS.values() for s in d.suffixes)
+    raise ProgramError(file, 0, 0, f"the suffix names no controller; programs end in {suffixes}")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Program:
+    """A program and its reading; proof and run use this content and do not read the file again."""
+
+    path: Path  # path of the file, or the name that it was written for
+    dialect: Dialect  # its language
+    content: bytes  # byte by byte
+    reading: Reading  # its content as motions
+    guarantees: Guarantees  # guarantees of the controller
+    case: Case  # case that it is for
+    remarks: tuple[str, ...] = ()  # remarks beside its proof
+    proven: ProgramProof | None = None  # its proof, where it is known from its making
+
+    @cached_property
+    def proof(self) -> ProgramProof:
+        """The proof of its limits; raises ProgramError where the motion is not defined."""
+        return self.proven or prove_program(self.reading, self.guarantees)
+
+    @property
+    def text(self) -> str:
+        """Its content as text."""
+        return self.content.decode("utf-8", errors="replace")
+
+    def save(self, file: Path | str, overwrite: bool = False) -> None:
+        """Writes the program.
+
+        Raises:
+            FileProblem: the suffix is wrong, the file exists, or the place cannot be written.
+        """
+        path = Path(file)
+        check_file(path, [self.path.suffix.lower()], overwrite=overwrite)
+        with atomic_file(path) as part:
+            part.write_bytes(self.content)
+
+    @classmethod
+    @checks
+    def load(cls, file: Path | str, case: Case) -> "Program":
+        """The program of a file; see `read_program`."""
+        return read_program(file, case)
+
+    def __repr__(self) -> str:
+        """A few lines: dialect, duration and verdict."""
+        unit = "rows" if self.dialect.name == ControllerName.SETPOINTS else "blocks"
+        size = f"{self.reading.blocks} {unit}, {self.proof.duration:.2f} s"
+        name = f"Program {self.path.name} for {self.case.name}"
+        return f"{name}: {self.dialect.name}, {size}\nlimits: {self.proof.verdict}"
+
+    def __str__(self) -> str:
+        """Its limits as read back, the worst line that exceeds each, and the verdict."""
+        violations = self.proof.violations
+        worst = {v.kind.family: v for v in reversed(violations)}  # of each limit the worst stands first
+        lines = limit_lines(self.proof.limits.checks)
+        for limit, count in Counter(v.kind.family for v in violations).items():
+            others = f" ({count - 1} more lines exceed it)" if count > 1 else ""
+            lines.append(f"line {worst[limit].line}: {worst[limit].sentence()}{others}")
+        return "\n".join([*lines, repr(self)])
+
+    _repr_html_ = as_html
+
+
+_LEAVES_OUT = re.compile(rb"^[;#(\- ]*leaves out as planned: ([a-z]+(?:, [a-z]+)*)", re.MULTILINE)
+
+
+def leaving_out(families: Collection[str]) -> tuple[str, ...]:
+    """The line of a program's header that names what its plan leaves out; none where it leaves nothing out."""
+    return (f"leaves out as planned: {', '.join(families)}",) if families else ()
+
+
+def left_out(content: bytes) -> frozenset[LimitKind]:
+    """Families of limits that a program says its plan leaves out."""
+    names = {name.decode() for line in _LEAVES_OUT.findall(content) for name in line.split(b", ")}
+    return frozenset(kind for kind in PLANNABLE_WITHOUT if kind in names)
+
+
+MOST_PROGRAM = 1 << 29  # bytes of a program that is read; those of the longest motions stay far below
+
+
+def read_program(file: Path | str, case: Case, name: str | None = None) -> Program:
+    """Reads a program.
+
+    Args:
+        name: name of its dialect; None for the one of the suffix.
+
+    Raises:
+        ProgramError: it cannot be read or understood, with line and column.
+        CaseError: the case lacks what its dialect needs.
+    """
+    path = Path(file)
+    spoken = dialect_of_file(str(path)) if name is None else dialect(name)
+    try:
+        content = read_whole(path, MOST_PROGRAM)
+    except FileProblem as error:
+        raise ProgramError(path, 0, 0, f"{error.problem}; name a program file") from error
+    reading = spoken.read(content, str(path), case)
+    guarantees = replace(spoken.guarantees(reading, case), without=left_out(content))
+    return Program(path, spoken, content, reading, guarantees, case)

@@ -1,0 +1,263 @@
+"""What controllers guarantee beyond a program's text: limits that they enforce, time law, accuracy."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+
+import numpy as np
+
+from cases.base.units import MS
+from cases.chain import Box
+from cases.controller import LinuxCnc, Setpoints, Sinumerik, SinumerikAxes, TwinCatAxes
+from cases.schema import Case
+from identification.limits.limit import TOLERANCE, Limit, LimitCheck, LimitKind, OwnMove, Status
+from identification.limits.proof import limited_machine
+from identification.limits.sensor_loads import Loads
+from identification.motion.curves import PolynomialMotion
+from identification.motion.motion import Array
+from identification.motion.moves import Profile, fastest_profile
+from postprocessors.reading import Reading, Timed
+
+Law = Callable[[float, float, float], Profile]
+"""Time law of a controller in a straight way from rest to rest.
+
+Limits of velocity, acceleration and jerk on the share of the way [1/s, 1/s^2, 1/s^3] -> time law of that share, 0 to 1.
+"""
+ALONG, ACROSS = math.sqrt(0.75), 0.5  # shares of the acceleration limit that an arc is assumed to use
+
+
+def limits_jerk(law: Law) -> bool:
+    """Whether a controller's law has a limit of jerk; without one its accelerations step."""
+    return law(1.0, 1.0, 1.0).jerk_time > 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Guarantees:
+    """A controller as set up for one case and one program: the basis on which its limits are judged."""
+
+    case: Case
+    controller: str  # name of the controller, for messages
+    shortest_block: float  # a timed block must not be shorter: the controller's cycle [s]
+    longest_block: float  # a timed block must not be longer: beyond it the time law is unknown [s]
+    law: Law  # its time law in straight moves that it times itself, under the limits of the case
+    enforced: frozenset[LimitKind] = frozenset()  # families of limits that it enforces, whatever the program states
+    # whether it has been seen to keep this law, within all that it enforces: then what moves as fast as the law says
+    # is as sure as that
+    known_law: bool = False
+    without: frozenset[LimitKind] = frozenset()  # families of limits that the plan of the program leaves out
+    jerk_time: float = 0.0  # time within which accelerations step where its law has no jerk limit; 0 where it has [s]
+    # whether it passes timed points at their times along the assumed curve between them; then all limits of such paths
+    # are proven from the text, else only their geometry and rates are
+    follows_paths: bool = False
+    # whether it covers each timed block in a straight line at one feed, in whole cycles: then rates are proven also
+    # where it does not follow the assumed curve
+    even_blocks: bool = False
+    # what to do about a timed block of another duration
+    timing_remedy: str = "write such blocks (controller.block_ms), or a move at a feed (G94) with an exact stop"
+    # to which it rounds the ends of moves, and by which a coordinate moves at least [mm, deg]; LinuxCNC does not round,
+    # and where it follows points it moves by as little as they say: 0
+    resolution: float = 1e-4
+    rounds: bool = True
+    headroom: float = 1.0  # multiple of the case's limits of acceleration that its law uses
+    arc_across: float = ACROSS  # share of its acceleration limit that it uses across an arc at most
+    # share of it along the arc; None: what is left, root of sum of squares, at the largest speed across
+    arc_along: float | None = ALONG
+    # how an operator's feed override is kept at 100 % at most, for people; empty where it goes no further
+    override_remedy: str = ""
+    # allowed deviation of its polynomials from a motion that is none, beside rounding, shape (6,) or (1,) [m, rad]
+    tolerance: Array = field(default_factory=lambda: np.zeros(1))
+
+    def arc_law(self, feed: float, velocity: float, acceleration: float, jerk: float, angle: float) -> Profile:
+        """Time law in an arc of some angle [rad], else as `law`: turning needs a part of the acceleration."""
+        most = self.headroom * acceleration
+        used = min(self.arc_across, velocity**2 * angle / most)  # v^2 / r over the length r angle
+        turning = math.sqrt(used * most / angle)
+        along = math.sqrt(1.0 - used**2) if self.arc_along is None else self.arc_along
+        return self.law(min(feed, turning), along * acceleration, along * jerk)
+
+    @property
+    def cycle(self) -> float:
+        """The time in which its set points change, at least [s]."""
+        return self.jerk_time or self.case.need_controller("the check of a program").cycle
+
+    @property
+    def crawl(self) -> Array:
+        """Speeds of the coordinates that may step within a cycle and reverse in the next, shape (k,) [m/s, rad/s]."""
+        limits, cycle = self.limits, self.cycle
+        return np.minimum(limits.rate, np.minimum(limits.acceleration * cycle, limits.jerk * cycle**2 / 2))
+
+    @cached_property
+    def loads(self) -> Loads | None:
+        """What the sensors carry; None where the case has no range or body."""
+        return Loads.of(self.case)
+
+    @property
+    def limits(self) -> Box:
+        """Limits of excitations."""
+        return self.case.need_motion("the check of a program")[1]
+
+    def status_of(self, kind: LimitKind) -> Status:
+        """Whether the controller enforces a limit in a motion that it times, or the plan leaves it out."""
+        if kind.family in self.enforced:
+            return Status.ENFORCED
+        return Status.LEFT_OUT if kind.family in self.without else Status.NOT_ENFORCED
+
+    def lawful(self, check: LimitCheck) -> Status:
+        """How a limit is ensured that a move satisfies, or does not, at the velocities and accelerations of the law."""
+        own = self.status_of(check.kind)
+        if own is Status.NOT_ENFORCED and self.known_law and check.ratio <= 1.0 + TOLERANCE:
+            return Status.FOLLOWS
+        return own
+
+    def prediction(
+        self, check: LimitCheck, move: OwnMove = OwnMove.UNTIMED, status: Status | None = None
+    ) -> LimitCheck:
+        """The check of a limit in a move that the controller times: a prediction, not a property of the text."""
+        verdict = self.status_of(check.kind) if status is None else status
+        return replace(check, of=check.of._replace(move=move), status=verdict, binding=False)
+
+    def force_bounds(self, share: float = 1.0, stated: bool = False) -> tuple[LimitCheck, ...]:
+        """Largest sensor force and moment in any pose at a share of the limits of motion; none for sensors in struts.
+
+        Forces are f = b (p'' - g) + d alpha + omega Q omega, with b, d and Q constant in the axes of the platform. No
+        controller limits them: they are proven where rates and accelerations are enforced, or `stated` in the text.
+        """
+        loads = self.loads
+        if loads is None or self.case.sensor_frame.struts is not None:
+            return ()
+        linear, angular, spin = np.split(loads.coefficients, (3, 6), axis=1)
+        rates, accelerations = share * self.limits.rate, share * self.limits.acceleration
+        omega, alpha, pull = limited_machine(self.case).fastest(rates, accelerations)
+        pull += float(np.linalg.norm(self.case.gravity))
+        most = np.linalg.norm(linear, axis=1) * pull + np.linalg.norm(angular, axis=1) * alpha
+        products = spin.reshape(-1, 3, 3)
+        most += np.abs(np.linalg.eigvalsh(products + products.transpose(0, 2, 1))).max(axis=1) / 2 * omega**2
+        bounded, checks = stated or {LimitKind.VELOCITY, LimitKind.ACCELERATION} <= self.enforced, []
+        for own, kind in ((~loads.moments, LimitKind.SENSOR_FORCE), (loads.moments, LimitKind.SENSOR_MOMENT)):
+            if own.any():
+                shares = np.where(own, most / loads.limit, 0.0)
+                k = int(np.argmax(shares))
+                worst, limit, ratio = float(most[k]), float(loads.limit[k]), float(shares[k])
+                proven = bounded and ratio <= 1.0
+                place = f"{loads.labels[k]}, at {'most' if proven else 'the limits'}"
+                status = Status.PROVEN if proven else Status.NOT_ENFORCED
+                checks.append(LimitCheck(Limit(kind), place, worst, limit, kind.unit, ratio, 0.0, status))
+        return tuple(checks)
+
+    def sensed(
+        self, check: LimitCheck, move: OwnMove | None = None, status: Status = Status.NOT_ENFORCED
+    ) -> LimitCheck:
+        """The bound of a sensor force or moment where it is proven, else its prediction, which nobody enforces."""
+        own = replace(check, status=status, binding=move is None)
+        bounds = (b for b in self.force_bounds() if b.kind is check.kind and b.status is Status.PROVEN)
+        answer = next(bounds, own)
+        return replace(answer, of=answer.of._replace(move=move))
+
+
+SHORTEST_POINTS = 1e-3  # least distance of points of a joint trajectory [s]: rounding of closer ones would add jerks
+LONGEST_POINTS = 0.25  # largest distance of points of a path [s]: the curve between them may leave the assumed one
+_SEVEN_SEGMENTS: Law = partial(fastest_profile, 1.0)
+
+
+def _trapezoid(velocity: float, acceleration: float, jerk: float, headroom: float = 1.0) -> Profile:
+    return fastest_profile(1.0, velocity, headroom * acceleration)
+
+
+ACROSS_LINUXCNC = math.sqrt(0.75)  # of the acceleration limit, in an arc; along it what is left (measured on 2.9)
+SERVO_PERIOD = 1e-3  # cycle of LinuxCNC's motion controller [s]: its usual one, and the rate of the recordings
+
+
+def acceleration_headroom(case: Case, timed: bool) -> float:
+    """Acceleration limits that LinuxCNC gets for a program with timed paths or without, as a multiple of the case's."""
+    return case.need_settings(LinuxCnc, "running a program on LinuxCNC").acceleration_headroom if timed else 1.0
+
+
+def linuxcnc_guarantees(reading: Reading, case: Case) -> Guarantees:
+    """Guarantees of LinuxCNC, which has no jerk limit; a timed block is a trapezoid to it, not the assumed curve.
+
+    Its law in moves from rest to rest is that of programs that were run on LinuxCNC 2.9: their accelerations, and those
+    of struts, were at their limits and not above.
+    """
+    return guarantees_of_linuxcnc(case, any(isinstance(part, Timed) for part in reading.stretches))
+
+
+def guarantees_of_linuxcnc(case: Case, timed: bool) -> Guarantees:
+    """The same of a program with timed paths or without."""
+    headroom = acceleration_headroom(case, timed)
+    enforced = {LimitKind.VELOCITY, LimitKind.ACCELERATION} if headroom <= 1.0 else {LimitKind.VELOCITY}
+    return Guarantees(
+        case,
+        controller="LinuxCNC",
+        shortest_block=SERVO_PERIOD,
+        longest_block=LONGEST_POINTS,
+        enforced=frozenset(enforced),
+        law=partial(_trapezoid, headroom=headroom),
+        known_law=headroom <= 1.0,
+        jerk_time=SERVO_PERIOD,
+        even_blocks=True,
+        rounds=False,
+        headroom=headroom,
+        arc_across=ACROSS_LINUXCNC,
+        arc_along=None,
+        override_remedy="write M50 P0 before the first move, or end the knob at 100 % (MAX_FEED_OVERRIDE = 1)",
+    )
+
+
+def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
+    """Guarantees of SINUMERIK: SOFT limits jerk; the control times blocks by its law and must enforce other limits."""
+    settings = case.need_settings(SinumerikAxes, "a SINUMERIK program")
+    polynomial = any(isinstance(s, Timed) and isinstance(s.points, PolynomialMotion) for s in reading.stretches)
+    return Guarantees(
+        case,
+        controller="SINUMERIK",
+        shortest_block=settings.shortest_block_ms * MS,
+        longest_block=math.inf if polynomial else LONGEST_POINTS,
+        enforced=frozenset(map(LimitKind, settings.controller_keeps)),
+        law=_SEVEN_SEGMENTS,
+        resolution=1e-3,  # the usual number of increments of a millimetre and a degree (MD10200, MD10210)
+        timing_remedy=f"make such blocks longer (controller.{'sinumerik.poly_' if polynomial else ''}block_ms)",
+        override_remedy="keep it at 100 % at most, or end the knob there (MD12030)",
+        tolerance=np.repeat(settings.poly_tolerance, 3) if isinstance(settings, Sinumerik) else np.zeros(1),
+    )
+
+
+def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
+    """Guarantees of TwinCAT, which chooses the curve between the points of a path; `#SLOPE` decides on the jerk."""
+    settings = case.need_settings(TwinCatAxes, "a TwinCAT program")
+    smooth = settings.slope == "TRAPEZ"
+    return Guarantees(
+        case,
+        controller="TwinCAT",
+        shortest_block=settings.shortest_block_ms * MS,
+        longest_block=LONGEST_POINTS,
+        enforced=frozenset(map(LimitKind, settings.controller_keeps)),
+        law=_SEVEN_SEGMENTS if smooth else _trapezoid,
+        jerk_time=0.0 if smooth else settings.shortest_block_ms * MS,
+        override_remedy="keep it at 100 % at most, or end it there in the PLC",
+    )
+
+
+def urscript_guarantees(reading: Reading, case: Case) -> Guarantees:
+    """Guarantees of a robot: the text states speed and acceleration of each trapezoid; only its jerk is not proven."""
+    cycle = case.need_controller("a URScript program").cycle
+    return Guarantees(case, "the robot", 0.0, 0.0, _trapezoid, jerk_time=cycle)
+
+
+def joint_trajectory_guarantees(reading: Reading, case: Case) -> Guarantees:
+    """Guarantees for quintic pieces through stated positions, rates and accelerations: all proven, nothing enforced."""
+    name = "joint_trajectory_controller"
+    remedy = "leave out points that are closer to the one before"
+    return Guarantees(
+        case, name, SHORTEST_POINTS, math.inf, _SEVEN_SEGMENTS, follows_paths=True, resolution=0.0, timing_remedy=remedy
+    )
+
+
+def setpoint_guarantees(reading: Reading, case: Case) -> Guarantees:
+    """Guarantees for a table, which states its time exactly: all limits are proven from the rows."""
+    settings = case.need_settings(Setpoints, "a setpoint table")
+    enforced, cycle = frozenset(map(LimitKind, settings.controller_keeps)), settings.cycle
+    return Guarantees(
+        case, "setpoint generator", cycle, cycle, _SEVEN_SEGMENTS, enforced, jerk_time=cycle, follows_paths=True,
+        resolution=0.0, timing_remedy="write a row for each cycle (controller.setpoints.cycle_ms)",
+    )  # fmt: skip

@@ -1,0 +1,82 @@
+"""The command line as its users call it: in a process of its own, or in this one where the import time would add up."""
+
+import contextlib
+import io
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+
+from hexcite.cli import main
+from tests.hexcite.json_answer import one_json_object
+
+PROGRAM = Path(sys.executable).with_name("hexcite")
+ACCEPT = (
+    "--accept",
+    "acceleration,jerk,strut-acceleration,sensor-force",
+)  # what LinuxCNC does not enforce on a timed path
+
+
+class Answer(NamedTuple):
+    """What a command left: exit code, standard output and standard error."""
+
+    code: int
+    out: str
+    err: str
+
+    def json(self) -> dict[str, Any]:
+        """The one JSON object that stands on standard output of a command that succeeded."""
+        assert (self.code, self.err) == (0, "")
+        return one_json_object(self.out)
+
+    def refusal(self) -> str:
+        """The one line on standard error of a command that failed, which is not a bug's."""
+        assert self.code == 1, self
+        assert self.err.endswith("\n")
+        (line,) = self.err.splitlines()
+        assert line.startswith("hexcite: ")
+        assert "internal error" not in line, line
+        assert "Traceback" not in line, line
+        return line
+
+
+def hexcite(*arguments: object, cwd: Path | None = None) -> Answer:
+    """Runs a command in a process of its own."""
+    run = subprocess.run([PROGRAM, *map(str, arguments)], cwd=cwd, capture_output=True, text=True, timeout=1200)
+    return Answer(run.returncode, run.stdout, run.stderr)
+
+
+@contextlib.contextmanager
+def _arguments(arguments: tuple[object, ...]) -> Iterator[None]:
+    before, sys.argv = sys.argv, ["hexcite", *map(str, arguments)]
+    try:
+        yield
+    finally:
+        sys.argv = before
+
+
+def call(*arguments: object) -> Answer:
+    """Runs a command through its entry point in this process."""
+    out, err = io.StringIO(), io.StringIO()
+    with _arguments(arguments), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            main()
+            code = 0
+        except SystemExit as stop:
+            code = stop.code if isinstance(stop.code, int) else int(stop.code is not None)
+    return Answer(code, out.getvalue(), err.getvalue())
+
+
+def refused(*arguments: object) -> str:
+    """The one line with which a command is refused; nothing may stand on standard output."""
+    answer = call(*arguments)
+    assert answer.out == ""
+    return answer.refusal()
+
+
+def skip_without(path: Path) -> pytest.MarkDecorator:
+    """Skips where data beside the checkout are missing, saying so."""
+    return pytest.mark.skipif(not path.exists(), reason=f"{path} is missing")

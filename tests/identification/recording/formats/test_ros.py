@@ -1,0 +1,320 @@
+"""ROS 2 bags, written by rosbags itself: two topics with clocks of their own, jitter, losses, joints in any order."""
+
+import sqlite3
+import sys
+from collections.abc import Sequence
+from contextlib import closing
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import apsw
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from rosbags.rosbag1 import Writer as Writer1
+from rosbags.rosbag2 import ReaderError, StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
+
+from cases.base.errors import RecordingError
+from cases.schema import Case
+from identification.identify import identify
+from identification.looks import look
+from identification.recording.recording import read
+from tests.chains import ROBOT, swing, swung_forces
+from tests.helpers import answer, examples, one_line
+from tests.hexcite.command_line import call
+
+TYPES = get_typestore(Stores.ROS2_HUMBLE)
+EPOCH = 1_700_000_000 * 10**9
+JOINTS, WRENCH = "/joint_states", "/ft/wrench_raw"
+NAMES = tuple(joint.name for joint in ROBOT.chain.joints)
+
+
+def make(kind: str, **fields: Any) -> Any:
+    return TYPES.types[kind](**fields)
+
+
+def header(stamp: int, frame: str = "ft_sensor") -> Any:
+    time = make("builtin_interfaces/msg/Time", sec=int(stamp // 10**9), nanosec=int(stamp % 10**9))
+    return make("std_msgs/msg/Header", stamp=time, frame_id=frame)
+
+
+def state(stamp: int, names: Sequence[str], positions: Sequence[float]) -> Any:
+    none = np.zeros(0)
+    values = {"position": np.array(positions, dtype=float), "velocity": none, "effort": none}
+    return make("sensor_msgs/msg/JointState", header=header(stamp, ""), name=list(names), **values)
+
+
+def wrench(stamp: int, values: Sequence[float], frame: str = "ft_sensor") -> Any:
+    force, torque = (make("geometry_msgs/msg/Vector3", **dict(zip("xyz", map(float, v), strict=True)))
+                     for v in (values[:3], values[3:]))  # fmt: skip
+    return make("geometry_msgs/msg/WrenchStamped", header=header(stamp, frame), wrench=make(
+        "geometry_msgs/msg/Wrench", force=force, torque=torque))  # fmt: skip
+
+
+def write(bag: Path, messages: Sequence[tuple[str, int, Any]], stored: StoragePlugin = StoragePlugin.SQLITE3) -> Path:
+    """A bag of messages of some topics: topic, time of receipt [ns], message."""
+    with Writer(bag, version=9, storage_plugin=stored) as writer:
+        topics = {}
+        for topic, received, message in sorted(messages, key=lambda m: m[1]):
+            kind = message.__msgtype__
+            if topic not in topics:
+                topics[topic] = writer.add_connection(topic, kind, typestore=TYPES)
+            writer.write(topics[topic], received, TYPES.serialize_cdr(message, kind))
+    return bag
+
+
+@cache
+def run(jitter: float = 3e-4, lost: float = 0.01, seed: int = 0) -> tuple[tuple[str, int, Any], ...]:
+    """Joints at 250 a second with late stamps and losses, in changing order, a gripper's between; forces at 1000."""
+    draw = np.random.default_rng(seed)
+    messages: list[tuple[str, int, Any]] = []
+    for k, (now, q) in enumerate(zip(at := np.arange(0.0, 8.0, 0.004), swing(at)[0], strict=True)):
+        stamp = EPOCH + int(1e9 * (now + jitter * draw.exponential()))
+        order = draw.permutation(6)
+        if draw.random() >= lost:
+            names = [NAMES[i] for i in order]
+            messages.append((JOINTS, stamp + 100_000, state(stamp, names, q[order])))
+        if k % 10 == 0:
+            messages.append((JOINTS, stamp + 150_000, state(stamp, ["finger"], [0.01])))
+    read_at = np.arange(-0.2, 8.3, 1e-3) + 0.0002
+    forces = swung_forces(read_at) + draw.normal(size=(len(read_at), 6)) * ([0.3] * 3 + [0.01] * 3)
+    for now, values in zip(read_at, forces, strict=True):
+        stamp = EPOCH + int(1e9 * now)
+        messages.append((WRENCH, stamp + 200_000, wrench(stamp, values)))
+    return tuple(messages)
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write(tmp_path_factory.mktemp("run") / "bag", run())
+
+
+@pytest.mark.parametrize("stored", StoragePlugin)
+def test_a_bag_of_a_robot_is_identified(stored: StoragePlugin, tmp_path: Path) -> None:
+    """Two clocks, stamps up to milliseconds late, lost messages: deviations hold all the same."""
+    recording = read(write(tmp_path / "bag", run(), stored), ROBOT)
+    assert recording.others[0].struts is not None
+    result = identify(recording, ROBOT)
+    truth = ROBOT.need_simulation("a test").parameters
+    for name, true in (("m", truth.body.mass_kg), ("zC", 0.086), ("xC", 0.004), ("f_q0_1", 3.2), ("f_q0_6", 0.12)):
+        found = result[name]
+        assert abs(found.value - true) < 4.0 * found.reported, name
+    assert result["m"].reported < 0.005
+
+
+def test_both_clocks_run_evenly_and_lost_messages_are_missing(tmp_path: Path) -> None:
+    recording = read(write(tmp_path / "bag", run(lost=0.02)), ROBOT)
+    (joints,) = recording.others
+    assert np.diff(recording.t) == pytest.approx(1e-3, abs=1e-6)
+    assert np.diff(joints.t) == pytest.approx(4e-3, abs=1e-5)
+    assert 20 < joints.missing.sum() < 60
+    there = ~joints.missing
+    assert there[0]
+    np.testing.assert_allclose(joints.struts[there], swing(0.004 * np.arange(len(there)))[0][there], atol=1e-12)
+
+
+REFUSED = {
+    "no wrench": (
+        lambda: [m for m in run() if m[0] != WRENCH],
+        r"no messages WrenchStamped; its topics are /joint_sta",
+    ),
+    "two wrenches": (
+        lambda: [*run(), ("/ft/filtered", EPOCH, wrench(EPOCH, [0.0] * 6))],
+        r'several topics of WrenchStamped: /ft/filtered, /ft/wrench_raw; set recording.ros.wrench = "/ft/filtered"',
+    ),
+    "a joint": (
+        lambda: [(t, r, m) for t, r, m in run() if t == WRENCH or m.name == ["finger"]],
+        r"/joint_states: no message has all of base, .*; its joints are finger; map .*recording.columns",
+    ),
+    "frames": (
+        lambda: [*run(), (WRENCH, EPOCH, wrench(EPOCH, [0.0] * 6, "tool"))],
+        r"in several frames: ft_sensor, to",
+    ),
+    "no stamps": (
+        lambda: [(t, r, m if t == WRENCH else state(0, m.name, m.position)) for t, r, m in run(lost=0.0)],
+        r"headers have no stamps",
+    ),
+}
+
+
+@pytest.mark.parametrize("what", REFUSED)
+def test_a_bag_that_cannot_be_used_is_named_with_its_topic(what: str, tmp_path: Path) -> None:
+    messages, reason = REFUSED[what]
+    bag = write(tmp_path / "bag", messages())
+    with pytest.raises(RecordingError, match=reason) as caught:
+        read(bag, ROBOT)
+    assert one_line(caught.value).startswith(str(bag))
+
+
+def without_time() -> list[tuple[str, int, Any]]:
+    """The run of a driver that leaves the stamps of its wrenches at 1 s."""
+    return [
+        (t, r, m if t == JOINTS else make(m.__msgtype__, header=header(10**9), wrench=m.wrench)) for t, r, m in run()
+    ]
+
+
+def test_headers_without_time_are_named_and_the_time_of_receipt_is_taken_where_it_is_stated(tmp_path: Path) -> None:
+    bag = write(tmp_path / "bag", without_time())
+    with pytest.raises(RecordingError, match=r'no stamps of use.*recording\.ros\.time = "receipt"') as caught:
+        read(bag, ROBOT)
+    one_line(caught.value)
+    recording = read(bag, with_recording(ros={"time": "receipt"}))
+    assert recording.step == pytest.approx(1e-3, rel=1e-4)
+
+
+def test_a_wrench_in_a_frame_that_stands_is_named_and_read_only_where_the_case_says_so(tmp_path: Path) -> None:
+    def renamed(message: Any) -> Any:
+        stamp = message.header.stamp
+        return make(
+            message.__msgtype__, header=header(stamp.sec * 10**9 + stamp.nanosec, "base"), wrench=message.wrench
+        )
+
+    messages = [(t, r, m if t == JOINTS else renamed(m)) for t, r, m in run()]
+    bag = write(tmp_path / "bag", messages)
+    with pytest.raises(RecordingError, match=r'in the frame base.*axes of the sensor.*ros\.frame = "base"') as caught:
+        read(bag, ROBOT)
+    one_line(caught.value)
+    assert read(bag, with_recording(ros={"frame": "base"})).rows == 8500
+
+
+def with_recording(**keys: Any) -> Case:
+    data = ROBOT.model_dump(exclude_none=True)
+    data["recording"] |= keys
+    return Case.model_validate(data)
+
+
+def test_topics_and_names_are_those_of_the_case(tmp_path: Path) -> None:
+    """A filtered topic beside the raw one, and joints under the driver's names."""
+    said = {name: f"{name}_joint" for name in NAMES}
+    messages = [
+        (t, r, m if t == WRENCH else state(m.header.stamp.sec * 10**9 + m.header.stamp.nanosec,
+                                           [said.get(n, n) for n in m.name], m.position))
+        for t, r, m in run()
+    ]  # fmt: skip
+    messages += [("/ft/filtered", r, m) for t, r, m in messages if t == WRENCH]
+    bag = write(tmp_path / "bag", messages)
+    columns = {f"q{k + 1}_deg": said[name] for k, name in enumerate(NAMES)}
+    recording = read(bag, with_recording(columns=columns, ros={"wrench": WRENCH}))
+    assert recording.source.endswith(WRENCH)
+    found = look(bag, ROBOT)
+    assert found.settings["columns"] == columns
+    assert found.settings["ros"]["wrench"] == WRENCH  # its name says raw; the other is named too
+    assert any("/ft/filtered" in odd for odd in found.odd)
+    assert found.reads
+
+
+def test_look_shows_topics_with_rates_frames_and_channels(bag: Path, tmp_path: Path) -> None:
+    answer = call("look", bag, "--case", "ur10_wrist", "-o", tmp_path / "look.svg", "--json").json()
+    assert answer["reads"]
+    topics = {topic["name"]: topic for topic in answer["topics"]}
+    assert topics["/joint_states"]["read_as"] == "joints"
+    assert set(topics["/joint_states"]["channels"]) >= set(NAMES)
+    assert topics[WRENCH]["frames"] == ["ft_sensor"]
+    assert topics[WRENCH]["rate_Hz"] == pytest.approx(1000.0, rel=1e-3)
+    assert {c["meaning"] for c in answer["columns"]} >= {"q1_deg", "fx_N", "mz_Nm"}
+    assert Path(answer["picture"]).read_text().lstrip().startswith("<?xml")
+    assert "--case" in " ".join(look(bag).odd)  # nobody knows the order of the joints
+
+
+def test_the_file_in_the_folder_is_the_bag(bag: Path) -> None:
+    (file,) = bag.glob("*.db3")
+    np.testing.assert_array_equal(read(file, ROBOT).forces, read(bag, ROBOT).forces)
+
+
+@pytest.mark.parametrize("stored", StoragePlugin)
+def test_a_bag_whose_metadata_is_missing_is_read_from_its_file(stored: StoragePlugin, tmp_path: Path) -> None:
+    """A recorder that is stopped hard leaves the messages and no metadata.yaml."""
+    bag = write(tmp_path / "bag", run(), stored)
+    whole = read(bag, ROBOT)
+    (bag / "metadata.yaml").unlink()
+    (file,) = bag.iterdir()
+    for path in (bag, file):
+        np.testing.assert_array_equal(read(path, ROBOT).forces, whole.forces)
+        assert look(path, ROBOT).reads
+
+
+def test_a_bag_of_ros_1_is_read(bag: Path, tmp_path: Path) -> None:
+    old = get_typestore(Stores.ROS1_NOETIC)
+
+    def as_old(message: Any) -> Any:
+        if not hasattr(message, "__msgtype__"):
+            return message
+        fields = {name: as_old(getattr(message, name)) for name in vars(message) if name != "__msgtype__"}
+        extra = {"seq": 0} if message.__msgtype__ == "std_msgs/msg/Header" else {}
+        return old.types[message.__msgtype__](**fields, **extra)
+
+    file = tmp_path / "run.bag"
+    with Writer1(file) as writer:
+        topics = {}
+        for topic, received, message in sorted(run(), key=lambda m: m[1]):
+            kind = message.__msgtype__
+            if topic not in topics:
+                topics[topic] = writer.add_connection(topic, kind, typestore=old)
+            writer.write(topics[topic], received, old.serialize_ros1(as_old(message), kind))
+    assert look(file, ROBOT).reads
+    np.testing.assert_allclose(read(file, ROBOT).forces, read(bag, ROBOT).forces)
+
+
+def test_a_topic_whose_messages_are_lost_is_named_though_the_index_counts_them(tmp_path: Path) -> None:
+    bag = write(tmp_path / "bag", [m for m in run() if m[1] < EPOCH + 10**8])
+    with closing(sqlite3.connect(next(bag.glob("*.db3")))) as base:
+        base.execute("delete from messages where topic_id in (select id from topics where name = ?)", (WRENCH,))
+        base.commit()
+    with pytest.raises(RecordingError, match=f"{WRENCH}: holds none of the messages") as caught:
+        read(bag, ROBOT)
+    assert one_line(caught.value).startswith(str(bag))
+    assert not look(bag, ROBOT).reads
+
+
+@pytest.mark.parametrize("error", [ReaderError("Chunk checksum mismatch."), apsw.CorruptError("malformed")])
+def test_a_bag_that_is_damaged_inside_is_named_in_a_line(
+    error: Exception, bag: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Chunks have checksums, which rosbags checks where they are read, not where the bag is opened."""
+
+    def damaged(*_: Any, **__: Any) -> Any:
+        raise error
+
+    monkeypatch.setattr("rosbags.highlevel.AnyReader.messages", damaged)
+    for call_it in (lambda: read(bag, ROBOT), lambda: look(bag, ROBOT)):
+        with pytest.raises(RecordingError, match=rf"damaged bag \({error}") as caught:
+            call_it()
+        assert one_line(caught.value).startswith(str(bag))
+
+
+def test_without_rosbags_one_line_says_what_to_install(bag: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
+    with pytest.raises(RecordingError, match=r"pip install 'hexcite\[ros\]'"):
+        read(bag, ROBOT)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[StoragePlugin, Path]:
+    folder = tmp_path_factory.mktemp("bags")
+    short = [m for m in run() if m[1] < EPOCH + 3 * 10**8]
+    return {stored: write(folder / stored.name, short, stored) for stored in StoragePlugin}
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=examples(20))
+@given(
+    stored=st.sampled_from(StoragePlugin), which=st.booleans(), place=st.floats(0.0, 1.0),
+    noise=st.binary(min_size=1, max_size=40), cut=st.booleans(),
+)  # fmt: skip
+def test_a_damaged_bag_gives_a_run_or_one_line(
+    stored: StoragePlugin, which: bool, place: float, noise: bytes, cut: bool, whole: dict[StoragePlugin, Path],
+    tmp_path_factory: pytest.TempPathFactory,
+) -> None:  # fmt: skip
+    bag = tmp_path_factory.mktemp("damaged") / "bag"
+    bag.mkdir()
+    damaged = "metadata.yaml" if which else next(f.name for f in whole[stored].iterdir() if f.suffix != ".yaml")
+    for file in whole[stored].iterdir():
+        content = file.read_bytes()
+        at = int(place * len(content))
+        if file.name == damaged:
+            content = content[:at] if cut else content[:at] + noise + content[at + len(noise) :]
+        (bag / file.name).write_bytes(content)
+    recording = answer(lambda: read(bag, ROBOT), str(bag))
+    assert recording is None or np.isfinite(recording.forces).all()

@@ -1,0 +1,64 @@
+"""A trigger is a switch, a voltage, or a bit; one that never switches marks nothing."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cases.base.errors import RecordingError
+from identification.recording.recording import Recording, read
+from tests.helpers import one_line, tells
+from tests.identification.recording.formats.runs import NAMES, Truth, case_with, csv, written
+
+RUN = Truth()
+ON = (np.arange(RUN.count) >= 10) & (np.arange(RUN.count) < 30)
+
+
+def recorded(values: np.ndarray, folder: Path, **keys: object) -> Recording:
+    text = csv(np.column_stack([RUN.numbers(), values]), [*NAMES, "bits" if keys else "trigger"])
+    return read(written(folder, text), case_with(**keys))
+
+
+@pytest.mark.parametrize("level", [0.0, 1.0, 24.0, 65535.0])
+def test_a_trigger_that_never_switches_marks_nothing_and_says_so(level: float, tmp_path: Path) -> None:
+    recording = recorded(np.full(RUN.count, level), tmp_path)
+    assert recording.trigger is None
+    (said,) = map(str, recording.findings)
+    assert tells(said, "never switches", f"{level:g}")
+
+
+@pytest.mark.parametrize("level", [0.0, 24.0])
+def test_the_noise_of_a_voltage_is_no_switch(level: float, tmp_path: Path) -> None:
+    noise = 0.03 * np.random.default_rng(0).normal(size=RUN.count)
+    assert recorded(level + noise, tmp_path).trigger is None
+    np.testing.assert_array_equal(recorded(24.0 * ON + noise, tmp_path).trigger, ON)
+
+
+def test_a_voltage_of_two_steps_of_its_converter_that_stays_high_is_no_switch(tmp_path: Path) -> None:
+    assert recorded(np.where(np.arange(RUN.count) % 2, 24.02, 23.97), tmp_path).trigger is None
+
+
+def test_a_bit_of_a_bit_field_is_a_trigger(tmp_path: Path) -> None:
+    """Bit 0 is the program's, bit 8 a gripper's that is on, bit 3 something else that switches."""
+    other = 8.0 * (np.arange(RUN.count) % 7 == 3)
+    recording = recorded(256.0 + ON + other, tmp_path, trigger={"column": "bits", "bit": 0})
+    np.testing.assert_array_equal(recording.trigger, ON)
+
+
+def test_the_only_bit_that_changes_needs_no_key(tmp_path: Path) -> None:
+    recording = recorded(256.0 + 4.0 * ON, tmp_path)
+    np.testing.assert_array_equal(recording.trigger, ON)
+    (said,) = map(str, recording.findings)
+    assert tells(said, "bit 2")
+
+
+def test_of_several_bits_the_message_says_which_change(tmp_path: Path) -> None:
+    other = 8.0 * (np.arange(RUN.count) % 7 == 3)
+    with pytest.raises(RecordingError, match=r"no level of a switch; .*bits 0, 3 change.*recording\.trigger") as caught:
+        recorded(256.0 + ON + other, tmp_path)
+    one_line(caught.value)
+
+
+def test_a_voltage_has_no_bits(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match=r"bits: 0\.5 has no bits; leave recording\.trigger\.bit out"):
+        recorded(0.5 * ON, tmp_path, trigger={"column": "bits", "bit": 0})

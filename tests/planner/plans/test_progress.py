@@ -1,0 +1,87 @@
+"""The line that is shown while a search is under way says what is known, and nothing that was stored."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import hexcite as hx
+from cases.schema import Case
+from planner.plans import progress
+from hexcite.cli import console
+from planner.families.settings import Fourier, PointToPoint
+from planner.plans.progress import Follower, Standing, expected_best
+from planner.request import Request
+from planner.search.record import Failed, SolverStatus, StartRecord
+from planner.search.parallel import Planned, UnderWay
+from planner.search.solving import Start
+
+pytestmark = pytest.mark.usefixtures("cache")
+
+
+@given(values=st.lists(st.floats(-5.0, 5.0), min_size=2, max_size=8), further=st.integers(0, 30))
+def test_more_starts_let_expect_more_and_never_less_than_there_is(values: list[float], further: int):
+    assert expected_best(values, further) >= max(values)
+    assert expected_best(values, further + 1) >= expected_best(values, further)
+
+
+def test_the_best_of_many_draws_is_what_few_of_them_let_expect():
+    draws = np.random.default_rng(5).normal(size=(4000, 12))
+    told = np.mean([expected_best(row[:4].tolist(), 8) for row in draws])
+    assert told == pytest.approx(draws.max(axis=1).mean(), rel=0.1)
+
+
+def test_it_says_which_start_how_good_and_how_long(hexapod_case: Case, monkeypatch: pytest.MonkeyPatch):
+    lines: list[str] = []
+    clock = [100.0]
+    monkeypatch.setattr(progress.time, "monotonic", lambda: clock[0])
+    request = Request(Fourier(order=3), 3.0, model=6)
+    (family,) = request.family.families(hexapod_case, 3.0)
+    unknowns = family.start(np.random.default_rng(1), lambda unknowns: 4.0 * float(np.abs(unknowns).max()))
+    record = StartRecord(1, True, -3.0, -3.0, SolverStatus.SETTLED, True, 9, 4.0)
+    start = Start(record, unknowns, family, 1.0, unknowns, -3.0)
+    follow = Follower(hexapod_case, lambda standing: lines.append(str(standing)))
+    follow(request)
+    follow(Planned("start", 5, False, math.inf))
+    assert lines[-1] == "start 1 of at least 5"
+    clock[0] += 4.0
+    follow(UnderWay(1, 0.5))
+    assert lines[-1] == "start 1 of at least 5, about 36 s left"
+    clock[0] += 4.0
+    follow(start)
+    told = lines[-1].split(", ")
+    assert told[0] == "start 2 of at least 5"
+    assert 0.0 < float(told[1].removeprefix("best ")) < 0.5
+    assert told[2] == "about 32 s left"
+    follow(replace(start, record=replace(record, seed=2, criterion_value=-5.0), promise=-5.0))
+    share = float(lines[-1].split("(")[1].split()[0])
+    assert 0.9 < share < 1.0
+    follow(Failed(3, "made up"))
+    assert lines[-1].startswith("start 4 of at least 5")
+    follow(Planned("refinement", 1, True, clock[0] + 7.0))
+    assert lines[-1].startswith("refinement 1 of 1, best ")
+    assert lines[-1].endswith(", about 7 s left")
+
+
+def test_a_search_tells_from_its_beginning(hexapod_case: Case):
+    lines: list[str] = []
+    hx.plan(hexapod_case, PointToPoint(moves=8), 2.0, model=6, starts=2, workers=1, progress=lines.append)
+    of_starts = [line for line in lines if line.startswith("start")]
+    assert of_starts[0] == "start 1 of 2"
+    assert any("start 2 of 2, best 0." in line for line in of_starts)
+    first = [line for line in of_starts if line.startswith("start 1")]
+    assert any("s left" in line for line in first)
+
+
+def test_programs_read_where_a_search_stands(capfd: pytest.CaptureFixture[str]):
+    said = console.as_lines()
+    said(Standing("start 1 of 3", 0, 3))
+    said(Standing("start 1 of 3, about 9 s left", 0, 3, None, 9.0))  # nothing new within a second
+    said(Standing("start 2 of 3, best 0.500", 1, 3, 0.5, 6.0))
+    first, second = (json.loads(line) for line in capfd.readouterr().err.splitlines())
+    assert (first["done"], first["best"]) == (0, None)
+    assert (second["done"], second["least"], second["best"], second["left_s"]) == (1, 3, 0.5, 6.0)

@@ -1,0 +1,53 @@
+"""A search of some seconds: whatever it has found by then is proven; there is always something."""
+
+import time
+
+import pytest
+
+import hexcite as hx
+from cases.base.errors import HexciteError
+from cases.schema import Case
+from planner.families.settings import FamilySettings, Fourier, PointToPoint, Spline
+from planner.plans.making import search
+from planner.request import Request
+from planner.search.parallel import run_here, silent
+
+LONG = 120.0  # [s] room for a busy computer
+
+
+@pytest.mark.parametrize("family", [Fourier(order=3), PointToPoint(moves=8), Spline(knots=20)], ids=lambda f: f.name)
+def test_however_short_the_time_what_is_found_is_proven(family: FamilySettings, hexapod_case: Case):
+    found = search(Request(family, 2.0, model=6, seconds=1e-3), hexapod_case, silent, run_here)
+    assert found.out_of_time
+    assert not found.interrupted
+    assert found.limits.kept
+    assert found.starts[0].record.logdet > -200.0
+
+
+@pytest.mark.slow
+def test_more_time_finds_more_than_its_beginning(hexapod_case: Case):
+    """Rounds go on while there is time, each from further seeds."""
+    request = Request(PointToPoint(moves=8), 2.0, model=0, seconds=4.0)
+    began = time.monotonic()
+    found = search(request, hexapod_case, silent, run_here)
+    assert request.seconds <= time.monotonic() - began < request.seconds + LONG
+    assert found.out_of_time
+    seeds = [start.record.seed for start in found.starts if start.record.refined]
+    assert len(set(seeds)) == len(seeds)
+    first = search(Request(PointToPoint(moves=8), 2.0, model=0, seconds=1e-3), hexapod_case, silent, run_here)
+    assert found.starts[0].record.logdet > first.starts[0].record.logdet
+
+
+def test_a_plan_says_that_its_time_was_over(hexapod_case: Case, cache: None):
+    plan = hx.plan(hexapod_case, PointToPoint(moves=8), 2.0, model=6, seconds=0.1, workers=1)
+    assert plan.limits.kept
+    assert not plan.interrupted
+    assert any("0.1 s" in note for note in plan.worth.notes)
+    assert Request.of_json(plan.to_json() | {"payload_from": 0}) == plan.request
+
+
+@pytest.mark.parametrize("settings", [{"seconds": 0.0}, {"seconds": -1.0}, {"seconds": float("nan")},
+                                      {"seconds": 10.0, "starts": 2}])  # fmt: skip
+def test_times_that_cannot_be_are_refused(settings: dict):
+    with pytest.raises(HexciteError, match="seconds"):
+        Request(**settings)
