@@ -15,10 +15,11 @@ from pydantic import PrivateAttr, field_validator, model_validator
 
 from cases import doubts
 from cases.acceptance import Acceptance
-from cases.chain import Box, Chain, JointMotionLimits, Limits, SerialMachine, joint_problems
-from cases.controller import Controller, ControllerName, Settings, Sinumerik, TwinCat
 from cases.base.errors import ALSO, CaseError, printable
 from cases.base.files import check_file, toml_text, write_text
+from cases.base.units import DEG, MINUTE, MM, Array, as_html
+from cases.chain import Box, Chain, JointMotionLimits, Limits, SerialMachine, joint_problems
+from cases.controller import Controller, ControllerName, Settings, Sinumerik, TwinCat
 from cases.machine import HexapodMachine, MotionLimits, Workspace, box_problems, turned
 from cases.poses import Poses
 from cases.recording_format import STRUTS, RecordingFormat
@@ -36,7 +37,6 @@ from cases.tables import (
     spelled,
 )
 from cases.tolerances import KINDS, Tolerances
-from cases.base.units import DEG, MINUTE, MM, Array, as_html
 
 # 9.76 on the highest mountain of the tropics to 9.83 at the poles; other values are typing errors or in another unit.
 LEAST_GRAVITY, MOST_GRAVITY = 9.7, 9.9

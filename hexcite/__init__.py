@@ -18,7 +18,7 @@ and what it should be.
 
 from typing import TYPE_CHECKING
 
-from cases import door
+from cases.base.doors import door
 
 if TYPE_CHECKING:
     from cases import Case as Case
@@ -26,6 +26,17 @@ if TYPE_CHECKING:
     from cases import load_case as load_case
     from cases import new_arm as new_arm
     from cases import new_case as new_case
+    from hexcite._check_case import check_case as check_case
+    from hexcite._demo import demo as demo
+    from hexcite._identifiability import identifiability as identifiability
+    from hexcite._run import run as run
+    from hexcite._write import check as check
+    from hexcite._write import write as write
+    from hexcite.comparison.comparison import compare as compare
+    from hexcite.comparison.trials import ValidationSettings as ValidationSettings
+    from hexcite.comparison.validation import validate as validate
+    from hexcite.reports import report as report
+    from hexcite.reports.plotting import plot as plot
     from hexcite.studies.conduct import study as study
     from identification import Finding as Finding
     from identification import Identifiability as Identifiability
@@ -53,21 +64,10 @@ if TYPE_CHECKING:
     from planner import Plan as Plan
     from planner import PointToPoint as PointToPoint
     from planner import Spline as Spline
-    from planner import ValidationSettings as ValidationSettings
     from planner import bound as bound
-    from planner import check as check
-    from planner import check_case as check_case
-    from planner import compare as compare
-    from planner import demo as demo
-    from planner import identifiability as identifiability
     from planner import plan as plan
     from planner import plan_poses as plan_poses
-    from planner import plot as plot
-    from planner import report as report
     from planner import retime as retime
-    from planner import run as run
-    from planner import validate as validate
-    from planner import write as write
     from postprocessors import Program as Program
     from postprocessors import read_program as read_program
     from postprocessors.export import export as export

@@ -15,14 +15,15 @@ from hexcite._write import usual_dialect, write
 from hexcite.comparison.comparison import Comparison, compare
 from identification.identify import identify
 from identification.limits.limit import KINETIC, LimitKind
-from identification.model.model import full_model, machine_of
+from identification.machines.of_case import machine_of
+from identification.model.model import full_model
 from identification.recording.recording import Recording
 from identification.results.result import Result
 from identification.simulate import truth_rows
 from identification.texts import efficiency_text
 from planner._plan import Settings
 from planner._plan import plan as motion
-from planner.families.ptp import steps_of
+from planner.controller_limits import steps_of
 from planner.families.settings import FamilySettings, Fourier, Manual, PointToPoint
 from planner.plans.plan import Plan
 from planner.request import Solver, require_seed, require_starts

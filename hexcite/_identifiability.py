@@ -8,12 +8,12 @@ import numpy as np
 from cases.base.errors import HexciteError, IdentificationError
 from cases.base.units import Array
 from cases.schema import Case
-from identification.estimation.identifiability import Identifiability, analysed, models_of, of_models
 from identification.identify import default_model, samples_of
-from identification.machines.symbolic import over_samples
+from identification.machines.casadi_batch import over_samples
 from identification.model.model import Model, identification_model, regressors
 from identification.motion.motion import sample
 from identification.recording.recording import Recording
+from identification.results.identifiability import Identifiability, analysed, models_of, of_models
 from identification.results.result import Result
 from identification.samples.moving import Run
 from identification.samples.samples import Samples

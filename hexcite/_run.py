@@ -14,11 +14,12 @@ from cases.basis import motion_hash
 from cases.controller import ControllerName
 from cases.schema import Case
 from hexcite._write import plan_of_program, read_for, require_proven, written_for_another
-from identification.estimation.criteria import reference_scaling
+from identification.estimation.criteria import executed_information, reference_scaling
 from identification.limits.limit import LimitKind
 from identification.limits.proof import CHUNK, everything
-from identification.machines.executed import Execution, executed_information, executed_motion, path_error
-from identification.model.model import full_model, identification_model, machine_of
+from identification.machines.executed import Execution, executed_motion, path_error
+from identification.machines.of_case import machine_of
+from identification.model.model import full_model, identification_model
 from identification.motion.motion import Joined, Trajectory
 from identification.recording.recording import Recording, about_case
 from identification.simulate import UNDISTURBED, Circumstances, circumstances, simulate_recording
@@ -69,7 +70,7 @@ def execute(
         rating = {"executed_s": seconds, "path_error_mm": off / MM, "d_efficiency_planned": None, "d_efficiency": None}
         rating["poses_m_rad"] = poses.tolist()
     else:
-        planned = planned_excitation(program)
+        planned = planned_excitation(program.reading, program.guarantees)
         rating = _rating(case, planned, run)
     recording = simulate_recording(case, run.execution, run.trigger, seed, around=around)
     peaks = executed_peaks(run.execution, case)

@@ -16,7 +16,7 @@ from cases.schema import Case
 from identification.limits.limit import LimitKind
 from identification.motion.curves import PolynomialMotion
 from identification.motion.moves import has_steps
-from planner.families.ptp import steps_of
+from planner.controller_limits import steps_of
 from planner.plans.folder import DIGITS
 from planner.plans.plan import Plan
 from planner.request import Request

@@ -7,23 +7,23 @@ from cases.base.doors import door
 if TYPE_CHECKING:
     from identification.estimation.estimators import Method as Method
     from identification.estimation.priors import Prior as Prior
-    from identification.results.force import force as force
-    from identification.results.force import tare as tare
-    from identification.results.force import verify as verify
     from identification.finding import Finding as Finding
-    from identification.results.identifiability import Identifiability as Identifiability
     from identification.looks import Look as Look
     from identification.looks import look as look
     from identification.model.model import Model as Model
     from identification.model_choice import ModelChoice as ModelChoice
     from identification.model_choice import identify_models as identify_models
-    from identification.results.result import Result as Result
-    from identification.results.payload import payload as payload
-    from identification.results.pooling import pool as pool
     from identification.recording.recording import Recording as Recording
     from identification.recording.recording import read as read
+    from identification.results.force import force as force
+    from identification.results.force import tare as tare
+    from identification.results.force import verify as verify
+    from identification.results.identifiability import Identifiability as Identifiability
+    from identification.results.payload import payload as payload
+    from identification.results.pooling import pool as pool
+    from identification.results.result import Result as Result
+    from identification.results.verdicts import Verdict as Verdict
+    from identification.results.verdicts import accept as accept
     from identification.samples.treatment import Treatment as Treatment
-    from identification.verdicts import Verdict as Verdict
-    from identification.verdicts import accept as accept
 
 __getattr__, __dir__ = door(__name__)

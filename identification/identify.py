@@ -13,11 +13,11 @@ import numpy as np
 from pydantic import ValidationError
 from threadpoolctl import threadpool_limits
 
-from cases.basis import changes_since, recording_basis, result_basis
 from cases.base.errors import FileProblem, IdentificationError, RecordingError
 from cases.base.files import date_of
-from cases.schema import Case
 from cases.base.units import Array
+from cases.basis import changes_since, recording_basis, result_basis
+from cases.schema import Case
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, require_alive
 from identification.finding import Finding, Kind, changed_cases, note, sentences, warning
@@ -32,18 +32,18 @@ from identification.findings.off_case import without
 from identification.findings.systematic import allowed_for, noisy_drives, not_shown, systematic_findings, systematic_of
 from identification.findings.told import Told, findings_of, told_by
 from identification.findings.tolerances import budget_findings
-from identification.recording.formats.reading import files_of
-from identification.model.model import Model, full_model, identification_model
-from identification.results.result import RUN_ENTRIES, Result
 from identification.model.blocks import INERTIA, RIGID
+from identification.model.model import Model, full_model, identification_model
+from identification.recording.formats.reading import files_of
 from identification.recording.recording import Recording, poses_of_record
 from identification.results.estimate import Estimate, entries_of, estimate_of
+from identification.results.result import RUN_ENTRIES, Result
 from identification.samples.moving_window import delimited, moving_run, on_one_clock, stands_only
 from identification.samples.sample_checks import scan
+from identification.samples.samples import GAUSS_MARKOV, Fitted, Samples, fit_samples
 from identification.samples.standstills import among, average, find_standstills, match, standstills
 from identification.samples.treatment import Treatment
 from identification.samples.wrist import widest_band, wrist_run
-from identification.samples.samples import GAUSS_MARKOV, Fitted, Samples, fit_samples
 
 
 def identify(

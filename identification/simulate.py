@@ -15,14 +15,9 @@ from cases.base.units import DEG, MM, Array
 from cases.schema import Case
 from cases.sensors import Disturbances, RigidBody, Truth, together
 from identification.machines.executed import Execution, mode_frequency, rippled, vibrating
-from identification.machines.symbolic import Kinematics
-from identification.model.model import (
-    acceleration_to_force,
-    expected_forces,
-    full_model,
-    identification_model,
-    machine_of,
-)
+from identification.machines.machine import Kinematics
+from identification.machines.of_case import machine_of
+from identification.model.model import acceleration_to_force, expected_forces, full_model, identification_model
 from identification.model.parameters import linear_parameters, physical_form
 from identification.recording.recording import Recording
 

@@ -6,8 +6,8 @@ from typing import TypedDict, Unpack
 
 from threadpoolctl import threadpool_limits
 
-from cases.schema import Case
 from cases.base.units import Array
+from cases.schema import Case
 from identification.model.model import full_model, static_model
 from planner.families.manual import load_poses
 from planner.families.settings import Best, FamilySettings

@@ -13,8 +13,8 @@ import numpy as np
 from cases.schema import Case
 from cases.sensors import PoseField
 from identification.estimation.criteria import information as information_over
+from identification.machines.casadi_batch import over_samples
 from identification.machines.hexapod import Hexapod
-from identification.machines.symbolic import over_samples
 from identification.model.model import (
     Model,
     identification_model,

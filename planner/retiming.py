@@ -25,8 +25,8 @@ from identification.machines.path_timing import retime as timed_path
 from identification.motion.curves import FourierMotion, PolynomialMotion
 from identification.motion.motion import Array, Joined, Motion, Standstill, Trajectory
 from identification.motion.moves import CircularMove, StraightMove, UntimedMotion, limits_along, ruckig_profile
+from planner.controller_limits import with_steps
 from planner.families.manual import fastest_within_limits
-from planner.families.ptp import with_steps
 from planner.families.settings import require_plannable_without
 from planner.plans.plan import Plan
 from planner.plans.rating import PlannedMotion, rated_plan

@@ -9,12 +9,12 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
-from cases.errors import HexciteError, InfeasiblePlan, Interrupted
+from cases.base.errors import HexciteError, InfeasiblePlan, Interrupted
 from cases.schema import Case
-from identification.model import identification_model
-from identification.parameters import physical_form
-from identification.precision import legible, std_text
-from planner.plans import Plan
+from identification.model.model import identification_model
+from identification.model.parameters import physical_form
+from identification.texts import legible, std_text
+from planner.plans.plan import Plan
 from planner.request import DURATION, Request
 
 CLOSE = 1.04  # ratio of the shortest duration that reaches the targets to the longest below it that does not

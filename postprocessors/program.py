@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
-from cases import checks
+from cases.base.doors import checks
 from cases.base.errors import FileProblem, HexciteError, ProgramError, choice
 from cases.base.files import atomic_file, check_file, read_whole
 from cases.base.units import as_html

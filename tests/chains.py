@@ -3,7 +3,8 @@
 import numpy as np
 
 from cases.schema import Case, load_case
-from identification.model.model import expected_forces, full_model, identification_model, machine_of
+from identification.machines.of_case import machine_of
+from identification.model.model import expected_forces, full_model, identification_model
 from identification.model.parameters import linear_parameters
 
 ROBOT = load_case("ur10_wrist")

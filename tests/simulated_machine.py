@@ -7,9 +7,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cases.schema import Case
+from identification.machines.casadi_batch import over_samples
 from identification.machines.executed import Execution
 from identification.machines.hexapod import Hexapod
-from identification.machines.symbolic import Kinematics, over_samples, twist, twist_rate
+from identification.machines.machine import Kinematics
+from identification.machines.rotations import twist, twist_rate
 from identification.motion.motion import Trajectory
 from identification.recording.recording import Recording
 from identification.simulate import UNDISTURBED, Circumstances, force_parts

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from cases.sensors import RigidBody
-from identification.machines.symbolic import rotation, twist, twist_rate
+from identification.machines.rotations import rotation, twist, twist_rate
 
 Array = NDArray[np.float64]
 NOTHING = 1e-9  # [kg, kg m^2] what MuJoCo wants of a body that has no mass

@@ -25,7 +25,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from cases.base.errors import FileProblem, HexciteError, Interrupted
 from cases.base.files import WRITTEN
-from hexcite.cli import cases, compare, demo, use as force, identify, limits, plan, poses, programs, results, study
+from hexcite.cli import cases, compare, demo, identify, limits, plan, poses, programs, results, study
+from hexcite.cli import use as force
 
 app = typer.Typer(
     name="hexcite",

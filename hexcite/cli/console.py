@@ -16,7 +16,7 @@ from cases.base.files import FolderKind, atomic_folder
 from identification.texts import aligned
 
 if TYPE_CHECKING:
-    from planner.progress import Standing
+    from planner.plans.progress import Standing
 
 EVERY = 10.0  # [s] between two lines of progress where there is no terminal
 

@@ -10,11 +10,11 @@ from identification.estimation.estimators import Method, symmetric_platform
 from identification.estimation.fit import Value
 from identification.estimation.priors import Prior
 from identification.model.model import Model
-from identification.results.result import Result
 from identification.model.parameters import physical_form
-from identification.texts import parameter_words
+from identification.results.result import Result
+from identification.results.verdicts import Check, Verdict, en
 from identification.samples.treatment import Treatment
-from identification.verdicts import Check, Verdict, en
+from identification.texts import parameter_words
 from planner.request import read_value
 
 ESTIMATORS = ("linear", "nonlinear")

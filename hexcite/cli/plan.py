@@ -112,8 +112,8 @@ def plan(
     """
     from identification.estimation.criteria import Criterion
     from identification.model.model import full_model
-    from planner.families.settings import Best, family_class
     from planner._plan import planned
+    from planner.families.settings import Best, family_class
     from planner.plans.making import require_plannable
     from planner.request import DURATION, LONGEST_WANTED, OWNERS, Request, Solver
     from planner.search.parallel import first_ctrl_c

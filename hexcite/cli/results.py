@@ -6,9 +6,9 @@ from typing import Annotated
 import typer
 
 import hexcite as hx
-from cases.files import RESULT, check_folder, output_place
-from planner.cli import console
-from planner.cli.console import argument, option, out
+from cases.base.files import RESULT, check_folder, output_place
+from hexcite.cli import console
+from hexcite.cli.console import argument, option, out
 
 
 def pool(

@@ -137,7 +137,7 @@ def payload(
     texts: list[object] = [found]
     verdict = None
     if reference:
-        from planner.cli.identification import verdict_of_references
+        from hexcite.cli.method_options import verdict_of_references
 
         verdict = verdict_of_references(reference, found.parameters, old.model.number)
         answer["reference"] = verdict.to_json()

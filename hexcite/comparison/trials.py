@@ -15,7 +15,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
-from cases import checks_arguments
+from cases.base.doors import checks_arguments
 from cases.base.errors import CaseError, HexciteError, Interrupted, choice
 from cases.controller import ControllerName
 from cases.scaffold import readiness
@@ -29,15 +29,16 @@ from identification.estimation.criteria import Criterion
 from identification.identify import estimate_parameters
 from identification.limits.limit import KINETIC
 from identification.machines.executed import Execution
+from identification.model.blocks import RIGID
 from identification.model.model import Model, full_model
-from identification.model.parameters import RIGID, body_parameters, linear_parameters, physical_form
+from identification.model.parameters import body_parameters, linear_parameters, physical_form
 from identification.motion.motion import Array
 from identification.recording.recording import Recording
 from identification.results.estimate import Estimate
 from identification.samples.standstills import average, find_standstills, match
 from identification.simulate import Circumstances, loaded_truth, simulate_recording
 from planner._plan import planned
-from planner.families.ptp import controlled
+from planner.controller_limits import controlled
 from planner.families.settings import family_class
 from planner.plans.plan import Plan
 from planner.poses.planned_poses import poses_planned

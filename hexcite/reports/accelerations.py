@@ -6,8 +6,8 @@ import numpy as np
 from cases.base.units import Array
 from cases.schema import Case
 from hexcite.reports.chart import Axis, Chart, Dash, lines
-from identification.machines.symbolic import over_samples
-from identification.model.model import machine_of
+from identification.machines.casadi_batch import over_samples
+from identification.machines.of_case import machine_of
 from identification.motion.motion import Trajectory, sample
 from identification.results.estimate import Estimate
 from identification.samples.moving import Run

@@ -67,7 +67,10 @@ def demo_page(chain: Demo) -> str:
                 "of the reported standard deviations over those of the best."
             ),
         ),
-        section("The machine along the plan", moving_machine(case, planned_excitation(chain.program))),
+        section(
+            "The machine along the plan",
+            moving_machine(case, planned_excitation(chain.program.reading, chain.program.guarantees)),
+        ),
         section(
             "Proof of the program's text",
             note(proof),

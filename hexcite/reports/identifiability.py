@@ -6,7 +6,7 @@ import numpy as np
 
 from hexcite.reports.chart import Axis, Chart, Heat
 from hexcite.reports.page import Block, note, table
-from identification.estimation.identifiability import Identifiability
+from identification.results.identifiability import Identifiability
 
 HEIGHT = 460  # of a square of parameters [pixels]
 

@@ -6,21 +6,21 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
-from cases.schema import Case
 from cases.base.units import Array
-from identification.findings.noise_level import noise_of_channels, stated_noise
-from identification.model_choice import figures_of, table_3
-from identification.results.result import RUN_ENTRIES, Result, pooled_rows, scatter_rows, treatment_rows
-from identification.texts import budget_cells, carries_rods, legible, value_cells, value_text, with_deviation
-from identification.signals import Residuals
-from identification.verdicts import accept
+from cases.schema import Case
+from hexcite._identifiability import identifiability_of_models
 from hexcite.reports.accelerations import acceleration_charts, measured_accelerations, planned_accelerations, summary
 from hexcite.reports.chart import Axis, Chart, Heat, Rule, lines
 from hexcite.reports.densities import density_charts, normal_chart
 from hexcite.reports.figures import unit_of
 from hexcite.reports.identifiability import identifiability_blocks
 from hexcite.reports.page import Block, Head, note, page, section, table, tiles
-from hexcite._identifiability import identifiability_of_models
+from identification.findings.noise_level import noise_of_channels, stated_noise
+from identification.model_choice import figures_of, table_3
+from identification.results.result import RUN_ENTRIES, Result, pooled_rows, scatter_rows, treatment_rows
+from identification.results.verdicts import accept
+from identification.signals import Residuals
+from identification.texts import budget_cells, carries_rods, legible, value_cells, value_text, with_deviation
 
 PARAMETER_COLUMNS = ("parameter", "value", "±", "U (k = 2)", "unit", "95 % from", "to", "std (28)", "std robust")
 

@@ -4,12 +4,12 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from cases.base.units import MM
 from cases.machine import KeepOut, turned
 from cases.schema import Case
-from cases.units import MM
-from identification.limited_chain import chain_frames
-from identification.motion import Array, StandingPoses
-from planner.reports.scene import tool_outlines
+from hexcite.reports.scene import tool_outlines
+from identification.limits.chain import chain_frames
+from identification.motion.motion import Array, StandingPoses
 
 Lines = dict[str, tuple[str, Iterable[Array]]]
 """Entry of the legend -> colour, and lines of points, shapes (n, 3) [mm]."""

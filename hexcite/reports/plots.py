@@ -6,9 +6,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 
+from cases.base.units import MM
 from cases.machine import turned
 from cases.schema import Case
-from cases.base.units import MM
 from hexcite.reports.outline import SAME_PLACE, outline, together
 from hexcite.reports.scene import box_outlines, room
 from hexcite.reports.still import Shown

@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from cases.schema import Case
     from hexcite.comparison.comparison import Comparison
     from hexcite.comparison.validation import Validation
-    from identification.estimation.identifiability import Identifiability
     from identification.model_choice import ModelChoice
     from identification.recording.recording import Recording
     from identification.results.force import ExternalForce
+    from identification.results.identifiability import Identifiability
     from identification.results.result import Result
     from planner.bounds.bound import Bound
     from planner.plans.plan import Plan

@@ -9,15 +9,19 @@ Of a set of poses to stand at, F is the sum of A^T A over the set.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
 from cases.base.errors import HexciteError, IdentificationError, choice
 from cases.base.units import Array
 from cases.schema import Case
-from identification.machines.symbolic import over_samples
-from identification.model.model import Model
+from identification.machines.casadi_batch import over_samples
+from identification.model.model import Model, regressors
+
+if TYPE_CHECKING:
+    pass
+from identification.machines.executed import RATE, Execution
 
 
 class Criterion(StrEnum):
@@ -163,3 +167,23 @@ def _log_det(matrices: Array) -> Array:
 
 
 POSE_CRITERIA: dict[str, PoseCriterion] = {letter: PoseCriterion(letter) for letter in Criterion}
+
+
+def executed_information(model: Model, scaling: Array, execution: Execution, windows: Array, cutoff: float) -> Array:
+    """Time average of H A^T A H over the executed excitation, behind the filter of the evaluation, shape (u, u); W = 1.
+
+    Ripple that a controller adds is filtered off by the evaluation, and must not count as information. `scaling` is the
+    diagonal of H; windows of the excitation have the shape (k, 2) [s], `cutoff` is that of the low-pass [Hz].
+    """
+    from identification.signals import Filter  # SciPy, which programs that are only read do without
+
+    low_pass = Filter(cutoff, 1.0 / RATE)
+    t = np.arange(int(execution.duration * RATE) + 1) / RATE
+    struts = execution.struts(t)
+    inside = t[low_pass.margin : -low_pass.margin]
+    rows = np.zeros(len(inside), dtype=bool)
+    for start, end in windows:
+        rows |= (inside >= start) & (inside < end)
+    motion = [low_pass.apply(struts, order)[rows] for order in range(3)]
+    matrices = regressors(model, execution.machine.kinematics(*motion)).reshape(-1, len(scaling)) * scaling
+    return np.asarray(matrices.T @ matrices / rows.sum())

@@ -11,7 +11,7 @@ from numbers import Real
 import numpy as np
 from scipy.linalg import block_diag
 
-from cases import checks_arguments
+from cases.base.doors import checks_arguments
 from cases.base.errors import IdentificationError
 from cases.base.units import Array
 from cases.sensors import Sensors

@@ -16,7 +16,7 @@ from cases.base.errors import HexciteError
 from cases.base.units import DEG, MM, Array, Flags, Indices
 from cases.schema import Case
 from identification.finding import Finding, Kind, note, warning
-from identification.model.model import machine_of
+from identification.machines.of_case import machine_of
 from identification.motion.motion import Joined, Standstill, Trajectory
 from identification.recording.recording import Recording
 from identification.signals import stretches

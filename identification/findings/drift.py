@@ -18,8 +18,8 @@ from identification.estimation.small_sample import chance_of
 from identification.finding import Finding, Kind, warning
 from identification.findings.noise_level import channel_words
 from identification.findings.remains import excerpt_of, remainder_of
+from identification.model.blocks import K1, K2, K3, K4, K5, MASS
 from identification.model.model import regressors
-from identification.model.parameters import K1, K2, K3, K4, K5, MASS
 from identification.recording.recording import Recording
 from identification.samples.samples import Fitted
 

@@ -13,8 +13,9 @@ from cases.base.errors import IdentificationError
 from cases.schema import Case
 from identification.estimation.fit import Fit
 from identification.finding import Finding, Kind, note, warning
+from identification.model.blocks import INERTIA, MASS
 from identification.model.model import Model
-from identification.model.parameters import INERTIA, INERTIA_INDEX, MASS, physical_form
+from identification.model.parameters import INERTIA_INDEX, physical_form
 from identification.recording.recording import Recording
 from identification.samples.sample_checks import cut_off, places
 from identification.samples.samples import Fitted

@@ -13,7 +13,7 @@ from cases.machine import MotionLimits
 from cases.schema import Case
 from identification.estimation.alternatives import Alternative
 from identification.machines.hexapod import Hexapod
-from identification.machines.symbolic import Kinematics
+from identification.machines.machine import Kinematics
 from identification.model.model import (
     Model,
     expected_forces,

@@ -8,14 +8,14 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from cases.base.units import MM, Array
 from cases.machine import Joints, turned
 from cases.schema import Case
-from cases.units import MM, Array
 from identification.findings.causes.channels import rpy_of, scaled
 from identification.findings.causes.remedies import keys_to_write
 from identification.findings.left_out import gravity_axes
 from identification.findings.tolerances import UNITS
-from identification.recording import Recording
+from identification.recording.recording import Recording
 
 SYMBOLS = {"mm": "mm", "deg": "deg", "percent": "%", "ppm": "ppm"}
 SHOWABLE = frozenset(

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cases.schema import Case
 from cases.base.units import DEG, Array
+from cases.schema import Case
 from identification.estimation.alternatives import Effect, Unseen, effects_of, unseen
 from identification.finding import Finding, Kind, note, warning
 from identification.findings.clock import OddClock
@@ -23,8 +23,8 @@ from identification.findings.remains import excerpt_of, free_basis, remainder_of
 from identification.findings.told import Told
 from identification.findings.tolerances import Share, shares_of, without_tolerances
 from identification.model.parameters import offset_columns
-from identification.texts import parameter_words, with_deviation
 from identification.samples.samples import Fitted, MotionOfSamples
+from identification.texts import parameter_words, with_deviation
 
 CERTAIN = 1e-7  # chance below which an alternative is seen: some seventy are tried in each run
 SUSPICIOUS = 2e-3  # chance from which on it counts in the deviations

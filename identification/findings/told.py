@@ -18,8 +18,8 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.spatial.transform import Rotation
 from scipy.special import chdtrc
 
+from cases.base.units import Array
 from cases.schema import Case
-from cases.units import Array
 from identification.estimation.alternatives import noise_of
 from identification.finding import Finding, Kind, note, warning
 from identification.findings.drift import drift_of
@@ -27,8 +27,8 @@ from identification.findings.left_out import LeftOut
 from identification.findings.off_case import SHOWABLE, Size, remedy_of, sizes_named
 from identification.findings.remains import excerpt_of, free_basis, remainder_of
 from identification.findings.tolerances import Share, shares_of
-from identification.precision import with_deviation
-from identification.samples import Fitted
+from identification.samples.samples import Fitted
+from identification.texts import with_deviation
 
 FAINT = 0.02  # of the noise of a score, as variance: below it nothing is told in a direction
 WORTH = 0.95  # of a deviation by least squares alone, to which estimated sizes have to lower one

@@ -14,73 +14,23 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
-from cases.base.units import DEG, MM, Array
+from cases.base.units import MM, Array
 from cases.chain import Chain
 from cases.machine import Tool
-from cases.schema import Case
 from identification.limits.limit import LimitKind
-from identification.machines.symbolic import Share, rotation
+from identification.machines.machine import Share
 
 if TYPE_CHECKING:
-    from identification.machines.hexapod import Hexapod
+    pass
 
-ALONG_STRUTS = (0.25, 0.5, 0.75)  # shares of a strut's length from the base
-ALONG_TOOLS = (0.0, 0.5, 1.0)  # shares of a tool's length
 ROUNDING = 0.003  # [m] by about which corners of boxes are rounded
 MOST_BALLS = 20  # largest number of balls of a body
 BALL_ROUNDING = 0.001  # [m] by about which least distances of bodies are rounded
-CLEARANCE = 0.02  # [m] from boxes, for what comes near them between two points or instants; less where home is nearer
 BALL_CLEARANCE = 0.01  # [m] the same between two balls; less where the middle of the box is nearer
 VICINITY = 0.25  # [m] in which the share falls by a factor of e: comparable with the travel of motions
 
 
-def hexapod_shares(hexapod: "Hexapod", case: Case, pose: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:
-    """Shares of the limits that a pose and its first and second derivative use, shapes (6,) [m, rad]."""
-    _, workspace, box = case.need_machine("planning")
-    length, velocity, acceleration = hexapod.strut_motion.call([pose, rates, accelerations], True, False)
-    shortest = max(box.strut_length[0], workspace.strut_length[0])
-    longest = min(box.strut_length[1], workspace.strut_length[1])
-    at_base, at_platform = hexapod.joint_cosines.call([pose], True, False)
-    jacobian = hexapod.inverse_jacobian.call([pose], True, False)[1]
-    at_home = float(np.linalg.det(hexapod.inverse_jacobian(hexapod.home)[1].full()))
-    joints = ca.vertcat(
-        (1 - at_base) / (1 - np.cos(workspace.base_joint_angle_deg * DEG)),
-        (1 - at_platform) / (1 - np.cos(workspace.platform_joint_angle_deg * DEG)),
-    )
-    return [
-        (LimitKind.STRUT_LENGTH, 0, (length - (longest + shortest) / 2) / ((longest - shortest) / 2)),
-        (LimitKind.STRUT_VELOCITY, 1, velocity / box.strut_velocity_m_s),
-        (LimitKind.STRUT_ACCELERATION, 2, acceleration / box.strut_acceleration_m_s2),
-        (LimitKind.JOINT_ANGLE, 0, joints),
-        (LimitKind.SINGULARITY, 0, 1 - ca.det(jacobian) / at_home),
-        *((LimitKind.DISTANCE_FROM_BOX, 0, share) for share in _keep_out(case, hexapod, pose)),
-    ]
-
-
-def _keep_out(case: Case, hexapod: "Hexapod", pose: ca.SX) -> list[ca.SX]:
-    """Shares: 1 where the clearance of a box begins, 0 far away."""
-    _, workspace, limits = case.need_machine("planning")
-    if not workspace.keep_out:
-        return []
-    turn = rotation(pose[3:])
-    arms = turn @ ca.DM(hexapod.platform.T)
-    joints = [pose[:3] + arms[:, k] for k in range(6)]
-    base = ca.DM(hexapod.base.T)
-    along = [base[:, k] + share * (joint - base[:, k]) for k, joint in enumerate(joints) for share in ALONG_STRUTS]
-    around = workspace.strut_radius_mm * MM
-    points = [(pose[:3], 0.0), *((joint, 0.0) for joint in joints), *((point, around) for point in along)]
-    for tool in workspace.tool:
-        low, high = tool.axis
-        places = (pose[:3] + turn @ ca.DM(low + share * (high - low)) for share in ALONG_TOOLS)
-        points += [(place, tool.radius_mm * MM) for place in places]
-    distances = ca.vertcat(
-        *(_distance(point, box.corners, ROUNDING) - radius for box in workspace.keep_out for point, radius in points)
-    )
-    at_rest = ca.Function("distances", [pose], [distances])(hexapod.home + limits.pose.mean(axis=0)).full()
-    return [ca.exp((np.clip(at_rest / 2, 0.0, CLEARANCE) - distances) / VICINITY)]
-
-
-def _distance(point: ca.SX, corners: Array, rounding: float) -> ca.SX:
+def distance_from_box(point: ca.SX, corners: Array, rounding: float) -> ca.SX:
     """Distance along the axis that separates point and box most, at edges a little less, so that it is smooth [m]."""
     gaps = ca.fabs(point - ca.DM(corners.mean(axis=0))) - ca.DM(np.ptp(corners, axis=0) / 2)
     most = ca.mmax(gaps)
@@ -102,7 +52,8 @@ def clearance_shares(chain: Chain, q: ca.SX, middle: Array, frames: Sequence[tup
     for k, (link, centres, radius) in enumerate(bodies):
         if link:
             distances += [
-                _least([_distance(c, box.corners, BALL_ROUNDING) for c in centres], radius) for box in chain.keep_out
+                _least([distance_from_box(c, box.corners, BALL_ROUNDING) for c in centres], radius)
+                for box in chain.keep_out
             ]
         for other_link, others, other_radius in bodies[k + 1 :]:
             if abs(other_link - link) > 1:

@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike
 
 from cases.base.units import Array
 from cases.sensors import Disturbances
-from identification.machines.symbolic import Kinematics, Machine, over_samples, pose_rates, twist_rate
-from identification.model.model import Model, regressors
+from identification.machines.casadi_batch import over_samples
+from identification.machines.machine import Kinematics, Machine
+from identification.machines.rotations import pose_rates, twist_rate
 from identification.motion.motion import Motion, Trajectory, sample
 
 if TYPE_CHECKING:
@@ -132,26 +133,6 @@ def _from_lines(points: Array, starts: Array, ways: Array) -> Array:
     """Distances of points from lines of some length above 0, from their starts along their ways, shape (n,)."""
     shares = np.einsum("...k,...k", points - starts, ways) / np.einsum("...k,...k", ways, ways)
     return np.asarray(np.linalg.norm(points - starts - np.clip(shares, 0.0, 1.0)[..., None] * ways, axis=-1))
-
-
-def executed_information(model: Model, scaling: Array, execution: Execution, windows: Array, cutoff: float) -> Array:
-    """Time average of H A^T A H over the executed excitation, behind the filter of the evaluation, shape (u, u); W = 1.
-
-    Ripple that a controller adds is filtered off by the evaluation, and must not count as information. `scaling` is the
-    diagonal of H; windows of the excitation have the shape (k, 2) [s], `cutoff` is that of the low-pass [Hz].
-    """
-    from identification.signals import Filter  # SciPy, which programs that are only read do without
-
-    low_pass = Filter(cutoff, 1.0 / RATE)
-    t = np.arange(int(execution.duration * RATE) + 1) / RATE
-    struts = execution.struts(t)
-    inside = t[low_pass.margin : -low_pass.margin]
-    rows = np.zeros(len(inside), dtype=bool)
-    for start, end in windows:
-        rows |= (inside >= start) & (inside < end)
-    motion = [low_pass.apply(struts, order)[rows] for order in range(3)]
-    matrices = regressors(model, execution.machine.kinematics(*motion)).reshape(-1, len(scaling)) * scaling
-    return np.asarray(matrices.T @ matrices / rows.sum())
 
 
 RIPPLE_STEP = 1e-3  # [s] between the samples of the ripple

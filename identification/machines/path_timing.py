@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from cases.base.errors import HexciteError
 from cases.base.units import Array
 from cases.schema import Case
-from identification.model.model import machine_of
+from identification.machines.of_case import machine_of
 from identification.motion.motion import Motion, Trajectory
 from identification.motion.moves import UntimedMotion
 

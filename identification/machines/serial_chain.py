@@ -21,8 +21,9 @@ from cases.schema import Case
 from cases.sensors import RigidBody
 from identification.limits.limit import LimitKind
 from identification.limits.sensor_loads import SHARE
+from identification.machines.casadi_batch import over_samples
 from identification.machines.clearance import clearance_shares
-from identification.machines.symbolic import FrameMotion, Kinematics, Share, over_samples
+from identification.machines.machine import FrameMotion, Kinematics, Share
 
 UPRIGHT = 1e-8  # cosine of a pitch below which only rounding separates roll and yaw
 ROUNDING = 1e-15  # entries of a rotation below which they are 0, above one minus which they are 1

@@ -10,14 +10,16 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cases.base.errors import CaseError, IdentificationError
+from cases.base.errors import IdentificationError
 from cases.base.units import Array
 from cases.schema import Case
 from cases.sensors import PoseField, Sensors
+from identification.machines.casadi_batch import over_samples
 from identification.machines.hexapod import Hexapod
-from identification.machines.serial_chain import SerialChain
-from identification.machines.symbolic import Kinematics, Machine, gibbs, over_samples, rotation
-from identification.model.parameters import (
+from identification.machines.machine import Kinematics, Machine
+from identification.machines.of_case import machine_if_any
+from identification.machines.rotations import gibbs, rotation
+from identification.model.blocks import (
     ERROR_TERMS,
     INERTIA,
     K1,
@@ -160,19 +162,6 @@ class Model:
         """A for every sample, shape (n, 6, u); arguments as of `expression`, with n rows."""
         columns = np.asarray(rotations, dtype=float).transpose(0, 2, 1).reshape(-1, 9)
         return over_samples(self.regressor, positions, columns, twists, rates)[0]
-
-
-def machine_of(case: Case) -> Machine:
-    """The machine of a case; raises CaseError where it has none, or one that does not move the sensors."""
-    return SerialChain.of(case) if case.chain is not None else Hexapod.of(case)
-
-
-def machine_if_any(case: Case) -> Machine | None:
-    """The machine of a case; None where it has none that can be planned for."""
-    try:
-        return machine_of(case)
-    except CaseError:
-        return None
 
 
 def regressors(model: Model, kinematics: Kinematics) -> Array:

@@ -22,8 +22,8 @@ import numpy as np
 from cases.base.units import Array
 from cases.sensors import StrutSensors
 from identification.machines.hexapod import Hexapod
-from identification.machines.symbolic import rotation
-from identification.model.parameters import Block, Parameter, State, StrutState
+from identification.machines.rotations import rotation
+from identification.model.blocks import Block, Parameter, State, StrutState
 
 _Wrench = Callable[[State, StrutState], ca.SX]
 """Force and moment on the platform for a unit of a strut's parameter, shape (6,)."""

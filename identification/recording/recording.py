@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from cases import checks
+from cases.base.doors import checks
 from cases.base.errors import FileProblem, RecordingError
 from cases.base.files import RUN, atomic_folder, check_folder, json_text, read_json
 from cases.base.units import Array, Indices, as_html

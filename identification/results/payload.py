@@ -11,11 +11,11 @@ from cases.base.errors import IdentificationError
 from cases.base.units import Array, as_html
 from identification.estimation.fit import Value
 from identification.finding import Finding, Kind, changed_cases, sentences, warning
-from identification.model.model import Model
-from identification.results.result import Result
 from identification.model.blocks import FIRST_MOMENT, INERTIA, MASS, Block
-from identification.texts import parameter_lines
+from identification.model.model import Model
 from identification.results.estimate import physical_values
+from identification.results.result import Result
+from identification.texts import parameter_lines
 
 LEVEL = 1e-3  # share of gravity along an axis from which on the payload's place along it is uncertain
 UNLIKELY = 1e-3  # chance of so large a misfit of a weight by noise

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from cases import checks
+from cases.base.doors import checks
 from cases.base.errors import FileProblem, HexciteError
 from cases.base.files import RESULT, atomic_folder, check_folder, json_text, read_json
 from cases.base.units import Array, as_html

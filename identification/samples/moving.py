@@ -24,7 +24,7 @@ from identification.estimation.force_noise import coloured_covariance, turned
 from identification.estimation.pose_noise import covariance_by_pose
 from identification.finding import Finding, Kind, note
 from identification.machines.hexapod import StrutsDoNotClose
-from identification.machines.symbolic import Kinematics, Machine
+from identification.machines.machine import Kinematics, Machine
 from identification.model.model import expected_forces, regressors
 from identification.recording.recording import Recording
 from identification.samples.samples import MOST_DELAY, MotionOfSamples, Moving

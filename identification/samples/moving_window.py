@@ -9,7 +9,8 @@ from cases.base.units import Array, Flags, Indices
 from cases.schema import Case
 from identification.finding import Finding, Kind, warning
 from identification.machines.hexapod import Hexapod
-from identification.model.model import Model, machine_of
+from identification.machines.of_case import machine_of
+from identification.model.model import Model
 from identification.recording.formats.sampling import MOST_PUT_BACK
 from identification.recording.formats.table import Stream
 from identification.recording.recording import Recording

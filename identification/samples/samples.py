@@ -26,9 +26,9 @@ from identification.estimation.estimators import (
 from identification.estimation.fit import Filtered, Fit, Regression, Robust, Value, inverse_root, joint_triangle
 from identification.estimation.force_noise import long_run_covariance, scores
 from identification.finding import Finding
-from identification.machines.symbolic import Kinematics, Machine
+from identification.machines.machine import Kinematics, Machine
+from identification.model.blocks import MASS
 from identification.model.model import Model, noise_covariance, whitening_of
-from identification.model.parameters import MASS
 from identification.signals import Filter, Residuals
 
 MOST_DELAY = 0.04  # [s] between forces and motion that is looked for, either way

@@ -11,8 +11,9 @@ from cases.base.units import DEG, MM, Array, Flags
 from cases.schema import Case
 from identification.finding import Kind, note
 from identification.machines.hexapod import StrutsDoNotClose
-from identification.machines.symbolic import Kinematics
-from identification.model.model import Model, machine_of, regressors
+from identification.machines.machine import Kinematics
+from identification.machines.of_case import machine_of
+from identification.model.model import Model, regressors
 from identification.recording.formats.table import Lines
 from identification.recording.recording import Recording
 from identification.samples.moving_window import MOVING, SURE, delimited, require_position

@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from cases import checks_arguments
+from cases.base.doors import checks_arguments
 from cases.base.errors import IdentificationError
 from cases.base.units import Array, Flags
 from cases.schema import Case
-from identification.model.model import Model, machine_of
+from identification.machines.of_case import machine_of
+from identification.model.model import Model
 from identification.recording.recording import Recording
 from identification.samples.moving import Run
 from identification.samples.moving_window import moving_run

@@ -16,8 +16,8 @@ from cases.base.units import Array, Flags
 from cases.schema import Case
 from identification.estimation.fit import Robust
 from identification.estimation.force_noise import coloured_covariance, turned
+from identification.model.blocks import MASS
 from identification.model.model import Model
-from identification.model.parameters import MASS
 from identification.recording.formats.clocks import lost_samples
 from identification.recording.formats.table import Stream
 from identification.recording.recording import Recording

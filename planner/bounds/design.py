@@ -15,7 +15,7 @@ import numpy as np
 
 from cases.base.units import Array
 from cases.schema import Case
-from identification.machines.symbolic import over_samples
+from identification.machines.casadi_batch import over_samples
 from identification.model.model import Model
 from planner.bounds.certificate import Maximum, box_bounds, first_cells, maximise
 from planner.bounds.features import CORNER_COORDINATES, Features

@@ -14,9 +14,10 @@ import numpy as np
 
 from cases.base.units import Array
 from cases.schema import Case
-from identification.machines.symbolic import gibbs, over_samples, rotation, twist, twist_rate
+from identification.machines.casadi_batch import over_samples
+from identification.machines.rotations import gibbs, rotation, twist, twist_rate
+from identification.model.blocks import State
 from identification.model.model import Model
-from identification.model.parameters import State
 
 PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))  # products of three components, as the features list them
 GIBBS = slice(3, 6)

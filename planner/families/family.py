@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Protocol, Self
+from typing import ClassVar, Protocol, Self
 
 import numpy as np
 
@@ -11,10 +11,6 @@ from cases.schema import Case
 from identification.motion.motion import Trajectory
 from planner.families.rows import LinearRows, Rows
 from planner.families.states import States
-
-if TYPE_CHECKING:
-    from planner.families.ptp import PointToPointFamily
-
 
 Settings = Mapping[str, float | str | Sequence[str]]
 """What a motion was made with, by the keys of `settings` in `plan.json`."""
@@ -56,11 +52,6 @@ class Family(Protocol):
     def found(self, unknowns: Array) -> Settings:
         """Settings that the search found itself: they take the place of their first values."""
         return {}
-
-    @property
-    def walks(self) -> "PointToPointFamily | None":
-        """The family itself where its starts are annealed walks, which are refined at once."""
-        return None
 
     def layout(self, case: Case, margin: float) -> Layout:
         """The motion as functions of the unknowns; margin: share of each limit that stays unused."""

@@ -7,13 +7,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from cases import checks_arguments
+from cases.base.doors import checks_arguments
 from cases.base.errors import HexciteError, choice
 from cases.controller import ControllerName
 from cases.schema import Case
 from identification.estimation.criteria import Criterion, box_middle
 from identification.limits.limit import PLANNABLE_WITHOUT
 from identification.motion.motion import Trajectory
+from planner.controller_limits import controlled, steps_of
 from planner.families import ptp, spline
 from planner.families.family import Family
 from planner.families.fourier import FourierFamily, FreePeriod
@@ -286,7 +287,7 @@ class PointToPoint(FamilySettings):
         """
         cycle = case.need_controller(TIMED).cycle
         self._require_choice(case)
-        own, _ = ptp.controlled(case, self.made_for(case))
+        own, _ = controlled(case, self.made_for(case))
         box, count = own.need_motion("planning")[1], self.count(own, duration)
         phases = (4 if box.limits_jerk else 2) * ptp.shortest_phase(cycle)
         least = max(phases, 4 * HALF * float(np.min(box.acceleration / box.jerk)))
@@ -300,7 +301,7 @@ class PointToPoint(FamilySettings):
     def _require_choice(self, case: Case) -> None:
         """Raises HexciteError where the controller cannot keep a limit that is not left out, or keeps one that is."""
         controller = self.made_for(case)
-        steps = ptp.steps_of(case, controller) > 0.0
+        steps = steps_of(case, controller) > 0.0
         if steps and self.without is None:
             named = "" if self.controller else f' (controller.plan_for = "{controller}")'
             raise HexciteError(

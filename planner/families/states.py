@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 
 from cases.base.units import Array, Indices
-from identification.machines.symbolic import over_samples
+from identification.machines.casadi_batch import over_samples
 
 
 class Kernel:

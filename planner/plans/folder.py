@@ -5,27 +5,17 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from pydantic import BaseModel, TypeAdapter, ValidationError
+from pydantic import BaseModel, ValidationError
 
 from cases.base.errors import FileProblem, HexciteError
-from cases.base.files import DAMAGED, read_json
-from cases.basis import case_of, content_of, plan_basis, require_unchanged
-from cases.schema import Case
+from cases.base.files import DAMAGED
 from cases.tables import LARGEST
-from identification.limits.limit import LimitReport
-from identification.model.model import identification_model
-from identification.model.parameters import physical_form
 from identification.motion.curves import FourierMotion, PolynomialMotion
 from identification.motion.motion import Joined, Standstill, Trajectory
 from identification.motion.moves import CircularMove, Plane, StraightMove, unit_profile
-from planner.plans.figures import PoseWorth, Worth
-from planner.request import LONGEST, PoseRequest, Request
-
-if TYPE_CHECKING:
-    from planner.plans.plan import Plan
 
 SCHEMA_VERSION = 1
 LONGEST_OF_POSES = 4 * 3600.0  # [s] of a measurement at poses: the paper's took 21 min
@@ -35,52 +25,6 @@ DIGITS = 16  # digits of a fingerprint
 def fingerprint_of(content: bytes) -> str:
     """Fingerprint of the content of a plan.json: the first 16 digits of its SHA-256."""
     return hashlib.sha256(content).hexdigest()[:DIGITS]
-
-
-def load_plan(kind: "type[Plan]", folder: Path, case: Case | None, stale: bool) -> "Plan":
-    """Reads a plan folder.
-
-    Args:
-        kind: the type of plans.
-        case: replaces the case that the plan names, which may have been moved.
-        stale: whether to read it although its case has changed.
-
-    Raises:
-        FileProblem: the folder has no plan, it is damaged or changed by hand, or its case has changed since.
-        CaseError: its case does not exist any more or is not valid.
-    """
-    file = folder / "plan.json"
-    data = read_json(file, "hexcite plan")
-    if data.get("schema_version") != SCHEMA_VERSION:
-        raise FileProblem(file, f"schema_version is {data.get('schema_version')!r}, not {SCHEMA_VERSION}", "plan again")
-    with _refusing(file):
-        entries = Entries.model_validate(data)
-        motion = motion_of_entries(data)
-    of_poses = entries.family == PoseRequest.name
-    if not 0.0 < motion.duration <= (LONGEST_OF_POSES if of_poses else LONGEST):
-        raise FileProblem(file, f"a motion of {motion.duration:g} s is not an excitation", "plan again")
-    own = case_of(file, data, "plan again") if case is None else case
-    count = len(own.need_motion("a plan")[0])
-    with _refusing(file):
-        if motion.at([0.0]).pose.shape[1] != count:
-            raise HexciteError(f"its motion does not have the {count} coordinates of case {own.name}")
-    now = plan_basis(own, entries.payload, of_poses)
-    remarks = require_unchanged(file, data, now, own, stale, "plan again")
-    with _refusing(file):
-        request = PoseRequest.of_json(data) if of_poses else Request.of_json(data)
-        worth = TypeAdapter[PoseWorth | Worth](PoseWorth if of_poses else Worth).validate_python(data)
-        limits = LimitReport.of_json(data["limits"])
-        names = [p.name for p in physical_form(identification_model(own, request.model)).parameters]
-        if list(entries.predicted_std) != names or not limits.checks:
-            raise KeyError("predicted_std" if limits.checks else "limits")
-        plan = kind(
-            own, request, motion, limits, entries.predicted_std, entries.assumed_noise_N,
-            entries.assumed_rate_Hz, worth, entries.settings, entries.solve_s, entries.interrupted,
-            folder, fingerprint_of(file.read_bytes()), remarks,
-        )  # fmt: skip
-    if entries.content != content_of(data):
-        raise FileProblem(file, "was changed by hand", "plan again")
-    return plan
 
 
 class Entries(BaseModel, strict=True, frozen=True):
@@ -103,7 +47,7 @@ class Entries(BaseModel, strict=True, frozen=True):
 
 
 @contextmanager
-def _refusing(file: Path) -> Iterator[None]:
+def refusing(file: Path) -> Iterator[None]:
     """Inside, an error about an entry becomes a FileProblem that names it."""
     try:
         yield

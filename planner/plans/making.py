@@ -9,19 +9,18 @@ from itertools import count
 import numpy as np
 
 from cases.base.errors import HexciteError, IdentificationError, InfeasiblePlan, Interrupted, choice
-from cases.schema import Case
 from cases.base.units import Array
+from cases.schema import Case
 from identification.limits.limit import LimitKind
 from identification.limits.proof import PROOF_RATE, prove
 from identification.model.model import identification_model
 from identification.model.parameters import physical_form
-from planner.families.family import Family
 from planner.controller_limits import controlled, with_steps
+from planner.families.family import Family
 from planner.families.settings import Best
 from planner.plans.plan import Plan
 from planner.plans.rating import PlannedMotion, rated_plan
 from planner.request import LONGEST, Request
-from planner.search.record import Failed
 from planner.search.feasibility import keep_limits, remedy, require_identifiable, require_rest
 from planner.search.parallel import (
     Listener,
@@ -36,6 +35,7 @@ from planner.search.parallel import (
     run_here,
     workers,
 )
+from planner.search.record import Failed
 from planner.search.solving import Start, Task
 
 KEPT = 3  # number of the best orders, periods, numbers of moves and families, at most, that get more starts

@@ -6,12 +6,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import TypeAdapter
 
-from cases import checks
-from cases.base.errors import HexciteError
-from cases.base.files import PLAN, atomic_folder, check_folder, json_text
+from cases.base.doors import checks
+from cases.base.errors import FileProblem, HexciteError
+from cases.base.files import PLAN, atomic_folder, check_folder, json_text, read_json
 from cases.base.units import DEG, MM, as_html
-from cases.basis import CONTENT, KEPT, content_of, plan_basis
+from cases.basis import CONTENT, KEPT, case_of, content_of, plan_basis, require_unchanged
 from cases.schema import Case
 from identification.limits.limit import PLANNABLE_WITHOUT, LimitKind, LimitReport, Status
 from identification.model.model import identification_model
@@ -20,8 +21,16 @@ from identification.motion.motion import Array, Joined, Motion, Standstill, Traj
 from identification.texts import aligned, carries_rods, legible, limit_lines, parameter_words, std_text, use_text
 from planner.families.family import Settings
 from planner.plans.figures import PoseWorth, Worth, bound_by
-from planner.plans.folder import SCHEMA_VERSION, fingerprint_of, load_plan, motion_entries
-from planner.request import PoseRequest, Request
+from planner.plans.folder import (
+    LONGEST_OF_POSES,
+    SCHEMA_VERSION,
+    Entries,
+    fingerprint_of,
+    motion_entries,
+    motion_of_entries,
+    refusing,
+)
+from planner.request import LONGEST, PoseRequest, Request
 
 SAMPLE_RATE = 1000.0  # [1/s] of motion.csv
 MOST_USED = 0.9  # share of a limit from which it is shown
@@ -140,8 +149,50 @@ class Plan:
     @classmethod
     @checks
     def load(cls, folder: Path | str, case: Case | None = None, stale: bool = False) -> "Plan":
-        """The plan of a folder; see `planner.plans.folder.load_plan`."""
-        return load_plan(cls, Path(folder), case, stale)
+        """The plan of a folder.
+
+        Args:
+            case: replaces the case that the plan names, which may have been moved.
+            stale: whether to read it although its case has changed.
+
+        Raises:
+            FileProblem: the folder has no plan, it is damaged or changed by hand, or its case has changed since.
+            CaseError: its case does not exist any more or is not valid.
+        """
+        file = Path(folder) / "plan.json"
+        data = read_json(file, "hexcite plan")
+        if data.get("schema_version") != SCHEMA_VERSION:
+            raise FileProblem(
+                file, f"schema_version is {data.get('schema_version')!r}, not {SCHEMA_VERSION}", "plan again"
+            )
+        with refusing(file):
+            entries = Entries.model_validate(data)
+            motion = motion_of_entries(data)
+        of_poses = entries.family == PoseRequest.name
+        if not 0.0 < motion.duration <= (LONGEST_OF_POSES if of_poses else LONGEST):
+            raise FileProblem(file, f"a motion of {motion.duration:g} s is not an excitation", "plan again")
+        own = case_of(file, data, "plan again") if case is None else case
+        count = len(own.need_motion("a plan")[0])
+        with refusing(file):
+            if motion.at([0.0]).pose.shape[1] != count:
+                raise HexciteError(f"its motion does not have the {count} coordinates of case {own.name}")
+        now = plan_basis(own, entries.payload, of_poses)
+        remarks = require_unchanged(file, data, now, own, stale, "plan again")
+        with refusing(file):
+            request = PoseRequest.of_json(data) if of_poses else Request.of_json(data)
+            worth = TypeAdapter[PoseWorth | Worth](PoseWorth if of_poses else Worth).validate_python(data)
+            limits = LimitReport.of_json(data["limits"])
+            names = [p.name for p in physical_form(identification_model(own, request.model)).parameters]
+            if list(entries.predicted_std) != names or not limits.checks:
+                raise KeyError("predicted_std" if limits.checks else "limits")
+            plan = cls(
+                own, request, motion, limits, entries.predicted_std, entries.assumed_noise_N,
+                entries.assumed_rate_Hz, worth, entries.settings, entries.solve_s, entries.interrupted,
+                Path(folder), fingerprint_of(file.read_bytes()), remarks,
+            )  # fmt: skip
+        if entries.content != content_of(data):
+            raise FileProblem(file, "was changed by hand", "plan again")
+        return plan
 
     def to_json(self) -> dict[str, Any]:
         """What `plan.json` holds."""

@@ -16,6 +16,7 @@ from identification.motion.moves import StraightMove, fastest_profile, limits_al
 from planner.bounds.bound import information_limit
 from planner.families.family import Settings
 from planner.families.fourier import of_lower_order
+from planner.families.ptp import PointToPointFamily
 from planner.families.settings import Fourier, PointToPoint
 from planner.noise import mean_information
 from planner.plans.figures import Worth, figures_of
@@ -233,7 +234,8 @@ def notes(planned: PlannedMotion, smooth: tuple[float, float] | None = None) -> 
             words.append(
                 f"with limited jerk the same moves take {smooth[0]:.3g} s, at a D-efficiency of {smooth[1]:.3f}"
             )
-    counts = {walks.moves for start in planned.starts if (walks := start.family.walks) is not None}
+    families = (start.family for start in planned.starts)
+    counts = {family.moves for family in families if isinstance(family, PointToPointFamily)}
     if len(counts) > 1 and "moves" in settings:
         words.append(f"{settings['moves']} moves are the best of {', '.join(map(str, sorted(counts)))}")
     tried = {(s["order"], s["period_s"]) for s in (start.family.settings for start in planned.starts) if "order" in s}

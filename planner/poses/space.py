@@ -12,9 +12,10 @@ from scipy.spatial.transform import Rotation
 from cases.schema import Case
 from identification.limits.limit import TOLERANCE, LimitKind, LimitReport, Quantity
 from identification.limits.proof import everything, prove_at, shares_at
+from identification.machines.casadi_batch import over_samples
 from identification.machines.hexapod import Hexapod
-from identification.machines.symbolic import over_samples, rotation, rpy
-from identification.model.model import machine_of
+from identification.machines.of_case import machine_of
+from identification.machines.rotations import rotation, rpy
 from identification.motion.motion import Array, Motion, StandingPoses
 from planner.search.problem import standing_limits
 

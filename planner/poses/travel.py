@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cases.base.errors import InfeasiblePlan
 from cases.schema import Case
 from identification.limits.proof import MARGIN, slowed_for_forces
-from identification.model.model import machine_of
+from identification.machines.of_case import machine_of
 from identification.motion.motion import Array
 from identification.motion.moves import Profile, StraightMove, fastest_profile
 from planner.poses.space import valid_poses

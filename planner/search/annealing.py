@@ -17,7 +17,7 @@ import numpy as np
 
 from cases.base.units import Array, Flags, Indices
 from cases.schema import Case
-from identification.machines.symbolic import over_samples
+from identification.machines.casadi_batch import over_samples
 from identification.model.model import Model
 from planner.families.ptp import PointToPointFamily, state_of_move
 from planner.search.problem import near_limits

@@ -8,7 +8,8 @@ from cases.schema import Case
 from identification.estimation.criteria import box_middle, information, singular_values, uniform_states
 from identification.limits.limit import TOLERANCE, LimitCheck, LimitKind, LimitReport
 from identification.limits.proof import prove
-from identification.model.model import Model, machine_of
+from identification.machines.of_case import machine_of
+from identification.model.model import Model
 from identification.motion.motion import Standstill
 from planner.families.family import Family
 

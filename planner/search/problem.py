@@ -13,7 +13,8 @@ from cases.schema import Case
 from identification.estimation.criteria import box_middle
 from identification.limits.limit import LimitKind
 from identification.limits.sensor_loads import SHARE
-from identification.model.model import Model, identification_model, machine_of
+from identification.machines.of_case import machine_of
+from identification.model.model import Model, identification_model
 from identification.model.parameters import nominal_parameters
 from identification.motion.motion import Trajectory
 from planner.families.family import Family

@@ -16,6 +16,7 @@ from cases.schema import Case
 from identification.estimation.criteria import CRITERIA, Criterion, reference_scaling, singular_values
 from identification.model.model import identification_model
 from planner.families.family import Family
+from planner.families.ptp import PointToPointFamily
 from planner.noise import PoseErrors, expected_noise, information_of, seen_through
 from planner.request import Solver
 from planner.search.annealing import TEMPERATURES, annealed_start
@@ -69,7 +70,7 @@ class Task:
     @property
     def moves(self) -> bool:
         """Whether the start is an annealed walk, which is refined at once."""
-        return self.family.walks is not None
+        return isinstance(self.family, PointToPointFamily)
 
     @property
     def most_calls(self) -> int:
@@ -181,13 +182,13 @@ class _Run:
 
     def begin(self) -> Array:
         """Unknowns at which the solver begins."""
-        task, draw, walks = self.task, np.random.default_rng(self.task.seed), self.family.walks
+        task, family, draw = self.task, self.family, np.random.default_rng(self.task.seed)
         if task.begin is not None:
             self.program = self.program.with_rows_above(task.begin, NEAR)
             return task.begin
-        if walks is None:
-            return self.family.start(draw, self.program.worst)
-        return annealed_start(task.case, self.model, self.scaling, walks, draw, self.stops)
+        if isinstance(family, PointToPointFamily):
+            return annealed_start(task.case, self.model, self.scaling, family, draw, self.stops)
+        return family.start(draw, self.program.worst)
 
     def solve_for(self, letter: Criterion, halvings: int, unknowns: Array, iterations: int) -> Array:
         """Solves a stage: its problem is that of all that follows until the next."""

@@ -7,8 +7,8 @@ import numpy as np
 
 from cases.base.errors import HexciteError
 from identification.machines.executed import Execution
+from identification.machines.of_case import machine_of
 from identification.machines.path_timing import keeps_pace, retime
-from identification.model.model import machine_of
 from identification.motion.motion import Array, Joined, Standstill, TimedPoints, Trajectory
 from identification.motion.moves import Profile, UntimedMotion, ruckig_profile
 from postprocessors.controllers.executed_run import ExecutedRun

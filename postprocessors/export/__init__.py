@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from cases import door
+from cases.base.doors import door
 
 if TYPE_CHECKING:
     from postprocessors.export.targets import export as export

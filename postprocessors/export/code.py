@@ -10,13 +10,13 @@ from typing import NamedTuple
 
 import casadi as ca
 
-from cases.schema import Case
 from cases.base.units import DEG
+from cases.schema import Case
 from identification.machines.hexapod import Hexapod
+from identification.machines.rotations import rotation, twist, twist_rate
+from identification.machines.serial_chain import SerialChain
 from identification.model.model import Model
 from identification.results.result import Result
-from identification.machines.serial_chain import SerialChain
-from identification.machines.rotations import rotation, twist, twist_rate
 from postprocessors.export.calibration import number, rendered
 
 RING = 256  # cycles in the memory of the signal chain: 40 ms of delay and as much window at 4 kHz

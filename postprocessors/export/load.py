@@ -8,8 +8,8 @@ import numpy as np
 from cases.base.errors import CaseError, IdentificationError
 from cases.base.units import DEG, MM, Array
 from cases.schema import Case
+from identification.model.blocks import INERTIA
 from identification.model.model import Model
-from identification.model.parameters import INERTIA
 from identification.results.result import Result
 
 FrameName = Literal["sensor", "flange"]

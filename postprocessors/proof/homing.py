@@ -6,7 +6,6 @@ other limits are bounds.
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,9 +17,6 @@ from identification.motion.motion import Joined, Standstill, Trajectory
 from identification.motion.moves import CircularMove, StraightMove, limits_along
 from postprocessors.proof.guarantees import Guarantees
 from postprocessors.reading import STILL, Reading, Stretch, Timed, Untimed
-
-if TYPE_CHECKING:
-    from postprocessors.program import Program
 
 
 def predicted(part: Untimed, guarantees: Guarantees) -> StraightMove | CircularMove | None:
@@ -64,15 +60,15 @@ def motions(reading: Reading, guarantees: Guarantees) -> Iterator[tuple[Stretch,
             pose = motion.at([motion.duration]).pose[0]
 
 
-def planned_excitation(read: "Program") -> Trajectory:
+def planned_excitation(reading: Reading, guarantees: Guarantees) -> Trajectory:
     """The programmed motion while the trigger is on; raises HexciteError where nothing moves then."""
-    excited = [motion for part, motion in motions(read.reading, read.guarantees) if part.trigger]
+    excited = [motion for part, motion in motions(reading, guarantees) if part.trigger]
     while excited and isinstance(excited[0], Standstill):  # pauses between moves count
         excited.pop(0)
     while excited and isinstance(excited[-1], Standstill):
         excited.pop()
     if not excited:
-        raise HexciteError(read.path, "nothing moves with the trigger on", "write it with hexcite post")
+        raise HexciteError(reading.file, "nothing moves with the trigger on", "write it with hexcite post")
     return excited[0] if len(excited) == 1 else Joined(tuple(excited))
 
 

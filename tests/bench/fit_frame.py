@@ -18,8 +18,8 @@ sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests
 from cases.machine import Ring
 from cases.schema import Case, load_case
 from identification.estimation.criteria import pose_regressors
+from identification.model.blocks import OFFSETS
 from identification.model.model import identification_model
-from identification.model.parameters import OFFSETS
 from planner.poses.planned_poses import grid_candidates
 from tests.bench.table_5 import PUBLISHED, group_deviations
 

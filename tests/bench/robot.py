@@ -16,7 +16,7 @@ from hexcite._run import execute
 from hexcite._write import write
 from identification.estimation.criteria import reference_scaling
 from identification.identify import identify
-from identification.machines.symbolic import over_samples
+from identification.machines.casadi_batch import over_samples
 from identification.model.model import identification_model
 from identification.simulate import truth_rows
 from planner.bounds.bound import information_limit

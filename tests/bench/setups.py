@@ -22,9 +22,10 @@ import hexcite as hx
 from cases.schema import Case, load_case
 from cases.sensors import SensorFrame, Transducer, together
 from hexcite.cli.console import print_table
-from identification.machines.symbolic import over_samples
+from identification.machines.casadi_batch import over_samples
+from identification.model.blocks import RIGID
 from identification.model.model import identification_model
-from identification.model.parameters import RIGID, body_parameters, physical_form
+from identification.model.parameters import body_parameters, physical_form
 from identification.motion.motion import sample
 
 Array = NDArray[np.float64]

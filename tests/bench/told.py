@@ -16,10 +16,10 @@ from scipy.spatial.transform import Rotation
 
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is not an installed package
 
+from cases.base.units import DEG, MM
 from cases.schema import Case
-from cases.units import DEG, MM
 from identification.identify import estimate_parameters
-from identification.recording import Recording
+from identification.recording.recording import Recording
 from tests.damaged.runs import STATED, Machine, Moves, machine, recorded
 from tests.machines_in_numpy import plant_of
 

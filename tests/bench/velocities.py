@@ -9,7 +9,8 @@ import numpy as np
 
 from cases.schema import load_case
 from identification.machines.hexapod import Hexapod
-from identification.model.model import identification_model, machine_of, regressors
+from identification.machines.of_case import machine_of
+from identification.model.model import identification_model, regressors
 from identification.model.parameters import linear_parameters
 from identification.signals import Filter, decimated
 from tests.helpers import Harmonic

@@ -23,7 +23,7 @@ import sys, time
 from pathlib import Path
 from cases.schema import load_case
 from identification.identify import estimate_parameters
-from identification.recording import read
+from identification.recording.recording import read
 case = load_case("hexapod")
 recording = read(Path(sys.argv[1]), case)
 times = []

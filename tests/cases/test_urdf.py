@@ -15,8 +15,8 @@ from cases.scaffold import new_arm, readiness
 from cases.schema import load_case
 from cases.sensors import RigidBody
 from cases.urdf import Arm, read_urdf
-from identification.machines.serial_chain import SerialChain
 from identification.machines.casadi_batch import over_samples
+from identification.machines.serial_chain import SerialChain
 from tests.helpers import examples, one_line
 from tests.robots import MIMIC, panda, ur10, urdf
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import hexcite as hx
-from cases import door
+from cases.base.doors import door
 from cases.schema import Case
 
 RECORDING = hx.Recording("run.csv", None, None, None, np.zeros((3, 6)), None)

@@ -1,4 +1,4 @@
-"""The wheel holds the four packages with their data and nothing else, and works outside the checkout."""
+"""The wheel holds the five packages with their data and nothing else, and works outside the checkout."""
 
 import json
 import os
@@ -12,12 +12,13 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("cases", "identification", "planner", "postprocessors")
+PACKAGES = ("hexcite", "cases", "identification", "planner", "postprocessors")
 DATA = (
     "cases/hexapod/case.toml",
     "cases/hexapod/validation.toml",
     "cases/ft_wrist/case.toml",
     "cases/py.typed",
+    "hexcite/py.typed",
     "planner/py.typed",
     "hexcite/reports/templates/page.html",
     "hexcite/reports/templates/page.css",
@@ -71,10 +72,10 @@ def run(*command: str | Path, cwd: Path) -> str:
     return done.stdout
 
 
-def test_nothing_but_the_four_packages_and_their_door_ships(names: set[str]):
+def test_nothing_but_the_packages_ships(names: set[str]):
     tops = {name.split("/")[0] for name in names}
-    assert {t for t in tops if not t.endswith(".dist-info")} == {*PACKAGES, "hexcite.py"}
-    (about,) = tops - {*PACKAGES, "hexcite.py"}
+    assert {t for t in tops if not t.endswith(".dist-info")} == set(PACKAGES)
+    (about,) = tops - set(PACKAGES)
     assert about.startswith("hexcite-")
     tests = {n for n in names if any(part.startswith("test") for part in n.lower().split("/"))}
     assert [n for n in names if n.endswith((".png", ".pyc", ".so")) or n in tests] == []
@@ -90,7 +91,7 @@ def test_every_module_and_all_data_ship(names: set[str]):
 def test_a_new_environment_takes_the_code_from_the_wheel_and_not_from_the_checkout(python: Path, tmp_path: Path):
     code = f"import {', '.join(PACKAGES)}; print(*({', '.join(f'{p}.__file__' for p in PACKAGES)},), sep='\\n')"
     files = run(python, "-c", code, cwd=tmp_path).splitlines()
-    assert len(files) == 4
+    assert len(files) == len(PACKAGES)
     for file in files:
         assert Path(file).is_relative_to(python.parents[1]), file
 

@@ -6,9 +6,9 @@ import pytest
 from cases.schema import Case
 from hexcite._run import executed_peaks
 from identification.limits.proof import prove
+from identification.machines.casadi_batch import over_samples
 from identification.machines.executed import Execution, coordinate_rates
 from identification.machines.hexapod import Hexapod
-from identification.machines.symbolic import over_samples
 from identification.motion.motion import Joined, Standstill
 from identification.motion.moves import StraightMove
 from tests.simulated_machine import PoseExecution, kinematics_of_coordinates

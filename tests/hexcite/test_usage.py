@@ -22,7 +22,7 @@ HEAVY = ("casadi", "scipy", "matplotlib", "plotly", "pyarrow", "numpy", "jinja2"
 WATCH = f"""
 import sys
 sys.argv = ["hexcite", *sys.argv[1:]]
-from planner.cli import main
+from hexcite.cli import main
 try:
     main()
 except SystemExit as stop:
@@ -49,7 +49,8 @@ def test_a_check_of_moves_imports_what_proves_them_and_no_more(tmp_path: Path):
 
 def test_a_plan_loads_neither_identification_nor_most_of_scipy():
     """They take longer to import than a plan of few moves takes."""
-    code = "import planner._plan, sys; print([m for m in ('scipy.linalg', 'identification.results.estimate') if m in sys.modules])"
+    late = ("scipy.linalg", "identification.results.estimate")
+    code = f"import planner._plan, sys; print([m for m in {late} if m in sys.modules])"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
     assert run.stdout == "[]\n", run.stderr
 

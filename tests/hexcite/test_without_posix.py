@@ -27,7 +27,7 @@ import os, signal, sys
 if __name__ == "__main__":
     sys.modules["fcntl"] = sys.modules["resource"] = None
     del signal.pthread_sigmask, os.fork
-    from planner.cli import main
+    from hexcite.cli import main
 
     for words in COMMANDS:
         sys.argv = ["hexcite", *words]

@@ -9,9 +9,9 @@ import hexcite as hx
 from cases.acceptance import Acceptance, Reference
 from cases.tolerances import Tolerances
 from identification.estimation.fit import Value
-from identification.outcome import Result
-from identification.payloads import common_of
-from identification.verdicts import en, of_reference
+from identification.results.payload import common_of
+from identification.results.result import Result
+from identification.results.verdicts import en, of_reference
 from tests.damaged.runs import SOUND, STATED, Moves, machine, recorded
 
 

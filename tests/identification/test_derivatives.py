@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from cases.schema import load_case
+from identification.machines.casadi_batch import over_samples
 from identification.machines.hexapod import Hexapod
-from identification.machines.symbolic import over_samples, rotation
+from identification.machines.rotations import rotation
 from identification.model.model import identification_model
 from identification.model.parameters import physical_form
 from identification.motion.motion import Joined, Motion, TimedPoints

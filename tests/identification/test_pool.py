@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import hexcite as hx
-from cases.errors import FileProblem, HexciteError
+from cases.base.errors import FileProblem, HexciteError
 from cases.tolerances import Tolerances
 from identification.estimation.estimators import Method
-from identification.outcome import Result
-from identification.pooling import larger_of
+from identification.results.pooling import larger_of
+from identification.results.result import Result
 from tests.damaged.runs import SOUND, STATED, Moves, machine, recorded
 from tests.helpers import tells
 

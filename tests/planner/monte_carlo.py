@@ -7,7 +7,7 @@ import numpy as np
 from cases.schema import Case
 from cases.sensors import RigidBody
 from identification.estimation.criteria import reference_scaling
-from identification.machines.symbolic import over_samples
+from identification.machines.casadi_batch import over_samples
 from identification.model.model import identification_model
 from identification.model.parameters import physical_form
 from identification.motion.motion import Trajectory

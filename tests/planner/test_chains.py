@@ -17,8 +17,8 @@ from hexcite.reports.plan import plan_page
 from identification.identify import identify
 from identification.limits.chain import chain_frames, sensor_motion
 from identification.limits.proof import prove
+from identification.machines.casadi_batch import over_samples
 from identification.machines.serial_chain import SerialChain
-from identification.machines.symbolic import over_samples
 from identification.model.model import identification_model
 from identification.model.parameters import linear_parameters
 from identification.motion.motion import Motion, StandingPoses

@@ -8,9 +8,9 @@ import pytest
 
 import hexcite as hx
 from cases.tables import built_in_cases
-from identification.result import entries_of_parameters, physical_values
+from identification.results.estimate import entries_of_parameters, physical_values
 from tests.damaged.runs import SOUND, STATED, Moves, machine, recorded
-from tests.planner.command_line import call
+from tests.hexcite.command_line import call
 
 
 @pytest.fixture(scope="module")

@@ -13,15 +13,15 @@ OF_ONE_KIND = "configuration.py"  # the kinematics of a case, with which LinuxCN
 @pytest.mark.parametrize(
     "place",
     [
-        "planner/families", "planner/search", "planner/bounds", "planner/retiming.py", "identification/motion",
-        "identification/limits/proof.py", "postprocessors/proof", "postprocessors/dialects", "postprocessors/controllers",
-        "postprocessors",
+        "planner/families", "planner/search", "planner/bounds", "planner/retiming.py", "planner/controller_limits.py",
+        "identification/motion", "identification/machines/path_timing.py", "identification/machines/executed.py",
+        "identification/limits/proof.py", "postprocessors/proof", "postprocessors/dialects",
+        "postprocessors/controllers", "postprocessors",
     ],
 )  # fmt: skip
 def test_no_module_asks_which_kind_of_machine_a_case_has(place: str):
-    files = [HOME / place] if place.endswith(".py") else sorted((HOME / place).glob("*.py"))
-    if place == "postprocessors/controllers":
-        files += sorted((HOME / place / "linuxcnc").glob("*.py"))
+    deep = place in ("postprocessors/controllers", "postprocessors/dialects")
+    files = [HOME / place] if place.endswith(".py") else sorted((HOME / place).glob("**/*.py" if deep else "*.py"))
     assert files
     for file in files:
         if file.name == OF_ONE_KIND:

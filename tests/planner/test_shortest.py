@@ -7,15 +7,15 @@ from typing import Any
 
 import pytest
 
-from cases.errors import HexciteError, InfeasiblePlan, Interrupted
+from cases.base.errors import HexciteError, InfeasiblePlan, Interrupted
 from cases.schema import load_case
 from planner.families.settings import Fourier, Manual
-from planner.planning import make, require_plannable
-from planner.plans import Plan
+from planner.plans.making import make, require_plannable
+from planner.plans.plan import Plan
 from planner.request import Request
 from planner.search.parallel import run_here, silent
 from planner.shortest import CLOSE, shortest
-from tests.planner.command_line import call
+from tests.hexcite.command_line import call
 
 CASE = load_case("hexapod")
 SERIES = Fourier(order=2)

@@ -27,7 +27,8 @@ from identification.findings.causes.instants import instants_of
 from identification.findings.causes.remedies import keys_to_write
 from identification.findings.causes.search import MODERATE, NEAR, Search, Tried, search
 from identification.machines.hexapod import Hexapod
-from identification.model.model import Model, identification_model, machine_of
+from identification.machines.of_case import machine_of
+from identification.model.model import Model, identification_model
 from identification.recording.recording import Recording
 from identification.samples.sample_checks import scan
 

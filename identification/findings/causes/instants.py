@@ -7,8 +7,9 @@ from scipy.interpolate import CubicSpline
 
 from cases.base.units import Array, Flags, Indices
 from cases.schema import Case
-from identification.machines.symbolic import Machine
-from identification.model.model import Model, machine_of
+from identification.machines.machine import Machine
+from identification.machines.of_case import machine_of
+from identification.model.model import Model
 from identification.recording.recording import Recording
 from identification.samples.moving_window import spoilt_by
 from identification.samples.sample_checks import bridged

@@ -16,7 +16,7 @@ from identification.estimation.fit import column_scale
 from identification.findings.causes.hypothesis import AS_RECORDED, Family, Hypothesis
 from identification.findings.causes.instants import Instants
 from identification.findings.causes.trials import regressors_of
-from identification.model.parameters import FIRST_MOMENT, INERTIA, MASS
+from identification.model.blocks import FIRST_MOMENT, INERTIA, MASS
 from identification.recording.recording import Recording
 
 FEWEST = 20  # instants on either side of a leap

@@ -27,9 +27,9 @@ from identification.findings.causes.hypothesis import (
     pace_of,
 )
 from identification.findings.causes.instants import Instants
+from identification.machines.casadi_batch import over_samples
 from identification.machines.hexapod import kinematics_of_hexapods
 from identification.machines.serial_chain import SerialChain
-from identification.machines.symbolic import over_samples
 from identification.model.model import identification_model
 
 AT_ONCE = 24_000  # samples whose regressors are in memory

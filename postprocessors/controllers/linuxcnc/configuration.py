@@ -116,7 +116,7 @@ def ini_text(case: Case, headroom: float, box: bool = True) -> str:
 
     Limits of the path as a whole are the diagonals of those of the axes, so that they never bind before an axis does.
     """
-    from identification.model.model import machine_of  # CasADi, which writers and readers do not need
+    from identification.machines.of_case import machine_of  # CasADi, which writers and readers do not need
 
     (start, limits), layout = case.need_motion(PURPOSE), AxisLayout.of(case)
     home = start / layout.units

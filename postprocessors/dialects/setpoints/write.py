@@ -78,7 +78,7 @@ def write_setpoints(program: Blocks, case: Case) -> bytes:
     values = [v / np.where(limits.turns, DEG, MM) for v in motion]
     words = [f"joints: from the base, {', '.join(limits.labels)}; angles not wrapped"]
     if limits.of_pose:
-        from identification.model.model import machine_of  # CasADi, which other dialects do not need
+        from identification.machines.of_case import machine_of  # CasADi, which other dialects do not need
 
         machine = machine_of(case)
         values += [v / MM for v in (machine.drives(motion[0]), *machine.further_drives(case, *motion)[0])]

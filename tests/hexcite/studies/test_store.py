@@ -40,7 +40,7 @@ WRITER = """
 import os, signal, sys
 from pathlib import Path
 import pyarrow.parquet as pq
-from planner.study.cell_rows import file_of, keep
+from hexcite.studies.cell_rows import file_of, keep
 folder = Path(sys.argv[1])
 for k in range(5):
     keep(file_of(folder, str(k)), [{"cell": str(k), "noise_seed": -1, "score": 1.0}])

@@ -17,7 +17,7 @@ from identification.finding import Finding
 from identification.findings.as_planned import as_planned, closest
 from identification.identify import identify
 from identification.machines.executed import Execution
-from identification.model.model import machine_of
+from identification.machines.of_case import machine_of
 from identification.motion.motion import Joined, Motion, Slowed, Standstill, Trajectory
 from identification.motion.moves import StraightMove, limits_along, ruckig_profile
 from identification.recording.recording import Recording

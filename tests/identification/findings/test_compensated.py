@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from cases.base.errors import IdentificationError
 from identification.identify import estimate_parameters
-from identification.model.model import machine_of
+from identification.machines.of_case import machine_of
 from identification.recording.recording import Recording
 from tests.chains import ROBOT, standing_forces, swing, swung_forces
 from tests.helpers import few

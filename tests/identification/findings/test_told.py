@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from cases.base.units import DEG
 from cases.schema import Case
 from cases.tolerances import Tolerances
-from cases.units import DEG
 from identification.findings.off_case import edited, sizes_named
 from identification.identify import estimate_parameters
-from identification.recording import Recording
-from identification.result import Estimate
+from identification.recording.recording import Recording
+from identification.results.estimate import Estimate
 from tests.damaged.runs import STATED, Machine, Moves, machine, recorded
 from tests.helpers import tells
 

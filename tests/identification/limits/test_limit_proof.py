@@ -11,8 +11,8 @@ from cases.machine import MotionLimits, turned
 from cases.schema import Case, load_case
 from identification.limits.limit import LimitKind, LimitReport
 from identification.limits.proof import prove
+from identification.machines.casadi_batch import over_samples
 from identification.machines.hexapod import Hexapod
-from identification.machines.symbolic import over_samples
 from identification.motion.motion import Motion, Standstill, TimedPoints, Trajectory, sample
 from identification.motion.moves import StraightMove
 from tests.helpers import HOME, Harmonic

@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 from cases.chain import Chain
 from cases.machine import Frame, KeepOut, Tool
 from identification.limits.chain import body_clearances, chain_frames
+from identification.machines.casadi_batch import over_samples
 from identification.machines.serial_chain import SerialChain
-from identification.machines.symbolic import over_samples
 from identification.motion.motion import Motion
 from tests.chains import ROBOT
 from tests.robots import odd

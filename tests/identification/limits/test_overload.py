@@ -10,7 +10,7 @@ from cases.schema import Case
 from cases.sensors import RigidBody, together
 from identification.limits.proof import prove
 from identification.limits.sensor_loads import Loads
-from identification.machines.symbolic import over_samples
+from identification.machines.casadi_batch import over_samples
 from identification.model.model import identification_model
 from identification.model.parameters import body_parameters
 from identification.motion.motion import Standstill, rotation_motion

@@ -7,7 +7,7 @@ from cases.schema import Case, load_case
 from identification.limits.limit import LimitKind
 from identification.limits.proof import of_mechanics, prove, prove_at
 from identification.limits.sensor_loads import SHARE, Loads
-from identification.machines.symbolic import over_samples
+from identification.machines.casadi_batch import over_samples
 from identification.model.model import identification_model
 from identification.model.parameters import nominal_parameters
 from identification.motion.motion import Motion, Standstill

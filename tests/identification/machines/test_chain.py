@@ -10,10 +10,11 @@ from cases.chain import Chain
 from cases.schema import load_case
 from cases.sensors import RigidBody
 from identification.limits.chain import chain_frames, joint_efforts
+from identification.machines.casadi_batch import over_samples
 from identification.machines.serial_chain import SerialChain
-from identification.machines.symbolic import over_samples
+from identification.model.blocks import MODELS
 from identification.model.model import WRENCH_OFFSETS, Model
-from identification.model.parameters import MODELS, body_parameters
+from identification.model.parameters import body_parameters
 from identification.motion.motion import Motion
 from tests.helpers import taylor_slope
 from tests.plant import Plant

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from cases.schema import load_case
+from identification.machines.casadi_batch import over_samples
 from identification.machines.hexapod import Hexapod
-from identification.machines.symbolic import over_samples
 from tests.helpers import HOME, Harmonic
 from tests.simulated_machine import kinematics_of_coordinates
 

@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from cases.schema import load_case
+from identification.machines.casadi_batch import CHUNK, PART, over_samples
 from identification.machines.hexapod import Hexapod
-from identification.machines.symbolic import CHUNK, PART, gibbs, over_samples, rate_matrix, rotation, rpy
+from identification.machines.rotations import gibbs, rate_matrix, rotation, rpy
 from identification.model.model import identification_model
 
 X, Y = ca.SX.sym("x", 3), ca.SX.sym("y", 2)

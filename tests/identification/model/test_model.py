@@ -8,8 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from cases.base.errors import IdentificationError
 from cases.schema import Case, load_case
+from identification.model.blocks import MODELS
 from identification.model.model import identification_model
-from identification.model.parameters import MODELS
 from tests.helpers import one_line, paper_poses
 from tests.identification.point_masses import PointMasses, wrench_of_bars
 

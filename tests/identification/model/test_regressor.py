@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from cases.schema import load_case
-from identification.machines.symbolic import over_samples
+from identification.machines.casadi_batch import over_samples
 from identification.model.model import identification_model, regressors
 from identification.motion.motion import Standstill, Trajectory
 from tests.helpers import HOME, Harmonic

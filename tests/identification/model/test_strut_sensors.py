@@ -6,8 +6,8 @@ import pytest
 
 from cases.schema import load_case
 from identification.machines.hexapod import Hexapod
-from identification.machines.symbolic import rotation, twist, twist_rate
-from identification.model.parameters import FIRST_MOMENT, INERTIA, MASS, State
+from identification.machines.rotations import rotation, twist, twist_rate
+from identification.model.blocks import FIRST_MOMENT, INERTIA, MASS, State
 from identification.model.strut_sensors import moving_struts, structure, strut_blocks
 
 CASE = load_case("hexapod")

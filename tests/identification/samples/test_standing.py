@@ -10,7 +10,7 @@ from cases.schema import load_case
 from identification.estimation.estimators import Method
 from identification.identify import estimate_parameters, identify
 from identification.machines.hexapod import Hexapod
-from identification.model.parameters import INERTIA
+from identification.model.blocks import INERTIA
 from identification.motion.motion import Joined, Standstill, Trajectory
 from identification.motion.moves import StraightMove
 from identification.recording.recording import Recording

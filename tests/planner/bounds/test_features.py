@@ -5,9 +5,9 @@ import pytest
 
 from cases.schema import load_case
 from identification.estimation.criteria import reference_scaling
-from identification.machines.symbolic import over_samples
+from identification.machines.casadi_batch import over_samples
+from identification.model.blocks import MODELS
 from identification.model.model import identification_model
-from identification.model.parameters import MODELS
 from planner.bounds.certificate import NODES, control_tables, enclosure_errors, rate_products
 from planner.bounds.features import GIBBS, PAIRS, PRODUCTS, Features, box_features
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from cases.schema import load_case
 from identification.estimation.criteria import reference_scaling, uniform_states
 from identification.limits.proof import prove
-from identification.machines.symbolic import over_samples
+from identification.machines.casadi_batch import over_samples
 from identification.model.model import identification_model
 from planner.bounds.bound import GAP, Bound, compute_bound
 from planner.bounds.certificate import box_bounds, first_cells

@@ -9,7 +9,8 @@ from identification.limits.proof import prove
 from identification.model.model import identification_model
 from identification.motion.motion import sample
 from identification.motion.moves import StraightMove
-from planner.families.ptp import PointToPointFamily, controlled
+from planner.controller_limits import controlled
+from planner.families.ptp import PointToPointFamily
 from planner.families.rows import StateRows
 from planner.noise import mean_information
 from planner.search.feasibility import MARGIN, keep_limits

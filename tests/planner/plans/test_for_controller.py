@@ -17,7 +17,7 @@ from identification.limits.limit import Status
 from identification.limits.proof import prove
 from identification.motion.motion import Joined
 from identification.motion.moves import StraightMove, has_steps
-from planner.families.ptp import controlled, with_steps
+from planner.controller_limits import controlled, with_steps
 from planner.families.settings import PointToPoint, Spline
 from planner.plans.folder import motion_entries, motion_of_entries
 from planner.plans.plan import Plan

@@ -9,7 +9,7 @@ import pytest
 from cases.schema import Case
 from identification.estimation.criteria import box_middle, reference_scaling
 from identification.limits.proof import prove
-from identification.machines.symbolic import over_samples
+from identification.machines.casadi_batch import over_samples
 from identification.model.model import identification_model
 from identification.motion.curves import FourierMotion
 from planner.families.fourier import DENSITY, FourierFamily

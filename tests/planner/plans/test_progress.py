@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 
 import hexcite as hx
 from cases.schema import Case
-from planner.plans import progress
 from hexcite.cli import console
 from planner.families.settings import Fourier, PointToPoint
+from planner.plans import progress
 from planner.plans.progress import Follower, Standing, expected_best
 from planner.request import Request
-from planner.search.record import Failed, SolverStatus, StartRecord
 from planner.search.parallel import Planned, UnderWay
+from planner.search.record import Failed, SolverStatus, StartRecord
 from planner.search.solving import Start
 
 pytestmark = pytest.mark.usefixtures("cache")

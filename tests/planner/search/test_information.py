@@ -7,7 +7,7 @@ import pytest
 
 from cases.schema import Case
 from identification.estimation.criteria import box_middle, uniform_states
-from identification.machines.symbolic import over_samples
+from identification.machines.casadi_batch import over_samples
 from identification.model.model import Model, identification_model
 from planner.families.fourier import FourierFamily
 from planner.noise import mean_information

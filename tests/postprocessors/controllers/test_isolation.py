@@ -109,8 +109,8 @@ import signal, sys, tempfile
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's job in the background inherits that it is ignored
 from pathlib import Path
 from cases.schema import load_case
-from postprocessors.execute.linuxcnc import isolation
-from tests.postprocessors.execute.runs import run_text
+from postprocessors.controllers.linuxcnc import isolation
+from tests.postprocessors.controllers.runs import run_text
 program, isolation.MARK, tempfile.tempdir, spaces = sys.argv[1:]
 if spaces == "none":
     isolation.namespaces_allowed = lambda: False

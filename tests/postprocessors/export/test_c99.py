@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from cases.schema import Case, load_case
 from identification.machines.hexapod import Hexapod
-from identification.machines.symbolic import Kinematics
+from identification.machines.machine import Kinematics
 from identification.model.model import expected_forces
 from identification.motion.motion import Standstill
 from identification.results.force import tare

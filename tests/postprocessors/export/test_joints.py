@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from cases.schema import Case, load_case
-from identification.model import full_model, identification_model
-from identification.outcome import Result
-from identification.parameters import linear_parameters
+from identification.model.model import full_model, identification_model
+from identification.model.parameters import linear_parameters
+from identification.results.result import Result
 from postprocessors.export.code import python_module, structured_text
 from tests.chains import chain_case
 from tests.machines_in_numpy import ChainPlant

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from cases.base.errors import CaseError, RecordingError
 from cases.recording_format import BAR_FORCES, STRUTS
 from cases.schema import Case, load_case
+from identification.identify import identify
 from identification.recording.formats.joining import on_one_axis
 from identification.recording.formats.table import Stream
-from identification.identify import identify
 from identification.recording.recording import read
 from tests.helpers import examples, one_line
 from tests.identification.recording.formats.loaded_hexapod import CENTRE, MASS, run

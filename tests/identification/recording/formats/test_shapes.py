@@ -8,9 +8,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cases.base.errors import RecordingError
+from identification.looks import look
 from identification.recording.formats.content import Content, blocks_of, lines_of, section_of
 from identification.recording.formats.text import squeezed
-from identification.looks import look
 from identification.recording.recording import Recording, read
 from tests.helpers import examples, one_line
 from tests.identification.recording.formats.runs import HEXAPOD, NAMES, Truth, case_with, csv, rows, written

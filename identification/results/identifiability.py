@@ -14,8 +14,8 @@ from cases.base.errors import IdentificationError
 from cases.base.units import Array, as_html
 from cases.schema import Case
 from identification.estimation.fit import column_scale, triangle
+from identification.model.blocks import MODELS
 from identification.model.model import Model, identification_model
-from identification.model.parameters import MODELS
 from identification.texts import aligned
 
 NEARLY = 0.95  # magnitude of a correlation from which two columns are said to be nearly alike

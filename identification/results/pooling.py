@@ -14,19 +14,19 @@ import numpy as np
 from scipy.linalg import block_diag
 from scipy.special import chdtrc
 
-from cases import checks
-from cases.errors import FileProblem, HexciteError
-from cases.files import provenance
+from cases.base.doors import checks
+from cases.base.errors import FileProblem, HexciteError
+from cases.base.files import provenance
+from cases.base.units import Array
 from cases.tolerances import KINDS
-from cases.units import Array
 from identification.estimation.fit import Value
 from identification.finding import Finding, Kind, note, warning
 from identification.findings.tolerances import MEMORY, NOISE
-from identification.model import Model
-from identification.outcome import Result
-from identification.parameters import physical_form
-from identification.precision import parameter_words
-from identification.result import entries_of_parameters, physical_values, rows_of
+from identification.model.model import Model
+from identification.model.parameters import physical_form
+from identification.results.estimate import entries_of_parameters, physical_values, rows_of
+from identification.results.result import Result
+from identification.texts import parameter_words
 
 UNLIKELY = 0.01  # chance of a scatter by noise, below which deviations grow by it
 FIXED = 1e-13  # of the largest variance in units of the deviations: a combination that is given, not estimated

@@ -5,14 +5,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cases import checks
 from cases.acceptance import Acceptance, LargestDeviations, Reference
-from cases.errors import HexciteError
+from cases.base.doors import checks
+from cases.base.errors import HexciteError
+from cases.base.units import MM, as_html
 from cases.schema import Case
-from cases.units import MM, as_html
 from identification.estimation.fit import Value
-from identification.outcome import Result
-from identification.precision import aligned, parameter_words
+from identification.results.result import Result
+from identification.texts import aligned, parameter_words
 
 # kinds of `LargestDeviations`: whether a parameter is one, the unit of the key in SI, and its name
 _KINDS: Mapping[str, tuple[Callable[[str, str], bool], float, str]] = {

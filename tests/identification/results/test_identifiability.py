@@ -7,9 +7,9 @@ import hexcite as hx
 from cases.base.errors import HexciteError
 from cases.base.units import DEG
 from cases.schema import load_case
-from identification.estimation.identifiability import Identifiability, analysed, models_of, of_models
 from identification.machines.hexapod import Hexapod
 from identification.model.model import identification_model
+from identification.results.identifiability import Identifiability, analysed, models_of, of_models
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, one_line, paper_poses
 from tests.simulated_machine import PoseExecution
