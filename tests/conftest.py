@@ -11,11 +11,14 @@ from hypothesis import Phase, settings
 
 from cases.schema import Case, load_case
 from postprocessors.controllers.linuxcnc.session import linuxcnc_missing
+from tests.helpers import EXAMPLES
 
 # A failure is told at once; `--hypothesis-profile bench` takes its time to make it small.
 AT_ONCE = (Phase.explicit, Phase.reuse, Phase.generate)
 SEEDS = 1
-settings.register_profile("full", derandomize=True, deadline=None, max_examples=20, print_blob=True, phases=AT_ONCE)
+settings.register_profile(
+    "full", derandomize=True, deadline=None, max_examples=EXAMPLES, print_blob=True, phases=AT_ONCE
+)
 settings.register_profile("check", settings.get_profile("full"), max_examples=6)
 settings.register_profile("bench", deadline=None, max_examples=5000, print_blob=True)
 settings.load_profile("check")

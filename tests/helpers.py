@@ -23,6 +23,7 @@ from identification.motion.moves import StraightMove
 Array = NDArray[np.float64]
 Answer = TypeVar("Answer")
 
+EXAMPLES = 20  # of properties that state no number, with the profile `full`
 HOME = np.array([0.0, 0.0, 0.9, 0.0, 0.0, 0.0])
 
 
@@ -116,8 +117,7 @@ def few(*values: object, kept: int = 1) -> list[object]:
 
 def examples(number: int) -> int:
     """How many examples a property is tried with: `number` with the profile `full`, fewer in `make test`."""
-    share = settings.default.max_examples / settings.get_profile("full").max_examples
-    return max(2, math.ceil(number * share))
+    return max(2, math.ceil(number * settings.default.max_examples / EXAMPLES))
 
 
 def pose_shares(case: Case, poses: Array) -> dict[str, Array]:
