@@ -27,7 +27,8 @@ from planner.controller_limits import steps_of
 from planner.families.settings import FamilySettings, Fourier, Manual, PointToPoint
 from planner.plans.plan import Plan
 from planner.request import Solver, require_seed, require_starts
-from postprocessors.program import Dialect, Program, dialect
+from postprocessors.dialects.dialect import Dialect
+from postprocessors.program import Program, dialect
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,8 @@ from planner.controller_limits import steps_of
 from planner.plans.folder import DIGITS
 from planner.plans.plan import Plan
 from planner.request import Request
-from postprocessors.program import DIALECTS, MOST_PROGRAM, Dialect, Program, dialect_of_file, read_program
+from postprocessors.dialects.dialect import Dialect
+from postprocessors.program import DIALECTS, MOST_PROGRAM, Program, dialect_of_file, read_program
 from postprocessors.program import dialect as dialect_named
 from postprocessors.reading import Reading
 from postprocessors.writing import proven_program

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -15,105 +15,21 @@ from cases.controller import ControllerName
 from cases.schema import Case
 from identification.limits.limit import PLANNABLE_WITHOUT, LimitKind
 from identification.texts import limit_lines
-from postprocessors.blocks import Blocks
-from postprocessors.dialects.joint_trajectory.read import read_joint_trajectory
-from postprocessors.dialects.joint_trajectory.write import require_same_trajectory, write_joint_trajectory
-from postprocessors.dialects.linuxcnc.read import read_linuxcnc
-from postprocessors.dialects.linuxcnc.write import prepare_linuxcnc, write_linuxcnc
-from postprocessors.dialects.setpoints.read import read_setpoints
-from postprocessors.dialects.setpoints.write import require_same_table, write_setpoints
-from postprocessors.dialects.sinumerik.read import read_sinumerik
-from postprocessors.dialects.sinumerik.write import prepare_sinumerik, write_sinumerik
-from postprocessors.dialects.twincat.read import read_twincat
-from postprocessors.dialects.twincat.write import write_twincat
-from postprocessors.dialects.urscript.read import read_urscript
-from postprocessors.dialects.urscript.write import write_urscript
-from postprocessors.proof.guarantees import (
-    Guarantees,
-    joint_trajectory_guarantees,
-    linuxcnc_guarantees,
-    setpoint_guarantees,
-    sinumerik_guarantees,
-    twincat_guarantees,
-    urscript_guarantees,
-)
+from postprocessors.dialects.dialect import Dialect
+from postprocessors.dialects.joint_trajectory.dialect import JOINT_TRAJECTORY
+from postprocessors.dialects.linuxcnc.dialect import LINUXCNC
+from postprocessors.dialects.setpoints.dialect import SETPOINTS
+from postprocessors.dialects.sinumerik.dialect import SINUMERIK
+from postprocessors.dialects.twincat.dialect import TWINCAT
+from postprocessors.dialects.urscript.dialect import URSCRIPT
+from postprocessors.proof.guarantees import Guarantees
 from postprocessors.proof.proof import ProgramProof, prove_program
 from postprocessors.reading import Reading
 
-
-def _as_it_is(program: Blocks, case: Case) -> Blocks:
-    return program
-
-
-@dataclass(frozen=True, slots=True)
-class Dialect:
-    """A controller's language, and the functions that write and read it."""
-
-    name: ControllerName  # name on the command line
-    suffixes: tuple[str, ...]  # suffixes of its files, in lower case, the usual one first
-    # program and case -> content of the file; raises CaseError where the case lacks what it needs, HexciteError for a
-    # block that it cannot express
-    write: Callable[[Blocks, Case], bytes]
-    # content, name for messages, case -> its reading; shares no code with `write`; raises ProgramError with line at
-    # anything that it does not understand, CaseError as `write`
-    read: Callable[[bytes, str, Case], Reading]
-    # guarantees of the controller when it runs a program that was read
-    guarantees: Callable[[Reading, Case], Guarantees]
-    # raises ProgramError where a reading is not the program; None where blocks read back one by one
-    same: Callable[[Blocks, Reading, Case], None] | None = None
-    # program and case -> the program in the blocks that this dialect is set up to use
-    prepare: Callable[[Blocks, Case], Blocks] = _as_it_is
-    # first motion of the machine, for the program's header
-    start: str = "the program stops unless the machine stands at home"
-
-    @property
-    def suffix(self) -> str:
-        """The usual suffix."""
-        return self.suffixes[0]
-
-
-# In the order in which they are taken where none is named, if the case has their settings.
 DIALECTS: dict[str, Dialect] = {
-    d.name: d
-    for d in (
-        Dialect(
-            ControllerName.LINUXCNC,
-            (".ngc",),
-            write_linuxcnc,
-            read_linuxcnc,
-            linuxcnc_guarantees,
-            prepare=prepare_linuxcnc,
-        ),
-        Dialect(
-            ControllerName.SINUMERIK,
-            (".mpf",),
-            write_sinumerik,
-            read_sinumerik,
-            sinumerik_guarantees,
-            prepare=prepare_sinumerik,
-        ),
-        Dialect(ControllerName.TWINCAT, (".nc", ".cnc"), write_twincat, read_twincat, twincat_guarantees),
-        Dialect(ControllerName.URSCRIPT, (".script",), write_urscript, read_urscript, urscript_guarantees),
-        Dialect(
-            ControllerName.SETPOINTS,
-            (".csv",),
-            write_setpoints,
-            read_setpoints,
-            setpoint_guarantees,
-            require_same_table,
-            start="the machine must stand at home when the table starts",
-        ),
-        Dialect(
-            ControllerName.ROS2,
-            (".yaml", ".yml"),
-            write_joint_trajectory,
-            read_joint_trajectory,
-            joint_trajectory_guarantees,
-            require_same_trajectory,
-            start="the machine must stand at home when the trajectory starts",
-        ),
-    )
+    d.name: d for d in (LINUXCNC, SINUMERIK, TWINCAT, URSCRIPT, SETPOINTS, JOINT_TRAJECTORY)
 }
+"""In the order in which they are taken where none is named, if the case has their settings."""
 
 
 def dialect(name: str) -> Dialect:

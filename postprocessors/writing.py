@@ -16,7 +16,8 @@ from identification.motion.moves import CircularMove, StraightMove
 from identification.texts import bounds_text
 from postprocessors.blocks import Block, Blocks, TimedPath, ToHome, Trigger, timed_path
 from postprocessors.dialects.block_writer import LEAST_WAY
-from postprocessors.program import Dialect, Program, leaving_out, left_out
+from postprocessors.dialects.dialect import Dialect
+from postprocessors.program import Program, leaving_out, left_out
 from postprocessors.proof.guarantees import Guarantees
 from postprocessors.proof.proof import ProgramProof, override_remarks, prove_program, remarks
 from postprocessors.reading import Reading, Stretch, Timed, Untimed

@@ -7,17 +7,13 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from cases.base.units import MS
 from cases.chain import Box
-from cases.controller import LinuxCnc, Setpoints, Sinumerik, SinumerikAxes, TwinCatAxes
 from cases.schema import Case
 from identification.limits.limit import TOLERANCE, Limit, LimitCheck, LimitKind, OwnMove, Status
 from identification.limits.proof import limited_machine
 from identification.limits.sensor_loads import Loads
-from identification.motion.curves import PolynomialMotion
 from identification.motion.motion import Array
 from identification.motion.moves import Profile, fastest_profile
-from postprocessors.reading import Reading, Timed
 
 Law = Callable[[float, float, float], Profile]
 """Time law of a controller in a straight way from rest to rest.
@@ -155,109 +151,11 @@ class Guarantees:
         return replace(answer, of=answer.of._replace(move=move))
 
 
-SHORTEST_POINTS = 1e-3  # least distance of points of a joint trajectory [s]: rounding of closer ones would add jerks
 LONGEST_POINTS = 0.25  # largest distance of points of a path [s]: the curve between them may leave the assumed one
-_SEVEN_SEGMENTS: Law = partial(fastest_profile, 1.0)
+SEVEN_SEGMENTS: Law = partial(fastest_profile, 1.0)
+"""The law of a controller that limits the jerk."""
 
 
-def _trapezoid(velocity: float, acceleration: float, jerk: float, headroom: float = 1.0) -> Profile:
+def trapezoid(velocity: float, acceleration: float, jerk: float, headroom: float = 1.0) -> Profile:
+    """The law of a controller that has no limit of jerk."""
     return fastest_profile(1.0, velocity, headroom * acceleration)
-
-
-ACROSS_LINUXCNC = math.sqrt(0.75)  # of the acceleration limit, in an arc; along it what is left (measured on 2.9)
-SERVO_PERIOD = 1e-3  # cycle of LinuxCNC's motion controller [s]: its usual one, and the rate of the recordings
-
-
-def acceleration_headroom(case: Case, timed: bool) -> float:
-    """Acceleration limits that LinuxCNC gets for a program with timed paths or without, as a multiple of the case's."""
-    return case.need_settings(LinuxCnc, "running a program on LinuxCNC").acceleration_headroom if timed else 1.0
-
-
-def linuxcnc_guarantees(reading: Reading, case: Case) -> Guarantees:
-    """Guarantees of LinuxCNC, which has no jerk limit; a timed block is a trapezoid to it, not the assumed curve.
-
-    Its law in moves from rest to rest is that of programs that were run on LinuxCNC 2.9: their accelerations, and those
-    of struts, were at their limits and not above.
-    """
-    return guarantees_of_linuxcnc(case, any(isinstance(part, Timed) for part in reading.stretches))
-
-
-def guarantees_of_linuxcnc(case: Case, timed: bool) -> Guarantees:
-    """The same of a program with timed paths or without."""
-    headroom = acceleration_headroom(case, timed)
-    enforced = {LimitKind.VELOCITY, LimitKind.ACCELERATION} if headroom <= 1.0 else {LimitKind.VELOCITY}
-    return Guarantees(
-        case,
-        controller="LinuxCNC",
-        shortest_block=SERVO_PERIOD,
-        longest_block=LONGEST_POINTS,
-        enforced=frozenset(enforced),
-        law=partial(_trapezoid, headroom=headroom),
-        known_law=headroom <= 1.0,
-        jerk_time=SERVO_PERIOD,
-        even_blocks=True,
-        rounds=False,
-        headroom=headroom,
-        arc_across=ACROSS_LINUXCNC,
-        arc_along=None,
-        override_remedy="write M50 P0 before the first move, or end the knob at 100 % (MAX_FEED_OVERRIDE = 1)",
-    )
-
-
-def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
-    """Guarantees of SINUMERIK: SOFT limits jerk; the control times blocks by its law and must enforce other limits."""
-    settings = case.need_settings(SinumerikAxes, "a SINUMERIK program")
-    polynomial = any(isinstance(s, Timed) and isinstance(s.points, PolynomialMotion) for s in reading.stretches)
-    return Guarantees(
-        case,
-        controller="SINUMERIK",
-        shortest_block=settings.shortest_block_ms * MS,
-        longest_block=math.inf if polynomial else LONGEST_POINTS,
-        enforced=frozenset(map(LimitKind, settings.controller_keeps)),
-        law=_SEVEN_SEGMENTS,
-        resolution=1e-3,  # the usual number of increments of a millimetre and a degree (MD10200, MD10210)
-        timing_remedy=f"make such blocks longer (controller.{'sinumerik.poly_' if polynomial else ''}block_ms)",
-        override_remedy="keep it at 100 % at most, or end the knob there (MD12030)",
-        tolerance=np.repeat(settings.poly_tolerance, 3) if isinstance(settings, Sinumerik) else np.zeros(1),
-    )
-
-
-def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
-    """Guarantees of TwinCAT, which chooses the curve between the points of a path; `#SLOPE` decides on the jerk."""
-    settings = case.need_settings(TwinCatAxes, "a TwinCAT program")
-    smooth = settings.slope == "TRAPEZ"
-    return Guarantees(
-        case,
-        controller="TwinCAT",
-        shortest_block=settings.shortest_block_ms * MS,
-        longest_block=LONGEST_POINTS,
-        enforced=frozenset(map(LimitKind, settings.controller_keeps)),
-        law=_SEVEN_SEGMENTS if smooth else _trapezoid,
-        jerk_time=0.0 if smooth else settings.shortest_block_ms * MS,
-        override_remedy="keep it at 100 % at most, or end it there in the PLC",
-    )
-
-
-def urscript_guarantees(reading: Reading, case: Case) -> Guarantees:
-    """Guarantees of a robot: the text states speed and acceleration of each trapezoid; only its jerk is not proven."""
-    cycle = case.need_controller("a URScript program").cycle
-    return Guarantees(case, "the robot", 0.0, 0.0, _trapezoid, jerk_time=cycle)
-
-
-def joint_trajectory_guarantees(reading: Reading, case: Case) -> Guarantees:
-    """Guarantees for quintic pieces through stated positions, rates and accelerations: all proven, nothing enforced."""
-    name = "joint_trajectory_controller"
-    remedy = "leave out points that are closer to the one before"
-    return Guarantees(
-        case, name, SHORTEST_POINTS, math.inf, _SEVEN_SEGMENTS, follows_paths=True, resolution=0.0, timing_remedy=remedy
-    )
-
-
-def setpoint_guarantees(reading: Reading, case: Case) -> Guarantees:
-    """Guarantees for a table, which states its time exactly: all limits are proven from the rows."""
-    settings = case.need_settings(Setpoints, "a setpoint table")
-    enforced, cycle = frozenset(map(LimitKind, settings.controller_keeps)), settings.cycle
-    return Guarantees(
-        case, "setpoint generator", cycle, cycle, _SEVEN_SEGMENTS, enforced, jerk_time=cycle, follows_paths=True,
-        resolution=0.0, timing_remedy="write a row for each cycle (controller.setpoints.cycle_ms)",
-    )  # fmt: skip

@@ -9,7 +9,7 @@ from hexcite._run import exceeded
 from identification.limits.limit import LimitKind
 from planner.plans.plan import Plan
 from postprocessors.dialects.setpoints.write import write_setpoints
-from postprocessors.proof.guarantees import twincat_guarantees
+from postprocessors.dialects.twincat.promises import twincat_guarantees
 from postprocessors.reading import Reading
 from tests.helpers import tells
 from tests.hexcite.command_line import call, refused

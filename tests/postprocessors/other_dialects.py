@@ -10,7 +10,8 @@ from cases.schema import Case, load_case
 from identification.motion.curves import PolynomialMotion
 from identification.motion.motion import Standstill
 from postprocessors.blocks import Block, Blocks, TimedPath, ToHome, Trigger, timed_path
-from postprocessors.program import Dialect, dialect
+from postprocessors.dialects.dialect import Dialect
+from postprocessors.program import dialect
 from postprocessors.proof.guarantees import Guarantees
 from postprocessors.proof.homing import predicted
 from postprocessors.proof.proof import ProgramProof, prove_program

@@ -13,8 +13,8 @@ from identification.motion.moves import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.blocks import Blocks, TimedPath, ToHome, Trigger, timed_path
 from postprocessors.dialects.linuxcnc import read as linuxcnc
+from postprocessors.dialects.linuxcnc.promises import linuxcnc_guarantees
 from postprocessors.dialects.linuxcnc.write import with_moving_blocks, write_linuxcnc
-from postprocessors.proof.guarantees import linuxcnc_guarantees
 from postprocessors.proof.proof import ProgramProof, prove_program
 from postprocessors.reading import Reading, Stretch
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from cases.base.errors import ProgramError
 from postprocessors.controllers.virtual import run_virtual
-from postprocessors.proof.guarantees import linuxcnc_guarantees
+from postprocessors.dialects.linuxcnc.promises import linuxcnc_guarantees
 from postprocessors.proof.proof import prove_program
 from tests.bench.reliability.programs import edited, originals
 from tests.helpers import examples, one_line

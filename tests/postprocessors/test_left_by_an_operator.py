@@ -10,9 +10,9 @@ import pytest
 from cases.base.errors import ProgramError
 from cases.schema import Case
 from hexcite._run import carried_out
+from postprocessors.dialects.linuxcnc.promises import linuxcnc_guarantees
 from postprocessors.dialects.linuxcnc.write import write_linuxcnc
 from postprocessors.program import read_program
-from postprocessors.proof.guarantees import linuxcnc_guarantees
 from postprocessors.proof.proof import prove_program
 from tests.postprocessors.edited import moves as written_moves
 from tests.postprocessors.edited import proof

@@ -12,8 +12,8 @@ from cases.schema import Case, load_case
 from identification.motion.curves import PolynomialMotion
 from identification.motion.motion import Joined, Trajectory
 from identification.motion.moves import CircularMove, Plane, StraightMove, fastest_circle
+from postprocessors.dialects.linuxcnc.promises import linuxcnc_guarantees
 from postprocessors.program import dialect
-from postprocessors.proof.guarantees import linuxcnc_guarantees
 from postprocessors.proof.homing import predicted
 from postprocessors.reading import Timed, Untimed
 from postprocessors.writing import excitation_program, proven_program

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from cases.base.units import DEG, MM
 from cases.schema import Case
 from identification.motion.motion import Array
-from postprocessors.proof.guarantees import SERVO_PERIOD
+from postprocessors.dialects.linuxcnc.promises import SERVO_PERIOD
 
 if TYPE_CHECKING:
     from jinja2 import Environment

@@ -19,7 +19,7 @@ from postprocessors.controllers.executed_run import ControllerLog
 from postprocessors.controllers.linuxcnc import configuration, timing
 from postprocessors.controllers.linuxcnc.configuration import AxisLayout
 from postprocessors.controllers.linuxcnc.isolation import OUTPUT_FILE, SYSTEM_PATH, preload_works, run_session
-from postprocessors.proof.guarantees import SERVO_PERIOD, acceleration_headroom
+from postprocessors.dialects.linuxcnc.promises import SERVO_PERIOD, acceleration_headroom
 from postprocessors.reading import Still, Timed
 
 if TYPE_CHECKING:

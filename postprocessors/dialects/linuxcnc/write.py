@@ -14,7 +14,7 @@ from identification.motion.curves import PolynomialMotion
 from identification.motion.motion import Array, Slowed
 from postprocessors.blocks import Blocks, TimedPath, ToHome, timed_path
 from postprocessors.dialects.block_writer import HOME_WITHIN, BlockWriter, comment_lines
-from postprocessors.proof.guarantees import SERVO_PERIOD, guarantees_of_linuxcnc
+from postprocessors.dialects.linuxcnc.promises import SERVO_PERIOD, guarantees_of_linuxcnc
 from postprocessors.reading import axis_letters
 
 _PLAIN = str.maketrans("();", "[],")

@@ -22,7 +22,7 @@ from postprocessors.blocks import (
     traced,
 )
 from postprocessors.dialects.block_writer import FEED_DECIMALS, HOME_WITHIN, BlockWriter, number
-from postprocessors.proof.guarantees import sinumerik_guarantees
+from postprocessors.dialects.sinumerik.promises import sinumerik_guarantees
 from postprocessors.reading import Reading, axis_letters
 
 MM_A_DEGREE = 180.0 / np.pi  # [mm] radius at which a degree is a way of 1 mm: FGREF

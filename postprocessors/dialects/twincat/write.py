@@ -12,7 +12,7 @@ from cases.schema import Case
 from identification.motion.motion import Array
 from postprocessors.blocks import Blocks, TimedPath
 from postprocessors.dialects.block_writer import HOME_WITHIN, BlockWriter, number
-from postprocessors.proof.guarantees import twincat_guarantees
+from postprocessors.dialects.twincat.promises import twincat_guarantees
 from postprocessors.reading import Reading, axis_letters
 
 TIME_DECIMALS = 9  # decimals of a second

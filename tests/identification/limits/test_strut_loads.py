@@ -15,7 +15,7 @@ from planner.families.ptp import PointToPointFamily
 from planner.families.states import state_size
 from planner.search.problem import near_limits, state_limits
 from planner.search.solving import Task, run_start
-from postprocessors.proof.guarantees import linuxcnc_guarantees
+from postprocessors.dialects.linuxcnc.promises import linuxcnc_guarantees
 from postprocessors.reading import Reading
 from tests.helpers import HOME, Harmonic
 

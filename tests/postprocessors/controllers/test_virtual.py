@@ -13,7 +13,7 @@ from identification.motion.motion import Trajectory, sample
 from identification.simulate import simulate_recording
 from postprocessors.controllers.executed_run import ExecutedRun, windows
 from postprocessors.controllers.virtual import REST, commanded, run_virtual
-from postprocessors.proof.guarantees import linuxcnc_guarantees
+from postprocessors.dialects.linuxcnc.promises import linuxcnc_guarantees
 from postprocessors.reading import Timed
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.independent import strut_lengths

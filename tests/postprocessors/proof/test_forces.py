@@ -6,7 +6,7 @@ from cases.schema import load_case
 from identification.limits.limit import LimitCheck, Status
 from identification.limits.sensor_loads import SHARE, Loads
 from identification.motion.motion import Motion, rotation_motion
-from postprocessors.proof.guarantees import linuxcnc_guarantees
+from postprocessors.dialects.linuxcnc.promises import linuxcnc_guarantees
 from postprocessors.reading import Reading
 from tests.postprocessors.changed_case import changed
 
