@@ -108,7 +108,7 @@ class Program:
     _repr_html_ = as_html
 
 
-_LEAVES_OUT = re.compile(rb"^[;#(\- ]*leaves out as planned: ([a-z]+(?:, [a-z]+)*)", re.MULTILINE)
+_LEAVES_OUT = re.compile(rb"^[;#(\- ]*(?:note: )?leaves out as planned: ([a-z]+(?:, [a-z]+)*)", re.MULTILINE)
 
 
 def leaving_out(families: Collection[str]) -> tuple[str, ...]:

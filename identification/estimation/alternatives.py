@@ -62,6 +62,7 @@ class Effect(NamedTuple):
     explained: Array  # what it explains of the residuals, weighted, shape (n, 6)
     share: float  # share of the residuals' weighted squares that it explains
     bias: Array  # covariance of the parameters by effects of that size, shape (v, v)
+    supported: Array  # combinations of columns whose effect is larger than noise by itself, shape (k, s)
 
 
 class Sizes(NamedTuple):
@@ -122,7 +123,11 @@ class Remainder(NamedTuple):
         return cls(basis, clean, half, rest, root, places, coloured, floor, freedom)
 
     def beside(self, columns: Array) -> "Remainder":
-        """What is left where effects of columns, shape (n, 6, k), are estimated too."""
+        """What is left where effects of columns, shape (n, 6, k), are estimated too.
+
+        Of an effect with many columns these should be what it supports (`Effect.supported`): parameters answer to
+        directions that a run hardly shows as if they were of any size.
+        """
         left, inside = self.without_fit(self.root @ columns)
         norms = np.sqrt(np.maximum(np.sum(left**2, axis=(0, 1)), np.finfo(float).tiny))
         values, vectors = np.linalg.eigh(np.tensordot(left / norms, left / norms, ((0, 1), (0, 1))))
@@ -264,6 +269,10 @@ def _effect_of(found: _Scores, rest: Remainder, most: float) -> Effect | None:
         return None
     excess = max(float(found.scores @ found.scores - np.trace(noise.covariance)), 0.0)
     answer = rest.half @ found.inside  # how parameters answer to a unit of each
+    size = excess / found.strength  # tau^2, of scaled columns
+    # of orthogonal directions, whose effects have the variances tau^2 / |back|^2, those where noise is less
+    large = size > np.diag(noise.covariance) * np.sum(found.back**2, axis=0)
+    large[np.argmax(found.scores**2)] = True
     return Effect(
         found.alternative,
         statistic,
@@ -275,7 +284,8 @@ def _effect_of(found: _Scores, rest: Remainder, most: float) -> Effect | None:
         _best_column(found),
         explained,
         found.share,
-        excess / found.strength * answer @ answer.T,  # tau^2, of scaled columns
+        size * answer @ answer.T,
+        found.scale[:, None] * found.back[:, large],
     )
 
 

@@ -99,7 +99,9 @@ def systematic_of(
             break
         explained = np.sqrt(np.mean((effects[0].explained @ back) ** 2, axis=0))
         seen.append(Seen(effects[0], tuple(effects[1:]), explained))
-        rest = rest.beside(effects[0].alternative.columns)
+        taken = effects[0].alternative
+        rest = rest.beside(taken.columns @ effects[0].supported)
+        alternatives = [alternative for alternative in alternatives if alternative is not taken]  # counted whole
     bias = basis @ bias @ basis.T
     if drift is not None:  # an offset is that of the whole run, and what it is before and after differs by the drift
         for k, place in enumerate(offset_columns(samples.model)):

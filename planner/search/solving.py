@@ -194,7 +194,9 @@ class _Run:
         """Solves a stage: its problem is that of all that follows until the next."""
         task, self.program = self.task, replace(self.program, letter=letter, halvings=halvings)
         barrier = None if task.begin is None and not task.moves else _NEAR
-        return self.solve(unknowns, iterations, barrier, convex=not task.moves)
+        # near an optimum exact curvature converges where convex one ends early; of few unknowns that finds no more
+        exact = task.moves or (task.refine and self.program.unknowns > FEW)
+        return self.solve(unknowns, iterations, barrier, convex=not exact)
 
     def solve(self, unknowns: Array, iterations: int, barrier: Barrier | None, convex: bool = False) -> Array:
         """Runs the solver once; where the start is to end, its functions are not even built: that takes seconds."""

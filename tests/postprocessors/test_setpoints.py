@@ -129,6 +129,25 @@ def plus(step: float):
     return lambda cell: f"{float(cell) + step:.12f}"
 
 
+def test_a_path_timed_without_jerk_follows_from_itself():
+    """Its accelerations change faster than the case's limits of jerk, here and there within a cycle."""
+    from planner.families.fourier import FourierFamily
+    from planner.retiming import as_fast_as_possible
+
+    slow = FourierFamily(2, 2.0, 1, HOME, np.full(6, 0.05)).motion(np.random.default_rng(0).normal(size=18) / 30)
+    motion, _ = as_fast_as_possible(slow, CASE, "path", "jerk")
+    program = proven_program(motion, CASE, LANGUAGE, "path.csv", (), without=("jerk",))
+    content = program.content
+    assert program.proven is not None
+    assert program.proven.without == ("jerk",)
+    rows = content.decode().split("\n")
+    first = rows.index(",".join(COLUMNS)) + 1
+    cells = rows[first + 500].split(",")
+    cells[COLUMNS.index("y_mm")] = plus(1e-3)(cells[COLUMNS.index("y_mm")])
+    with pytest.raises(ProgramError, match=r"y_mm = .* does not follow"):
+        proof("\n".join([*rows[: first + 500], ",".join(cells), *rows[first + 501 :]]).encode())
+
+
 @pytest.mark.parametrize(
     ("row", "column", "change", "words"),
     [

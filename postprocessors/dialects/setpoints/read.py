@@ -8,6 +8,7 @@ import re
 from itertools import pairwise
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from cases.base.errors import ProgramError
@@ -25,6 +26,7 @@ LARGEST = 1e7  # mm, degrees and their rates: no machine has such numbers
 ROUNDING = np.array([1e-9, 1e-6]) * MM  # tolerance of poses and rates: a thousand times the last decimal of a table
 JERK_ROUNDING = 1e-3  # share of the jerk limit by which rounding in a table may exceed it
 STRUT_ROUNDING = np.array([1e-6, 1e-4, 1e-2]) * MM
+AROUND = 3  # rows to either side by which the jerk between two is judged
 SAME = 1e-9  # [s] and [m, rad]
 
 
@@ -55,9 +57,13 @@ def read_setpoints(content: bytes, file: str, case: Case) -> Reading:
     require(np.abs(p[:1] - home) <= SAME, 1, "is not at home, where the machine must stand when the table starts")
     # No jerk within its limit J and with the mean q J leads from the row before. Rates and poses differ from those of a
     # constant jerk by a weighted mean of the jerk, which is largest where the jerk is J as long as its weight is large,
-    # and -J otherwise. A table whose mean jerk is beyond J follows from itself; the proof judges it.
+    # and -J otherwise. Where a coordinate has mean jerks beyond J, as of plans that leave jerk out, rows follow from
+    # themselves, and the proof judges them: between two rows J is then twice what it is around them.
     mean = (a[1:] - a[:-1]) / cycle
-    most = np.where(np.abs(mean) <= limits.jerk, limits.jerk, 2.0 * np.abs(mean))
+    padded = np.abs(np.pad(mean, ((AROUND, AROUND), (0, 0)), "edge"))
+    around = sliding_window_view(padded, 2 * AROUND + 1, axis=0).max(axis=2)
+    beyond = (np.abs(mean) > limits.jerk).any(axis=0)
+    most = np.where(beyond, np.maximum(limits.jerk, 2.0 * around), limits.jerk)
     q = mean / most
     rates = v[1:] - v[:-1] - cycle * (a[1:] + a[:-1]) / 2
     poses = p[1:] - p[:-1] - cycle * v[:-1] - cycle**2 * (2 * a[:-1] + a[1:]) / 6

@@ -74,3 +74,21 @@ def test_beside_an_effect_nothing_is_left_of_it() -> None:
     both = np.concatenate([A, D], axis=2)
     fit = np.linalg.lstsq(both.reshape(-1, 9), forces.ravel(), rcond=None)[0]
     np.testing.assert_allclose(rest.residuals, forces - both @ fit, atol=1e-9)
+
+
+def test_what_a_run_hardly_shows_of_an_effect_does_not_widen_the_bias_of_the_next() -> None:
+    """Columns that are nearly those of the fit: were they estimated too, parameters would be as good as free."""
+    hidden = A[:, :, :4] + 1e-3 * columns(30, 4)
+    many = Alternative("many", "it", "it", np.concatenate([D, hidden], axis=2))
+    second = columns(31, 1)
+    forces = A @ np.ones(8) + 2.0 * D[:, :, 0] + 0.5 * second[:, :, 0] + 0.1 * noise(7, 0.5)
+    rest = left(forces)
+    first = effects_of([many], rest, 1e-3)[0]
+    joint, supported = (
+        effects_of([Alternative("next", "it", "it", second)], rest.beside(taken), 1e-3)[0].bias
+        for taken in (many.columns, many.columns @ first.supported)
+    )
+    true = np.linalg.lstsq(A.reshape(-1, 8), 0.5 * second.ravel(), rcond=None)[0]
+    widths = np.sqrt(np.trace(supported)), np.sqrt(np.trace(joint))
+    assert 0.5 * np.linalg.norm(true) < widths[0] < 2.0 * np.linalg.norm(true)
+    assert widths[1] > 5.0 * np.linalg.norm(true)
