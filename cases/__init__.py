@@ -11,4 +11,12 @@ if TYPE_CHECKING:
     from cases.schema import Case as Case
     from cases.schema import load_case as load_case
 
-__getattr__, __dir__ = door(__name__)
+PUBLIC = {
+    "HexciteError": "cases.base.errors",
+    "new_arm": "cases.scaffold",
+    "new_case": "cases.scaffold",
+    "Case": "cases.schema",
+    "load_case": "cases.schema",
+}
+"""Public names, and the modules that they are imported from when they are first used."""
+__getattr__, __dir__ = door(__name__, PUBLIC)

@@ -26,4 +26,27 @@ if TYPE_CHECKING:
     from identification.results.verdicts import accept as accept
     from identification.samples.treatment import Treatment as Treatment
 
-__getattr__, __dir__ = door(__name__)
+PUBLIC = {
+    "Method": "identification.estimation.estimators",
+    "Prior": "identification.estimation.priors",
+    "Finding": "identification.finding",
+    "Look": "identification.looks",
+    "look": "identification.looks",
+    "Model": "identification.model.model",
+    "ModelChoice": "identification.model_choice",
+    "identify_models": "identification.model_choice",
+    "Recording": "identification.recording.recording",
+    "read": "identification.recording.recording",
+    "force": "identification.results.force",
+    "tare": "identification.results.force",
+    "verify": "identification.results.force",
+    "Identifiability": "identification.results.identifiability",
+    "payload": "identification.results.payload",
+    "pool": "identification.results.pooling",
+    "Result": "identification.results.result",
+    "Verdict": "identification.results.verdicts",
+    "accept": "identification.results.verdicts",
+    "Treatment": "identification.samples.treatment",
+}
+"""Public names, and the modules that they are imported from when they are first used."""
+__getattr__, __dir__ = door(__name__, PUBLIC)

@@ -15,4 +15,16 @@ if TYPE_CHECKING:
     from planner.plans.plan import Plan as Plan
     from planner.retiming import retime as retime
 
-__getattr__, __dir__ = door(__name__)
+PUBLIC = {
+    "plan": "planner._plan",
+    "plan_poses": "planner._plan",
+    "bound": "planner.bounds.bound",
+    "Fourier": "planner.families.settings",
+    "Manual": "planner.families.settings",
+    "PointToPoint": "planner.families.settings",
+    "Spline": "planner.families.settings",
+    "Plan": "planner.plans.plan",
+    "retime": "planner.retiming",
+}
+"""Public names, and the modules that they are imported from when they are first used."""
+__getattr__, __dir__ = door(__name__, PUBLIC)

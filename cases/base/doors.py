@@ -3,10 +3,8 @@
 Functions there refuse arguments of a wrong type by name, before any work.
 """
 
-import ast
 import inspect
 import re
-import sys
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from functools import wraps
 from importlib import import_module
@@ -17,27 +15,29 @@ from types import FunctionType, UnionType
 from typing import Any, ParamSpec, TypeVar, get_args, get_origin, get_type_hints
 
 
-def door(package: str, checked: bool = False) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
-    """`__getattr__` and `__dir__` of a package: names, each imported when it is first used, keep its door light.
+def door(
+    package: str, public: Mapping[str, str], checked: bool = False
+) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
+    """`__getattr__` and `__dir__` of a package (PEP 562): names, each imported when it is first used.
 
-    The names are those that the package's source re-exports for type checkers, as `from module import name as name`.
+    For type checkers the package imports the same names under `TYPE_CHECKING`.
 
     Args:
+        package: name of the package.
+        public: public names, and the modules that they are imported from.
         checked: whether functions refuse arguments of another type than their annotations state.
     """
-    imports = (n for n in ast.walk(ast.parse(inspect.getsource(sys.modules[package]))) if isinstance(n, ast.ImportFrom))
-    module_of = {alias.asname: node.module for node in imports for alias in node.names if node.module and alias.asname}
     functions: dict[str, object] = {}
 
     def get(name: str) -> object:
-        if name not in module_of:
-            raise AttributeError(f"{package} has no {name}; it has {', '.join(module_of)}")
-        value = getattr(import_module(module_of[name]), name)
+        if name not in public:
+            raise AttributeError(f"{package} has no {name}; it has {', '.join(public)}")
+        value = getattr(import_module(public[name]), name)
         if not checked or not isinstance(value, FunctionType):
             return value
         return functions.setdefault(name, _checked(value, package))
 
-    return get, lambda: list(module_of)
+    return get, lambda: list(public)
 
 
 WIDER: dict[type, tuple[type, ...]] = {

@@ -8,4 +8,9 @@ if TYPE_CHECKING:
     from postprocessors.export.targets import export as export
     from postprocessors.export.targets import preview as preview
 
-__getattr__, __dir__ = door(__name__)
+PUBLIC = {
+    "export": "postprocessors.export.targets",
+    "preview": "postprocessors.export.targets",
+}
+"""Public names, and the modules that they are imported from when they are first used."""
+__getattr__, __dir__ = door(__name__, PUBLIC)
