@@ -197,7 +197,8 @@ def findings_of(told: Told, case: Case) -> list[Finding]:
         )
         if abs(values[k]) > CLEAR * stds[k]:
             clear.append((size, sentence, told.surprises[k]))
-    found = [note(Kind.CASE, "", told=entries)] if entries else []
+    exact = {key: sizes.tolist() for key, sizes in by_key.items()}
+    found = [note(Kind.CASE, "", told=entries, told_sizes=exact)]
     for key in dict.fromkeys(size.key for size, _, _ in clear):
         words = "; ".join(sentence for size, sentence, _ in clear if size.key == key)
         remedy = remedy_of(case, next(size for size, _, _ in clear if size.key == key), {key: by_key[key]})

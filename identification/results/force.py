@@ -16,6 +16,7 @@ from cases.schema import Case
 from identification.finding import Finding, Kind, changed_cases, note, sentences, warning
 from identification.findings.drift import WARM_UP
 from identification.findings.noise_level import channel_words
+from identification.findings.off_case import without
 from identification.model.parameters import offset_columns
 from identification.recording.recording import Recording
 from identification.results.estimate import entries_of_parameters, physical_values
@@ -88,8 +89,8 @@ def force(recording: Recording, result: Result, whole: bool = True) -> ExternalF
         FileProblem: parameters of another case.
         RecordingError, IdentificationError: the recording cannot be evaluated.
     """
-    model, case = result.model, result.case
-    recording = on_one_clock(recording, case)
+    model = result.model
+    recording, case = without(on_one_clock(recording, result.case), result.case, result.sizes)
     findings = unmeasured(recording)
     if recording.t is None or case.setup == "1a":
         still = standstills(recording, case, model)
@@ -158,8 +159,8 @@ def tare(recording: Recording, result: Result) -> Result:
         IdentificationError: the machine moves, or there are fewer than two samples.
         FileProblem: parameters of another case.
     """
-    model, case = result.model, result.case
-    recording = on_one_clock(recording, case)
+    model = result.model
+    recording, case = without(on_one_clock(recording, result.case), result.case, result.sizes)
     count = int(np.sum(~recording.bad))
     if count < 2:
         raise IdentificationError(recording.source, f"{count} sample; a tare needs a standstill of two or more")

@@ -17,6 +17,7 @@ from cases.basis import CONTENT, case_of, content_of, require_unchanged, result_
 from cases.schema import Case
 from identification.estimation.fit import Value
 from identification.finding import Finding, sentences
+from identification.findings.off_case import edited
 from identification.model.model import Model, identification_model
 from identification.results.estimate import SCHEMA_VERSION, Estimate, ResultEntries, of_version_0_2, physical_values
 from identification.signals import Residuals
@@ -96,6 +97,19 @@ class Result:
         return self._quantity("budget") or {}
 
     @property
+    def sizes(self) -> Mapping[str, Array]:
+        """By how much the machine is off its case, as its run tells: by keys of `[tolerances]`, shapes (k,) [SI].
+
+        Empty where the parameters were estimated without them.
+        """
+        return {key: np.array(values, dtype=float) for key, values in (self._quantity("told_sizes") or {}).items()}
+
+    @cached_property
+    def case_as_told(self) -> Case:
+        """The case of the machine off by `sizes`: with it parameters were estimated, and forces are computed."""
+        return edited(self.case, self.sizes)
+
+    @property
     def not_counted(self) -> list[str]:
         """Kinds of tolerances that no deviation counts, for the case states none."""
         return self._quantity("not_counted") or []
@@ -127,7 +141,7 @@ class Result:
             problem = f"parameters of case {name}, not {self.case.name}"
             raise FileProblem(self.source, problem, f"identify them for {self.case.name}")
         try:
-            return identification_model(self.case, self.record.model)
+            return identification_model(self.case_as_told, self.record.model)
         except HexciteError as error:
             raise FileProblem(self.source, error.typed, AGAIN) from error
 

@@ -48,14 +48,14 @@ def json_document(result: Result) -> str:
 
     `calibration.schema.json` beside this file, a JSON Schema, describes each entry.
     """
-    case, model = result.case, result.model
+    case, model, hexapod = result.case, result.model, result.case_as_told.hexapod
     kinematics = None
-    if case.hexapod is not None:
+    if hexapod is not None:
         drives = case.recording.drives
         kinematics = {
-            "base_m": case.hexapod.base.points.tolist(),
-            "platform_m": case.hexapod.platform.points.tolist(),
-            "home": case.hexapod.home.vector.tolist(),
+            "base_m": hexapod.base.points.tolist(),
+            "platform_m": hexapod.platform.points.tolist(),
+            "home": hexapod.home.vector.tolist(),
             "drives": drives and {"drive": drives.order, "sign": drives.sign, "offset_m": drives.offset.tolist()},
         }
     deviations = [np.sqrt(np.maximum(c.diagonal(), 0.0)) for c in (result.covariance, result.covariance_robust)]
@@ -76,7 +76,7 @@ def json_document(result: Result) -> str:
             },
             "warnings": (*result.warnings, *result.remarks),
             "model": model.number,
-            "gravity_m_s2": case.gravity.tolist(),
+            "gravity_m_s2": model.gravity.tolist(),
             "structure": model.structure.tolist() if model.struts is None else None,
             "struts": model.struts and {"at": model.struts.sensors.at},
             "flange": _flange(result),

@@ -283,7 +283,7 @@ def mechanics(hexapod: Hexapod) -> tuple[ca.Function, ...]:
 
 def functions_of(result: Result) -> list[ca.Function]:
     """All functions of a model; those of the mechanics where there is a hexapod or a chain."""
-    case, model = result.case, result.model
+    case, model = result.case_as_told, result.model
     own: tuple[ca.Function, ...] = () if case.hexapod is None else mechanics(Hexapod.of(case))
     if case.chain is not None:
         own = (joint_measurement(model, SerialChain.of(case)),)

@@ -1,6 +1,7 @@
 """Sizes that a case tolerates are estimated where a run tells them, and then parameters are those of the machine."""
 
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,9 +11,11 @@ from cases.base.units import DEG
 from cases.schema import Case
 from cases.tolerances import Tolerances
 from identification.findings.off_case import edited, sizes_named
-from identification.identify import estimate_parameters
+from identification.identify import estimate_parameters, identify
 from identification.recording.recording import Recording
 from identification.results.estimate import Estimate
+from identification.results.force import force
+from identification.results.result import Result
 from tests.damaged.runs import STATED, Machine, Moves, machine, recorded
 from tests.helpers import tells
 
@@ -103,6 +106,16 @@ def test_budgets_of_estimated_sizes_add_up_to_the_deviations() -> None:
             estimate.physical[name].reported, rel=1e-6
         )
     assert estimate.quantities["budget"]["xC"]["alignment"] < estimate.physical["xC"].reported
+
+
+def test_forces_of_a_saved_result_are_those_of_the_machine_as_told(tmp_path: Path) -> None:
+    of, recording = run()
+    identify(recording, tolerating(turned_case(), sensor_deg=1.5)).save(tmp_path / "result")
+    found = Result.load(tmp_path / "result", tolerating(turned_case(), sensor_deg=1.5))
+    off, right = (force(recording, result).residuals for result in (found, identify(recording, of.case)))
+    assert np.sqrt(np.mean(off**2, axis=0)) == pytest.approx(np.sqrt(np.mean(right**2, axis=0)), rel=0.03)
+    assert found.sizes["sensor_deg"] == pytest.approx(TURN * DEG, abs=0.2 * DEG)
+    assert found.case.hash == tolerating(turned_case(), sensor_deg=1.5).hash
 
 
 @pytest.mark.parametrize("name", ["hexapod", "ur10_wrist"])
