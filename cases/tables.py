@@ -216,8 +216,8 @@ def content_of_tables(path: Path) -> dict[str, Any]:
         if isinstance(error, CaseError):
             raise
         line = 1 + max(enumerate(text.splitlines()), key=lambda item: len(item[1]), default=(0, ""))[0]
-        problem = f"cannot be read: a number too long or lists too deep ({error}), probably in line {line}"
-        raise CaseError(path, "", f"{problem}, the longest; correct that line") from error
+        what = "lists are too deep" if isinstance(error, RecursionError) else "a number is too long"
+        raise CaseError(path, "", f"{what}, probably in line {line}, the longest; correct that line") from error
     key, count = _too_deep(data)
     if key:
         raise CaseError(path, key, f"holds more than {DEEPEST} tables or lists inside each other; correct it")
