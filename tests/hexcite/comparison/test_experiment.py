@@ -10,6 +10,7 @@ from tests.helpers import ideal
 from tests.hexcite.comparison.excitations import CASE, disturbed, moving, standing
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(("method", "exact"), [(standing, 1e-8), (moving, 2e-3)])
 def test_an_ideal_machine_meets_theory_and_truth(method, exact: float):
     """Standing exactly, moving as well as the evaluation's filter passes the motion."""

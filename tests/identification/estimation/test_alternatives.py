@@ -32,7 +32,7 @@ def noise(seed: int, memory: float) -> np.ndarray:
     return lfilter([1.0], [1.0, -memory], white, axis=0)[400:]
 
 
-@pytest.mark.first(1)
+@pytest.mark.repeats
 @pytest.mark.parametrize("memory", few(0.9, 0.0))
 def test_chance_is_that_of_noise_with_or_without_memory(memory: float) -> None:
     one = [Alternative("one", "it", "it", D)]

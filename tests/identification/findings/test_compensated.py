@@ -49,6 +49,7 @@ def test_what_was_done_to_the_readings_does_not_pass_unnoticed(change, run: str)
     assert "raw" in said or "compensated" in said
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("run", RUNS)
 @pytest.mark.parametrize("share", [0.3, 1.0, 1.6])
 def test_another_load_is_not_refused(share: float, run: str) -> None:

@@ -89,6 +89,7 @@ def test_a_run_in_contact_for_too_long_is_refused(monkeypatch: pytest.MonkeyPatc
     one_line(caught.value)
 
 
+@pytest.mark.repeats
 @pytest.mark.parametrize(("seed", "start", "duration"), few((0, 0.5, 1.2), (1, 0.3, 0.9), (2, 1.6, 1.2)))
 def test_a_contact_of_up_to_half_the_run_is_warned_of_and_makes_deviations_large(
     seed: int, start: float, duration: float

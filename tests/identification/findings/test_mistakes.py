@@ -217,6 +217,7 @@ def written(folder: Path, recording: Recording, case: Case) -> tuple[Path, Case]
     return file, load_case(str(case.save(folder / "case.toml", overwrite=True)))
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(
     ("of", "name"),
     few(
