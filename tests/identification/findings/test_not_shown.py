@@ -22,6 +22,7 @@ def found(of: Machine, change: Change = SOUND) -> Estimate:
     return estimate_parameters(recorded(of, Waves(of, 2, 5.0), 1, STATED, change), of.case)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(("name", "damage", "size", "words", "in_si"), few(*PREDICTED, kept=2))
 def test_what_is_not_shown_biases_the_parameter_by_as_much_as_is_told(
     name: str, damage: str, size: float, words: str, in_si: float

@@ -53,6 +53,7 @@ NAMED = [
 ]
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(("name", "damage", "size", "before", "behind", "value"), few(*NAMED, kept=3))
 def test_what_residuals_follow_is_named_with_its_size_and_deviations_hold_the_truth(
     name: str, damage: str, size: float, before: str, behind: str, value: float
@@ -64,6 +65,7 @@ def test_what_residuals_follow_is_named_with_its_size_and_deviations_hold_the_tr
     assert worst(estimate, change.truth or of.truth) < 4.5
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(
     ("name", "damage", "size", "words"),
     few(
@@ -96,6 +98,7 @@ KINDS = [(name, damage.name) for name in ("hexapod", "ur10_wrist") for damage in
 FIRST = [("hexapod", "bars' lower angle"), ("ur10_wrist", "hose spring"), ("hexapod", "gain of channel 3")]
 
 
+@pytest.mark.repeats
 @pytest.mark.parametrize(("name", "damage"), few(*FIRST, *(kind for kind in KINDS if kind not in FIRST)))
 def test_worse_damage_never_says_less(name: str, damage: str) -> None:
     of = machine(name)
@@ -113,6 +116,7 @@ SOUNDS = {
 }
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("noise", few(*SOUNDS, kept=2))
 @pytest.mark.parametrize("name", ["hexapod", "ur10_wrist", "five_axis_table"])
 def test_a_sound_run_is_not_accused(name: str, noise: str) -> None:

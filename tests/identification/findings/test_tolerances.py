@@ -103,6 +103,7 @@ CHANGES = [
 ]
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize(("name", "key", "column", "change", "size"), few(*CHANGES, kept=5))
 def test_an_estimate_changes_with_the_case_as_the_budget_says(name, key, column, change, size) -> None:
     of, recording = run(name)

@@ -45,6 +45,7 @@ def test_30_of_480_poses_by_algorithm_1_carry_nearly_all_that_any_30_could(grid:
     assert 0.99 < np.exp((mean - bound) / 14) <= 1.0
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("letter", few(*"DNAK", kept=2))
 def test_refinement_finds_better_poses_that_are_all_valid(sample: Setting, letter: str) -> None:
     start = reduce_best(sample.regressors, POSE_CRITERIA[letter], 10)[0]

@@ -158,7 +158,7 @@ def test_a_case_without_a_machine_cannot_plan_poses(tmp_path: Path) -> None:
     assert "machine: is missing" in refused("poses", "ft_wrist", "-o", tmp_path / "plan")
 
 
-@pytest.mark.first(2)
+@pytest.mark.first(1)
 @pytest.mark.parametrize("method", ["backward", "backward-change"])
 def test_each_method_gives_as_many_poses_as_asked_for(tmp_path: Path, method: str) -> None:
     answer = call("poses", "hexapod", "--count", "12", "--method", method, "-o", tmp_path / "plan", "--json").json()
@@ -167,6 +167,7 @@ def test_each_method_gives_as_many_poses_as_asked_for(tmp_path: Path, method: st
     assert 0.8 < answer["efficiency"] <= 1.0
 
 
+@pytest.mark.repeats
 def test_30_poses_take_at_most_81_s(tmp_path: Path) -> None:
     """The paper's figure, with 0.8 s of settling and 1.0 s of averaging; travel included."""
     answer = call("poses", "hexapod", "--method", "backward", "--criterion", "N", "-o", tmp_path / "n", "--json").json()

@@ -83,6 +83,7 @@ def value(models: dict[int, Estimate | str], number: int, name: str) -> float:
     return estimate.physical[name].value
 
 
+@pytest.mark.repeats
 @pytest.mark.parametrize("number", [0, 1, 2])
 def test_models_without_orientation_terms_bias_mass_and_centre_of_gravity_as_section_5_says(
     models: dict[int, Estimate | str], number: int

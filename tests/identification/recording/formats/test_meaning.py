@@ -279,6 +279,7 @@ def test_the_order_of_columns_does_not_matter(line: Header) -> None:
     }
 
 
+@pytest.mark.first(25)
 @pytest.mark.parametrize("line", HEADERS, ids=lambda line: line.recorder)
 def test_without_a_column_its_group_has_no_meaning_and_is_not_filled_up_from_others(line: Header) -> None:
     case = machine(line.machine)

@@ -101,6 +101,7 @@ def test_a_matrix_that_turns_the_other_way_is_read_where_the_case_says_so(tmp_pa
     np.testing.assert_allclose(read(file, case).rotations, TURNS.as_matrix(), atol=1e-7)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("orientation", ["xyz intrinsic", "zyx intrinsic", "rotation vector", "yxz extrinsic"])
 def test_a_body_on_a_hexapod_is_weighed_in_poses_of_any_convention(orientation: str, tmp_path: Path) -> None:
     order, _, kind = orientation.partition(" ")

@@ -92,6 +92,7 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write(tmp_path_factory.mktemp("run") / "bag", run())
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("stored", StoragePlugin)
 def test_a_bag_of_a_robot_is_identified(stored: StoragePlugin, tmp_path: Path) -> None:
     """Two clocks, stamps up to milliseconds late, lost messages: deviations hold all the same."""
@@ -224,6 +225,7 @@ def test_the_file_in_the_folder_is_the_bag(bag: Path) -> None:
     np.testing.assert_array_equal(read(file, ROBOT).forces, read(bag, ROBOT).forces)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("stored", StoragePlugin)
 def test_a_bag_whose_metadata_is_missing_is_read_from_its_file(stored: StoragePlugin, tmp_path: Path) -> None:
     """A recorder that is stopped hard leaves the messages and no metadata.yaml."""

@@ -52,6 +52,7 @@ def case_of(*tables: dict[str, object]) -> Case:
     return case_with(files=tables)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("by_name", [True, False])
 def test_each_file_is_read_by_its_table_and_clocks_are_joined(by_name: bool, tmp_path: Path) -> None:
     patterns = ({"match": "struts*"}, {"match": "*.csv"}) if by_name else ({}, {})
