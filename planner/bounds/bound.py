@@ -1,13 +1,21 @@
 """The information limit of a case: what no motion inside its limits can exceed; computed once, then read from a cache.
 
+A file of the cache belongs to a case, a model and the code that computes: the files below are hashed, so that bounds of
+another version are never read. `HEXCITE_CACHE=off` in the environment reads and writes none.
+
 It is that of the D-optimal approximate design over the motion box of pose, rates and accelerations, see
 `planner.bounds.design` and its proof in `planner.bounds.certificate`.
 """
 
+import hashlib
+import os
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
+from importlib.metadata import version
 from math import isfinite
+from pathlib import Path
 from time import process_time
 
 import numpy as np
@@ -28,8 +36,12 @@ from planner.search.feasibility import require_identifiable
 PROVEN = "multiplicative and exchange steps; dmax proven by branch and bound over angles and rates, corners of the rest"
 ESTIMATE = "multiplicative and exchange steps; dmax by branch and bound, an estimate: a longer time limit may prove it"
 SEARCHED = "multiplicative and exchange steps; dmax by climbing from many states of the box, an estimate"
-VERSION = 2  # of the method: a new one does not read old cache files
+COMPUTING = (
+    "planner/bounds", "identification/model", "identification/machines", "identification/estimation/criteria.*",
+)  # fmt: skip
+"""Modules on which a bound depends, beside the case, from the folder of the packages."""
 SEARCHED_GAP = 5e-3  # the same where dmax is searched for: half a percent of an efficiency
+SWITCH = "HEXCITE_CACHE"  # variable of the environment
 GAP = 1e-3  # of dmax / u - 1: log det F* is then known to u GAP = 0.02, an efficiency to 0.1 %
 TIME_LIMIT = 120.0  # [s] of processor time, so that answers do not depend on what else a computer does; usual: 1 to 20
 
@@ -75,6 +87,19 @@ class Bound:
         return "certified" if self.certified else "an estimate"
 
 
+@lru_cache(maxsize=1)
+def code_hash() -> str:
+    """Hash of the code that computes a bound: its modules as they lie on the disk, and the libraries that solve."""
+    home, content = Path(__file__).parents[2], hashlib.sha256()
+    for place in COMPUTING:
+        for file in sorted(home.glob(place if place.endswith(".*") else f"{place}/*")):
+            if file.is_file():
+                content.update(file.name.encode() + file.read_bytes())
+    for library in ("casadi", "numpy", "scipy"):
+        content.update(version(library).encode())
+    return content.hexdigest()[:16]
+
+
 def information_limit(
     case: Case,
     model: Model,
@@ -89,7 +114,9 @@ def information_limit(
         time_limit: as in `bound`.
         progress: as in `bound`.
     """
-    name = f"{bound_hash(case)}-model{model.number}-box-equal-v{VERSION}.json"  # equal: W = 1
+    if os.environ.get(SWITCH, "").lower() == "off":
+        return compute_bound(case, model, time_limit, progress)
+    name = f"{bound_hash(case)}-model{model.number}-box-equal-{code_hash()}.json"  # equal: W = 1
     file = user_cache_path("hexcite") / "bounds" / name
     with suppress(OSError, ValidationError):
         known = TypeAdapter(Bound).validate_json(file.read_bytes(), strict=True)

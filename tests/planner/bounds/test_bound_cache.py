@@ -1,6 +1,7 @@
 """The bound is computed once for a case and model, and again wherever the cache cannot be trusted."""
 
 import json
+import shutil
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -10,9 +11,10 @@ from cases.basis import bound_hash
 from cases.schema import Case
 from identification.model.model import identification_model
 from planner.bounds import bound as bound_module
-from planner.bounds.bound import Bound, information_limit
+from planner.bounds.bound import Bound, code_hash, information_limit
 from tests.postprocessors.changed_case import changed
 
+UNUSED = {".venv", ".git", "tests", "docs", "examples", "hexcite", "postprocessors", "cases", "__pycache__"}
 KNOWN = Bound(1.25, 10.01, 10, "as computed", True, 1.24)
 HASTY = replace(KNOWN, certified=False)
 
@@ -123,3 +125,34 @@ def test_an_estimate_is_known_as_one_and_renewed_on_request(
     assert information_limit(hexapod_case, model, renew=True) == KNOWN
     assert information_limit(hexapod_case, model, renew=True) == KNOWN
     assert not answers
+
+
+def test_another_version_of_the_code_computes_anew(
+    computed: list[str], hexapod_case: Case, folder: Path, monkeypatch: pytest.MonkeyPatch
+):
+    ask(hexapod_case)
+    monkeypatch.setattr(bound_module, "code_hash", lambda: "another")
+    ask(hexapod_case)
+    assert len(computed) == 2
+
+
+def test_the_hash_follows_the_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """A copy of the files that compute, with a blank line more in one of them."""
+    home = Path(bound_module.__file__).parents[2]
+    shutil.copytree(home, tmp_path / "copy", ignore=lambda _, names: {n for n in names if n in UNUSED})
+    copied = tmp_path / "copy" / "planner" / "bounds" / "bound.py"
+    monkeypatch.setattr(bound_module, "__file__", str(copied))
+    same, certificate = code_hash.__wrapped__(), copied.with_name("certificate.py")
+    assert same == code_hash.__wrapped__()
+    certificate.write_bytes(certificate.read_bytes() + b"\n")
+    assert code_hash.__wrapped__() != same
+
+
+def test_the_cache_can_be_switched_off(
+    computed: list[str], hexapod_case: Case, folder: Path, monkeypatch: pytest.MonkeyPatch
+):
+    ask(hexapod_case)
+    monkeypatch.setenv("HEXCITE_CACHE", "off")
+    ask(hexapod_case)
+    assert len(computed) == 2
+    assert len(list(folder.iterdir())) == 1
