@@ -29,7 +29,9 @@ class HexciteError(Exception):
         self.remedy = remedy or self.problem.rpartition("; ")[2] * ("; " in self.problem)
         message = f"{self.problem}; {remedy}" if remedy else self.problem
         super().__init__(f"{self.place}: {message}" if self.place else message)
-        self.place, self.problem, self.remedy = map(_of_arguments, (self.place, self.problem, self.remedy))
+        self.problem, self.remedy = _of_arguments(self.problem), _of_arguments(self.remedy)
+        if self.place.startswith("--"):  # an option; the name of a file is nobody's to change, whatever it holds
+            self.place = _of_arguments(self.place)
 
     def at(self, source: str) -> Self:
         """The same error with its file in front, which the mathematics does not know."""
@@ -53,7 +55,9 @@ class HexciteError(Exception):
 
     def __str__(self) -> str:
         """One printable line, whatever names and values it quotes; options are named as arguments of the library."""
-        return _of_arguments(self.typed)
+        line, place = self.typed, printable(self.place)
+        kept = len(place) if line.startswith(place) else 0
+        return line[:kept] + _of_arguments(line[kept:])
 
     @property
     def typed(self) -> str:

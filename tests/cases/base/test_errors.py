@@ -66,3 +66,13 @@ def test_the_library_names_arguments_where_the_command_line_names_options() -> N
     assert str(HexciteError("a.json", "is there", "choose another place with -o, or --overwrite")).endswith(
         "choose another place, or overwrite"
     )
+
+
+@pytest.mark.parametrize("file", ["/data/run --final.csv", "/data/run --final", "run --a/-- b --c.toml"])
+def test_the_name_of_a_file_is_not_rewritten_whatever_it_holds(file: str) -> None:
+    error = HexciteError(file, "is empty", "record again, or --overwrite")
+    assert (error.place, error.remedy) == (file, "record again, or overwrite")
+    assert str(error) == f"{file}: is empty; record again, or overwrite"
+    assert error.typed == f"{file}: is empty; record again, or --overwrite"
+    assert str(RecordingError("holds no row; record again").at(file)).startswith(f"{file}: ")
+    assert str(pickle.loads(pickle.dumps(error))) == str(error)
