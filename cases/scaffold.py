@@ -6,6 +6,7 @@ import json
 import re
 import textwrap
 from collections.abc import Mapping
+from functools import cache
 from itertools import pairwise
 from operator import attrgetter
 from pathlib import Path
@@ -150,6 +151,7 @@ def _place(name: str, folder: Path | str | None) -> Path:
     return file
 
 
+@cache
 def explanations(part: type[Part]) -> Mapping[str, str]:
     """What each key of a table means: the string that stands below its field in the class, or below one before it."""
     words: dict[str, str] = {}

@@ -25,7 +25,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from cases.base.errors import FileProblem, HexciteError, Interrupted
 from cases.base.files import WRITTEN
-from hexcite.cli import cases, compare, demo, identify, limits, plan, poses, programs, results, study
+from hexcite.cli import cases, compare, demo, identify, limits, page, plan, poses, programs, results, study
 from hexcite.cli import use as force
 
 app = typer.Typer(
@@ -42,6 +42,7 @@ for command in (
     plan.plan, poses.poses, programs.post, programs.check, programs.run, identify.look, identify.identify,
     results.pool, results.accept, force.force, force.tare, force.payload, force.export,
     limits.bound, study.study, limits.retime, compare.compare, compare.validate, demo.demo,
+    page.page,
 ):  # fmt: skip
     app.command()(command)
 

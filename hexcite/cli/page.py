@@ -1,0 +1,51 @@
+"""`hexcite page`: the guided page in a browser."""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import hexcite as hx
+from hexcite.cli.console import argument, option
+
+HOME = "127.0.0.1"
+
+
+def page(
+    folder: Annotated[Path, argument("Folder that the page reads and writes; the current one by default.")] = Path(),
+    port: Annotated[int, option("Port; by default one that is free.")] = 0,
+    host: Annotated[str, option("Address to serve at; others than 127.0.0.1 are open to the network.")] = HOME,
+    browser: Annotated[bool, option("Open the browser.", "--browser/--no-browser")] = True,
+) -> None:
+    """Serve the guided page: from the machine to the calibrated model in a browser.
+
+    Each stage runs commands of hexcite in FOLDER and shows them. Ctrl-C ends it; a search then keeps its best motion.
+    """
+    if not folder.is_dir():
+        raise hx.HexciteError(folder, "is not a folder", "make it, or name another one")
+    if not 0 <= port <= 65535:
+        raise hx.HexciteError(f"--port {port}", "is no port", "give 1 to 65535, or leave it out")
+    if host in ("0.0.0.0", "::"):
+        raise hx.HexciteError(f"--host {host}", "is every address of this computer", "name one of them")
+    try:
+        from hexcite.page.server import serve
+    except ModuleNotFoundError as error:
+        if error.name not in ("starlette", "uvicorn"):
+            raise
+        raise hx.HexciteError(f"the page needs {error.name}", "install it: pip install starlette uvicorn") from error
+    import secrets
+
+    if host != HOME:
+        print(
+            f"hexcite: {host} is open to the network, without encryption: whoever has the address below can run "
+            f"searches and write files in {folder.resolve()}",
+            file=sys.stderr,
+        )
+
+    def opened(address: str) -> None:
+        print(f"The page is at {address}\nIt works in {folder.resolve()}; Ctrl-C ends it.", flush=True)
+        if browser:
+            import webbrowser
+
+            webbrowser.open(address)
+
+    serve(folder, host, port, secrets.token_urlsafe(24), opened)

@@ -1,0 +1,270 @@
+"""What forms of the stages ask for: commands as jobs, and values that are written into a case."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from cases.editing import write_table
+from cases.tables import built_in_cases
+from hexcite.page import forms, values
+from hexcite.page.forms import Fields, Unfit, chosen, field
+from hexcite.page.jobs import Job, Jobs
+from hexcite.page.stages import Machine, Workspace, free, workspace
+
+
+@dataclass(frozen=True)
+class Context:
+    """The machine that a request is about, the root folder, and the commands under way."""
+
+    root: Path
+    machine: Machine
+    jobs: Jobs
+
+    @property
+    def address(self) -> str:
+        """Of its stages."""
+        return f"/m/{quote(self.machine.key, safe='+')}"
+
+    def free(self, name: str, suffix: str = "") -> str:
+        """A name for what a command writes."""
+        return free(self.root, name, self.jobs.outputs, suffix)
+
+
+RUN_FILE = "recording.csv"  # in the folder of a rehearsal
+
+Action = Callable[[Context, Workspace, Fields], Job]
+
+
+def asked(action: Action, context: Context, fields: Fields) -> Job:
+    """The job of an action."""
+    return action(context, workspace(context.root, context.machine), fields)
+
+
+def _name(context: Context) -> str:
+    if context.machine.case is None:
+        raise Unfit(context.machine.problem)
+    return context.machine.case.name
+
+
+def _job(context: Context, stage: str, command: list[str], **more: Any) -> Job:
+    return Job(context.machine.key, stage, tuple(command), **more)
+
+
+def _check(context: Context, there: Workspace, fields: Fields) -> Job:
+    propose = ["--propose"] if field(fields, "propose") else []
+    return _job(context, "machine", ["case", "check", context.machine.argument, *propose], about="check")
+
+
+def _plan(context: Context, there: Workspace, fields: Fields) -> Job:
+    family = field(fields, "family", "best")
+    output = context.free(f"{_name(context)}-{'plan' if family in ('best', '') else family}")
+    command = forms.plan(context.machine, fields, output)
+    goto = f"{context.address}/plan?plan={quote(output)}"
+    search = command[0] == "plan" and family != "manual"
+    return _job(context, "plan", command, output=output, goto=goto, search=search)
+
+
+def _program(context: Context, there: Workspace, fields: Fields) -> Job:
+    plan = chosen(fields, "plan", [plan.name for plan in there.plans])
+    dialect = chosen(fields, "dialect", context.machine.dialects)
+    from postprocessors.program import DIALECTS
+
+    slow = "-slow" if field(fields, "speed") == "slow" else ""
+    output = context.free(f"{plan}{slow}", DIALECTS[dialect].suffix)
+    query = f"?plan={quote(plan)}"
+    goto = f"{context.address}/program?plan={quote(plan)}&program={quote(output)}"
+    command = forms.post(fields, plan, dialect, output)
+    return _job(context, "program", command, output=output, about=plan, query=query, goto=goto)
+
+
+def _rehearse(context: Context, there: Workspace, fields: Fields) -> Job:
+    program = chosen(fields, "program", [program.name for program in there.programs])
+    output = context.free(f"{Path(program).stem}-recording")
+    goto = f"{context.address}/data?recording={quote(output)}"
+    on = chosen(fields, "on", ("virtual", "linuxcnc"), "virtual")
+    command = forms.run(context.machine, program, on, output)
+    return _job(context, "data", command, output=output, goto=goto)
+
+
+def _recording(there: Workspace, fields: Fields) -> str:
+    return chosen(fields, "recording", [recording.name for recording in there.recordings])
+
+
+def _look(context: Context, there: Workspace, fields: Fields, write: bool = False) -> Job:
+    recording = _recording(there, fields)
+    query = f"?recording={quote(recording)}"
+    picture = f"{Path(recording).stem}-look.svg"
+    rehearsed = any(each.simulated for each in there.recordings if each.name == recording)
+    command = forms.look(context.machine, f"{recording}/{RUN_FILE}" if rehearsed else recording, picture, write)
+    return _job(context, "data", command, about=recording, query=query, goto=f"{context.address}/data{query}")
+
+
+def _take(context: Context, there: Workspace, fields: Fields) -> Job:
+    """`look --write`: the proposal becomes the case's."""
+    if not context.machine.own:
+        raise Unfit("a built-in case is not changed")
+    return _look(context, there, fields, write=True)
+
+
+def _menus(context: Context, there: Workspace, fields: Fields) -> Job:
+    """What menus say of the columns becomes the `[recording]` of the case, and the file is looked at again."""
+    recording, looked = (
+        _recording(there, fields),
+        context.jobs.latest(context.machine.key, "look", field(fields, "recording")),
+    )
+    if not context.machine.own:
+        raise Unfit("a built-in case is not changed")
+    if looked is None or looked.answer is None:
+        raise Unfit(f"{recording}: look at it first")
+    write_table(context.machine.file, "recording", chosen_settings(looked.answer, fields))
+    return _look(context, there, fields)
+
+
+def chosen_settings(answer: Mapping[str, Any], fields: Fields) -> dict[str, Any]:
+    """The table `[recording]` that `look` proposed, with the columns and units of the menus in it."""
+    names = {column["name"] for column in answer["columns"]}
+    settings: dict[str, Any] = dict(answer["settings"])
+    ours = [name.removeprefix("c.") for name in fields if name.startswith("c.")]
+    columns = dict(settings.get("columns", {}))
+    for own in ours:
+        theirs = field(fields, f"c.{own}")
+        if theirs and theirs not in names:
+            raise Unfit(f"{own}: {theirs!r} is not a column of the file")
+        columns.pop(own, None)
+        if theirs:
+            columns[own] = theirs
+    twice = [name for name in {*columns.values()} if list(columns.values()).count(name) > 1]
+    if twice:
+        raise Unfit(f"{twice[0]!r} is chosen twice; a column is one channel")
+    settings["columns"] = columns
+    units = dict(settings.get("units", {}))
+    for name in fields:
+        if name.startswith("u."):
+            unit = field(fields, name)
+            units.pop(name[2:], None)
+            if unit:
+                units[name[2:]] = unit
+    settings.pop("units", None)
+    return settings | ({"units": units} if units else {})
+
+
+def _identify(context: Context, there: Workspace, fields: Fields) -> Job:
+    recording = _recording(there, fields)
+    output = context.free(f"{Path(recording).stem}-result")
+    goto = f"{context.address}/result?result={quote(output)}"
+    command = forms.identify(context.machine, recording, output)
+    return _job(
+        context, "data", command, output=output, about=recording, query=f"?recording={quote(recording)}", goto=goto
+    )
+
+
+def _result(there: Workspace, fields: Fields, name: str = "result") -> str:
+    return chosen(fields, name, [result.name for result in there.results])
+
+
+def _export(context: Context, there: Workspace, fields: Fields) -> Job:
+    from postprocessors.export.targets import TARGETS
+
+    result, target = _result(there, fields), chosen(fields, "to", TARGETS)
+    query = f"?result={quote(result)}&to={quote(target)}"
+    command = ["export", forms.place(result), "--to", target, "--case", context.machine.argument]
+    if field(fields, "preview"):
+        return _job(
+            context, "use", [*command, "--preview"], about=result, query=query, goto=f"{context.address}/use{query}"
+        )
+    output = context.free(f"{result}-{target}", suffix_of(target))
+    force = ["--force"] if field(fields, "force") else []
+    goto = f"{context.address}/use{query}"
+    return _job(context, "use", [*command, *force, "-o", output], output=output, about=result, query=query, goto=goto)
+
+
+def suffix_of(target: str) -> str:
+    """The suffix of what an export writes; empty where it is a folder."""
+    from postprocessors.export.targets import SINGLE_FILES
+
+    return SINGLE_FILES[target].suffix if target in SINGLE_FILES else ""
+
+
+def _force(context: Context, there: Workspace, fields: Fields) -> Job:
+    result, recording = _result(there, fields), _recording(there, fields)
+    output = context.free(f"{Path(recording).stem}-force", ".csv")
+    names = [forms.place(recording), "--parameters", forms.place(result), "--case", context.machine.argument]
+    query = f"?result={quote(result)}"
+    return _job(
+        context, "use", ["force", *names, "-o", output], output=output, about=result, query=query,
+        goto=f"{context.address}/use{query}",
+    )  # fmt: skip
+
+
+def _tare(context: Context, there: Workspace, fields: Fields) -> Job:
+    result, recording = _result(there, fields), _recording(there, fields)
+    output = context.free(f"{result}-tared")
+    names = [forms.place(recording), "--parameters", forms.place(result), "--case", context.machine.argument]
+    goto = f"{context.address}/result?result={quote(output)}"
+    query = f"?result={quote(result)}"
+    return _job(context, "use", ["tare", *names, "-o", output], output=output, about=result, query=query, goto=goto)
+
+
+def _payload(context: Context, there: Workspace, fields: Fields) -> Job:
+    before, after = _result(there, fields, "before"), _result(there, fields, "after")
+    command = ["payload", forms.place(before), forms.place(after), "--case", context.machine.argument]
+    query = f"?result={quote(after)}"
+    return _job(context, "use", command, about=after, query=query, goto=f"{context.address}/use{query}")
+
+
+def _pool(context: Context, there: Workspace, fields: Fields) -> Job:
+    known = [result.name for result in there.results]
+    names = [name for name in known if name in fields.get("results", ())]
+    if len(names) < 2:
+        raise Unfit("results: choose two or more to pool")
+    output = context.free(f"{_name(context)}-pooled")
+    command = ["pool", *map(forms.place, names), "--case", context.machine.argument, "-o", output]
+    goto = f"{context.address}/result?result={quote(output)}"
+    return _job(context, "result", command, output=output, goto=goto)
+
+
+ACTIONS: Mapping[str, Action] = {
+    "check": _check, "plan": _plan, "program": _program, "rehearse": _rehearse, "look": _look, "take": _take,
+    "menus": _menus, "identify": _identify, "export": _export, "force": _force, "tare": _tare, "payload": _payload,
+    "pool": _pool,
+}  # fmt: skip
+"""Name in an address -> what it starts."""
+
+
+def new(root: Path, fields: Fields) -> Job:
+    """`hexcite case new`, from a built-in case or from a URDF file of the root."""
+    name = field(fields, "name")
+    if not name or name.startswith("-") or "/" in name or "\\" in name or len(name) > 100:
+        raise Unfit(f"{name!r} is not a name of a machine")
+    urdf, like = field(fields, "urdf"), field(fields, "like")
+    if urdf:
+        chosen(fields, "urdf", [file.name for file in root.glob("*.urdf")])
+        flange = [f"--flange={field(fields, 'flange')}"] if field(fields, "flange") else []
+        command = ["case", "new", name, "--urdf", forms.place(urdf), *flange]
+    else:
+        chosen(fields, "like", built_in_cases())
+        command = ["case", "new", name, "--like", like]
+    return Job("", "machine", tuple(command), output=name, goto=f"/m/+{quote(name)}/machine")
+
+
+def save(context: Context, fields: Fields) -> str | None:
+    """Writes changed values into a case of one's own; returns why not, a sentence or the key of a text, or None."""
+    if not context.machine.own:
+        raise Unfit("a built-in case is not changed")
+    content = context.machine.file.read_text(encoding="utf-8")
+    if values.digest(content) != field(fields, "digest"):
+        return "changed_elsewhere"
+    try:
+        text = values.edited(content, given_values(fields))
+        values.case_of(text, context.machine.file)
+    except values.Refused as error:
+        return str(error)
+    values.save(context.machine.file, text)
+    return None
+
+
+def given_values(fields: Fields) -> dict[str, str]:
+    """Values of a form by their name."""
+    return {name[2:]: field(fields, name) for name in fields if name.startswith("v.")}

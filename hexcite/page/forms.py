@@ -1,0 +1,92 @@
+"""Commands of what was filled in on the page: each field is checked, and becomes an argument of its own."""
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+
+from hexcite.page.stages import Machine
+
+Fields = Mapping[str, Sequence[str]]
+FAMILIES = ("best", "ptp", "spline", "fourier", "manual", "poses")
+EFFORTS: Mapping[str, tuple[str, ...]] = {"quick": ("--seconds", "20"), "minute": ("--seconds", "60"), "thorough": ()}
+SPEEDS: Mapping[str, tuple[str, ...]] = {"full": (), "slow": ("--speed", "0.1")}
+
+
+class Unfit(ValueError):
+    """A field that cannot be used; a sentence."""
+
+
+def field(fields: Fields, name: str, default: str = "") -> str:
+    """The text of a field, without blanks around it."""
+    return (fields.get(name) or [default])[0].strip()
+
+
+def chosen(fields: Fields, name: str, among: Collection[str], default: str | None = None) -> str:
+    """The choice of a field; raises Unfit where it is none of those that there are."""
+    text = field(fields, name, default or "")
+    if text not in among:
+        raise Unfit(f"{name}: {text!r} is not a choice")
+    return text
+
+
+def number(fields: Fields, name: str, low: float, high: float) -> str:
+    """A number as typed, with a comma or a point; raises Unfit where it is none, or out of range."""
+    text = field(fields, name).replace(",", ".")
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not low <= value <= high:
+        raise Unfit(f"{name}: {text!r} is not a number from {low:g} to {high:g}")
+    return text
+
+
+def place(name: str) -> str:
+    """A file or folder as an argument, which no option is."""
+    return f"./{name}" if name.startswith("-") else name
+
+
+def plan(machine: Machine, fields: Fields, output: str) -> list[str]:
+    """`hexcite plan` or `hexcite poses`."""
+    family = chosen(fields, "family", FAMILIES, "best")
+    steps = ["--without", "jerk"] if field(fields, "without_jerk") else []
+    if family == "poses":
+        count = ["--count", number(fields, "count", 1, 1000)] if field(fields, "count") else []
+        return ["poses", machine.argument, *count, *steps, "-o", output]
+    command = ["plan", machine.argument]
+    if family != "best":
+        command += ["--family", family]
+    if family != "manual":
+        command += ["--duration", number(fields, "duration", 0.5, 600)]
+        command += EFFORTS[chosen(fields, "effort", EFFORTS, "quick")]
+        for text in field(fields, "target").replace(";", ",").split(","):
+            if text.strip():
+                command.append(f"--target={text.strip()}")
+    controller = field(fields, "controller")
+    if family in ("best", "ptp"):
+        if controller:
+            command += ["--for", chosen(fields, "controller", machine.dialects)]
+        command += steps
+    return [*command, "-o", output, "--progress"]
+
+
+def post(fields: Fields, plan_name: str, dialect: str, output: str) -> list[str]:
+    """`hexcite post`."""
+    accepted = [f"--accept={name}" for name in fields.get("accept", ())[:50]]
+    speed = SPEEDS[chosen(fields, "speed", SPEEDS, "full")]
+    return ["post", place(plan_name), "--dialect", dialect, *speed, *accepted, "-o", output]
+
+
+def run(machine: Machine, program: str, on: str, output: str) -> list[str]:
+    """`hexcite run`."""
+    return ["run", place(program), "--case", machine.argument, "--on", on, "-o", output]
+
+
+def look(machine: Machine, recording: str, picture: str, write: bool = False) -> list[str]:
+    """`hexcite look`, and with `--write` into the case."""
+    to = "--write" if write else "--case"
+    return ["look", place(recording), to, machine.argument, "-o", picture, "--overwrite"]
+
+
+def identify(machine: Machine, recording: str, output: str) -> list[str]:
+    """`hexcite identify`."""
+    return ["identify", place(recording), "--case", machine.argument, "-o", output]

@@ -1,0 +1,209 @@
+"""Commands of hexcite in processes of their own, with progress: as many at once as there are cores; each can be ended.
+
+A process ends with the server, as after Ctrl-C: a search then keeps its best motion.
+"""
+
+import asyncio
+import json
+import os
+import shlex
+import signal
+import sys
+import time
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+State = Literal["waiting", "running", "stopping", "done", "failed", "stopped"]
+MOST_LINE = 2**20  # bytes of a line of stderr
+MOST_KEPT = 50  # jobs that have ended
+PATIENCE = 20.0  # [s] that a search has to write its best motion when the server ends
+
+
+@dataclass(eq=False)
+class Job:
+    """One command, under way or ended.
+
+    Args:
+        machine: key of the machine; empty where there is none yet.
+        stage: name of the stage that shows it.
+        command: what follows `hexcite` on a command line.
+        output: file or folder that it writes, relative to the root; empty where it writes none.
+        about: what it was started for, such as a recording.
+        query: of the stage's address while it is under way.
+        goto: address to show when it is done.
+        search: whether an interrupt keeps the best motion until then.
+        number: of this server.
+    """
+
+    machine: str
+    stage: str
+    command: tuple[str, ...]
+    output: str = ""
+    about: str = ""
+    query: str = ""
+    goto: str = ""
+    search: bool = False
+    number: int = 0
+    state: State = "waiting"
+    began: float = field(default_factory=time.monotonic)
+    ended: float | None = None
+    progress: list[dict[str, Any]] = field(default_factory=list)
+    messages: list[str] = field(default_factory=list)
+    answer: dict[str, Any] | None = None
+    process: asyncio.subprocess.Process | None = None
+    changed: asyncio.Event = field(default_factory=asyncio.Event)
+
+    @property
+    def over(self) -> bool:
+        """Whether it has ended."""
+        return self.state in ("done", "failed", "stopped")
+
+    @property
+    def seconds(self) -> float:
+        """How long it took, or takes until now."""
+        return (self.ended or time.monotonic()) - self.began
+
+    @property
+    def shown(self) -> str:
+        """The command line that does the same in a terminal."""
+        return shlex.join(("hexcite", *self.command))
+
+    def tell(self) -> None:
+        """Wakes those who watch it."""
+        self.changed.set()
+        self.changed = asyncio.Event()
+
+    def interrupt(self) -> None:
+        """Asks it to end as Ctrl-C does; a second time it is killed, with its own processes."""
+        process = self.process
+        if self.over or process is None:
+            return
+        with suppress(ProcessLookupError):
+            if self.state == "stopping":
+                os.killpg(process.pid, signal.SIGKILL)
+            else:
+                process.send_signal(signal.SIGINT)
+        self.state = "stopping"
+        self.tell()
+
+
+class Jobs:
+    """The jobs of a server, in one root folder."""
+
+    def __init__(self, root: Path, cores: int | None = None) -> None:
+        self.root = root
+        self._room = asyncio.Semaphore(cores or os.cpu_count() or 1)
+        self._all: dict[int, Job] = {}
+        self._tasks: dict[int, asyncio.Task[None]] = {}
+        self._next = 1
+
+    def start(self, job: Job) -> None:
+        """Starts a command, at once or when there is room."""
+        job.number, self._next = self._next, self._next + 1
+        self._all[job.number] = job
+        for old in [other for other in self._all.values() if other.over][:-MOST_KEPT]:
+            del self._all[old.number]
+        self._tasks[job.number] = asyncio.create_task(self._run(job))
+
+    def get(self, number: int) -> Job | None:
+        """A job by its number."""
+        return self._all.get(number)
+
+    def of(self, machine: str, stage: str) -> list[Job]:
+        """Jobs of a stage: all that are under way, and the latest that has ended."""
+        own = [job for job in self._all.values() if (job.machine, job.stage) == (machine, stage)]
+        return [job for k, job in enumerate(own) if not job.over or k == len(own) - 1]
+
+    def latest(self, machine: str, word: str, about: str) -> Job | None:
+        """The latest job of a machine that ran a command of this name for something."""
+        own = [job for job in self._all.values() if (job.machine, job.about) == (machine, about)]
+        return next((job for job in reversed(own) if job.command[0] == word), None)
+
+    @property
+    def outputs(self) -> set[str]:
+        """What jobs under way will write."""
+        return {job.output for job in self._all.values() if not job.over and job.output}
+
+    def stop(self, job: Job) -> None:
+        """Ends a job; a search keeps its best motion until then."""
+        if job.state == "waiting":
+            self._tasks[job.number].cancel()
+            self._end(job, "stopped")
+        else:
+            job.interrupt()
+
+    async def close(self) -> None:
+        """Ends all jobs: searches have some seconds to write their best motion."""
+        tasks = [task for task in self._tasks.values() if not task.done()]
+        for job in self._all.values():
+            if not job.over:
+                self.stop(job)
+        if tasks:
+            await asyncio.wait(tasks, timeout=PATIENCE)
+        for job in self._all.values():
+            if not job.over:
+                job.state = "stopping"
+                job.interrupt()
+
+    def _end(self, job: Job, state: State) -> None:
+        job.state, job.ended, job.process = state, time.monotonic(), None
+        self._tasks.pop(job.number, None)
+        print(f"{job.shown}: {state}, {job.seconds:.0f} s", file=sys.stderr, flush=True)
+        job.tell()
+
+    async def _run(self, job: Job) -> None:
+        async with self._room:
+            job.began, job.state = time.monotonic(), "running"
+            # -P: the root folder is the current one, and files in it are no modules
+            arguments = [sys.executable, "-P", "-m", GUEST, str(os.getpid()), *job.command, "--json"]
+            job.process = await asyncio.create_subprocess_exec(
+                *arguments,
+                cwd=self.root,
+                stdin=asyncio.subprocess.DEVNULL,
+                stdout=asyncio.subprocess.PIPE,
+                stderr=asyncio.subprocess.PIPE,
+                start_new_session=True,
+                limit=MOST_LINE,
+            )
+            process = job.process
+            job.tell()
+            assert process.stdout is not None
+            assert process.stderr is not None
+            try:
+                said, _ = await asyncio.gather(process.stdout.read(), self._listen(job, process.stderr))
+                code = await process.wait()
+            except BaseException:
+                with suppress(ProcessLookupError):
+                    os.killpg(process.pid, signal.SIGKILL)
+                raise
+            with suppress(ValueError):
+                job.answer = json.loads(said)
+            stopped = code in (130, -signal.SIGINT, -signal.SIGKILL)
+            self._end(job, "done" if code == 0 else "stopped" if stopped else "failed")
+
+    async def _listen(self, job: Job, stream: asyncio.StreamReader) -> None:
+        """Takes progress and messages from a process."""
+        while True:
+            try:
+                line = (await stream.readline()).decode("utf-8", "replace").strip()
+            except ValueError:  # longer than a line may be
+                continue
+            if not line:
+                if stream.at_eof():
+                    return
+                continue
+            try:
+                news = json.loads(line)
+            except ValueError:
+                news = None
+            if isinstance(news, dict):
+                job.progress.append({**news, "at": job.seconds})
+            else:
+                job.messages.append(line.removeprefix("hexcite: "))
+            job.tell()
+
+
+GUEST = "hexcite.cli.guest"
+"""The module that runs one command, and ends with the server."""

@@ -1,0 +1,322 @@
+"""The page's server: routes, each a reading of folders or the start of a command."""
+
+import asyncio
+import json
+import os
+import tempfile
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager, suppress
+from importlib import resources
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.exceptions import HTTPException
+from starlette.middleware import Middleware
+from starlette.requests import ClientDisconnect, Request
+from starlette.responses import FileResponse, HTMLResponse, JSONResponse, RedirectResponse, Response, StreamingResponse
+from starlette.routing import Route
+
+from cases.base.errors import HexciteError, Interrupted
+from hexcite.page import actions, views
+from hexcite.page.actions import Context
+from hexcite.page.forms import Unfit, field
+from hexcite.page.jobs import Job, Jobs
+from hexcite.page.security import MOST_UPLOAD, PICTURE, REPORT, Guard, Outside, file_name, form_of, inside
+from hexcite.page.stages import PROGRAMS, RECORDINGS, STAGES, machine_of
+from hexcite.page.texts import LANGUAGES, Language, language_of, text
+from hexcite.page.values import Refused
+
+EVERY = 2.0  # [s] after which a stream shows the clock again
+DOWNLOADS = (
+    RECORDINGS | PROGRAMS | {".json", ".comp", ".st", ".c", ".h", ".dat", ".mod", ".py", ".txt", ".xml", ".toml"}
+)
+
+
+def app_of(
+    root: Path, hosts: frozenset[str], token: str, cookie: str = "hexcite", cores: int | None = None
+) -> Starlette:
+    """The page as an ASGI application.
+
+    Args:
+        root: folder that it reads and writes, and none above it.
+        hosts: addresses with ports that it answers to.
+        token: secret of its address.
+        cookie: name of the cookie that keeps it.
+        cores: commands at once at most; by default one a core.
+    """
+    root = root.resolve()
+    page = _Page(root)
+
+    @asynccontextmanager
+    async def life(app: Starlette) -> AsyncIterator[None]:
+        page.jobs = Jobs(root, cores)
+        warm = asyncio.create_task(run_in_threadpool(views.warm_up))
+        yield
+        warm.cancel()
+        await page.jobs.close()
+
+    routes = [
+        Route("/", page.machines),
+        Route("/new", page.new, methods=["POST"]),
+        Route("/language", page.switch, methods=["POST"]),
+        Route("/upload/{name}", page.upload, methods=["PUT"]),
+        Route("/m/{key}", page.machine),
+        Route("/m/{key}/{stage}", page.stage),
+        Route("/m/{key}/do/{action}", page.act, methods=["POST"]),
+        Route("/jobs/{number:int}/events", page.events),
+        Route("/jobs/{number:int}/stop", page.stop, methods=["POST"]),
+        Route("/files/{path:path}", page.download),
+        Route("/report/{folder}", page.report),
+        Route("/picture/{name}", page.picture),
+        Route("/static/{name}", page.static),
+    ]
+    errors: Any = {Outside: page.lost, HTTPException: page.lost, 404: page.lost, Unfit: page.unfit, Refused: page.unfit}
+    guard = Middleware(Guard, hosts=hosts, token=token, cookie=cookie)
+    return Starlette(routes=routes, middleware=[guard], exception_handlers=errors, lifespan=life)
+
+
+class _Page:
+    def __init__(self, root: Path) -> None:
+        self.root = root
+        self.jobs: Jobs
+        self.templates = Environment(
+            loader=PackageLoader(__package__, "templates"),
+            autoescape=True,
+            undefined=StrictUndefined,
+            trim_blocks=True,
+            lstrip_blocks=True,
+        )
+        self.templates.filters["quoted"] = lambda name: quote(str(name), safe="")
+
+    def _language(self, request: Request) -> Language:
+        kept = request.cookies.get("hexcite-language")
+        return next((own for own in LANGUAGES if own == kept), language_of(request.headers.get("accept-language", "")))
+
+    def _rendered(self, request: Request, template: str, **values: Any) -> str:
+        language = self._language(request)
+
+        def say(key: str, **places: object) -> str:
+            return text(key, language, **places)
+
+        return self.templates.get_template(template).render(t=say, language=language, root=str(self.root), **values)
+
+    def _context(self, request: Request) -> Context:
+        machine = machine_of(self.root, request.path_params["key"])
+        if machine is None:
+            raise HTTPException(404)
+        return Context(self.root, machine, self.jobs)
+
+    async def machines(self, request: Request) -> Response:
+        """The first stage without a machine: which one?"""
+        values = await run_in_threadpool(views.machines, self.root)
+        jobs = self.jobs.of("", "machine")
+        return HTMLResponse(self._rendered(request, "machines.html.jinja", jobs=self._panels(request, jobs), **values))
+
+    async def machine(self, request: Request) -> Response:
+        """A machine by its address alone."""
+        return RedirectResponse(f"/m/{quote(request.path_params['key'], safe='+')}/machine", 303)
+
+    async def stage(self, request: Request) -> Response:
+        """One stage of a machine."""
+        context, stage = self._context(request), request.path_params["stage"]
+        if stage not in STAGES:
+            raise HTTPException(404)
+        return await self._stage(request, context, stage)
+
+    async def _stage(self, request: Request, context: Context, stage: str, status: int = 200, **more: Any) -> Response:
+        jobs = self._panels(request, self.jobs.of(context.machine.key, stage))
+        query = dict(request.query_params)
+        language = self._language(request)
+        values = await run_in_threadpool(views.stage, context, stage, query, language)
+        whole = {"jobs": jobs, "error": "", "saved": False, **values, **more}
+        return HTMLResponse(self._rendered(request, f"{stage}.html.jinja", stage=stage, **whole), status)
+
+    async def act(self, request: Request) -> Response:
+        """Starts what a form asks for, or writes a value."""
+        context, name = self._context(request), request.path_params["action"]
+        fields = await form_of(request)
+        if name == "preview":
+            return await self._preview(request, context, fields)
+        if name == "save":
+            return await self._save(request, context, fields)
+        action = actions.ACTIONS.get(name)
+        if action is None:
+            raise HTTPException(404)
+        job = await run_in_threadpool(actions.asked, action, context, fields)
+        self.jobs.start(job)
+        return RedirectResponse(f"/m/{quote(context.machine.key, safe='+')}/{job.stage}{job.query}#jobs", 303)
+
+    async def _preview(self, request: Request, context: Context, fields: Any) -> Response:
+        values = await run_in_threadpool(views.preview, context, fields)
+        return HTMLResponse(self._rendered(request, "drawing.html.jinja", **values))
+
+    async def _save(self, request: Request, context: Context, fields: Any) -> Response:
+        refused = await run_in_threadpool(actions.save, context, fields)
+        if refused is None:
+            return RedirectResponse(f"/m/{quote(context.machine.key, safe='+')}/machine?saved=1", 303)
+        given = {name[2:]: field(fields, name) for name in fields if name.startswith("v.")}
+        error = text(refused, self._language(request)) if refused == "changed_elsewhere" else refused
+        return await self._stage(request, context, "machine", 409, error=error, given=given)
+
+    async def new(self, request: Request) -> Response:
+        """Begins a case of one's own."""
+        fields = await form_of(request)
+        self.jobs.start(await run_in_threadpool(actions.new, self.root, fields))
+        return RedirectResponse("/#jobs", 303)
+
+    async def switch(self, request: Request) -> Response:
+        """Keeps the other language."""
+        fields = await form_of(request)
+        back = field(fields, "back", "/")
+        answer = RedirectResponse(back if back.startswith("/") and not back.startswith(("//", "/\\")) else "/", 303)
+        language = next((own for own in LANGUAGES if own == field(fields, "language")), "en")
+        answer.set_cookie("hexcite-language", language, max_age=31_536_000, httponly=True, samesite="strict")
+        return answer
+
+    async def upload(self, request: Request) -> Response:
+        """Takes a file as it comes, onto the disk, under a name that nothing has yet."""
+        name = file_name(request.path_params["name"])
+        if Path(name).suffix.lower() not in RECORDINGS | {".urdf"}:
+            return JSONResponse({"error": "suffix"}, 415)
+        stated = request.headers.get("content-length", "")
+        if stated.isdigit() and int(stated) > MOST_UPLOAD:
+            return JSONResponse({"error": "too_large"}, 413)
+        handle, part = tempfile.mkstemp(prefix=".upload-", suffix=".part", dir=self.root)
+        size = 0
+        try:
+            with os.fdopen(handle, "wb") as stream:
+                async for chunk in request.stream():
+                    size += len(chunk)
+                    if size > MOST_UPLOAD:
+                        return JSONResponse({"error": "too_large"}, 413)
+                    await run_in_threadpool(stream.write, chunk)
+            for k in range(1, 1000):
+                target = self.root / (name if k == 1 else f"{Path(name).stem}-{k}{Path(name).suffix}")
+                with suppress(FileExistsError):
+                    os.link(part, target)  # never onto another file
+                    return JSONResponse({"name": target.name})
+            return JSONResponse({"error": "name"}, 409)
+        except ClientDisconnect:
+            return Response(status_code=400)
+        finally:
+            os.unlink(part)
+
+    def _panels(self, request: Request, jobs: list[Job]) -> list[dict[str, Any]]:
+        return [{"job": job, "html": self._panel(request, job)} for job in jobs]
+
+    def _panel(self, request: Request, job: Job) -> Any:
+        from markupsafe import Markup
+
+        values = views.job(job, self._language(request))
+        return Markup(self._rendered(request, "job.html.jinja", job=job, **values))
+
+    def _job(self, request: Request) -> Job:
+        job = self.jobs.get(request.path_params["number"])
+        if job is None:
+            raise HTTPException(404)
+        return job
+
+    async def events(self, request: Request) -> Response:
+        """The panel of a job whenever it has changed, as server-sent events; the last one says where to go."""
+        job = self._job(request)
+
+        async def stream() -> AsyncIterator[str]:
+            while True:
+                changed = job.changed
+                yield _event("panel", json.dumps(self._panel(request, job)))
+                if job.over:
+                    yield _event("over", json.dumps(job.goto if job.state == "done" else ""))
+                    return
+                with suppress(TimeoutError):
+                    async with asyncio.timeout(EVERY):
+                        await changed.wait()
+
+        return StreamingResponse(stream(), media_type="text/event-stream")
+
+    async def stop(self, request: Request) -> Response:
+        """Ends a job; a search keeps its best motion."""
+        job = self._job(request)
+        self.jobs.stop(job)
+        address = f"/m/{quote(job.machine, safe='+')}/{job.stage}" if job.machine else "/"
+        return RedirectResponse(f"{address}#jobs", 303)
+
+    async def download(self, request: Request) -> Response:
+        """A file of the root folder, or of a folder in it, to be kept by the browser."""
+        path = inside(self.root, *request.path_params["path"].split("/")[:4])
+        if not path.is_file() or path.suffix.lower() not in DOWNLOADS:
+            raise HTTPException(404)
+        return FileResponse(path, media_type="application/octet-stream", filename=path.name)
+
+    async def report(self, request: Request) -> Response:
+        """The report of a plan or result, in an origin of its own."""
+        return await self._shown(inside(self.root, request.path_params["folder"], "report.html"), "text/html", REPORT)
+
+    async def picture(self, request: Request) -> Response:
+        """A picture that a command drew."""
+        path = inside(self.root, request.path_params["name"])
+        if path.suffix != ".svg":
+            raise HTTPException(404)
+        return await self._shown(path, "image/svg+xml", PICTURE)
+
+    async def _shown(self, path: Path, kind: str, policy: str) -> Response:
+        if not path.is_file():
+            raise HTTPException(404)
+        return FileResponse(path, media_type=kind, headers={"content-security-policy": policy})
+
+    async def static(self, request: Request) -> Response:
+        """The style sheet and the script."""
+        kinds = {"page.css": "text/css", "page.js": "text/javascript"}
+        name = request.path_params["name"]
+        if name not in kinds:
+            raise HTTPException(404)
+        content = (resources.files(__package__) / "templates" / name).read_bytes()
+        return Response(content, media_type=kinds[name], headers={"cache-control": "no-cache"})
+
+    async def lost(self, request: Request, error: Exception) -> Response:
+        """A place that there is not, or that a browser may not name."""
+        status = error.status_code if isinstance(error, HTTPException) else 404
+        return HTMLResponse(self._rendered(request, "lost.html.jinja", message=""), status)
+
+    async def unfit(self, request: Request, error: Exception) -> Response:
+        """A form with a field that cannot be used."""
+        return HTMLResponse(self._rendered(request, "lost.html.jinja", message=str(error)), 400)
+
+
+def _event(kind: str, data: str) -> str:
+    return f"event: {kind}\ndata: {data}\n\n"
+
+
+def serve(root: Path, host: str, port: int, token: str, opened: Callable[[str], None]) -> None:
+    """Serves the page until Ctrl-C; `opened` is called with its address once it answers."""
+    import socket
+
+    import uvicorn
+
+    listener = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET, socket.SOCK_STREAM)
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listener.bind((host, port))
+    except OSError as error:
+        listener.close()
+        what = f"cannot be served at ({error.strerror})"
+        raise HexciteError(f"{host}:{port}", what, "choose another --port, or leave it out") from error
+    port = listener.getsockname()[1]
+    shown = f"[{host}]" if ":" in host else host
+    names = {f"{shown}:{port}"} | ({f"localhost:{port}"} if host in ("127.0.0.1", "::1") else set())
+    app = app_of(root, frozenset(names), token, f"hexcite-{port}")
+    server = uvicorn.Server(uvicorn.Config(app, log_level="warning", access_log=False, timeout_graceful_shutdown=3))
+
+    async def run() -> None:
+        task = asyncio.create_task(server.serve([listener]))
+        while not server.started and not task.done():
+            await asyncio.sleep(0.02)
+        if server.started:
+            opened(f"http://{shown}:{port}/?token={token}")
+        await task
+
+    with suppress(KeyboardInterrupt, Interrupted):  # which uvicorn passes on once it has ended
+        asyncio.run(run())

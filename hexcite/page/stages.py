@@ -1,0 +1,256 @@
+"""What a root folder holds of a machine: its plans, programs, runs and results, and what of it is out of date."""
+
+import hashlib
+import json
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from cases.base.errors import HexciteError
+from cases.basis import changes_since, plan_basis, recording_basis, result_basis
+from cases.scaffold import readiness
+from cases.schema import Case, load_case
+from cases.tables import CASE_FILE, built_in_cases
+
+STAGES = ("machine", "plan", "program", "data", "result", "use")
+MOST = 300  # files and folders of a kind that are looked at
+MOST_BYTES = 64 * 2**20  # of a file of JSON
+RECORDINGS = frozenset(
+    {".csv", ".txt", ".dat", ".tsv", ".asc", ".lvm", ".xml", ".parquet", ".db3", ".mcap", ".bag", ".log", ".out"}
+)  # fmt: skip
+PROGRAMS = frozenset({".ngc", ".nc", ".mpf", ".spf", ".script", ".yaml", ".csv"})
+_PLAN_HASH = re.compile(rb"plan hash ([0-9a-f]{8,64})")
+_DIALECTS = ("linuxcnc", "sinumerik", "twincat", "setpoints", "urscript", "ros2")
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A case: built in, or a folder of the root.
+
+    Args:
+        key: its name, of a folder of the root with a + before it, as in addresses.
+        argument: what names it on a command line.
+        case: None where the file is not read.
+        problem: why it is not read.
+    """
+
+    key: str
+    argument: str
+    file: Path
+    case: Case | None
+    problem: str = ""
+
+    @property
+    def own(self) -> bool:
+        """Whether it is the user's, and not built in."""
+        return self.key.startswith("+")
+
+    def lacks(self, command: str) -> tuple[str, ...]:
+        """Tables and keys that a command needs and the case does not have."""
+        return () if self.case is None else readiness(self.case)[command]
+
+    @property
+    def dialects(self) -> tuple[str, ...]:
+        """Controllers that programs can be written for."""
+        return tuple(d for d in _DIALECTS if self.case is not None and not self.lacks(f"post --dialect {d}"))
+
+
+def machine_of(root: Path, key: str) -> Machine | None:
+    """The machine of a key; None where there is none."""
+    if not key.startswith("+"):
+        built_in = built_in_cases()
+        return _machine(key, key, built_in[key]) if key in built_in else None
+    name = key[1:]
+    file = root / name / CASE_FILE
+    if "/" in name or name.startswith(".") or not file.is_file() or not file.resolve().is_relative_to(root):
+        return None
+    return _machine(key, f"{name}/{CASE_FILE}", file)
+
+
+def own_machines(root: Path) -> list[Machine]:
+    """The cases in the folders of the root."""
+    files = sorted(root.glob(f"*/{CASE_FILE}"))[:MOST]
+    found = (machine_of(root, f"+{file.parent.name}") for file in files)
+    return [machine for machine in found if machine is not None]
+
+
+def built_in() -> list[Machine]:
+    """The cases that hexcite has."""
+    return [_machine(name, name, file) for name, file in built_in_cases().items()]
+
+
+def _machine(key: str, argument: str, file: Path) -> Machine:
+    status = file.stat()
+    try:
+        return Machine(key, argument, file, _case(str(file), status.st_mtime_ns, status.st_size))
+    except HexciteError as error:
+        return Machine(key, argument, file, None, "; ".join(error.lines))
+
+
+@lru_cache(64)
+def _case(file: str, time_ns: int, size: int) -> Case:
+    built_in_names = {str(path): name for name, path in built_in_cases().items()}
+    return load_case(built_in_names.get(file, file))
+
+
+@dataclass(frozen=True)
+class Made:
+    """A plan, run or result that a command wrote.
+
+    Args:
+        name: of its folder in the root.
+        record: entries of its JSON.
+        changed: what of the case is different since; empty where it is up to date.
+        time: when it was written [s].
+    """
+
+    name: str
+    record: Mapping[str, Any]
+    changed: tuple[str, ...]
+    time: float
+    fingerprint: str = ""
+
+    @property
+    def fresh(self) -> bool:
+        """Whether the case is still what it was computed from."""
+        return not self.changed
+
+
+@dataclass(frozen=True)
+class Program:
+    """A program file, and the plan that it says it was written from."""
+
+    name: str
+    plan: str  # name of the plan's folder
+    time: float
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A recorded run: a file, or a folder of a rehearsal."""
+
+    name: str
+    simulated: bool
+    time: float
+    changed: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Workspace:
+    """What the root folder holds of one machine, the newest first."""
+
+    machine: Machine
+    plans: tuple[Made, ...]
+    programs: tuple[Program, ...]
+    recordings: tuple[Recording, ...]
+    results: tuple[Made, ...]
+
+    def state(self, stage: str) -> str:
+        """How a stage stands: done, open (the next to do), stale, or closed (something before it is missing)."""
+        case = self.machine.case
+        if stage == "machine":
+            return "open" if case is None else "done"
+        if case is None:
+            return "closed"
+        if stage == "plan":
+            return _kind(self.plans, "closed" if self.machine.lacks("plan") else "open")
+        if stage == "program":
+            fresh = {plan.name for plan in self.plans if plan.fresh}
+            if any(program.plan in fresh for program in self.programs):
+                return "done"
+            return "open" if fresh and self.machine.dialects else "stale" if self.programs else "closed"
+        if stage == "data":
+            return "done" if self.recordings else "open"
+        if stage == "result":
+            return _kind(self.results, "open" if self.recordings else "closed")
+        return "open" if any(result.fresh for result in self.results) else "closed"
+
+
+def _kind(made: tuple[Made, ...], otherwise: str) -> str:
+    if any(each.fresh for each in made):
+        return "done"
+    return "stale" if made and otherwise != "closed" else otherwise
+
+
+def workspace(root: Path, machine: Machine) -> Workspace:
+    """What the root folder holds of a machine."""
+    case = machine.case
+    if case is None:
+        return Workspace(machine, (), (), (), ())
+    plans = _newest(_made(root, "plan.json", case, _plan_basis))
+    results = _newest(_made(root, "result.json", case, lambda about, own: result_basis(own)))
+    runs = [
+        Recording(run.name, True, run.time, run.changed)
+        for run in _made(root, "recording.json", case, lambda about, own: recording_basis(own))
+    ]
+    programs, files = [], []
+    for path in sorted(root.iterdir(), key=lambda path: path.name):
+        suffix = path.suffix.lower()
+        if path.name.startswith(".") or not path.is_file() or suffix not in PROGRAMS | RECORDINGS:
+            continue
+        status = path.stat()
+        found = _plan_of(str(path), status.st_mtime_ns, status.st_size) if suffix in PROGRAMS else ""
+        plan = next((plan.name for plan in plans if found and plan.fingerprint.startswith(found)), "")
+        if plan:
+            programs.append(Program(path.name, plan, status.st_mtime))
+        elif not found and suffix in RECORDINGS and not path.name.endswith("-force.csv"):
+            files.append(Recording(path.name, False, status.st_mtime))
+    return Workspace(machine, plans, _newest(programs[:MOST]), _newest([*runs, *files[:MOST]]), results)
+
+
+def _newest(items: Any) -> Any:
+    return tuple(sorted(items, key=lambda item: -item.time))
+
+
+def _plan_basis(about: Mapping[str, Any], case: Case) -> dict[str, Any]:
+    return plan_basis(case, int(about.get("payload", 0)), about.get("family") == "poses")
+
+
+def _made(
+    root: Path, name: str, case: Case, basis: Callable[[Mapping[str, Any], Case], dict[str, Any]]
+) -> Iterator[Made]:
+    for file in sorted(root.glob(f"*/{name}"))[:MOST]:
+        if not file.resolve().is_relative_to(root):
+            continue
+        try:
+            status = file.stat()
+            record, fingerprint = _record(str(file), status.st_mtime_ns, status.st_size)
+        except (OSError, ValueError):
+            continue  # damaged: the command that uses it says so
+        if record.get("case") == case.name:
+            changed = tuple(changes_since(record, basis(record, case), case.hash))
+            yield Made(file.parent.name, record, changed, status.st_mtime, fingerprint)
+
+
+@lru_cache(256)
+def _record(file: str, time_ns: int, size: int) -> tuple[dict[str, Any], str]:
+    if size > MOST_BYTES:
+        raise ValueError(file)
+    content = Path(file).read_bytes()
+    record = json.loads(content)
+    if not isinstance(record, dict):
+        raise ValueError(file)
+    return record, hashlib.sha256(content).hexdigest()
+
+
+@lru_cache(1024)
+def _plan_of(file: str, time_ns: int, size: int) -> str:
+    """The fingerprint of the plan that a program names; empty where it names none."""
+    try:
+        with open(file, "rb") as stream:
+            found = _PLAN_HASH.search(stream.read(4096))
+    except OSError:
+        return ""
+    return found[1].decode() if found else ""
+
+
+def free(root: Path, name: str, taken: set[str], suffix: str = "") -> str:
+    """A name in the root that nothing has, and no command under way will write."""
+    k, candidate = 1, f"{name}{suffix}"
+    while candidate in taken or (root / candidate).exists() or (root / candidate).is_symlink():
+        k += 1
+        candidate = f"{name}-{k}{suffix}"
+    return candidate
