@@ -2,7 +2,6 @@
 
 import pickle
 from collections.abc import Callable
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +40,9 @@ WRONG: dict[str, tuple[Callable[[Case], Any], tuple[str, ...]]] = {
     "compare numbers": (lambda case: hx.compare([3]), ("things = [3]", "Plan")),
     "validate": (lambda case: hx.validate("hexapod"), ("case = 'hexapod'", "is not Case")),
     "demo": (lambda case: hx.demo("hexapod", "x"), ("case = 'hexapod'", "is not Case")),
+    "preview": (lambda case: hx.preview("result", "c"), ("result = 'result'", "Result")),
+    "accept": (lambda case: hx.accept("result"), ("result = 'result'", "Result")),
+    "pool": (lambda case: hx.pool([3]), ("results = [3]", "Result")),
     "export": (lambda case: hx.export("result", "c"), ("result = 'result'", "Result")),
     "read": (lambda case: hx.read(3, case), ("paths = 3", "Path")),
     "look": (lambda case: hx.look(3), ("files = 3", "Path")),
@@ -98,9 +100,9 @@ def taken(count: int, length: float, file: Path, names: tuple[str, ...] = ()) ->
 
 
 def test_what_does_as_well_is_taken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    (tmp_path / "a_package.py").write_text(f"from {__name__} import taken as taken\n")
+    (tmp_path / "a_module.py").write_text(f"from {__name__} import taken as taken\n")
     monkeypatch.syspath_prepend(tmp_path)
-    get, names = door(import_module("a_package").__name__, checked=True)
+    get, names = door("a_package", {"taken": "a_module"}, checked=True)
     assert names() == ["taken"]
     assert get("taken")(np.int64(3), 2, "x", ["a"]) == (3, 2, "x", ["a"])
     assert get("taken")(3, np.float32(2.0), Path("x"), names=("a",))[1] == 2.0

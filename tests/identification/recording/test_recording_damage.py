@@ -57,7 +57,7 @@ DAMAGES: dict[str, tuple[bytes, str]] = {
     ),
     "nothing in most rows": (
         csv([*table()[:4], *[[*row[:3], "", *row[4:]] for row in table()[4:]]]),
-        r", line 5, l3_mm: is empty, like 6 of the 9 rows of .*recording.empty = 'hold'",
+        r", line 5, l3_mm: is empty, like 6 of the 9 rows of .*recording.empty = 'apart'.* 'hold'",
     ),
     "decimal comma in quotes": (cell(4, "f1_N", '"1,5"'), r", line 5, f1_N: '1,5' is not a number"),
     "digits that only Python reads": (cell(4, "l2_mm", "9_8_0"), r", line 5, l2_mm: '9_8_0' is not a number"),

@@ -101,12 +101,13 @@ def test_every_setting_of_a_family_is_an_option():
 def test_defaults_and_ranges_of_a_command_are_those_of_the_library():
     defaults = {name: parameter.default for name, parameter in signature(plan).parameters.items()}
     usual = Request()
-    assert (defaults["duration"], defaults["criterion"]) == (usual.duration, usual.criterion)
+    assert defaults["criterion"] == usual.criterion
     assert (defaults["seed"], defaults["order"]) == (usual.seed, Fourier().order)
     defaults = {name: parameter.default for name, parameter in signature(validate).parameters.items()}
     usual = asdict(ValidationSettings())
     assert {name: defaults[name] for name in usual} == usual
     texts = get_type_hints(plan, include_extras=True)
+    assert f"by default {Request().duration:g};" in texts["duration"].__metadata__[0].help
     for option, kind in (("moves", ptp), ("knots", spline)):
         assert f", {kind.FEWEST} to {kind.MOST};" in texts[option].__metadata__[0].help
 

@@ -95,7 +95,7 @@ def test_an_empty_field_holds_the_last_value_where_the_case_says_so(tmp_path: Pa
     recording = read(file, case_with(empty="hold"))
     np.testing.assert_allclose(recording.forces, RUN.forces[(np.arange(RUN.count) // 3) * 3], rtol=1e-8)
     assert recording.missing is None
-    with pytest.raises(RecordingError, match=r"line 3, f1_N: is empty, like 26 of the 40 .*recording.empty = 'hold'"):
+    with pytest.raises(RecordingError, match=r"line 3, f1_N: is empty, like 26 of the 40 .*'apart'.*'hold'"):
         read(file, HEXAPOD)
     assert look(file, HEXAPOD).settings["empty"] == "hold"
 
