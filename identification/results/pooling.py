@@ -14,7 +14,6 @@ import numpy as np
 from scipy.linalg import block_diag
 from scipy.special import chdtrc
 
-from cases.base.doors import checks
 from cases.base.errors import FileProblem, HexciteError
 from cases.base.files import provenance
 from cases.base.units import Array
@@ -32,7 +31,6 @@ UNLIKELY = 0.01  # chance of a scatter by noise, below which deviations grow by 
 FIXED = 1e-13  # of the largest variance in units of the deviations: a combination that is given, not estimated
 
 
-@checks
 def pool(results: Sequence[Result]) -> Result:
     """One result of several runs of the same machine with the same load: their generalised mean.
 

@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cases.acceptance import Acceptance, LargestDeviations, Reference
-from cases.base.doors import checks
 from cases.base.errors import HexciteError
 from cases.base.units import MM, as_html
 from cases.schema import Case
@@ -92,7 +91,6 @@ class Verdict(NamedTuple):
         return as_html(self)
 
 
-@checks
 def accept(result: Result, case: Case | None = None) -> Verdict:
     """Whether a result keeps the limits that `[accept]` of a case states; without it, those that need no statement.
 
