@@ -5,7 +5,7 @@ import math
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -106,7 +106,8 @@ def as_lines() -> "Callable[[Standing], None]":
         news = (standing.done, standing.least, standing.best)
         if news != shown[1] or time.monotonic() - shown[0] >= 1.0:
             shown = time.monotonic(), news
-            print(json.dumps(standing.to_json()), file=sys.stderr, flush=True)
+            with suppress(OSError):  # whoever listened has gone: that ends no search
+                print(json.dumps(standing.to_json()), file=sys.stderr, flush=True)
 
     return report
 

@@ -1,7 +1,9 @@
 """The line that is shown while a search is under way says what is known, and nothing that was stored."""
 
+import io
 import json
 import math
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -85,3 +87,12 @@ def test_programs_read_where_a_search_stands(capfd: pytest.CaptureFixture[str]):
     first, second = (json.loads(line) for line in capfd.readouterr().err.splitlines())
     assert (first["done"], first["best"]) == (0, None)
     assert (second["done"], second["least"], second["best"], second["left_s"]) == (1, 3, 0.5, 6.0)
+
+
+def test_a_listener_that_has_gone_ends_no_search(monkeypatch: pytest.MonkeyPatch):
+    class Gone(io.StringIO):
+        def write(self, text: str) -> int:
+            raise BrokenPipeError
+
+    monkeypatch.setattr(sys, "stderr", Gone())
+    console.as_lines()(Standing("start 1 of 3", 0, 3))
