@@ -43,7 +43,7 @@ from identification.samples.sample_checks import scan
 from identification.samples.samples import GAUSS_MARKOV, Fitted, Samples, fit_samples
 from identification.samples.standstills import among, average, find_standstills, match, standstills
 from identification.samples.treatment import Treatment
-from identification.samples.wrist import widest_band, wrist_run
+from identification.samples.wrist import narrow_run, widest_band, wrist_run
 
 
 def identify(
@@ -325,8 +325,9 @@ def evaluated_samples(recording: Recording, case: Case, model: Model, treatment:
     if recording.t is None or case.setup == "1a":
         return standstills(recording, case, model)
     if recording.struts is None:
-        wide = wrist_run(recording, case, model, cutoff=widest_band(recording, *recording.others))
-        return replace(wrist_run(recording, case, model), wide=wide)
+        run = wrist_run(recording, case, model)
+        wide = wrist_run(recording, case, model, widest_band(recording, *recording.others), run.filter.cutoff)
+        return replace(run, wide=wide, narrow=narrow_run(recording, case, model))
     return moving_run(recording, case, model)
 
 

@@ -14,6 +14,7 @@ from cases.schema import Case
 from identification.estimation.alternatives import Alternative
 from identification.machines.hexapod import Hexapod
 from identification.machines.machine import Kinematics
+from identification.model.blocks import RIGID
 from identification.model.model import (
     Model,
     expected_forces,
@@ -31,6 +32,8 @@ PERCENT, DEGREES, MILLIMETRES, MILLISECONDS = 0.01, DEG, MM, 1e-3
 
 SPRING = "a hose, a cable or a spring between the load and its surroundings"
 BY_PLACE = "a wrong dimension or zero in the case, an elastic frame, or errors of encoders and joints"
+BY_ORIENTATION = "errors of the orientations, or sensors that are not straight"
+BY_SHAKING = "a gain, a mode of what carries the sensor, or a low-pass in one of the streams"
 BY_RATE = "friction, channels that are late against each other, or a cable"
 BY_ACCELERATION = "a wrong dimension in the case, a gain, a mode of the frame, or a low-pass in one of the streams"
 
@@ -69,6 +72,7 @@ class LeftOut:
     names: Names
     scale: Array | float = 1.0  # what forces and A of each sample are multiplied by in a fit, shape (n,)
     larger: Model | None = None  # a model with more parameters that the machine could be identified by
+    columns: Array | None = None  # of the fit in this motion, shape (n, 6, v); None where drives say it
     bars: tuple[Array, Array] | None = None  # lower and upper ends of bars in {P}, shapes (6, 3) [m]
 
     @classmethod
@@ -85,10 +89,15 @@ class LeftOut:
         ends = None if bars is None else (bars.lower.points, bars.upper.points)
         values = fitted.fit.values[: len(samples.model.names)]
         number = full_model(case) if isinstance(samples, Moving) else static_model(case)
+        if motion.felt:  # larger models need positions
+            number = RIGID
+        columns = samples.columns(fitted.at, values, fitted.regression.names)
         larger = identification_model(case, number)
         more = None if set(larger.names) <= set(samples.model.names) else larger
         names = Names.of(case)
-        return cls(samples.model, motion, values, samples.t, late, step, even, names, samples.scale, more, ends)
+        return cls(
+            samples.model, motion, values, samples.t, late, step, even, names, samples.scale, more, columns, ends
+        )
 
     @property
     def load(self) -> Kinematics:
@@ -122,6 +131,8 @@ class LeftOut:
 
     def regressors(self, names: Sequence[str]) -> Array:
         """Columns of the fit in this motion, weighted, shape (n, 6, v); names: those of parameters and nuisances."""
+        if self.columns is not None:
+            return self.weighted(self.columns)
         count = len(self.model.names)
         orders = [{"delay": 1, "smoothing": 2}[name] for name in names[count:]]
         more = [self._derivative(self.expected, order)[:, :, None] for order in orders]
@@ -204,10 +215,12 @@ class LeftOut:
 
     def _of_frame(self) -> Iterator[Alternative]:
         for k, name in enumerate("xyz"):
-            cause = f"a sensor frame that is {{}} mm further along its {name} than the case says"
+            than = "the accelerometer" if self.motion.felt else "the case says"
+            cause = f"a sensor frame that is {{}} mm further along its {name} than {than}"
             yield Alternative("frame", "the turning of the load", cause, self.by_place[:, :, k : k + 1], MILLIMETRES)
         for k, name in enumerate("xyz"):
-            cause = f"a sensor frame that is turned about its {name} by {{}} deg against the case"
+            against = "the orientations" if self.motion.felt else "the case"
+            cause = f"a sensor frame that is turned about its {name} by {{}} deg against {against}"
             yield Alternative("frame", "gravity and acceleration", cause, self.by_axes[:, :, k : k + 1], DEGREES)
         axes, columns = self.by_gravity
         for k, axis in enumerate(axes[1:], 1):
@@ -245,9 +258,10 @@ class LeftOut:
     @cached_property
     def by_gravity(self) -> tuple[Array, Array]:
         """Three axes, the first along gravity, shape (3, 3), and how the forces change with what gravity has more along
-        each of them, as a share of its size, shape (n, 6, 3); none of both where there is no gravity.
+        each of them, as a share of its size, shape (n, 6, 3); none of both where there is no gravity, or it is felt.
         """
-        size, axes = float(np.linalg.norm(self.model.gravity)), gravity_axes(self.model.gravity)
+        gravity = np.zeros(3) if self.motion.felt else self.model.gravity
+        size, axes = float(np.linalg.norm(gravity)), gravity_axes(gravity)
         columns, m = [np.zeros((len(self.t), 6, 0))], self.load
         for axis in axes:
             other = replace(m, twist_rate=m.twist_rate - STEP * size * np.r_[axis, np.zeros(3)])
@@ -256,9 +270,9 @@ class LeftOut:
 
     @cached_property
     def by_clock(self) -> Array:
-        """How the forces change with the rate of the motion's clock, shape (n, 6)."""
-        m = self.load
-        return self.change(replace(m, twist=m.twist * (1.0 + STEP), twist_rate=m.twist_rate * (1.0 + 2.0 * STEP)))
+        """How the forces change with the rate of the motion's clock, shape (n, 6); what is felt needs none."""
+        m, own = self.load, np.repeat([0.0 if self.motion.felt else 1.0, 1.0], 3)
+        return self.change(replace(m, twist=m.twist * (1.0 + STEP), twist_rate=m.twist_rate * (1.0 + 2.0 * STEP * own)))
 
     def change(self, motion: Kinematics) -> Array:
         """Change of the forces for a unit of what differs by `STEP`, shape (n, 6)."""
@@ -295,7 +309,8 @@ class LeftOut:
     def _of_clocks(self) -> Iterator[Alternative]:
         assert self.late is not None
         cause = "time stamps that are {} % too far apart"
-        yield Alternative("clock", "the acceleration", cause, self.by_clock[:, :, None], PERCENT)
+        if not self.motion.felt:  # then only the turning goes by the clock
+            yield Alternative("clock", "the acceleration", cause, self.by_clock[:, :, None], PERCENT)
         span = (self.t - self.t.mean()) / max(float(np.ptp(self.t)), self.step)
         rate = self._derivative(self.expected, 1)
         cause = "clocks of forces and motion that drift apart by {} ms over the run"
@@ -453,6 +468,9 @@ class LeftOut:
 
     def _of_motion(self) -> Iterator[Alternative]:
         described = (self.load.pose, self.load.twist, self.load.twist_rate)
+        if self.motion.felt:
+            yield from self._of_orientation()
+            return
         if self.motion.drives is not None and not self.motion.of_pose:
             described = self.motion.drives
         names = self.names.coordinates
@@ -470,6 +488,24 @@ class LeftOut:
                 yield Alternative(
                     key, f"the {key}", cause, in_channels(values), each=self._each(f"the {key} of {{}}", names)
                 )
+
+    def _of_orientation(self) -> Iterator[Alternative]:
+        """Of a motion whose place is not known: how gravity lies in the sensor, and how that turns and is shaken."""
+        m, turned = self.load, self.turn.transpose(0, 2, 1)
+        felt = turned @ (m.twist_rate[:, :3] - self.model.gravity)[:, :, None]
+        kinds = (
+            ("place", "the orientation", "gravity along {} of the sensor", turned[:, :, 2], BY_ORIENTATION),
+            (
+                "speed",
+                "the speed",
+                "the speed about {} of the sensor",
+                (turned @ m.twist[:, 3:, None])[:, :, 0],
+                BY_RATE,
+            ),
+            ("acceleration", "the acceleration", "the acceleration along {} of the sensor", felt[:, :, 0], BY_SHAKING),
+        )
+        for key, follow, each, values, cause in kinds:
+            yield Alternative(key, follow, cause, in_channels(scaled(values)), each=self._each(each, ("x", "y", "z")))
 
 
 def gravity_axes(gravity: Array) -> Array:

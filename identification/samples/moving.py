@@ -72,13 +72,13 @@ class Run(Moving):
         struts = self.recording.struts
         assert struts is not None
         first, last = self.filter.margin + self.rows[[0, -1]]
-        noise, used, calm = white_noise(struts[first : last + 1][:BLOCK]), self.filter, False
+        noise, used, quiet = white_noise(struts[first : last + 1][:BLOCK]), self.filter, False
         for factor in BANDS:
             narrow = self.filter._replace(cutoff=self.filter.cutoff / factor)
             if len(struts) - 2 * narrow.margin < MOST_OF_IT * (len(struts) - 2 * self.filter.margin):
                 break
-            used, calm = narrow, _calm(narrow, struts[:BLOCK], noise, self.machine.turns)
-            if calm:
+            used, quiet = narrow, calm(narrow, struts[:BLOCK], noise, self.machine.turns)
+            if quiet:
                 break
         rows = self.rows - (used.margin - self.filter.margin)
         inside, lost = np.clip(rows, 0, len(struts) - 2 * used.margin - 1), np.r_[0, np.cumsum(self.recording.lost > 0)]
@@ -88,7 +88,7 @@ class Run(Moving):
         place, speed, acceleration = (values[back] for values in drives)
         load = self.machine.kinematics(place, speed, acceleration)
         heard = noise * float(np.linalg.norm(self.filter.kernel(2, 0.0)))
-        return MotionOfSamples(known, load, (place, speed, acceleration), self.machine, noise, heard, calm)
+        return MotionOfSamples(known, load, (place, speed, acceleration), self.machine, noise, heard, quiet)
 
     def linearised(self, delay: float, values: Array) -> Array:
         """A and the columns of the nuisances at values u, shape (n, 6, u + nuisances).
@@ -211,12 +211,20 @@ CALM = 0.05  # of the second derivatives of accelerations, that may be noise of 
 MOST_OF_IT = 0.6  # of a run, that a longer filter has to leave
 
 
-def _calm(low_pass: Filter, drives: Array, noise: Array, turns: Flags) -> bool:
-    """Whether noise of drives, shape (k,), is small behind a filter, in accelerations bent as often as is looked at."""
+def calm(low_pass: Filter, drives: Array, noise: Array, turns: Flags, order: int = 2) -> bool:
+    """Whether noise of drives, shape (k,), is small behind a filter, in accelerations bent as often as is looked at.
+
+    Args:
+        low_pass: the filter.
+        drives: what was recorded, shape (n, k).
+        noise: its white noise, shape (k,).
+        turns: of which kind each is, shape (k,); those of a kind are judged together.
+        order: derivative of it that the forces follow.
+    """
     count, step = len(drives) - 2 * low_pass.margin, low_pass.stride
-    bends = decimated(low_pass, drives, np.arange(0, count, step), [(2, 0.0)])[0]
+    bends = decimated(low_pass, drives, np.arange(0, count, step), [(order, 0.0)])[0]
     snaps = np.sqrt(np.mean(np.diff(bends, 2, axis=0) ** 2, axis=0))
-    kernel = np.pad(low_pass.kernel(2, 0.0), step)
+    kernel = np.pad(low_pass.kernel(order, 0.0), step)
     heard = noise * np.linalg.norm(np.roll(kernel, step) + np.roll(kernel, -step) - 2.0 * kernel)
     kinds = [turns == kind for kind in (True, False) if np.any(turns == kind)]
     return all(heard[kind].max() <= CALM * snaps[kind].max() for kind in kinds)

@@ -5,6 +5,7 @@ The delay between forces and motion, where there is one, is estimated with the p
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import ClassVar, NamedTuple, Self
@@ -49,6 +50,7 @@ class MotionOfSamples(NamedTuple):
     noise: Array | None = None  # white noise of the drives, shape (k,) [m or rad]
     heard: Array | None = None  # noise of their accelerations behind the filter of the fit, shape (k,)
     calm: bool = True  # whether next to nothing of the motion is such noise
+    felt: bool = False  # whether an accelerometer says how {P} accelerates: then gravity and clocks do not matter to it
 
     def moved(self, place: Array, speed: Array, acceleration: Array) -> Kinematics:
         """The motion of {P} where drives say something else, but near it."""
@@ -114,6 +116,14 @@ class Samples(ABC):
     def motion(self, delay: float) -> MotionOfSamples | None:
         """How the load moves at the samples; None where that is not known."""
         del delay
+        return None
+
+    def columns(self, delay: float, values: Array, names: Sequence[str]) -> Array | None:
+        """Columns of a fit at values u in `motion`, by names of parameters and nuisances, shape (n, 6, v).
+
+        None where drives say that motion.
+        """
+        del delay, values, names
         return None
 
     def without(self, left_out: Flags) -> Self:

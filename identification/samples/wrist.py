@@ -5,7 +5,8 @@ stands for the acceleration of the sensor's origin: its lever arm is neglected. 
 small angles is estimated with the parameters, since without that the delay is arbitrary.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -16,16 +17,17 @@ from cases.base.units import Array, Flags
 from cases.schema import Case
 from identification.estimation.fit import Robust
 from identification.estimation.force_noise import coloured_covariance, turned
+from identification.machines.machine import Kinematics
 from identification.model.blocks import MASS
 from identification.model.model import Model
 from identification.recording.formats.clocks import lost_samples
 from identification.recording.formats.table import Stream
 from identification.recording.recording import Recording
-from identification.samples.moving import DELAY_STEP
+from identification.samples.moving import BANDS, DELAY_STEP, MOST_OF_IT, calm
 from identification.samples.moving_window import about_left_out, spoilt_by
 from identification.samples.sample_checks import bridged
-from identification.samples.samples import MOST_DELAY, Moving
-from identification.signals import Filter, Residuals
+from identification.samples.samples import MOST_DELAY, MotionOfSamples, Moving
+from identification.signals import Filter, Residuals, white_noise
 
 TURNING = 0.02  # [rad/s] from which the sensor counts as moving
 LEAST_ROWS = 20
@@ -38,6 +40,9 @@ class WristRun(Moving):
     quaternion: CubicSpline  # quaternion of R over time, filtered
     specific_force: CubicSpline  # specific force in the axes of {P} over time, filtered [m/s^2]
     wide: "WristRun | None" = None  # the run in the widest band that all streams carry, for its delay
+    # the run in a narrower band, in which its motion is known with next to no noise; None where it has none
+    narrow: "WristRun | None" = None
+    calm: bool = False  # whether next to nothing of its motion is noise of orientations and accelerometer
     nuisances: tuple[str, ...] = ("turn_x", "turn_y", "turn_z", "delay")
 
     def regressors(self, delay: float) -> Array:
@@ -51,6 +56,40 @@ class WristRun(Moving):
         size = np.linalg.norm(q, axis=1)[:, None]
         omega, alpha = (2.0 * _product(d / size, conjugate.as_quat()) for d in (first, second))
         return Rotation.from_quat(q).as_matrix(), omega, alpha, self.specific_force(t)
+
+    def motion(self, delay: float) -> MotionOfSamples | None:
+        """How the sensor turns and accelerates, in a band in which next to nothing of that is noise."""
+        slow = self._slow(delay)
+        if slow is None:
+            return None
+        turn, omega, alpha, specific = slow.turning(slow.t - delay)
+        still = np.zeros_like(omega)
+        acceleration = np.einsum("nij,nj->ni", turn, specific) + self.model.gravity
+        pose = np.hstack([still, Rotation.from_matrix(turn).as_euler("xyz")])
+        load = Kinematics(pose, np.hstack([still, omega]), np.hstack([acceleration, alpha]))
+        return MotionOfSamples(self._known(), load, felt=True)
+
+    def columns(self, delay: float, values: Array, names: Sequence[str]) -> Array | None:
+        """Columns of a fit at values u in `motion`, by names of parameters and nuisances, shape (n, 6, v)."""
+        slow, known = self._slow(delay), (*self.model.names, *self.nuisances)
+        return None if slow is None else slow.linearised(delay, values)[:, :, [known.index(name) for name in names]]
+
+    def _slow(self, delay: float) -> "WristRun | None":
+        """The run in its narrower band at the samples, or where that band begins and ends."""
+        if self.narrow is None:
+            return None
+        splines = (self.narrow.quaternion, self.narrow.specific_force)
+        first, last = max(spline.x[0] for spline in splines), min(spline.x[-1] for spline in splines)
+        room = abs(DELAY_STEP)
+        return replace(self.narrow, t=np.clip(self.t, first + delay + room, last + delay - room))
+
+    def _known(self) -> Flags:
+        """Samples beside which the narrower band has one, shape (n,)."""
+        assert self.narrow is not None
+        there = self.narrow.t
+        after = np.clip(np.searchsorted(there, self.t), 1, len(there) - 1)
+        nearest = np.minimum(np.abs(there[after] - self.t), np.abs(there[after - 1] - self.t))
+        return np.asarray(nearest < self.narrow.step)
 
     def _matrices(self, delay: float, specific: Array) -> Array:
         turn, omega, alpha, _ = self.turning(self.t - delay)
@@ -83,12 +122,15 @@ class WristRun(Moving):
         return Residuals(self.t, self.recorded, self.regressors(delay) @ values, self.step)
 
 
-def wrist_run(recording: Recording, case: Case, model: Model, cutoff: float | None = None) -> WristRun:
+def wrist_run(
+    recording: Recording, case: Case, model: Model, cutoff: float | None = None, turning_cutoff: float | None = None
+) -> WristRun:
     """A moving run with its window: from the first turn out of rest to rest again.
 
     Args:
         recording: recording with forces, rotation matrices and an accelerometer.
         cutoff: cutoff of the filter [Hz]; by default the case's.
+        turning_cutoff: the same of the orientations alone, whose noise in a wide band would be taken for accelerations.
 
     Raises:
         RecordingError: a stream or the filter is missing, or too slow or too short for it.
@@ -109,7 +151,7 @@ def wrist_run(recording: Recording, case: Case, model: Model, cutoff: float | No
     quaternions = Rotation.from_matrix(turning.rotations).as_quat()
     flips = np.cumprod(np.r_[1.0, np.sign(np.sum(quaternions[1:] * quaternions[:-1], axis=1))])
     # Without inertia, orientations only say where the sensor turns: their own band is enough for that.
-    band = cutoff if model.needs_motion else min(cutoff, widest_band(turning))
+    band = (turning_cutoff or cutoff) if model.needs_motion else min(cutoff, widest_band(turning))
     t, low_pass = _filter(recording, cutoff)
     inner = slice(low_pass.margin, len(t) - low_pass.margin)
     lost, t = lost_samples(recording.t), t[inner]
@@ -134,10 +176,51 @@ def wrist_run(recording: Recording, case: Case, model: Model, cutoff: float | No
     samples = rows[:: low_pass.stride]
     if len(samples) < LEAST_ROWS:
         raise RecordingError("the streams overlap for too short a time behind the filter; record longer")
+    quiet = _quiet(turning, accelerometer, cutoff, model)
     return WristRun(
-        model=model, filter=low_pass, t=t[samples], forces=smooth[samples], recorded=recorded[inner][samples],
-        quaternion=quaternion, specific_force=specific, samples=len(rows), window=warnings,
+        model=model, filter=low_pass, calm=quiet, t=t[samples], forces=smooth[samples],
+        recorded=recorded[inner][samples], quaternion=quaternion, specific_force=specific, samples=len(rows),
+        window=warnings,
     )  # fmt: skip
+
+
+def narrow_run(recording: Recording, case: Case, model: Model) -> WristRun | None:
+    """A moving run in a band in which next to nothing of its motion is noise; None where it has none.
+
+    It is at most half of that of the fit, for residuals have that noise too.
+
+    Args:
+        recording: as for `wrist_run`.
+        case: as for `wrist_run`; its cut-off is that of the fit.
+        model: as for `wrist_run`.
+    """
+    cutoff, t = case.recording.filter_cutoff_Hz, recording.t
+    if cutoff is None or t is None:
+        return None
+    for factor in BANDS:
+        try:
+            run = wrist_run(recording, case, model, cutoff / factor)
+        except (RecordingError, IdentificationError):
+            break
+        if np.ptp(run.t) < MOST_OF_IT * np.ptp(t):
+            break
+        if run.calm:
+            return run
+    return None
+
+
+def _quiet(turning: Stream, accelerometer: Stream, cutoff: float, model: Model) -> bool:
+    """Whether next to nothing of a motion is noise of the streams that say it."""
+    felt, (_, low_pass) = accelerometer.specific_forces, _filter(accelerometer, cutoff)
+    assert felt is not None
+    alike = np.zeros(3, dtype=bool)
+    if not calm(low_pass, felt, white_noise(felt), alike, order=0):
+        return False
+    if not model.needs_motion:
+        return True
+    assert turning.rotations is not None
+    axes, (_, low_pass) = turning.rotations.reshape(-1, 9), _filter(turning, cutoff)
+    return calm(low_pass, axes, white_noise(axes), np.zeros(9, dtype=bool))
 
 
 def _smooth(stream: Stream, values: Array, cutoff: float, at: Array) -> tuple[CubicSpline, Flags]:
