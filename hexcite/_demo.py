@@ -27,6 +27,7 @@ from planner.controller_limits import steps_of
 from planner.families.settings import FamilySettings, Fourier, Manual, PointToPoint
 from planner.plans.plan import Plan
 from planner.request import Solver, require_seed, require_starts
+from planner.retiming import retime
 from postprocessors.dialects.dialect import Dialect
 from postprocessors.program import Program, dialect
 
@@ -55,6 +56,7 @@ class Demo:
     others: tuple[Tried, ...]
     comparison: Comparison  # of all of them, after their runs
     left_out: tuple[str, ...]  # motions that this machine or its controllers have no place for, and why
+    faster: tuple[str, ...]  # what the paths of the others would be, timed for a controller that does not limit jerk
 
     @property
     def all(self) -> tuple[Tried, ...]:
@@ -154,10 +156,27 @@ def demo(
             progress(f"{family.name}: left out, {error}")
     moves = way.gone(PointToPoint(controller=language.name, without=LimitKind.JERK if steps else None), language, place)
     results = [place / each.plan.family / "result" for each in others]
+    faster = tuple(without_jerk(each.plan) for each in others)
+    for sentence in faster:
+        progress(f"retime: {sentence}")
     comparison = compare([*results, place / "result"], case)
     for sentence in comparison.sentences:
         progress(f"compare: {sentence}")
-    return Demo(moves, tuple(others), comparison, tuple(left_out))
+    return Demo(moves, tuple(others), comparison, tuple(left_out), faster)
+
+
+def without_jerk(plan: Plan) -> str:
+    """What the path of a plan is worth as fast as toppra times it, for a controller that does not limit jerk."""
+    before = f"{plan.duration:.3g} s, D-efficiency {plan.of_motion[1].d_efficiency:.3f}"
+    limited = plan.case.need_motion("a demo")[1].limits_jerk
+    try:
+        timed = retime(plan, "toppra", LimitKind.JERK if limited else None)
+    except HexciteError as error:
+        return f"{plan.family} is not timed by toppra: {error.typed}"
+    return (
+        f"{plan.family} timed by toppra, for a controller that does not limit jerk: {timed.duration:.3g} s, "
+        f"D-efficiency {timed.of_motion[1].d_efficiency:.3f} ({before} with its own time)"
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -47,6 +47,7 @@ def demo(
         "comparison": chain.comparison.to_json(),
         "motions": [dict(zip(MOTION_COLUMNS, row, strict=True)) for row in motion_rows(chain)],
         "left_out": list(chain.left_out),
+        "faster": list(chain.faster),
     }
     file = place / "report.html"
     write_text(file, demo_page(chain))

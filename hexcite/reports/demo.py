@@ -61,7 +61,9 @@ def demo_page(chain: Demo) -> str:
         section(
             "Motions compared",
             table(MOTION_COLUMNS, motion_rows(chain)),
-            *map(note, (*chain.comparison.sentences, *(f"Left out: {words}" for words in chain.left_out))),
+            *map(
+                note, (*chain.comparison.sentences, *(f"Left out: {words}" for words in chain.left_out), *chain.faster)
+            ),
             note(
                 "Each was planned, programmed, proven, run and identified the same way. Deviations: the geometric mean "
                 "of the reported standard deviations over those of the best."

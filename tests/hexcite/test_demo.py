@@ -120,6 +120,15 @@ def test_a_hand_made_motion_a_series_and_moves_are_compared_as_planned_run_and_w
     assert ratios[0] > ratios[-1]
 
 
+def test_paths_timed_by_toppra_are_shorter_and_no_less_informative(demo: dict[str, Any]):
+    assert [words.split()[0] for words in demo["faster"]] == ["manual", "fourier"]
+    for words in demo["faster"]:
+        found = re.findall(r"([\d.]+) s, D-efficiency ([\d.]+)", words)
+        (after, better), (before, own) = (map(float, each) for each in found)
+        assert after < before
+        assert better > own
+
+
 def test_it_plans_moves_for_the_controller_whose_program_it_writes(demo: dict[str, Any]):
     assert demo["plan"]["family"] == "ptp"
     assert demo["plan"]["settings"]["made_for"] == "sinumerik"
