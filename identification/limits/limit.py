@@ -109,7 +109,7 @@ class Limit(NamedTuple):
 
     @classmethod
     def named(cls, name: str) -> "Limit":
-        """The limit that has a name; raises ValueError where there is none."""
+        """The limit that files of version 0.2 have by name alone; raises ValueError where there is none."""
         for move in OwnMove:
             if name.endswith(f", {move}"):
                 return cls.named(name.removesuffix(f", {move}"))._replace(move=move)
@@ -226,7 +226,9 @@ class LimitCheck:
 
     def to_json(self) -> dict[str, Any]:
         """The object that `LimitReport.to_json` holds under the limit's name."""
-        entry = {"at": self.name, "worst": self.worst, "limit": self.limit, "unit": self.unit, "ratio": self.ratio}
+        move = None if self.of.move is None else str(self.of.move)
+        entry: dict[str, Any] = {"kind": str(self.kind), "box": self.of.box, "move": move, "place": self.place}
+        entry |= {"at": self.name, "worst": self.worst, "limit": self.limit, "unit": self.unit, "ratio": self.ratio}
         entry |= {"time_s": self.time, "status": str(self.status)}
         return entry if self.bounds is None else entry | {"bounds": list(self.bounds)}
 
@@ -234,11 +236,15 @@ class LimitCheck:
     def of_json(cls, name: str, entry: Mapping[str, Any]) -> "LimitCheck":
         """The check from a limit's name and what `to_json` made; errors as `LimitReport.of_json`."""
         bounds, status, at = entry.get("bounds"), Status(entry["status"]), str(entry["at"])
-        place = at.removeprefix(name).removeprefix(" (").removesuffix(")")
+        if "kind" in entry:
+            move = None if entry["move"] is None else OwnMove(entry["move"])
+            of, place = Limit(LimitKind(entry["kind"]), str(entry["box"]), move), str(entry["place"])
+        else:  # of version 0.2
+            of, place = Limit.named(name), at.removeprefix(name).removeprefix(" (").removesuffix(")")
         worst, limit, ratio, time = (float(entry[key]) for key in ("worst", "limit", "ratio", "time_s"))
         binding = status not in (Status.LEFT_OUT, Status.STEPS)
         return cls(
-            Limit.named(name), place, worst, limit, str(entry["unit"]), ratio, time, status, binding,
+            of, place, worst, limit, str(entry["unit"]), ratio, time, status, binding,
             None if bounds is None else (float(bounds[0]), float(bounds[1])),
         )  # fmt: skip
 

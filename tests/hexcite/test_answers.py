@@ -21,7 +21,7 @@ KEYS = {  # that other programs may rely on
     "run": "recording samples duration_s planned_s path_error_mm d_efficiency",
     "identify": "result model s0 white_noise s0_N samples rank condition parameters warnings",
 }
-LIMIT = {"at", "worst", "limit", "unit", "ratio", "time_s", "status"}
+LIMIT = {"kind", "box", "move", "place", "at", "worst", "limit", "unit", "ratio", "time_s", "status"}
 PROMISES = {"proven", "enforced by controller", "NOT enforced"}
 
 
