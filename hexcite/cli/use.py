@@ -123,7 +123,7 @@ def payload(
     stale: Stale = False,
     json: Json = False,
 ) -> None:
-    """Compute the payload from results without and with it.
+    """Compute a payload from runs without and with it.
 
     Mass, centre of gravity and inertia, as far as both results determine them. With --reference: E_n of each, the
     difference over the root of both squared U (k = 2); exit code 1 where one is above 1.
