@@ -61,5 +61,5 @@ def test_wampler_has_its_certified_coefficients(base: float) -> None:
     x, powers = np.arange(21.0), np.arange(6)
     columns = x[:, None] ** powers
     fit = gauss_markov(certified(columns, columns @ base**powers), np.ones(1))
-    np.testing.assert_allclose(fit.values, base**powers, rtol=1e-8)
-    assert fit.white_noise < 1e-8
+    np.testing.assert_allclose(fit.values, base**powers, rtol=1e-7)
+    assert fit.white_noise < 1e-13 * np.abs(columns @ base**powers).max()
