@@ -16,7 +16,7 @@ def page(
     host: Annotated[str, option("Address to serve at; others than 127.0.0.1 are open to the network.")] = HOME,
     browser: Annotated[bool, option("Open the browser.", "--browser/--no-browser")] = True,
 ) -> None:
-    """Serve the guided page: from the machine to the calibrated model in a browser.
+    """Serve the guided page, from machine to result.
 
     Each stage runs commands of hexcite in FOLDER and shows them. Ctrl-C ends it; a search then keeps its best motion.
     """

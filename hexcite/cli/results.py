@@ -41,7 +41,7 @@ def accept(
     stale: console.Stale = False,
     json: console.Json = False,
 ) -> None:
-    """Say whether a result is accepted: PASS or FAIL, with the value and limit of each check.
+    """Say whether a result passes its limits.
 
     Limits stand in [accept] of the case; without it, noise is judged beside what the case states, mass beside nominal,
     and the run beside its plan. Exit code 1: it failed.

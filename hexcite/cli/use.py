@@ -32,7 +32,7 @@ def export(
     overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
-    """Write the calibrated model, or the load that it found, for a controller."""
+    """Write the model, or the load that it found."""
     identified = hx.Result.load(result, None if case is None else hx.load_case(case), stale)
     warnings = [*identified.warnings, *identified.remarks]
     case_name, model = identified.case.name, identified.model.number
