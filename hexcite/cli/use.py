@@ -61,22 +61,28 @@ def force(
     overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
-    """Compute external force and moment over a recording."""
+    """Compute external force and moment over a recording.
+
+    A table by the recorder's clock, and beside it a page with the curves.
+    """
     from cases.recording_format import WRENCH
 
     file = output_place(output, Path(f"{recordings[0].resolve().stem}-force.csv"), overwrite)
     inputs = [path for place in recordings for path in (place, *(place.glob("*") if place.is_dir() else ()))]
     check_file(file, [".csv"], inputs, overwrite)
+    check_file(page := file.with_suffix(".html"), [".html"], inputs, overwrite)
     result = hx.force(*_read(recordings, parameters, case, stale))
     result.save(file, overwrite)
+    hx.report(result, page)
     answer: dict[str, Any] = {
         "force": str(file),
+        "report": str(page),
         "samples": len(result.t),
         "rms": {name: float(v) for name, v in zip(WRENCH, result.rms, strict=True)},
         "peak": {name: float(v) for name, v in zip(WRENCH, result.peak, strict=True)},
         "warnings": list(result.warnings),
     }
-    answered(answer, json, f"written: {file}, behind the filter of the case", result)
+    answered(answer, json, f"written: {file}, behind the filter of the case, and its page {page}", result)
 
 
 def _read(recordings: list[Path], parameters: Path, case: str | None, stale: bool) -> "tuple[hx.Recording, hx.Result]":

@@ -8,11 +8,12 @@ from cases.base.files import write_text
 if TYPE_CHECKING:
     from hexcite.comparison.comparison import Comparison
     from hexcite.comparison.validation import Validation
+    from identification.results.force import ExternalForce
     from identification.results.result import Result
     from planner.plans.plan import Plan
 
 
-def report(value: "Plan | Result | Comparison | Validation", file: Path | str) -> None:
+def report(value: "Plan | Result | Comparison | Validation | ExternalForce", file: Path | str) -> None:
     """Writes the page of a value, one HTML file that needs no network."""
     write_text(Path(file), page_of(value))
 
@@ -32,6 +33,10 @@ def page_of(value: Any) -> str:
             from hexcite.reports.compare import compare_page
 
             return compare_page(value)
+        case "ExternalForce":
+            from hexcite.reports.force import force_page
+
+            return force_page(value)
         case _:
             from hexcite.reports.validation import validation_page
 

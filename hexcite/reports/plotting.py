@@ -72,7 +72,9 @@ def plot(
             groups = value.groups  # type: ignore[union-attr]
             return drawn([std_chart(groups), *(b for b in acceleration_blocks(groups) if isinstance(b, Chart))])
         case _:
-            return drawn(_force(value))
+            from hexcite.reports.force import force_charts
+
+            return drawn(force_charts(value))  # type: ignore[arg-type]
 
 
 def _plan(plan: Any) -> "Figure":
@@ -152,14 +154,3 @@ def _models(choice: Any) -> Chart:
         Axis(ends=(-0.6, len(rows) - 0.4), names=names, tilt=60.0),
         Axis("force [N, or 1 where weighted]", logarithmic=True),
     )
-
-
-def _force(force: Any) -> list[Chart]:
-    names = ("x", "y", "z")
-    return [
-        Chart(name, words, lines(force.t, force.wrench[:, own], names), Axis("time [s]"), Axis(f"{name} [{unit}]"))
-        for name, words, own, unit in (
-            ("force", "External force on the platform.", slice(0, 3), "N"),
-            ("moment", "External moment about the origin of {P}.", slice(3, 6), "N m"),
-        )
-    ]

@@ -3,6 +3,7 @@
 With f^ = A u the forces that the model expects without contact (18), (1) reads f_Ext = -J^-T (f_q - f^), in {P}.
 """
 
+from fractions import Fraction
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -34,6 +35,10 @@ class ExternalForce(NamedTuple):
     wrench: Array  # shape (n, 6) [N, N m]
     residuals: Array  # residuals of the sensors, measured less expected, shape (n, 6) [N, or N and N m]
     findings: tuple[Finding, ...] = ()  # what was not measured and is left out, and offsets that have drifted
+    origin: Fraction | None = None  # what the recorder's own clock said at t = 0 [s]; None of standstills
+    case: str = ""  # name of the machine
+    recording: str = ""  # where the run is from
+    parameters: str = ""  # the result whose parameters were used
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -53,6 +58,8 @@ class ExternalForce(NamedTuple):
     def save(self, file: Path | str, overwrite: bool = False) -> None:
         """Writes a CSV file of time and components, after a comment for each change of the case since.
 
+        Times are those of the recorder's own clock, to nanoseconds: other channels of the recording stand at them.
+
         Raises:
             FileProblem: it is there, or cannot be written.
         """
@@ -61,7 +68,8 @@ class ExternalForce(NamedTuple):
 
         place = Path(file)
         check_file(place, [".csv"], overwrite=overwrite)
-        table = {CLOCK: self.t} | {name: np.ascontiguousarray(self.wrench[:, k]) for k, name in enumerate(WRENCH)}
+        table: dict[str, Any] = {CLOCK: self.t if self.origin is None else on_clock(self.t, self.origin)}
+        table |= {name: np.ascontiguousarray(self.wrench[:, k]) for k, name in enumerate(WRENCH)}
         with atomic_file(place) as part, part.open("wb") as out:
             out.writelines(f"# {f.sentence}\n".encode() for f in self.findings if f.kind is Kind.CASE)
             pacsv.write_csv(pa.table(table), out, pacsv.WriteOptions(quoting_style="none"))
@@ -76,6 +84,13 @@ class ExternalForce(NamedTuple):
 
     def _repr_html_(self) -> str:
         return as_html(self)
+
+
+def on_clock(t: Array, origin: Fraction) -> list[str]:
+    """Times since `origin`, shape (n,) [s], as decimals of the clock that said `origin` then."""
+    start = round(origin * 10**9)
+    stamps = [start + int(ns) for ns in np.rint(t * 1e9)]
+    return [f"{'-' * (ns < 0)}{abs(ns) // 10**9}.{abs(ns) % 10**9:09d}" for ns in stamps]
 
 
 def force(recording: Recording, result: Result, whole: bool = True) -> ExternalForce:
@@ -105,7 +120,9 @@ def force(recording: Recording, result: Result, whole: bool = True) -> ExternalF
     residuals = forces - matrices @ result.values
     variance = np.diag(result.covariance_robust)[offset_columns(model)]
     findings += (*shifted_all_along(residuals, variance, case), *changed_cases(recording.remarks + result.remarks))
-    return ExternalForce(t, -model.wrenches(residuals, poses), residuals, findings)
+    origin = None if recording.t is None or case.setup == "1a" else recording.origin
+    told = case.name, recording.source, result.source
+    return ExternalForce(t, -model.wrenches(residuals, poses), residuals, findings, origin, *told)
 
 
 STRETCHES = 10  # of a recording, in each of which a channel reads too much

@@ -44,6 +44,9 @@ def test_a_run_in_two_files_is_identified_and_its_forces_and_offsets_are_told(tm
     told = call("force", *moving, "--parameters", result, "-o", tmp_path / "force.csv", "--json").json()
     assert told["samples"] > 400
     assert told["peak"]["fz_N"] < 5.0  # nothing touches the body
+    page = Path(told["report"]).read_text()
+    assert "External force" in page
+    assert page.count('data-plot="') == 2
     tared = call("tare", *standing, "--parameters", result, "-o", tmp_path / "tared", "--json").json()
     offsets = [tared["parameters"][f"f_q0_{k}"]["value"] for k in range(1, 7)]
     np.testing.assert_allclose(offsets, OFFSETS, atol=1.0)

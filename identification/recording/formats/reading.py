@@ -89,7 +89,7 @@ def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
         from identification.machines.hexapod import Hexapod
 
         main = replace(main, struts=Hexapod.of(case).strut_lengths(main.poses))
-    return replace(main, findings=(*findings, *of_clocks)), *(s for s in streams if s.forces is None)
+    return replace(main, findings=(*findings, *of_clocks), origin=origin), *(s for s in streams if s.forces is None)
 
 
 def written_columns(paths: Sequence[Path], case: Case, names: Sequence[str]) -> Array | None:

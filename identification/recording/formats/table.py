@@ -4,6 +4,7 @@ import stat
 from bisect import bisect_right
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from os import PathLike
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -109,6 +110,8 @@ class Stream:
     missing: Flags | None = None
     missing_in: tuple[str, ...] = ()  # the columns in which they are, as the file calls them
     findings: tuple[Finding, ...] = ()  # what reading made known: how it was read, and doubts about that
+    # what the recorder's own clock said at t = 0 [s], exact: a double has too few digits for epochs in ns
+    origin: Fraction = Fraction(0)
 
     def __post_init__(self) -> None:
         """Makes arrays of what is given as such, of floats or flags; RecordingError names what cannot be."""

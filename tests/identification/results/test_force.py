@@ -3,6 +3,8 @@
 import json
 import re
 from dataclasses import replace
+from decimal import Decimal
+from fractions import Fraction
 from functools import reduce
 from operator import getitem
 from pathlib import Path
@@ -51,6 +53,28 @@ def standing(samples: int = 400, shift: float = 0.0) -> Recording:
     return replace(
         run, forces=run.forces[:samples] + shift, t=run.t[:samples], struts=run.struts[:samples], trigger=None
     )
+
+
+@pytest.mark.parametrize("origin", ["1700000000.123456789", "-0.25", "0"])
+def test_the_table_has_the_recorders_own_clock_to_a_nanosecond(origin: str, saved: Result, tmp_path: Path) -> None:
+    """Of epochs a double keeps a quarter of a microsecond."""
+    run = recorded(9, 5)
+    found = force(replace(run, origin=Fraction(origin)), saved)
+    found.save(tmp_path / "f.csv")
+    rows = [line.split(",") for line in (tmp_path / "f.csv").read_text().splitlines()[1:]]
+    back = [float(Fraction(row[0]) - Fraction(origin)) for row in rows]
+    np.testing.assert_allclose(back, found.t, atol=0.51e-9)
+    np.testing.assert_allclose(np.array([row[1:] for row in rows], dtype=float), found.wrench, rtol=1e-12)
+
+
+def test_stamps_of_an_epoch_are_those_of_the_table_of_forces(saved: Result, tmp_path: Path) -> None:
+    replace(recorded(9, 5), case=CASE).save(tmp_path / "run")
+    head, *rows = (tmp_path / "run" / "recording.csv").read_text().splitlines()
+    late = [f"{Decimal(row.split(',')[0]) + 1_700_000_000},{row.split(',', 1)[1]}" for row in rows]
+    (tmp_path / "late.csv").write_text("\n".join([head, *late]))
+    run = Recording.load(tmp_path / "late.csv", CASE)
+    assert run.origin == Fraction(late[0].split(",")[0])
+    assert run.t[0] == 0.0
 
 
 def test_without_contact_the_external_force_of_another_motion_is_noise(saved: Result) -> None:
