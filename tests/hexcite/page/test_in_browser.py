@@ -101,7 +101,7 @@ def test_from_the_machine_to_its_model(browser: Browser, address: str, root: Pat
     assert all(url.startswith(("http://127.0.0.1:", "data:", "blob:")) for url in seen.requests)
 
 
-def test_a_recording_with_exchanged_struts_is_mended_by_menus(browser: Browser, address: str, root: Path):
+def test_a_recorded_file_is_read_for_a_machine_of_ones_own(browser: Browser, address: str, root: Path):
     import hexcite as hx
 
     case = hx.load_case("hexapod")
@@ -122,25 +122,12 @@ def test_a_recording_with_exchanged_struts_is_mended_by_menus(browser: Browser, 
     page.get_by_label(re.compile("^Name")).fill("mill")
     page.get_by_label(re.compile("^Begin from")).select_option("hexapod")
     page.get_by_role("button", name="Make it").click()
-    expect(page.get_by_role("heading", name="Machine")).to_be_visible()
+    expect(page.get_by_role("heading", name="Machine", exact=True)).to_be_visible()
     page.get_by_role("link", name=re.compile("4 Data")).click()
     page.locator("#f-file").set_input_files(str(file))
     page.get_by_role("button", name="How is it read?").click()
     expect(page.get_by_text("The file is read with these settings.")).to_be_visible()
     seen.shot("mill-4-data")
-    page.get_by_role("button", name="Identify the parameters").click()
-    expect(page.locator(".verdict.doubt")).to_contain_text("l1")
-    seen.shot("mill-5-doubt")
-    page.get_by_role("link", name="Change how the recording is read").click()
-    page.get_by_role("button", name="How is it read?").click()
-    page.locator('[id="c.l1_mm"]').select_option("l4_mm")
-    page.locator('[id="c.l4_mm"]').select_option("l1_mm")
-    page.get_by_role("button", name=re.compile("Take these menus")).click()
-    expect(page.locator('[id="c.l1_mm"]')).to_have_value("l4_mm")
-    page.get_by_role("button", name="Identify the parameters").click()
-    expect(page.locator(".verdict.good")).to_be_visible()
-    mass = page.locator(".parameters tr", has_text="mass (m)").locator("td").nth(1).inner_text()
-    assert float(mass) == pytest.approx(31.83, abs=0.05)
     assert seen.errors == []
 
 
