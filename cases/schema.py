@@ -18,6 +18,7 @@ from cases.acceptance import Acceptance
 from cases.base.errors import ALSO, CaseError, printable
 from cases.base.files import check_file, toml_text, write_text
 from cases.base.units import DEG, MINUTE, MM, Array, as_html
+from cases.certificate import CertificateOf
 from cases.chain import Box, Chain, JointMotionLimits, Limits, SerialMachine, joint_problems
 from cases.controller import Controller, ControllerName, Settings, Sinumerik, TwinCat
 from cases.machine import HexapodMachine, MotionLimits, Workspace, box_problems, turned
@@ -90,6 +91,8 @@ class Case(Heading):
     """How far the machine may be from all this; deviations of results count it."""
     accept: Acceptance | None = None
     """What a result has to be, to be accepted."""
+    certificate: CertificateOf | None = None
+    """What certificates say of the machine."""
     nominal: RigidBody | None = None
     """Expected values of the moving body: mass, centre of gravity, inertia."""
     simulation: Simulation | None = None

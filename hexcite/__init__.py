@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     from hexcite.comparison.trials import ValidationSettings as ValidationSettings
     from hexcite.comparison.validation import validate as validate
     from hexcite.reports import report as report
+    from hexcite.reports.certificate import certificate as certificate
+    from hexcite.reports.certificate import verify_certificate as verify_certificate
     from hexcite.reports.plotting import plot as plot
     from hexcite.studies.conduct import study as study
     from identification import Finding as Finding
@@ -89,6 +91,8 @@ PUBLIC = {
     "ValidationSettings": "hexcite.comparison.trials",
     "validate": "hexcite.comparison.validation",
     "report": "hexcite.reports",
+    "certificate": "hexcite.reports.certificate",
+    "verify_certificate": "hexcite.reports.certificate",
     "plot": "hexcite.reports.plotting",
     "study": "hexcite.studies.conduct",
     "Finding": "identification",

@@ -1,4 +1,4 @@
-"""`hexcite pool` and `accept`: several results together, and whether one is accepted."""
+"""`hexcite pool`, `accept` and `certificate`: results together, judged, and signed for."""
 
 from pathlib import Path
 from typing import Annotated
@@ -6,7 +6,8 @@ from typing import Annotated
 import typer
 
 import hexcite as hx
-from cases.base.files import RESULT, check_folder, output_place
+from cases.base.files import RESULT, check_file, check_folder, output_place
+from cases.certificate import CertificateOf
 from hexcite.cli import console
 from hexcite.cli.console import argument, option, out
 
@@ -52,3 +53,38 @@ def accept(
     console.answered({"result": str(result), **verdict.to_json()}, json, verdict)
     if not verdict.passed:
         raise typer.Exit(1)
+
+
+def certificate(
+    result: Annotated[Path, argument("Result folder; with --verify the certificate.")],
+    case: console.OwnCase = None,
+    operator: Annotated[str | None, option("Who recorded and evaluated; by default [certificate] of the case.")] = None,
+    conditions: Annotated[str | None, option("Temperature, tool and the like; by default those of the case.")] = None,
+    number: Annotated[str, option("Number of the certificate.")] = "",
+    verify: Annotated[bool, option("Say whether a certificate is as it was issued.", "--verify")] = False,
+    of: Annotated[Path | None, option("With --verify: the result that it has to be of.", "--result")] = None,
+    output: Annotated[Path | None, out("PDF file to write; RESULT-certificate.pdf by default.")] = None,
+    stale: console.Stale = False,
+    overwrite: console.Overwrite = False,
+    json: console.Json = False,
+) -> None:
+    """Write the certificate of a result as A4 pages, or verify one.
+
+    It states parameters with U (k = 2), what U counts and does not count, verdicts, and the fingerprints of case, plan,
+    program, recording and result. Exit code 1 of --verify: it was changed, or is of another result or recording.
+    """
+    named = None if case is None else hx.load_case(case)
+    if verify:
+        found = hx.verify_certificate(result, None if of is None else hx.Result.load(of, named, stale))
+        answer = {"certificate": str(result), "stated": dict(found.stated), "compared": dict(found.lines)}
+        console.answered(answer, json, found)
+        return
+    if of is not None:
+        raise hx.HexciteError("--result", "goes with --verify", "leave one out, or add the other")
+    file = output_place(output, Path(f"{result.resolve().stem}-certificate.pdf"), overwrite)
+    check_file(file, (".pdf",), [result], overwrite)
+    loaded = hx.Result.load(result, named, stale)
+    given = {key: text for key, text in (("operator", operator), ("conditions", conditions)) if text is not None}
+    about = (loaded.case.certificate or CertificateOf()).model_copy(update=given)
+    hx.certificate(loaded, file, about, number, overwrite)
+    console.answered({"certificate": str(file)}, json, f"certificate written: {file}")

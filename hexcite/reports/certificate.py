@@ -1,0 +1,320 @@
+"""The certificate of a result: A4 pages as PDF, with what they state as data inside, and its verification.
+
+The keywords of the file hold what is stated as JSON in Base64, and the SHA-256 of the file with zeros in its place: a
+byte that was changed since shows. It is no signature: who makes a new file makes a new fingerprint.
+"""
+
+import base64
+import hashlib
+import json
+import re
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
+from datetime import datetime
+from io import BytesIO
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from cases.base.doors import checks
+from cases.base.errors import FileProblem
+from cases.base.files import atomic_file, check_file, sha256_of
+from cases.basis import content_of
+from cases.certificate import CertificateOf
+from identification.estimation.fit import COVERAGE_FACTOR
+from identification.results.result import Result
+from identification.results.verdicts import accept
+from identification.texts import legible, parameter_words, std_text, value_text
+
+FORMAT, VERSION = "hexcite certificate", 1
+WIDTH, HEIGHT = 8.27, 11.69  # A4 [inch]
+_EMBEDDED = re.compile(rb"hexcite:([A-Za-z0-9+/=]+) sha256:([0-9a-f]{64})")
+_NONE = b"0" * 64
+
+
+@checks
+def certificate(
+    result: Result, file: Path | str, about: CertificateOf | None = None, number: str = "", overwrite: bool = False
+) -> None:
+    """Writes the certificate of a result, one PDF file of A4 pages.
+
+        hx.certificate(result, "calibration.pdf")
+
+    Args:
+        result: the result.
+        file: file to write.
+        about: laboratory, operator, serial numbers and conditions; `[certificate]` of the case unless given.
+        number: number of the certificate.
+        overwrite: whether a file that stands there is replaced.
+
+    Raises:
+        FileProblem: it stands there, or cannot be written.
+    """
+    place = Path(file)
+    check_file(place, (".pdf",), overwrite=overwrite)
+    stated = statements(result, about or result.case.certificate or CertificateOf(), number)
+    content = _pdf(stated)
+    with atomic_file(place) as part:
+        part.write_bytes(content)
+
+
+def statements(result: Result, about: CertificateOf, number: str) -> dict[str, Any]:
+    """What a certificate states, as JSON."""
+    record, case = result.record, result.case
+    run = record.run or {}
+    verdict = accept(result)
+    budget = result.budget
+    counted = list(next(iter(budget.values()))) if budget else ["noise", "noise with memory", "seen in residuals"]
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "number": number,
+        "issued": datetime.now().astimezone().isoformat(timespec="seconds"),
+        "laboratory": about.laboratory or "",
+        "operator": about.operator or "",
+        "conditions": about.conditions or "",
+        "machine": {"case": case.name, "title": case.title, "setup": case.setup},
+        "serial_numbers": dict(about.serial_numbers or {}),
+        "recorded": record.recorded_at or "",
+        "simulated": bool(run.get("simulated", False)),
+        "program": str(run.get("program", "")),
+        "method": {
+            "model": record.model,
+            "weights": record.weights,
+            "samples": record.samples,
+            "standstills": record.delay_s is None,
+            "rank": record.rank,
+            "condition": record.condition,
+            "s0": record.s0,
+            "known": dict(record.known or {}),
+            "priors": list(record.priors or {}),
+        },
+        "parameters": {
+            name: {"value": p.value, "U": p.expanded, "unit": p.unit} for name, p in result.parameters.items()
+        },
+        "coverage_factor": COVERAGE_FACTOR,
+        "counted": counted,
+        "not_counted": list(result.not_counted),
+        "verdict": verdict.to_json(),
+        "warnings": list(result.warnings),
+        "fingerprints": {
+            "case": record.case_hash,
+            "plan": record.plan_hash or "",
+            "program": str(run.get("program_hash", "")),
+            "recording": [dict(entry) for entry in record.inputs],
+            "result": content_of(record.to_json()),
+        },
+        "versions": dict(record.versions),
+    }
+
+
+class Verification(NamedTuple):
+    """What the verification of a certificate found."""
+
+    stated: Mapping[str, Any]  # what it states
+    lines: tuple[tuple[str, str], ...]  # what was compared, and how it compares
+
+    def __repr__(self) -> str:
+        """A line for each comparison."""
+        first = f"the file is as it was issued on {self.stated['issued']}"
+        return "\n".join([first, *(f"{what}: {how}" for what, how in self.lines)])
+
+
+@checks
+def verify_certificate(file: Path | str, result: Result | None = None) -> Verification:
+    """Whether a certificate is as it was issued, and agrees with a result and the recordings that are still there.
+
+    Args:
+        file: the certificate.
+        result: result that it has to be of.
+
+    Raises:
+        FileProblem: no certificate, changed since it was issued, or of another result or recording.
+    """
+    place = Path(file)
+    try:
+        content = place.read_bytes()
+    except OSError as error:
+        raise FileProblem(place, f"cannot be read ({error.strerror})", "name a certificate, a PDF file") from error
+    match = _EMBEDDED.search(content)
+    if match is None:
+        raise FileProblem(place, "is not a certificate of hexcite", "name one that hexcite certificate wrote")
+    start, end = match.span(2)
+    if hashlib.sha256(content[:start] + _NONE + content[end:]).hexdigest().encode() != match[2]:
+        raise FileProblem(place, "was changed since it was issued", "ask for the original, or issue it again")
+    stated = json.loads(base64.b64decode(match[1]))
+    prints, lines = stated["fingerprints"], list[tuple[str, str]]()
+    if result is not None:
+        if content_of(result.record.to_json()) != prints["result"]:
+            raise FileProblem(place, f"is of another result than {result.source}", "name the result that it is of")
+        lines.append((f"result {result.source}", "the one that is certified"))
+    for entry in prints["recording"]:
+        recording = Path(entry["file"])
+        if not recording.is_file():
+            lines.append((f"recording {recording}", "is not here, not compared"))
+        elif sha256_of(recording) != entry["sha256"]:
+            raise FileProblem(recording, f"is not the recording of {place}", "restore the recording")
+        else:
+            lines.append((f"recording {recording}", "the one that is certified"))
+    return Verification(stated, tuple(lines))
+
+
+def _pdf(stated: Mapping[str, Any]) -> bytes:
+    """The pages of what is stated, with the data and the fingerprint inside."""
+    from matplotlib import rc_context
+    from matplotlib.backends.backend_pdf import PdfPages
+
+    data = base64.b64encode(json.dumps(stated, sort_keys=True).encode()).decode()
+    title = f"Calibration certificate {stated['number']}".strip()
+    about = {
+        "Title": title, "Subject": stated["machine"]["title"], "Creator": FORMAT,
+        "Keywords": f"hexcite:{data} sha256:{_NONE.decode()}",
+    }  # fmt: skip
+    buffer = BytesIO()
+    with rc_context({"pdf.fonttype": 42, "font.family": "DejaVu Sans"}), PdfPages(buffer, metadata=about) as pages:
+        for figure in _pages(stated, title):
+            pages.savefig(figure)
+    content = buffer.getvalue()
+    match = _EMBEDDED.search(content)
+    assert match is not None
+    start, end = match.span(2)
+    return content[:start] + hashlib.sha256(content).hexdigest().encode() + content[end:]
+
+
+LEFT, RIGHT, TOP, BOTTOM = 0.09, 0.93, 0.945, 0.06  # shares of a page
+LINE = 0.0137  # height of a line of text, share of a page
+CHARACTERS = 116  # in a line of small text
+
+
+class _Sheet:
+    """Pages that text is written on from top to bottom; a new one where a page is full."""
+
+    def __init__(self) -> None:
+        from matplotlib.figure import Figure
+
+        self._figure: Any = Figure
+        self.figures, self.y = list[Any](), 0.0
+        self.begin()
+
+    def begin(self) -> None:
+        """Begins a page."""
+        self.figures.append(self._figure(figsize=(WIDTH, HEIGHT)))
+        self.y = TOP
+
+    def need(self, lines: float) -> None:
+        """Begins a page where so many lines have no place left."""
+        if self.y - lines * LINE < BOTTOM:
+            self.begin()
+
+    def put(
+        self, cells: Sequence[tuple[float, str]], size: float = 8.0, weight: str = "normal", ends: bool = False
+    ) -> None:
+        """Writes cells of a line, each at its place from left to right; with `ends`, all but the first end there."""
+        for k, (x, text) in enumerate(cells):
+            align = "right" if ends and k else "left"
+            text = text.replace("$", r"\$")
+            self.figures[-1].text(x, self.y, text, fontsize=size, weight=weight, ha=align, va="top")
+        self.y -= LINE * max(1.0, size / 8.5)
+
+    def rule(self) -> None:
+        """Draws a line across."""
+        from matplotlib.lines import Line2D
+
+        at = self.y + 0.15 * LINE
+        self.figures[-1].add_artist(Line2D([LEFT, RIGHT], [at, at], color="0.6", linewidth=0.6))
+        self.y -= 0.25 * LINE
+
+    def heading(self, text: str) -> None:
+        """Writes a heading that stays with what follows."""
+        self.need(5)
+        self.y -= 0.6 * LINE
+        self.put([(LEFT, text)], 9.5, "bold")
+        self.rule()
+
+    def fact(self, name: str, value: str) -> None:
+        """Writes a name with its value, which may take several lines; nothing where there is no value."""
+        if not value:
+            return
+        for k, line in enumerate(textwrap.wrap(value, 84, break_long_words=True) or [""]):
+            self.need(1)
+            self.put([*([(LEFT, name)] if k == 0 else []), (LEFT + 0.2, line)])
+
+    def paragraph(self, text: str) -> None:
+        """Writes a sentence or several."""
+        for line in textwrap.wrap(text, CHARACTERS, break_long_words=True):
+            self.need(1)
+            self.put([(LEFT, line)])
+
+
+def _pages(stated: Mapping[str, Any], title: str) -> Iterator[Any]:
+    """Figures of the pages."""
+    sheet, machine, prints = _Sheet(), stated["machine"], stated["fingerprints"]
+    verdict, method = stated["verdict"], stated["method"]
+    sheet.put([(LEFT, title)], 15.0, "bold")
+    sheet.put([(LEFT, machine["title"])], 10.0)
+    sheet.y -= 0.5 * LINE
+    word = "PASS" if verdict["passed"] else "FAIL"
+    sheet.put([(LEFT, f"Verdict: {word}")], 11.0, "bold")
+    if stated["simulated"]:
+        sheet.put([(LEFT, "Simulated: sensors and encoders were computed, no machine was measured.")], 9.0, "bold")
+    sheet.heading("Object and run")
+    for name, value in (
+        ("Issued by", stated["laboratory"]), ("Operator", stated["operator"]), ("Date of issue", stated["issued"]),
+        ("Date of the recording", f"{stated['recorded']} (by its file)" if stated["recorded"] else ""),
+        ("Machine", f"{machine['case']}, setup {machine['setup']}"),
+        ("Serial numbers", ", ".join(f"{part} {number}" for part, number in stated["serial_numbers"].items())),
+        ("Conditions", stated["conditions"]), ("Program", stated["program"]),
+    ):  # fmt: skip
+        sheet.fact(name, value)
+    sheet.heading("Method")
+    of = "averaged standstills" if method["standstills"] else "samples of a motion"
+    known = [*(f"{name} = {value:g} known" for name, value in method["known"].items())]
+    known += [f"prior of {name}" for name in method["priors"]]
+    sheet.paragraph(
+        f"Parameters of the inverse model {method['model']} (Friedrich & Ihlenfeldt, Sensors 21 (2021) 3537) by least "
+        f"squares, weights {method['weights']}, from {method['samples']} {of}; rank {method['rank']}, condition "
+        f"{method['condition']:.3g}, s0 {method['s0']:.3g}{'; ' if known else ''}{', '.join(known)}."
+    )
+    sheet.heading(f"Parameters with expanded uncertainty U (k = {stated['coverage_factor']:g})")
+    ends = (LEFT, LEFT + 0.55, LEFT + 0.7)
+    sheet.put([*zip(ends, ("parameter", "value", "U"), strict=True)], 7.5, "bold", ends=True)
+    for name, of_name in stated["parameters"].items():
+        scale, unit = legible(of_name["unit"])
+        value, expanded = of_name["value"] * scale, of_name["U"] * scale
+        sheet.need(1)
+        given = expanded <= 1e-9 * abs(value)
+        texts = (f"{value:.6g}", "given") if given else (value_text(value, expanded), std_text(expanded))
+        cells = [(LEFT, parameter_words(name)), *zip(ends[1:], texts, strict=True)]
+        sheet.put(cells, ends=True)
+        sheet.y += LINE
+        sheet.put([(ends[2] + 0.015, unit)])
+    sheet.y -= 0.4 * LINE
+    sheet.paragraph(f"U counts: {', '.join(stated['counted'])}.")
+    if stated["not_counted"]:
+        sheet.paragraph(f"U does NOT count tolerances of: {', '.join(stated['not_counted'])} (the case states none).")
+    sheet.heading("Verdicts")
+    for check in verdict["checks"]:
+        sheet.need(1)
+        limit = f"at least {check['at_least']:.3g}" if "at_least" in check else f"at most {check['at_most']:.3g}"
+        words = ["PASS" if check["passed"] else "FAIL", check["check"], f"{check['value']:.3g}", limit, check["unit"]]
+        sheet.put(list(zip((LEFT, LEFT + 0.07, LEFT + 0.55, LEFT + 0.65, LEFT + 0.77), words, strict=True)))
+    for reason in verdict["not_judged"]:
+        sheet.paragraph(f"Not judged: {reason}.")
+    if stated["warnings"]:
+        sheet.heading("Warnings")
+        for warning in stated["warnings"]:
+            sheet.paragraph(f"- {warning}")
+    sheet.need(7 + 2 * len(prints["recording"]))
+    sheet.heading("Chain of fingerprints")
+    chain = [("Case", prints["case"]), ("Plan", prints["plan"]), ("Program", prints["program"])]
+    chain += [("Recording", f"{entry['file']}  SHA-256 {entry['sha256']}") for entry in prints["recording"]]
+    for name, value in (*chain, ("Result", prints["result"])):
+        sheet.fact(name, value)
+    sheet.fact("Computed with", ", ".join(f"{name} {version}" for name, version in stated["versions"].items()))
+    sheet.y -= 0.4 * LINE
+    sheet.paragraph(
+        "hexcite certificate --verify FILE shows whether this file is as it was issued. It bears no signature."
+    )
+    for k, figure in enumerate(sheet.figures, 1):
+        figure.text(RIGHT, 0.035, f"page {k} of {len(sheet.figures)}", fontsize=7.5, ha="right")
+        figure.text(LEFT, 0.035, f"{title}, {stated['issued']}", fontsize=7.5)
+        yield figure
