@@ -86,7 +86,6 @@ def test_help_lists_every_command_in_a_whole_sentence():
         ("plan", "hexapod", "--nonsense"),
         ("plan", "hexapod", "--family", "fourier", "--order", "five"),
         ("plan", "hexapod", "surplus"),
-        ("plan", "hexapod", "--target"),
         ("validate", "hexapod", "--recordings", "runs"),
         ("check", "p.ngc"),
         ("run", "p.ngc"),
