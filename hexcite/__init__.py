@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from hexcite._demo import demo as demo
     from hexcite._identifiability import identifiability as identifiability
     from hexcite._run import run as run
+    from hexcite._version import __version__ as __version__
     from hexcite._write import check as check
     from hexcite._write import write as write
     from hexcite.comparison.comparison import compare as compare
@@ -85,6 +86,7 @@ PUBLIC = {
     "demo": "hexcite._demo",
     "identifiability": "hexcite._identifiability",
     "run": "hexcite._run",
+    "__version__": "hexcite._version",
     "check": "hexcite._write",
     "write": "hexcite._write",
     "compare": "hexcite.comparison.comparison",

@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
+from typing import Annotated
 
 import typer
 from platformdirs import user_cache_path
@@ -30,12 +31,30 @@ from hexcite.cli import use as force
 
 app = typer.Typer(
     name="hexcite",
-    help="Plans, programs and evaluates the motion that calibrates a force-measuring machine in seconds.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        from hexcite._version import __version__
+
+        print(f"hexcite {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", help="Print the version and end.", callback=_version, is_eager=True)
+    ] = False,
+) -> None:
+    """Plans, programs and evaluates the motion that calibrates a force-measuring machine in seconds."""
+
+
 app.command("cases")(cases.list_cases)
 app.add_typer(cases.app, name="case")
 for command in (

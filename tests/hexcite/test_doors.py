@@ -146,3 +146,7 @@ def test_a_motion_is_retimed(made: Path, hexapod_case: Case, tmp_path: Path):
     assert call("retime", tmp_path / "plan", "-o", tmp_path / "command", "--json").json()["method"] == "ruckig"
     ours, theirs = hx.retime(plan), hx.Plan.load(tmp_path / "command")
     assert ours.predicted_std == pytest.approx(theirs.predicted_std, rel=1e-6)
+
+
+def test_the_version_is_told_by_both() -> None:
+    assert call("--version").out.strip() == f"hexcite {hx.__version__}"
