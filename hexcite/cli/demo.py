@@ -20,7 +20,7 @@ def demo(
     overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
-    """Plan, program, prove, execute, identify and report, end to end.
+    """Show the whole chain on a machine, from plan to report.
 
     A hand-made motion, a Fourier series and seven-segment moves go the same way and are compared with the truth.
     """

@@ -20,7 +20,7 @@ def bound(
     overwrite: console.Overwrite = False,
     json: console.Json = False,
 ) -> None:
-    """Compute how much information any motion inside the limits has.
+    """Compute how much any motion inside the limits can tell.
 
     No motion passes it: the answer comes with its certificate.
     """

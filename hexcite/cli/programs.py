@@ -103,7 +103,7 @@ def check(
     every: All = False,
     json: console.Json = False,
 ) -> None:
-    """Read a program back, independently of its writer, and prove it."""
+    """Read a program back by other code, and prove it."""
     from hexcite._write import require_proven
 
     loaded = hx.load_case(case)

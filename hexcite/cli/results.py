@@ -7,7 +7,6 @@ import typer
 
 import hexcite as hx
 from cases.base.files import RESULT, check_file, check_folder, output_place
-from cases.certificate import CertificateOf
 from hexcite.cli import console
 from hexcite.cli.console import argument, option, out
 
@@ -20,7 +19,7 @@ def pool(
     overwrite: console.Overwrite = False,
     json: console.Json = False,
 ) -> None:
-    """Make one estimate of several runs, and test whether they agree.
+    """Make one estimate of several runs; test if they agree.
 
     Tolerances that all runs have in common are counted once. What is written is a result: export, force, payload and
     pool read it.
@@ -85,6 +84,8 @@ def certificate(
     check_file(file, (".pdf",), [result], overwrite)
     loaded = hx.Result.load(result, named, stale)
     given = {key: text for key, text in (("operator", operator), ("conditions", conditions)) if text is not None}
+    from cases.certificate import CertificateOf
+
     about = (loaded.case.certificate or CertificateOf()).model_copy(update=given)
     hx.certificate(loaded, file, about, number, overwrite)
     console.answered({"certificate": str(file)}, json, f"certificate written: {file}")
