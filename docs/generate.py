@@ -40,6 +40,9 @@ def python_page() -> str:
     lines = ["# Python", "", "`import hexcite as hx` is the library. Values are in SI and radians.", ""]
     for name in dir(hexcite):
         thing = getattr(hexcite, name)
+        if isinstance(thing, str):
+            lines += [f"## hx.{name}", "", "The version of what is installed, a text.", ""]
+            continue
         where = f"{thing.__module__}.{thing.__qualname__}"
         directive = f"autoclass:: {where}\n   :members:" if isinstance(thing, type) else f"autofunction:: {where}"
         lines += [f"## hx.{name}", "", "```{eval-rst}", f".. {directive}", "```", ""]
