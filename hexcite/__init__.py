@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from hexcite.reports.plotting import plot as plot
     from hexcite.studies.conduct import study as study
     from identification import Finding as Finding
+    from identification import History as History
     from identification import Identifiability as Identifiability
     from identification import Look as Look
     from identification import Method as Method
@@ -54,6 +55,7 @@ if TYPE_CHECKING:
     from identification import Verdict as Verdict
     from identification import accept as accept
     from identification import force as force
+    from identification import history as history
     from identification import identify_models as identify_models
     from identification import look as look
     from identification import payload as payload
@@ -98,6 +100,7 @@ PUBLIC = {
     "plot": "hexcite.reports.plotting",
     "study": "hexcite.studies.conduct",
     "Finding": "identification",
+    "History": "identification",
     "Identifiability": "identification",
     "Look": "identification",
     "Method": "identification",
@@ -110,6 +113,7 @@ PUBLIC = {
     "Verdict": "identification",
     "accept": "identification",
     "force": "identification",
+    "history": "identification",
     "identify_models": "identification",
     "look": "identification",
     "payload": "identification",

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from identification.results.force import force as force
     from identification.results.force import tare as tare
     from identification.results.force import verify as verify
+    from identification.results.history import History as History
+    from identification.results.history import history as history
     from identification.results.identifiability import Identifiability as Identifiability
     from identification.results.payload import payload as payload
     from identification.results.pooling import pool as pool
@@ -40,6 +42,8 @@ PUBLIC = {
     "force": "identification.results.force",
     "tare": "identification.results.force",
     "verify": "identification.results.force",
+    "History": "identification.results.history",
+    "history": "identification.results.history",
     "Identifiability": "identification.results.identifiability",
     "payload": "identification.results.payload",
     "pool": "identification.results.pooling",

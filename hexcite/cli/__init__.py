@@ -59,7 +59,8 @@ app.command("cases")(cases.list_cases)
 app.add_typer(cases.app, name="case")
 for command in (
     plan.plan, poses.poses, programs.post, programs.check, programs.run, identify.look, identify.identify,
-    results.pool, results.accept, results.certificate, force.force, force.tare, force.payload, force.export,
+    results.pool, results.history, results.accept, results.certificate,
+    force.force, force.tare, force.payload, force.export,
     limits.bound, study.study, limits.retime, compare.compare, compare.validate, demo.demo,
     page.page,
 ):  # fmt: skip

@@ -1,4 +1,4 @@
-"""`hexcite pool`, `accept` and `certificate`: results together, judged, and signed for."""
+"""`hexcite pool`, `history`, `accept` and `certificate`: results together, over time, judged, and signed for."""
 
 from pathlib import Path
 from typing import Annotated
@@ -31,6 +31,27 @@ def pool(
     console.save_with_page(pooled, RESULT, folder, overwrite)
     answer = {"result": str(folder), "report": str(folder / "report.html"), **pooled.record.to_json()}
     console.answered(answer, json, f"result written: {folder}, with its report {folder}/report.html", pooled)
+
+
+def history(
+    places: Annotated[list[Path], argument("Result folders, or folders in which results lie, at any depth.")],
+    machine: Annotated[
+        str | None, option("Name of the machine's case, where there are results of several.", "--case")
+    ] = None,
+    output: Annotated[Path | None, out("Page to write; CASE-history.html by default.")] = None,
+    overwrite: console.Overwrite = False,
+    json: console.Json = False,
+) -> None:
+    """Show a machine's results over time: leaps and drifts.
+
+    A leap is a change between two results that follow each other, with the same payload, beyond what their own noise
+    and the tolerances allow.
+    """
+    found = hx.history(places, machine)
+    file = output_place(output, Path(f"{found.case}-history.html"), overwrite)
+    check_file(file, (".html",), places, overwrite)
+    hx.report(found, file)
+    console.answered({"report": str(file), **found.to_json()}, json, f"page written: {file}", found)
 
 
 def accept(

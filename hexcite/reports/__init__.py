@@ -9,11 +9,12 @@ if TYPE_CHECKING:
     from hexcite.comparison.comparison import Comparison
     from hexcite.comparison.validation import Validation
     from identification.results.force import ExternalForce
+    from identification.results.history import History
     from identification.results.result import Result
     from planner.plans.plan import Plan
 
 
-def report(value: "Plan | Result | Comparison | Validation | ExternalForce", file: Path | str) -> None:
+def report(value: "Plan | Result | Comparison | Validation | ExternalForce | History", file: Path | str) -> None:
     """Writes the page of a value, one HTML file that needs no network."""
     write_text(Path(file), page_of(value))
 
@@ -33,6 +34,10 @@ def page_of(value: Any) -> str:
             from hexcite.reports.compare import compare_page
 
             return compare_page(value)
+        case "History":
+            from hexcite.reports.history import history_page
+
+            return history_page(value)
         case "ExternalForce":
             from hexcite.reports.force import force_page
 

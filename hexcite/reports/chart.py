@@ -55,7 +55,7 @@ class Points:
     colour: str
     words: tuple[str, ...] = ()  # what is shown at each where the pointer is
     hollow: bool = False
-    bar: float = 0.0  # half the length of a bar at each, in units of y; 0: none
+    bar: Array | float = 0.0  # half the length of a bar at each, or at all, in units of y; 0: none
     in_legend: bool = True
 
 

@@ -56,8 +56,9 @@ def _trace(series: Series, chart: Chart) -> dict[str, Any]:
             marker = {"size": 8, "color": series.colour, "symbol": symbol}
             trace: dict[str, Any] = {"type": "scatter", "x": series.x, "y": series.y, "mode": "markers"}
             trace |= {"name": series.name, "showlegend": series.in_legend, "marker": marker}
-            if series.bar:
-                trace["error_y"] = {"type": "constant", "value": series.bar, "thickness": 1.2, "width": 5}
+            if np.any(series.bar):
+                bars = np.broadcast_to(series.bar, series.y.shape).tolist()
+                trace["error_y"] = {"type": "data", "array": bars, "thickness": 1.2, "width": 5}
             if series.words:
                 trace |= {"text": list(series.words), "hovertemplate": "%{text}<extra></extra>"}
             return trace

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from identification.model_choice import ModelChoice
     from identification.recording.recording import Recording
     from identification.results.force import ExternalForce
+    from identification.results.history import History
     from identification.results.identifiability import Identifiability
     from identification.results.result import Result
     from planner.bounds.bound import Bound
@@ -30,7 +31,7 @@ SPAN = 3.0  # of log det for each parameter that is drawn of a bound
 
 def plot(
     value: "Case | Plan | Recording | Result | Comparison | Validation | ModelChoice | Identifiability | Bound "
-    "| ExternalForce",
+    "| ExternalForce | History",
 ) -> "Figure":
     """A matplotlib figure of a value: its `savefig` writes it, a notebook shows it.
 
@@ -38,7 +39,7 @@ def plot(
     moved and what was measured, a result as forces, residuals and accelerations (as correlations where it was loaded),
     a comparison as standard deviations side by side and accelerations of its runs, a validation with its residuals over
     the load, models of a run by what they predict, identifiability as correlations and R (Figure 3), a bound as
-    D-efficiency up to it, an external force over time.
+    D-efficiency up to it, an external force over time, a history as parameters over time.
 
         hx.plot(result).savefig("residuals.pdf")
     """
@@ -71,6 +72,10 @@ def plot(
 
             groups = value.groups  # type: ignore[union-attr]
             return drawn([std_chart(groups), *(b for b in acceleration_blocks(groups) if isinstance(b, Chart))])
+        case "History":
+            from hexcite.reports.history import history_charts
+
+            return drawn(history_charts(value))  # type: ignore[arg-type]
         case _:
             from hexcite.reports.force import force_charts
 

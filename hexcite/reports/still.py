@@ -93,7 +93,9 @@ def _draw(axes: Axes, chart: Chart) -> None:
                 axes.plot(*points, label=label, color=series.colour, linewidth=width, linestyle=dash, **marks)
             case Points():
                 dot: dict[str, Any] = {"markersize": 5, "markerfacecolor": "none" if series.hollow else series.colour}
-                bars: dict[str, Any] = {"yerr": series.bar, "capsize": 2, "elinewidth": 0.8} if series.bar else {}
+                bars: dict[str, Any] = (
+                    {"yerr": series.bar, "capsize": 2, "elinewidth": 0.8} if np.any(series.bar) else {}
+                )
                 axes.errorbar(series.x, series.y, fmt="o", color=series.colour, label=label, **dot, **bars)
             case Heat():
                 image = axes.imshow(series.values, vmin=0.0, vmax=1.0, cmap="Blues", aspect="auto")

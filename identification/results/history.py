@@ -1,0 +1,309 @@
+"""Results of a machine over time: what leaps from one to the next, and what drifts, beyond its uncertainty.
+
+Sizes that a tolerance is one of are the same in every run of a machine as long as the case states the same tolerances:
+two results differ by their own noise, and by what these sizes do otherwise in the other motion.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.special import ndtri
+
+from cases.base.errors import FileProblem, HexciteError
+from cases.base.units import Array
+from identification.model.parameters import physical_form
+from identification.results.result import PROMINENT, Result
+from identification.texts import aligned, legible, parameter_words, std_text, value_text, with_deviation
+
+UNLIKELY = 0.01  # chance that noise alone makes one leap or drift among all that are looked for
+FEWEST = 3  # results that show a drift
+DAY = 86400.0  # [s]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A result with its time.
+
+    Args:
+        when: when its recording was written; of earlier results, which do not say it, when they were.
+        result: the result.
+        own: variances of its physical parameters by its own noise, without tolerances, by name.
+        tolerances: what each size of a tolerance does to a physical parameter, by name, shapes (k,) by key.
+    """
+
+    when: datetime
+    result: Result
+    own: Mapping[str, float]
+    tolerances: Mapping[str, Mapping[str, Array]]
+
+
+@dataclass(frozen=True)
+class Leap:
+    """A parameter that changed from one result to the next by more than both deviations allow."""
+
+    parameter: str
+    before: Entry
+    after: Entry
+    change: float  # [SI]
+    std: float  # of the change
+
+    def __str__(self) -> str:
+        """One sentence."""
+        scale, unit = legible(self.after.result[self.parameter].unit)
+        size = with_deviation(self.change * scale, self.std * scale)
+        dates = f"from {_day(self.before.when)} to {_day(self.after.when)}"
+        return f"{parameter_words(self.parameter)} leapt by {size} {unit} {dates}, {_times(self.change, self.std)}"
+
+
+@dataclass(frozen=True)
+class Drift:
+    """A parameter that goes one way over all results."""
+
+    parameter: str
+    rate: float  # [SI/s]
+    std: float
+    unit: str
+
+    def __str__(self) -> str:
+        """One sentence."""
+        scale, unit = legible(self.unit)
+        size = with_deviation(self.rate * scale * DAY, self.std * scale * DAY)
+        return f"{parameter_words(self.parameter)} drifts by {size} {unit} a day, {_times(self.rate, self.std)}"
+
+
+@dataclass(frozen=True, repr=False)
+class History:
+    """Results of a machine in the order of their times.
+
+    Args:
+        case: name of the machine's case.
+        entries: the results.
+        leaps: what changed between two that follow each other.
+        drifts: what goes one way over all of them.
+        left_out: results that are not among them, each with the reason.
+    """
+
+    case: str
+    entries: tuple[Entry, ...]
+    leaps: tuple[Leap, ...]
+    drifts: tuple[Drift, ...]
+    left_out: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Parameters that all results have."""
+        first, *rest = (entry.result.parameters for entry in self.entries)
+        return tuple(name for name in first if all(name in other for other in rest))
+
+    @property
+    def prominent(self) -> tuple[str, ...]:
+        """Those that are shown first."""
+        return tuple(name for name in PROMINENT if name in self.names) or self.names[:4]
+
+    @property
+    def findings(self) -> tuple[str, ...]:
+        """Leaps and drifts, a sentence each."""
+        return tuple(map(str, (*self.leaps, *self.drifts)))
+
+    def to_json(self) -> dict[str, Any]:
+        """The history for programs [SI]."""
+        return {
+            "case": self.case,
+            "results": [
+                {
+                    "when": entry.when.isoformat(),
+                    "result": entry.result.source,
+                    "recording": entry.result.record.recording,
+                    "model": entry.result.record.model,
+                    "payload_kg": entry.result.mounted,
+                    "s0": entry.result.record.s0,
+                    "parameters": {name: v._asdict() for name, v in entry.result.parameters.items()},
+                }
+                for entry in self.entries
+            ],
+            "leaps": [
+                {
+                    "parameter": leap.parameter,
+                    "from": leap.before.result.source,
+                    "to": leap.after.result.source,
+                    "change": leap.change,
+                    "std": leap.std,
+                }
+                for leap in self.leaps
+            ],
+            "drifts": [
+                {"parameter": drift.parameter, "per_day": drift.rate * DAY, "std_per_day": drift.std * DAY}
+                for drift in self.drifts
+            ],
+            "left_out": list(self.left_out),
+        }
+
+    def __repr__(self) -> str:
+        """Two lines: how many results, and what changed."""
+        first, last = self.entries[0].when, self.entries[-1].when
+        about = f"History of {self.case}: {len(self.entries)} results from {_day(first)} to {_day(last)}"
+        return "\n".join([about, *(self.findings or ("nothing leaps or drifts beyond its deviation",))])
+
+    def __str__(self) -> str:
+        """A table of the results, what changed, and what was left out."""
+        return "\n".join([*aligned(*self.rows()), repr(self), *(f"left out: {reason}" for reason in self.left_out)])
+
+    def rows(self) -> list[tuple[str, ...]]:
+        """Rows of a table, the head first."""
+        head, rows = ["recorded", "recording", "s0"], list[tuple[str, ...]]()
+        units = {name: legible(self.entries[0].result[name].unit) for name in self.prominent}
+        for name, (_, unit) in units.items():
+            head += [f"{name} [{unit}]", "+-"]
+        for entry in self.entries:
+            cells = [f"{entry.when:%Y-%m-%d %H:%M}", entry.result.record.recording, f"{entry.result.record.s0:.3g}"]
+            for name, (scale, _) in units.items():
+                value = entry.result[name]
+                cells += [value_text(value.value * scale, value.reported * scale), std_text(value.reported * scale)]
+            rows.append(tuple(cells))
+        return [tuple(head), *rows]
+
+
+def history(places: Sequence[Path | str] | Path | str, case: str | None = None) -> History:
+    """Results of one machine over time, which may lie anywhere.
+
+        hx.history("results").findings
+
+    A leap is a change between two results that follow each other, with the same payload, beyond what their own noise
+    and the tolerances allow; a drift a straight line over three results or more. Noise alone makes one of them in one
+    of a hundred histories.
+
+    Args:
+        places: result folders, or folders in which results are looked for, at any depth.
+        case: name of the machine's case, where there are results of several.
+
+    Raises:
+        FileProblem: there is no such folder, or no result in it.
+        HexciteError: results are of several machines and none is named, or of none of that name.
+    """
+    paths = [Path(places)] if isinstance(places, str | Path) else [Path(place) for place in places]
+    loaded, left_out = _loaded(paths)
+    names = sorted({result.record.case for result in loaded})
+    if case is None and len(names) > 1:
+        raise HexciteError("case", f"results are of {len(names)} machines: {', '.join(names)}", "name one of them")
+    if case is not None and case not in names:
+        raise HexciteError("case", f"no result is of {case!r}", f"name one of {', '.join(names)}")
+    own = sorted(
+        (_entry(result) for result in loaded if case in (None, result.record.case)), key=lambda entry: entry.when
+    )
+    entries: list[Entry] = []
+    for entry in own:
+        twin = next((e for e in entries if e.result.recordings & entry.result.recordings), None)
+        if twin is None:
+            entries.append(entry)
+        else:
+            left_out.append(f"{entry.result.source}: is of the same recording as {twin.result.source}")
+    found = History(entries[0].result.record.case, tuple(entries), (), (), tuple(left_out))
+    leaps = tuple(_leaps(found))
+    leapt = {leap.parameter for leap in leaps}
+    return History(found.case, found.entries, leaps, tuple(_drifts(found, leapt)), found.left_out)
+
+
+def _loaded(paths: Sequence[Path]) -> tuple[list[Result], list[str]]:
+    """All results that can be read, and of the others why not."""
+    files: dict[Path, None] = {}
+    for path in paths:
+        if not path.exists():
+            raise FileProblem(path, "no such folder", "name folders that hold results")
+        found = [path] if path.name == "result.json" else sorted(path.rglob("result.json"))
+        if not found:
+            raise FileProblem(path, "holds no result", "name folders of hexcite identify, or what holds such")
+        files |= dict.fromkeys(file.resolve() for file in found)
+    results, left_out = list[Result](), list[str]()
+    for file in files:
+        try:
+            results.append(Result.load(file, stale=True))
+        except HexciteError as error:
+            left_out.append(str(error))
+    if not results:
+        raise FileProblem(paths[0], f"holds no result that can be read: {left_out[0]}", "identify again")
+    return results, left_out
+
+
+def _entry(result: Result) -> Entry:
+    """A result with its time and the parts of its variances."""
+    form, biases = physical_form(result.model), result.biases
+    jacobian = form.map(result.values)[1].full()
+    common = sum((bias @ bias.T for bias in biases.values()), np.zeros_like(result.covariance))
+    own = np.maximum(
+        np.diag(jacobian @ result.covariance @ jacobian.T),
+        np.diag(jacobian @ (result.covariance_robust - common) @ jacobian.T),
+    )
+    names = [parameter.name for parameter in form.parameters]
+    rows = {
+        name: {key: jacobian[k] @ bias for key, bias in biases.items()}
+        for k, name in enumerate(names)
+    }  # fmt: skip
+    stated = result.record.recorded_at
+    assert result.file is not None
+    when = datetime.fromtimestamp(result.file.stat().st_mtime) if stated is None else datetime.fromisoformat(stated)
+    return Entry(when.astimezone(), result, dict(zip(names, own.tolist(), strict=True)), rows)
+
+
+def _leaps(of: History) -> list[Leap]:
+    """Changes between results that follow each other."""
+    pairs = [(a, b) for a, b in pairwise(of.entries) if a.result.mounted == b.result.mounted]
+    most, leaps = _most(len(pairs) * len(of.names)), list[Leap]()
+    for before, after in pairs:
+        for name in of.names:
+            change = after.result[name].value - before.result[name].value
+            variance = before.own[name] + after.own[name] + _by_tolerances(before, after, name)
+            if change**2 > most**2 * variance > 0.0:
+                leaps.append(Leap(name, before, after, change, float(np.sqrt(variance))))
+    return leaps
+
+
+def _by_tolerances(before: Entry, after: Entry, name: str) -> float:
+    """Variance of a change by sizes of tolerances: none where they do the same in both runs."""
+    one, other = before.tolerances[name], after.tolerances[name]
+    alike = [
+        {key: value for key, value in (of.result.record.computed_from or {}).items() if key.startswith("tolerances")}
+        for of in (before, after)
+    ]
+    if alike[0] != alike[1] or any(one[key].shape != other[key].shape for key in one.keys() & other.keys()):
+        return float(sum(v @ v for v in (*one.values(), *other.values())))
+    parts = [one.get(key, 0.0) - other.get(key, np.zeros(1)) for key in {**one, **other}]
+    return float(sum(np.sum(np.square(part)) for part in parts))
+
+
+def _drifts(of: History, leapt: set[str]) -> list[Drift]:
+    """Parameters without a leap that follow a straight line over time, by results with the payload of the last."""
+    entries = [entry for entry in of.entries if entry.result.mounted == of.entries[-1].result.mounted]
+    t = np.array([(entry.when - entries[0].when).total_seconds() for entry in entries])
+    if len(entries) < FEWEST or np.ptp(t) == 0.0:
+        return []
+    names = [name for name in of.names if name not in leapt]
+    most, drifts = _most(max(len(names), 1)), list[Drift]()
+    for name in names:
+        variances = np.array([entry.own[name] for entry in entries])
+        if not variances.min() > 0.0:
+            continue
+        values, weights = np.array([entry.result[name].value for entry in entries]), 1.0 / variances
+        away = t - np.average(t, weights=weights)
+        information = float(weights @ away**2)
+        rate, std = float(weights @ (away * values)) / information, information**-0.5
+        if abs(rate) > most * std:
+            drifts.append(Drift(name, rate, std, entries[0].result[name].unit))
+    return drifts
+
+
+def _most(comparisons: int) -> float:
+    """Deviations beyond which one of so many is not by noise."""
+    return float(-ndtri(UNLIKELY / (2.0 * max(comparisons, 1))))
+
+
+def _day(when: datetime) -> str:
+    return f"{when:%Y-%m-%d %H:%M}"
+
+
+def _times(value: float, std: float) -> str:
+    return f"{abs(value) / std:.2g} deviations"
