@@ -512,11 +512,12 @@ def _passed(comparison: Comparison) -> list[_Part]:
     """The parts of the plan that were run, or, of a motion that has none, parts of equal duration."""
     motion, pairs, raw = comparison.plan.motion, comparison.pairs, comparison.raw
     edges = motion.starts if isinstance(motion, Joined) else np.linspace(0.0, motion.duration, PARTS + 1)
-    poses = motion.at(edges).pose
-    places = machine_of(comparison.case).drives(poses) / comparison.scale
-    groups = np.split(
-        np.arange(len(edges)), 1 + np.flatnonzero(np.linalg.norm(np.diff(places, axis=0), axis=1) > SAME_PLACE)
+    machine = machine_of(comparison.case)
+    places, between = (
+        machine.drives(motion.at(t).pose) / comparison.scale for t in (edges, (edges[:-1] + edges[1:]) / 2.0)
     )
+    away_from = [np.linalg.norm(other - places[:-1], axis=1) for other in (places[1:], between)]
+    groups = np.split(np.arange(len(edges)), 1 + np.flatnonzero(np.maximum(*away_from) > SAME_PLACE))  # stays
     when: list[tuple[int, float, float]] = []
     for number, group in enumerate(groups):
         at = (edges[group[0]] + edges[group[-1]]) / 2.0

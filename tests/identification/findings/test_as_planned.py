@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike, NDArray
 
+import hexcite as hx
 from cases.base.units import DEG, MM
 from cases.schema import Case, load_case
 from identification.finding import Finding
@@ -113,6 +114,14 @@ def test_nothing_is_said_of_sound_runs(name: str, seed: int) -> None:
     runs["stamps of a host"] = replace(runs["as planned"], t=jitter)
     for what, run in runs.items():
         assert said(case, plan, run) == [], what
+
+
+def test_a_circle_is_a_move_and_no_stay_where_it_begins_and_ends() -> None:
+    """The motion by hand has circles; a controller takes another time than planned for its corners."""
+    case = load_case("hexapod")
+    plan = hx.plan(case, hx.Manual())
+    run = hx.run(hx.write(plan, "sinumerik"), case, on="virtual", seed=0)
+    assert said(case, Planned(plan.motion), run) == []
 
 
 @pytest.mark.parametrize("name", MACHINES)
