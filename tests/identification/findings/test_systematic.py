@@ -86,12 +86,16 @@ def test_what_has_no_single_size_is_named_by_what_it_follows(name: str, damage: 
 
 
 def said(of: Machine, damage: Damage, size: float) -> float:
-    """How far a recording is from sound, as it is said: 0 for nothing, infinity where it is refused."""
+    """How far a recording is from sound, as it is said: 0 for nothing, infinity where it is refused.
+
+    Noise beyond what is stated is said by a note where +- counts it, for noise with memory looks the same.
+    """
     try:
         estimate = found(of, damage.change(of, size))
     except HexciteError:
         return np.inf
-    return estimate.physical["m"].reported if estimate.warnings else 0.0
+    told = estimate.warnings or any("noise_excess" in finding.quantity for finding in estimate.findings)
+    return estimate.physical["m"].reported if told else 0.0
 
 
 KINDS = [(name, damage.name) for name in ("hexapod", "ur10_wrist") for damage in damages_of(machine(name))]
