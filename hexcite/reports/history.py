@@ -39,7 +39,7 @@ def history_page(of: History) -> str:
     return page(
         "History",
         Head(f"{said[0][0].upper()}{said[0][1:]}", not of.findings, of.case, ()),
-        f"{len(of.entries)} results of {of.case} from {first:%Y-%m-%d %H:%M} to {last:%Y-%m-%d %H:%M}. A leap is a "
+        f"{of.words.capitalize()} of {of.case} from {first:%Y-%m-%d %H:%M} to {last:%Y-%m-%d %H:%M}. A leap is a "
         "change between two results that follow each other, with the same payload, beyond what their own noise and "
         "the tolerances allow.",
         [("case", of.case), *(("left out", reason) for reason in of.left_out)],

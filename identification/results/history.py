@@ -101,6 +101,11 @@ class History:
         return tuple(name for name in first if all(name in other for other in rest))
 
     @property
+    def words(self) -> str:
+        """How many results there are."""
+        return "1 result" if len(self.entries) == 1 else f"{len(self.entries)} results"
+
+    @property
     def prominent(self) -> tuple[str, ...]:
         """Those that are shown first."""
         return tuple(name for name in PROMINENT if name in self.names) or self.names[:4]
@@ -146,7 +151,7 @@ class History:
     def __repr__(self) -> str:
         """Two lines: how many results, and what changed."""
         first, last = self.entries[0].when, self.entries[-1].when
-        about = f"History of {self.case}: {len(self.entries)} results from {_day(first)} to {_day(last)}"
+        about = f"History of {self.case}: {self.words} from {_day(first)} to {_day(last)}"
         return "\n".join([about, *(self.findings or ("nothing leaps or drifts beyond its deviation",))])
 
     def __str__(self) -> str:
