@@ -20,7 +20,7 @@ from identification.model.parameters import physical_form
 from identification.results.result import PROMINENT, Result
 from identification.texts import aligned, legible, parameter_words, std_text, value_text, with_deviation
 
-UNLIKELY = 0.01  # chance that noise alone makes one leap or drift among all that are looked for
+UNLIKELY = 0.01  # chance that noise alone makes one leap, and one drift, among all that are looked for
 FEWEST = 3  # results that show a drift
 DAY = 86400.0  # [s]
 
@@ -179,8 +179,8 @@ def history(places: Sequence[Path | str] | Path | str, case: str | None = None) 
         hx.history("results").findings
 
     A leap is a change between two results that follow each other, with the same payload, beyond what their own noise
-    and the tolerances allow; a drift a straight line over three results or more. Noise alone makes one of them in one
-    of a hundred histories.
+    and the tolerances allow, or between the means before and after; a drift a straight line over three results or
+    more. Noise alone makes one of them in one of a hundred histories, or two.
 
     Args:
         places: result folders, or folders in which results are looked for, at any depth.
@@ -208,9 +208,11 @@ def history(places: Sequence[Path | str] | Path | str, case: str | None = None) 
         else:
             left_out.append(f"{entry.result.source}: is of the same recording as {twin.result.source}")
     found = History(entries[0].result.record.case, tuple(entries), (), (), tuple(left_out))
-    leaps = tuple(_leaps(found))
-    leapt = {leap.parameter for leap in leaps}
-    return History(found.case, found.entries, leaps, tuple(_drifts(found, leapt)), found.left_out)
+    leaps = _leaps(found)
+    changes = _changes_over_all(found, {leap.parameter for leap in leaps})
+    leaps += [change for change in changes if isinstance(change, Leap)]
+    drifts = [change for change in changes if isinstance(change, Drift)]
+    return History(found.case, found.entries, tuple(leaps), tuple(drifts), found.left_out)
 
 
 def _loaded(paths: Sequence[Path]) -> tuple[list[Result], list[str]]:
@@ -280,14 +282,17 @@ def _by_tolerances(before: Entry, after: Entry, name: str) -> float:
     return float(sum(np.sum(np.square(part)) for part in parts))
 
 
-def _drifts(of: History, leapt: set[str]) -> list[Drift]:
-    """Parameters without a leap that follow a straight line over time, by results with the payload of the last."""
+def _changes_over_all(of: History, leapt: set[str]) -> list[Leap | Drift]:
+    """Parameters without a leap that follow a straight line over time, or one step, whichever fits better.
+
+    Results with the payload of the last one count.
+    """
     entries = [entry for entry in of.entries if entry.result.mounted == of.entries[-1].result.mounted]
     t = np.array([(entry.when - entries[0].when).total_seconds() for entry in entries])
     if len(entries) < FEWEST or np.ptp(t) == 0.0:
         return []
     names = [name for name in of.names if name not in leapt]
-    most, drifts = _most(max(len(names), 1)), list[Drift]()
+    most, changes = _most(max(len(names), 1)), list[Leap | Drift]()
     for name in names:
         variances = np.array([entry.own[name] for entry in entries])
         if not variances.min() > 0.0:
@@ -296,9 +301,21 @@ def _drifts(of: History, leapt: set[str]) -> list[Drift]:
         away = t - np.average(t, weights=weights)
         information = float(weights @ away**2)
         rate, std = float(weights @ (away * values)) / information, information**-0.5
-        if abs(rate) > most * std:
-            drifts.append(Drift(name, rate, std, entries[0].result[name].unit))
-    return drifts
+        if abs(rate) <= most * std:
+            continue
+        steps = [_step(values, weights, k) for k in range(1, len(values))]
+        k = int(np.argmax([abs(change) / own for change, own in steps]))
+        if abs(steps[k][0]) / steps[k][1] > abs(rate) / std:
+            changes.append(Leap(name, entries[k], entries[k + 1], *steps[k]))
+        else:
+            changes.append(Drift(name, rate, std, entries[0].result[name].unit))
+    return changes
+
+
+def _step(values: Array, weights: Array, k: int) -> tuple[float, float]:
+    """Mean of the values from the k-th on less that of those before, with its deviation."""
+    before, after = (np.average(v, weights=w) for v, w in ((values[:k], weights[:k]), (values[k:], weights[k:])))
+    return float(after - before), float((1.0 / weights[:k].sum() + 1.0 / weights[k:].sum()) ** 0.5)
 
 
 def _most(comparisons: int) -> float:

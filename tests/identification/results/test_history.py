@@ -61,6 +61,21 @@ def test_a_leap_is_named_with_its_dates_and_size(tmp_path: Path) -> None:
     assert found.leaps[0].parameter in str(found)
 
 
+def test_a_step_that_no_two_results_show_is_no_drift(tmp_path: Path) -> None:
+    """Means before and after differ by more than two neighbours can tell."""
+    at = MODEL.names.index("f_q0_2")
+    for number in range(10):
+        u = noisy(6, number)
+        u[at] += 3.0 * 2.0 * STD[at] * (number >= 5)
+        add(tmp_path, number, u)
+    found = hx.history(tmp_path)
+    assert not found.drifts
+    (leap,) = found.leaps
+    assert leap.parameter == "f_q0_2"
+    assert [leap.before.when.day, leap.after.when.day] == [5, 6]
+    assert leap.change == pytest.approx(6.0 * STD[at], abs=4 * leap.std)
+
+
 def test_a_drift_is_told_by_the_day(tmp_path: Path) -> None:
     """An offset that grows by less from day to day than one deviation."""
     at, rate = MODEL.names.index("f_q0_2"), 0.8 * 2.0 * STD[MODEL.names.index("f_q0_2")]
