@@ -11,8 +11,8 @@ from cases.schema import Case
 
 RECORDING = hx.Recording("run.csv", None, None, None, np.zeros((3, 6)), None)
 TYPES = (
-    "HexciteError", "Case", "Finding", "Identifiability", "Look", "Model", "ModelChoice", "Plan", "Prior", "Program",
-    "Recording", "Result", "Verdict",
+    "HexciteError", "Case", "Finding", "History", "Identifiability", "Look", "Model", "ModelChoice", "Plan", "Prior",
+    "Program", "Recording", "Result", "Verdict",
 )  # fmt: skip
 FUNCTIONS = tuple(
     name for name in dir(hx) if name not in TYPES and name != "TYPE_CHECKING" and not name.startswith("_")
