@@ -112,7 +112,7 @@ class _Page:
 
     async def machines(self, request: Request) -> Response:
         """The first stage without a machine: which one?"""
-        values = await run_in_threadpool(views.machines, self.root)
+        values = await run_in_threadpool(views.machine.machines, self.root)
         jobs = self.jobs.of("", "machine")
         return HTMLResponse(self._rendered(request, "machines.html.jinja", jobs=self._panels(request, jobs), **values))
 
@@ -151,7 +151,7 @@ class _Page:
         return RedirectResponse(f"/m/{quote(context.machine.key, safe='+')}/{job.stage}{job.query}#jobs", 303)
 
     async def _preview(self, request: Request, context: Context, fields: Any) -> Response:
-        values = await run_in_threadpool(views.preview, context, fields)
+        values = await run_in_threadpool(views.machine.preview, context, fields)
         return HTMLResponse(self._rendered(request, "drawing.html.jinja", **values))
 
     async def _save(self, request: Request, context: Context, fields: Any) -> Response:

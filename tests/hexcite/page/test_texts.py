@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from hexcite.page import texts
-from hexcite.page.texts import LANGUAGES, TEXTS, language_of, text
+from hexcite.page.texts import LANGUAGES, PARTS, TEXTS, language_of, text
 
-FOLDER = Path(texts.__file__).parent
+FOLDER = Path(texts.__file__).parents[1]
 ASKED = re.compile(r"""\bt\("(\w+)"[,)]""")
 
 
@@ -34,3 +34,7 @@ def test_templates_ask_for_texts_that_there_are():
 def test_the_language_is_that_of_the_browser(accepted: str, language: str):
     assert language_of(accepted) == language
     assert text("plan", language_of(accepted))
+
+
+def test_no_part_of_the_table_hides_a_text_of_another():
+    assert sum(len(part.TEXTS) for part in PARTS) == len(TEXTS)

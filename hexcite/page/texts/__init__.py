@@ -1,0 +1,31 @@
+"""The words of the page in English and German, by stage; what commands answer is English."""
+
+from typing import Literal
+
+from hexcite.page.texts import common, data, machine, plan, program, result, use
+
+Language = Literal["en", "de"]
+LANGUAGES: tuple[Language, ...] = ("en", "de")
+
+PARTS = (common, machine, plan, program, data, result, use)
+TEXTS: dict[str, tuple[str, str]] = {key: words for part in PARTS for key, words in part.TEXTS.items()}
+"""Key -> English, German."""
+
+
+def text(key: str, language: Language, **values: object) -> str:
+    """A text of the page, with values in its places; raises KeyError for a key that there is not."""
+    found = TEXTS[key][LANGUAGES.index(language)]
+    return found.format(**values) if values else found
+
+
+def language_of(accepted: str) -> Language:
+    """The first of our languages that a browser accepts, by its header; English where it is none of them."""
+    ranked = []
+    for k, part in enumerate(accepted.lower().split(",")[:20]):
+        name, _, quality = part.strip().partition(";q=")
+        try:
+            rank = -float(quality or 1.0)
+        except ValueError:
+            continue
+        ranked.append((rank, k, name.split("-")[0]))
+    return next((own for _, _, name in sorted(ranked) for own in LANGUAGES if own == name), "en")

@@ -1,0 +1,61 @@
+"""Words of the start page and the stage Machine: key -> English, German."""
+
+TEXTS: dict[str, tuple[str, str]] = {
+    "which_machine": ("Which machine?", "Welche Maschine?"),
+    "own_machines": ("Your machines in this folder", "Ihre Maschinen in diesem Ordner"),
+    "built_in": ("Built in, to try it", "Eingebaut, zum Ausprobieren"),
+    "built_in_note": (
+        "Their sensors are simulated; all stages can be tried without a machine.",
+        "Ihre Sensoren sind simuliert; alle Schritte lassen sich ohne Maschine ausprobieren.",
+    ),
+    "new_machine": ("A machine of your own", "Eine eigene Maschine"),
+    "new_name": (
+        "Name: small letters, digits and underscores, a letter first",
+        "Name: Kleinbuchstaben, Ziffern und Unterstriche, ein Buchstabe zuerst",
+    ),
+    "begin_like": (
+        "Begin from the machine that is most like it; you replace its values by those of your drawing",
+        "Mit der ähnlichsten Maschine beginnen; ihre Werte ersetzen Sie durch die Ihrer Zeichnung",
+    ),
+    "begin_urdf": ("or from a URDF file of a robot", "oder mit der URDF-Datei eines Roboters"),
+    "flange": (
+        "Link of the URDF that carries the sensor, such as tool0",
+        "Glied der URDF, das den Sensor trägt, etwa tool0",
+    ),
+    "make": ("Make it", "Anlegen"),
+    "setup": ("Setup", "Aufbau"),
+    "problem": ("This case cannot be read", "Diese Maschine ist nicht lesbar"),
+    "from_above": ("from above, mm", "von oben, mm"),
+    "from_side": ("from the side, mm", "von der Seite, mm"),
+    "strut_lengths": (
+        "Strut lengths at home in mm: compare them with the control's display",
+        "Strebenlängen in der Grundstellung in mm: mit der Anzeige der Steuerung vergleichen",
+    ),
+    "values": ("Values", "Werte"),
+    "values_note": (
+        "Keys carry units. The picture follows while you type; nothing is written before you save.",
+        "Die Schlüssel nennen die Einheit. Das Bild folgt der Eingabe; geschrieben wird erst beim Speichern.",
+    ),
+    "save": ("Save", "Speichern"),
+    "saved": ("Saved.", "Gespeichert."),
+    "changed_elsewhere": (
+        "The file was changed elsewhere meanwhile; your values are below. Compare, then save again.",
+        "Die Datei wurde inzwischen anderswo geändert; Ihre Werte stehen unten. Vergleichen, dann erneut speichern.",
+    ),
+    "read_only": (
+        "A built-in machine stays as it is. Begin your own from it to change values.",
+        "Eine eingebaute Maschine bleibt, wie sie ist. Zum Ändern eine eigene damit beginnen.",
+    ),
+    "check": ("Check reach and doubtful values", "Reichweite und zweifelhafte Werte prüfen"),
+    "propose": ("Look for the largest reachable box", "Größten erreichbaren Bereich suchen"),
+    "reach": (
+        "{share} % of the motion box is within reach; farthest out: {limit}.",
+        "{share} % des Bewegungsbereichs sind erreichbar; am weitesten außen: {limit}.",
+    ),
+    "proposal": (
+        "This box is within reach as a whole; its values are for limits.motion below.",
+        "Dieser Bereich ist ganz erreichbar; seine Werte gehören unten in limits.motion.",
+    ),
+    "no_picture": ("There is no picture of this machine: {why}", "Von dieser Maschine gibt es kein Bild: {why}"),
+    "template_value": ("still that of the example", "noch der Wert des Beispiels"),
+}

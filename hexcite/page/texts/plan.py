@@ -1,0 +1,52 @@
+"""Words of the stage Plan: key -> English, German."""
+
+TEXTS: dict[str, tuple[str, str]] = {
+    "plan_lead": (
+        "The motion that tells most about the machine, inside its limits.",
+        "Die Bewegung, die am meisten über die Maschine verrät, in ihren Grenzen.",
+    ),
+    "cannot_plan": (
+        "No motion can be planned for this machine; the case lacks: {what}. A recording can still be read.",
+        "Für diese Maschine ist keine Bewegung planbar; es fehlt: {what}. Eine Aufzeichnung lässt sich lesen.",
+    ),
+    "motion_seconds": ("Seconds of the motion", "Sekunden der Bewegung"),
+    "target_accuracy": (
+        "Accuracy wanted, if any: the shortest motion that reaches it is found, up to the seconds above",
+        "Gewünschte Genauigkeit, falls nötig: Gesucht wird die kürzeste Bewegung dafür, bis zu den Sekunden oben",
+    ),
+    "mass_deviation": ("Predicted standard deviation of the mass", "Vorhergesagte Standardabweichung der Masse"),
+    "search_how": ("How long to search", "Wie lange suchen"),
+    "quick": ("quick, 20 s", "schnell, 20 s"),
+    "minute": ("a minute", "eine Minute"),
+    "thorough": ("thorough, as long as it pays", "gründlich, solange es sich lohnt"),
+    "family": ("Kind of motion", "Art der Bewegung"),
+    "family_best": ("the best by trying", "die beste durch Probieren"),
+    "family_ptp": ("moves from point to point", "Bewegungen von Punkt zu Punkt"),
+    "family_spline": ("a smooth path", "eine glatte Bahn"),
+    "family_fourier": ("oscillations", "Schwingungen"),
+    "family_manual": ("by hand, to compare with", "von Hand, zum Vergleich"),
+    "family_poses": ("poses to stand still at", "Posen zum Stillstehen"),
+    "pose_count": ("Number of poses, for standing still only", "Anzahl der Posen, nur zum Stillstehen"),
+    "for_controller": ("For the controller", "Für die Steuerung"),
+    "any_controller": ("as the case says", "wie die Maschine es sagt"),
+    "without_jerk": (
+        "The machine bears steps of acceleration (needed for LinuxCNC and URScript)",
+        "Die Maschine verträgt Beschleunigungssprünge (für LinuxCNC und URScript nötig)",
+    ),
+    "search": ("Search", "Suchen"),
+    "plans": ("Plans", "Pläne"),
+    "efficiency": (
+        "Information, as a share of what no motion in these limits can exceed",
+        "Information, als Anteil dessen, was keine Bewegung in diesen Grenzen übertrifft",
+    ),
+    "predicted": (
+        "Predicted standard deviation of each parameter",
+        "Vorhergesagte Standardabweichung jedes Parameters",
+    ),
+    "parameter": ("parameter", "Parameter"),
+    "limit": ("limit", "Grenze"),
+    "used": ("used", "genutzt"),
+    "limits": ("What the machine's limits are used to", "Wie weit die Grenzen der Maschine genutzt werden"),
+    "report": ("The whole report", "Der ganze Bericht"),
+    "interrupted": ("search was stopped; the best until then", "Suche angehalten; das bis dahin Beste"),
+}

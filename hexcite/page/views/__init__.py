@@ -1,0 +1,48 @@
+"""What each stage shows: plain values for its template, read from the folders."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from markupsafe import Markup
+
+from hexcite.page import drawing, values
+from hexcite.page.actions import Context
+from hexcite.page.jobs import Job
+from hexcite.page.stages import STAGES, Workspace, built_in, workspace
+from hexcite.page.texts import Language, text
+from hexcite.page.views import data, machine, plan, program, result, use
+from hexcite.page.views.common import Query
+
+STAGE_VIEWS: Mapping[str, Callable[[Context, Workspace, Query], dict[str, Any]]] = {
+    "machine": machine.shown, "plan": plan.shown, "program": program.shown,
+    "data": data.shown, "result": result.shown, "use": use.shown,
+}  # fmt: skip
+"""What each stage shows, beside what all of them show."""
+
+
+def stage(context: Context, name: str, query: Query, language: Language) -> dict[str, Any]:
+    """What a stage shows of its machine."""
+    there = workspace(context.root, context.machine)
+    shown = STAGE_VIEWS[name](context, there, query)
+    states = {stage: there.state(stage) for stage in STAGES}
+    return {"machine": context.machine, "address": context.address, "states": states, "there": there, **shown}
+
+
+def warm_up() -> None:
+    """Imports and reads what stages take long for when they first need it."""
+
+    for each in built_in():
+        values.sections(each.file.read_text(encoding="utf-8"), each.case)
+        machine.drawn(each.case)
+
+
+def job(job: Job, language: Language) -> dict[str, Any]:
+    """What a panel shows of a command."""
+    last = job.progress[-1] if job.progress else None
+    drawn: Markup = drawing.curve(job.progress, job.seconds, text("best_curve", language)) if job.search else Markup("")
+    return {
+        "line": str(last.get("line", "")) if last is not None and not job.over else "",
+        "curve": drawn,
+        "messages": job.messages[-8:] if job.state in ("failed", "stopped") else [],
+        "warnings": job.messages[-8:] if job.state == "done" else [],
+    }

@@ -1,0 +1,54 @@
+"""What several stages show: files, limits, parameters."""
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from identification.texts import legible, parameter_words, std_text, value_text
+
+MOST_TEXT = 40_000  # characters of a program or export that are shown
+
+
+Query = Mapping[str, str]
+
+
+def chosen(made: Sequence[Any], name: str | None) -> Any:
+    """The one that is asked for, else the newest that is fresh, else the newest; None where there is none."""
+    named = next((each for each in made if each.name == name), None)
+    fresh = next((each for each in made if not each.changed), None)
+    return named or fresh or (made[0] if made else None)
+
+
+def beginning(path: Path) -> tuple[str, bool]:
+    """The beginning of a text file, and whether there is more."""
+    try:
+        with open(path, "rb") as stream:
+            content = stream.read(MOST_TEXT + 1)
+    except OSError:
+        return "", False
+    return content[:MOST_TEXT].decode("utf-8", "replace"), len(content) > MOST_TEXT
+
+
+def limits(limits: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Limits with the share that is used, the most used first."""
+    rows = [
+        {
+            "name": str(check.get("at", name)),
+            "share": min(max(float(check["ratio"]), 0.0), 1.2),
+            "text": f"{100 * float(check['ratio']):.1f} %",
+            "status": str(check.get("status", "")),
+        }
+        for name, check in limits.items()
+        if isinstance(check, Mapping) and isinstance(check.get("ratio"), int | float)
+    ]
+    return sorted(rows, key=lambda row: -float(str(row["share"])))
+
+
+def parameter(name: str, value: Mapping[str, Any]) -> tuple[str, str, str, str]:
+    """A parameter in words, its value, its deviation and its unit."""
+    scale, unit = legible(str(value.get("unit", "")))
+    std = max((float(value[key]) for key in ("std", "std_robust") if value.get(key) is not None), default=math.nan)
+    if not math.isfinite(std) or std <= 0.0:
+        return parameter_words(name), f"{float(value['value']) * scale:.6g}", "", unit
+    return parameter_words(name), value_text(float(value["value"]) * scale, std * scale), std_text(std * scale), unit

@@ -1,0 +1,65 @@
+"""The stage Plan: what was planned, and what is predicted of it."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from hexcite.page.actions import Context
+from hexcite.page.forms import EFFORTS, FAMILIES
+from hexcite.page.stages import Made, Workspace
+from hexcite.page.views.common import Query, chosen, limits
+from identification.texts import legible, parameter_words, std_text
+
+
+def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
+    """What the stage Plan shows of a machine, for its template."""
+    plan: Made | None = chosen(there.plans, query.get("plan"))
+    others = [p for p in there.plans if plan is not None and p.name != plan.name and p.fresh][:2]
+    return {
+        "lacks": context.machine.lacks("plan"),
+        "families": FAMILIES,
+        "efforts": tuple(EFFORTS),
+        "dialects": context.machine.dialects,
+        "chosen": plan,
+        "facts": None if plan is None else _facts(plan),
+        "plans": [(p, _facts(p)) for p in there.plans],
+        "predicted": _predicted([plan, *others]) if plan is not None else None,
+        "limits": limits(plan.record.get("limits", {})) if plan is not None else [],
+    }
+
+
+def _facts(plan: Made) -> dict[str, Any]:
+    record = plan.record
+    efficiency = record.get("d_efficiency")
+    return {
+        "family": record.get("family", ""),
+        "seconds": f"{record['duration_s']:.3g}" if isinstance(record.get("duration_s"), int | float) else "",
+        "efficiency": f"{efficiency:.3f}" if isinstance(efficiency, float) else "",
+        "interrupted": bool(record.get("interrupted")),
+        "mass": _deviation("m", record.get("predicted_std", {}).get("m")),
+        "notes": [str(note) for note in record.get("notes", ()) if isinstance(note, str)][:6],
+    }
+
+
+def _unit(name: str) -> str:
+    """The SI unit of a physical parameter, by its letters."""
+    if name == "m":
+        return "kg"
+    if name in ("xC", "yC", "zC"):
+        return "m"
+    return "kg m^2" if name.startswith("IC") else ""
+
+
+def _deviation(name: str, value: object) -> str:
+    if not isinstance(value, int | float) or not math.isfinite(value):
+        return "–"
+    scale, unit = legible(_unit(name))
+    return f"{std_text(value * scale)} {unit}".strip()
+
+
+def _predicted(plans: Sequence[Made]) -> dict[str, Any]:
+    """Predicted deviations of plans side by side, a row a parameter."""
+    stds = [plan.record.get("predicted_std") or {} for plan in plans]
+    names = list(dict.fromkeys(name for std in stds for name in std))
+    rows = [(parameter_words(name), [_deviation(name, std.get(name)) for std in stds]) for name in names]
+    return {"heads": [plan.name for plan in plans], "rows": rows}

@@ -1,0 +1,44 @@
+"""The stage Program: the text of a program, and what its proof says."""
+
+from typing import Any
+
+from hexcite.page.actions import Context
+from hexcite.page.stages import Made, Workspace
+from hexcite.page.views.common import Query, beginning, chosen, limits
+
+
+def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
+    """What the stage Program shows of a machine, for its template."""
+    plan: Made | None = chosen(there.plans, query.get("plan"))
+    programs = [p for p in there.programs if plan is not None and p.plan == plan.name]
+    program = next((p for p in programs if p.name == query.get("program")), programs[0] if programs else None)
+    content, cut = beginning(context.root / program.name) if program is not None else ("", False)
+    last = context.jobs.latest(context.machine.key, "post", plan.name) if plan is not None else None
+    refused = last is not None and last.state == "failed"
+    exceeded = (last.answer or {}).get("violations", []) if refused and last is not None else []
+    kinds = sorted(plan.record.get("limits", {})) if plan is not None else []
+    return {
+        "plans": there.plans,
+        "chosen": plan,
+        "programs": programs,
+        "program": program,
+        "text": content,
+        "cut": cut,
+        "dialects": context.machine.dialects,
+        "preferred": _preferred(plan, context) if plan is not None else "",
+        "refused": refused,
+        "exceeded": exceeded[:20],
+        "answerable": [kind.replace(" ", "-") for kind in kinds] if refused else [],
+        "written": last.answer if last is not None and last.state == "done" else None,
+        "limits": limits((last.answer or {}).get("limits", {})) if last is not None and last.state == "done" else [],
+    }
+
+
+def _preferred(plan: Made, context: Context) -> str:
+    """The controller that a plan was made for, else the first that limits jerk as the plan does."""
+    settings = plan.record.get("settings") or {}
+    made_for = str(settings.get("made_for") or "")
+    steps = bool(plan.record.get("without") or settings.get("without"))
+    order = ("linuxcnc", "urscript") if steps else ("sinumerik", "twincat", "ros2", "setpoints")
+    ready = context.machine.dialects
+    return made_for if made_for in ready else next((name for name in order if name in ready), "")
