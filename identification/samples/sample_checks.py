@@ -11,6 +11,7 @@ import numpy as np
 from cases.base.errors import RecordingError
 from cases.base.units import MM, Array, Flags, Indices
 from cases.machine import MotionLimits
+from cases.recording_format import CLOCK
 from cases.schema import Case
 from identification.finding import Finding, Kind, warning
 from identification.recording.formats.clocks import lost_samples
@@ -64,7 +65,7 @@ def scan(recording: Recording, case: Case) -> tuple[tuple[Finding, ...], Recordi
         RecordingError: rows without a clock that are samples of a motion, or so much damage that the rest is not a run.
     """
     if recording.t is None:
-        _require_standstills(recording)
+        _require_standstills(recording, case)
     bad, findings = recording.bad.copy(), list(unmeasured(recording))
     channels = (_clipped(recording, case), _silent(recording), _jumping(recording, case))
     for thing, problems in (*(("channel", [*alike]) for alike in channels), ("strut", [*_leaping(recording, case)])):
@@ -302,7 +303,7 @@ def cut_off(recording: Recording) -> list[Finding]:
     return [warning(Kind.WINDOW, sentence, recording.lines.place(len(recording.trigger) - 1))]
 
 
-def _require_standstills(recording: Recording) -> None:
+def _require_standstills(recording: Recording, case: Case) -> None:
     """Raises RecordingError where rows without a clock follow each other as samples of a motion do."""
     for values, small in ((recording.struts, SMALL_STEP), (recording.rotations, SMALL_TURN)):
         if values is None or len(values) < LEAST_ROWS:
@@ -312,9 +313,11 @@ def _require_standstills(recording: Recording) -> None:
         step = float(np.median(np.abs(first).max(axis=1)))
         if 0.0 < step < small and np.mean(second**2) < SMOOTH**2 * np.mean(first**2):
             distance = f"{step / MM:.3g} mm" if values is recording.struts else f"{step:.2g} rad"
+            clock = case.recording.columns.get(CLOCK)
+            no_clock = "has no t_s column" if clock is None else f"has no column {clock!r} for t_s, as the case says"
             raise RecordingError(
                 recording.source,
-                f"has no t_s column, yet its {len(values)} rows are {distance} apart and smooth like samples of a "
+                f"{no_clock}, yet its {len(values)} rows are {distance} apart and smooth like samples of a "
                 "motion, not averaged standstills",
                 "add the time, map its name in [recording.columns] or give recording.clock.period_ms",
             )

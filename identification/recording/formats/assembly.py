@@ -30,6 +30,7 @@ from cases.schema import Case
 from identification.finding import Finding, Kind, note
 from identification.recording.formats import dates
 from identification.recording.formats.clocks import Unsteady
+from identification.recording.formats.misnamed import require_own_values
 from identification.recording.formats.sampling import on_equal_steps, spread
 from identification.recording.formats.table import MOST_MISSING, ColumnTable, Stream, listed, shown
 from identification.recording.formats.text import without
@@ -46,6 +47,7 @@ def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
     if table.stamps is not None:
         t = (table.stamps - table.stamps[0]) * table.tick + float(start_of(table) - origin)
     table, missing, missing_in = _marked(table)
+    require_own_values(table, case, None if case.hexapod is None else lengths_of_struts(case))
     (flags, of_trigger), override = trigger_of(table), _single(table, OVERRIDE)
     poses, rotations = _pose(table, case)
     if override is not None:
