@@ -138,14 +138,17 @@ def parameter_lines(parameters: "Mapping[str, Value]") -> list[str]:
     return aligned(PARAMETER_COLUMNS, *(value_cells(name, value, rods) for name, value in parameters.items()))
 
 
-def budget_cells(parameters: "Mapping[str, Value]", budget: Mapping[str, Mapping[str, float]]) -> list[tuple[str, ...]]:
-    """Rows of a budget, its head first: of each parameter the parts of its deviation by their causes; none of none."""
+def budget_cells(units: Mapping[str, str], budget: Mapping[str, Mapping[str, float]]) -> list[tuple[str, ...]]:
+    """Rows of a budget, its head first: of each parameter the parts of its deviation by their causes; none of none.
+
+    `units` are SI units of the parameters.
+    """
     if not budget:
         return []
     kinds = list(next(iter(budget.values())))
     rows: list[tuple[str, ...]] = [("parts of ±", *kinds, "unit")]
     for name, parts in budget.items():
-        scale, unit = legible(parameters[name].unit)
+        scale, unit = legible(units[name])
         rows.append((name, *(std_text(parts[kind] * scale) if parts[kind] else "-" for kind in kinds), unit))
     return rows
 

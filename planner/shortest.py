@@ -167,12 +167,16 @@ def _missed(trials: list[Trial], request: Request, case: Case) -> HexciteError |
     return InfeasiblePlan(
         f"no motion of up to {longest:g} s reaches {deviations_in_words(targets, targets, case, model)}",
         f"the best, of {best.duration:g} s, predicts {_predicted(best, targets, case, model)}, {best.excess:.2f} times "
-        "as much as asked for" + _remedy(planned, longest, request),
+        "as much as asked for" + _remedy(planned, longest, request, best.plan),
     )
 
 
-def _remedy(planned: list[Trial], longest: float, request: Request) -> str:
-    """What to do: allow more time where that would help, else ask for less."""
+def _remedy(planned: list[Trial], longest: float, request: Request, best: Plan | None) -> str:
+    """What to do: allow more time where that would help, else ask for less, or know the machine better."""
+    if best is not None and any(best.promise.least.get(name, 0.0) > at for name, at in request.target.items()):
+        parameters = physical_form(identification_model(best.case, best.model)).parameters
+        words = best.promise.lasting_words(parameters, request.target, "more seconds lower")
+        return f"; {words}: ask for larger deviations, or lower these tolerances, as by a known weight"
     last = sorted(planned, key=lambda trial: trial.duration)[-2:]
     if len(last) == 2 and _power(*last) > -0.25:
         return "; longer motions hardly help: ask for larger deviations"

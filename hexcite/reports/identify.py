@@ -170,7 +170,7 @@ def parameter_blocks(result: Result) -> tuple[Block, ...]:
 
 def _budget(result: Result) -> tuple[Block, ...]:
     """The parts of each deviation by their causes; nothing where the case states no tolerances."""
-    head, *rows = budget_cells(result.parameters, result.budget) or [()]
+    head, *rows = budget_cells({n: p.unit for n, p in result.parameters.items()}, result.budget) or [()]
     about = "Squares of the parts add up to that of ±; tolerances are carried through to first order."
     return (table(head, rows), note(about)) if rows else ()
 

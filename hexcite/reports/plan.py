@@ -23,6 +23,8 @@ def plan_page(plan: Plan) -> str:
     inputs = [(name, str(value)) for name, value in entries.items() if not isinstance(value, list | dict)]
     notes = [f"{text[0].upper()}{text[1:]}." for text in plan.remarks]
     deviations = table(("parameter", "predicted std", "unit"), plan.deviation_rows())
+    head, *rows = plan.budget_rows() or [()]
+    parts = [table(head, rows)] if rows else []
     counted = [check for check in plan.limits.checks if check.status is not Status.LEFT_OUT]
     exceeded = [check.name for check in counted if check.ratio > 1.0 + TOLERANCE]
     words = f"EXCEEDED, which its controller does not limit: {', '.join(exceeded)}." if exceeded else KEPT
@@ -36,7 +38,7 @@ def plan_page(plan: Plan) -> str:
         "What the motion is, how precise its run will make the parameters, and how close it comes to each limit.",
         (("case", f"{case.name} (hash {case.hash})"), *inputs, *provenance([])["versions"].items()),
         plan.doubts,
-        section("What the plan promises", _headline(plan), deviations, *map(note, notes)),
+        section("What the plan promises", _headline(plan), deviations, *parts, *map(note, notes)),
         section(
             "Which parameters can be told apart", *identifiability_blocks(identifiability_of_models(plan), plan.model)
         ),

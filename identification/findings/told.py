@@ -73,8 +73,8 @@ class Told(NamedTuple):
         """Whether they lower the deviation of one of so many parameters, or one of them is off."""
         plain = np.diag(self.before + self.biases @ self.biases.T)[:own]
         joint = np.diag(self.before + self.biases @ self.covariance @ self.biases.T)[:own]
-        lower = np.any(joint[plain > 0.0] < WORTH**2 * plain[plain > 0.0])
-        return bool(lower or np.any(np.abs(self.surprises) > IMPOSSIBLE) or self.chance < UNLIKELY)
+        surprised = np.any(np.abs(self.surprises) > IMPOSSIBLE) or self.chance < UNLIKELY
+        return worth_estimating(plain, joint) or bool(surprised)
 
     @property
     def by_key(self) -> dict[str, Array]:
@@ -103,6 +103,33 @@ class Told(NamedTuple):
         )
 
 
+def worth_estimating(plain: Array, joint: Array) -> bool:
+    """Whether sizes that are estimated lower one of some variances of least squares alone by enough, shapes (u,)."""
+    return bool(np.any(joint[plain > 0.0] < WORTH**2 * plain[plain > 0.0]))
+
+
+def shown(shares: tuple[Share, ...], case: Case) -> tuple[Share, ...]:
+    """Tolerances whose sizes a run can tell, and without which it can be evaluated anew."""
+    # without a chain no key of the case turns the frame of a sensor
+    return tuple(
+        share
+        for share in shares
+        if share.key in SHOWABLE
+        and share.biases.shape[1]
+        and not (case.chain is None and share.key.startswith("sensor"))
+    )
+
+
+def joint_covariance(strength: Array) -> Array:
+    """Covariance of sizes, whose prior variances are 1, by what a run with known noise shows of them, shape (k, k).
+
+    Args:
+        strength: squares of what its fit leaves of their effects, over the variance of the noise, shape (k, k).
+    """
+    values, vectors = np.linalg.eigh(strength)
+    return np.asarray((vectors / (1.0 + np.where(values > FAINT, values, 0.0))) @ vectors.T)
+
+
 def told_by(fitted: Fitted, case: Case, sizes: Array | None = None) -> Told | None:
     """What a run tells of the sizes that its case tolerates; None where it tells nothing, or that cannot be seen.
 
@@ -121,9 +148,7 @@ def told_by(fitted: Fitted, case: Case, sizes: Array | None = None) -> Told | No
     if drift is not None:
         rest = rest.beside((drift.shape[part] * fitted.samples.scale)[:, None, None] * np.eye(6))
     every = shares_of(left_out, rest, basis, case.tolerances)
-    shares = tuple(share for share in every if share.key in SHOWABLE and share.biases.shape[1])
-    if case.chain is None:  # orientations of a sensor frame that no machine of the case moves: no key turns it
-        shares = tuple(share for share in shares if not share.key.startswith("sensor"))
+    shares = shown(every, case)
     if not shares:
         return None
     left, both = np.concatenate([share.left for share in shares], axis=2), ((0, 1), (0, 1))

@@ -259,7 +259,7 @@ class Result:
         table = [
             *parameter_lines(self.parameters),
             which,
-            *aligned(*budget_cells(self.parameters, self.budget)),
+            *aligned(*budget_cells({n: p.unit for n, p in self.parameters.items()}, self.budget)),
             *lines,
             *self._pooled(),
             *self._treated(),

@@ -4,7 +4,7 @@ Fields of `Worth` and `PoseWorth` have the names of their entries in `plan.json`
 """
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from identification.estimation.criteria import (
 from identification.limits.limit import LimitReport
 from identification.machines.hexapod import Hexapod
 from identification.model.model import Model, field_covariance
-from identification.model.parameters import nominal_parameters, physical_form
+from identification.model.parameters import nominal_parameters
 from identification.motion.motion import Array, Trajectory
 from planner.bounds.bound import Bound
 from planner.noise import (
@@ -31,7 +31,9 @@ from planner.noise import (
     information_of,
     mean_information,
     seen_through,
+    sensor_noise,
 )
+from planner.plans.prediction import Prediction, tolerated_at_poses, tolerated_in_motion
 from planner.search.record import Failed, StartRecord
 
 
@@ -89,12 +91,8 @@ def bound_by(limits: LimitReport) -> list[str]:
     return [c.name for c in limits.checks if c.binding and c.ratio > BINDING]
 
 
-def predicted_std(
-    case: Case, model: Model, scaling: Array, information: Array, duration: float, noise: float, payload: int = 0
-) -> dict[str, float]:
-    """Standard deviations of the physical parameters for one run at the rate of the case.
-
-    The body is the nominal one with a number of payloads.
+def noise_covariance(case: Case, scaling: Array, information: Array, duration: float, noise: float) -> Array:
+    """Covariance of u for one run at the rate of the case, by noise, shape (u, u).
 
     Args:
         scaling: diagonal of H, shape (u,).
@@ -103,42 +101,55 @@ def predicted_std(
         noise: standard deviation of a force sample [N]; W is in units of noise^-2.
     """
     covariance = noise**2 / (duration * case.recording.rate_Hz) * np.linalg.inv(information)
-    return _physical_std(case, model, covariance * np.outer(scaling, scaling), payload)
+    return np.asarray(covariance * np.outer(scaling, scaling))
 
 
-def predicted_std_at_poses(
+def prediction_at_poses(
     case: Case, model: Model, scaling: Array, regressors: Array, poses: Array, noise: float
-) -> dict[str, float]:
-    """Standard deviations of the physical parameters from averaged standstills.
+) -> Prediction:
+    """What averaged standstills promise of the nominal body.
 
     Args:
-        case: gives the nominal body, and errors that depend on the pose.
+        case: gives errors that depend on the pose, and tolerances.
+        model: as the estimate weighs it.
         scaling: scaling of its columns, shape (u,).
         regressors: regressors of the poses, scaled, shape (n, 6, u).
         poses: shape (n, 6) [m, rad].
         noise: standard deviation of an averaged force [N].
     """
     inverse = np.linalg.inv(total_information(regressors))
-    covariance = noise**2 * inverse
+    covariance = np.asarray(noise**2 * inverse, dtype=np.float64)
     if (field := case.sensors.pose_field) is not None:
         by_pose = field_covariance(field, Hexapod.of(case).strut_lengths(poses))
         covariance = covariance + inverse @ sum(a.T @ by_pose @ a for a in regressors.transpose(1, 0, 2)) @ inverse
-    return _physical_std(case, model, covariance * np.outer(scaling, scaling))
+    covariance = np.asarray(covariance * np.outer(scaling, scaling), dtype=np.float64)
+    plain = replace(model, whitening=None)
+    values = nominal_parameters(plain, case.body(0))
+    if case.tolerances is None:
+        return Prediction(plain, values, covariance)
+    one, stated = sensor_noise(case), case.sensors.force_noise
+    expected = ExpectedNoise(one, one**2 * np.eye(6), "equal", False)
+    if model.whitening is not None and stated is not None:
+        expected = ExpectedNoise(one, np.diag(stated**2), "stated", False)
+    more = tolerated_at_poses(case, plain, values, poses, covariance, expected, noise)
+    return Prediction(plain, values, covariance + more.noise, more.biases, more.lasting)
 
 
-def _physical_std(case: Case, model: Model, covariance: Array, payload: int = 0) -> dict[str, float]:
-    """Standard deviations with the nominal body and a number of payloads, from the covariance of u, shape (u, u)."""
-    form = physical_form(model)
-    nominal = nominal_parameters(model, case.body(payload))  # the rest is linear: its values do not matter
-    _, physical = form.of(nominal, covariance)
-    std = np.sqrt(np.diag(physical))
-    return {p.name: float(s) for p, s in zip(form.parameters, std, strict=True)}
+def prediction_of(
+    case: Case,
+    model: Model,
+    scaling: Array,
+    motion: Trajectory,
+    noise: ExpectedNoise,
+    payload: int,
+    values: Array | None = None,
+) -> Prediction:
+    """What a run of a motion promises, by rate, weights, noise, errors that depend on the pose, and tolerances.
 
-
-def predicted_std_of(
-    case: Case, model: Model, scaling: Array, motion: Trajectory, noise: ExpectedNoise, payload: int
-) -> dict[str, float]:
-    """Standard deviations of the physical parameters for a run of a motion, by rate, weights, noise and pose errors."""
+    Args:
+        payload: number of payloads that are mounted on the nominal body.
+        values: u for which it is, shape (u,); that of this body unless given.
+    """
     errors = PoseErrors.of(case, noise)
     by_pose = None
     if errors is not None:
@@ -146,24 +157,25 @@ def predicted_std_of(
     information = counted_information(
         lambda root: mean_information(seen_through(model, root), scaling, motion), noise, by_pose
     )
-    return predicted_std(case, model, scaling, information, motion.duration, noise.sensors, payload)
+    covariance = noise_covariance(case, scaling, information, motion.duration, noise.sensors)
+    values = nominal_parameters(model, case.body(payload)) if values is None else values
+    if case.tolerances is None:
+        return Prediction(model, values, covariance)
+    more = tolerated_in_motion(case, model, values, motion, covariance, noise)
+    return Prediction(model, values, covariance + more.noise, more.biases, more.lasting)
 
 
-def worst_std(
+def predictions_of(
     case: Case, model: Model, scaling: Array, motion: Trajectory, payloads: Sequence[int]
-) -> dict[str, float]:
-    """Largest predicted standard deviation of each parameter over numbers of payloads.
-
-    Each run has the noise and weights of what is mounted.
-    """
-    runs = [predicted_std_of(case, model, scaling, motion, expected_noise(case, model, n), n) for n in payloads]
-    return {name: max(run[name] for run in runs) for name in runs[0]}
+) -> tuple[Prediction, ...]:
+    """What runs of a motion promise, one for each number of payloads, with the noise and weights of what is mounted."""
+    return tuple(prediction_of(case, model, scaling, motion, expected_noise(case, model, n), n) for n in payloads)
 
 
 def figures_of(
-    case: Case, model: Model, motion: Trajectory, payloads: Sequence[int], criterion: Criterion
-) -> tuple[dict[str, float], ExpectedNoise, dict[str, float]]:
-    """Figures of a motion with the most payloads mounted: entries of `plan.json`, the noise and `worst_std`.
+    case: Case, model: Model, motion: Trajectory, payload: int, criterion: Criterion
+) -> tuple[dict[str, float], ExpectedNoise]:
+    """Figures of a motion with a number of payloads mounted: entries of `plan.json`, and the noise.
 
     The criterion is of the information that the search maximised: with the weights of the case, and reduced by errors
     of the pose.
@@ -173,7 +185,7 @@ def figures_of(
     """
     scaling = reference_scaling(case, model)
     mu = singular_values(mean_information(model, scaling, motion), model.names)
-    noise = expected_noise(case, model, payloads[-1])
+    noise = expected_noise(case, model, payload)
     weighted, errors = mu, PoseErrors.of(case, noise)
     if noise.whitening is not None or errors is not None:
         left = information_of(seen_through(model, noise.whitening), scaling, motion, errors)
@@ -184,4 +196,4 @@ def figures_of(
         "criterion_value": CRITERIA[criterion](weighted),
         "assumed_noise_N": noise.sensors,
     }
-    return figures, noise, worst_std(case, model, scaling, motion, payloads)
+    return figures, noise

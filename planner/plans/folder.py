@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, Field, ValidationError
 
 from cases.base.errors import FileProblem, HexciteError
 from cases.base.files import DAMAGED
@@ -16,6 +16,7 @@ from cases.tables import LARGEST
 from identification.motion.curves import FourierMotion, PolynomialMotion
 from identification.motion.motion import Joined, Standstill, Trajectory
 from identification.motion.moves import CircularMove, Plane, StraightMove, unit_profile
+from planner.plans.prediction import Promise
 
 SCHEMA_VERSION = 1
 LONGEST_OF_POSES = 4 * 3600.0  # [s] of a measurement at poses: the paper's took 21 min
@@ -38,12 +39,19 @@ class Entries(BaseModel, strict=True, frozen=True):
     payload: int = 0
     payload_from: int = 0
     predicted_std: dict[str, float]  # [SI]
+    predicted_budget: dict[str, dict[str, float]] = Field(default_factory=dict)  # [SI]
+    predicted_least: dict[str, float] = Field(default_factory=dict)  # [SI]
     assumed_noise_N: float
     assumed_rate_Hz: float
     settings: dict[str, bool | int | float | str | list[str]]
     solve_s: float
     interrupted: bool = False
     content: str = ""
+
+    @property
+    def promise(self) -> Promise:
+        """What it promises."""
+        return Promise(self.predicted_std, self.predicted_budget, self.predicted_least)
 
 
 @contextmanager

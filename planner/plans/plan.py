@@ -18,7 +18,16 @@ from identification.limits.limit import PLANNABLE_WITHOUT, LimitKind, LimitRepor
 from identification.model.model import identification_model
 from identification.model.parameters import physical_form
 from identification.motion.motion import Array, Joined, Motion, Standstill, Trajectory, sample
-from identification.texts import aligned, carries_rods, legible, limit_lines, parameter_words, std_text, use_text
+from identification.texts import (
+    aligned,
+    budget_cells,
+    carries_rods,
+    legible,
+    limit_lines,
+    parameter_words,
+    std_text,
+    use_text,
+)
 from planner.families.family import Settings
 from planner.plans.figures import PoseWorth, Worth, bound_by
 from planner.plans.folder import (
@@ -30,6 +39,7 @@ from planner.plans.folder import (
     motion_of_entries,
     refusing,
 )
+from planner.plans.prediction import Promise
 from planner.request import LONGEST, PoseRequest, Request
 
 SAMPLE_RATE = 1000.0  # [1/s] of motion.csv
@@ -45,7 +55,7 @@ class Plan:
         request: request that it answers.
         motion: the excitation; of poses from home through all of them and back home.
         limits: proof of its limits.
-        predicted_std: standard deviation of each physical parameter for one run [SI].
+        promise: predicted standard deviation of each physical parameter for one run, with its parts.
         assumed_noise: assumed noise of a force sample behind it, of poses of an averaged force [N].
         assumed_rate: samples of a recording a second behind it [1/s].
         worth: figures of the motion or of the poses, and the record of their search.
@@ -61,7 +71,7 @@ class Plan:
     request: Request | PoseRequest
     motion: Trajectory
     limits: LimitReport
-    predicted_std: dict[str, float]
+    promise: Promise
     assumed_noise: float
     assumed_rate: float
     worth: Worth | PoseWorth
@@ -86,6 +96,11 @@ class Plan:
     def duration(self) -> float:
         """Duration of the motion [s]."""
         return self.motion.duration
+
+    @property
+    def predicted_std(self) -> dict[str, float]:
+        """Standard deviation of each physical parameter for one run [SI]."""
+        return self.promise.std
 
     @property
     def poses(self) -> Array:
@@ -186,7 +201,7 @@ class Plan:
             if list(entries.predicted_std) != names or not limits.checks:
                 raise KeyError("predicted_std" if limits.checks else "limits")
             plan = cls(
-                own, request, motion, limits, entries.predicted_std, entries.assumed_noise_N,
+                own, request, motion, limits, entries.promise, entries.assumed_noise_N,
                 entries.assumed_rate_Hz, worth, entries.settings, entries.solve_s, entries.interrupted,
                 Path(folder), fingerprint_of(file.read_bytes()), remarks,
             )  # fmt: skip
@@ -227,7 +242,8 @@ class Plan:
             **request.to_json(),
             **self.worth.to_json(),
             **own,
-            "predicted_std": self.predicted_std,
+            **self.promise.to_json(),
+            "not_counted": self._not_counted,
             "assumed_noise_N": self.assumed_noise,
             "assumed_rate_Hz": self.assumed_rate,
             "pose_errors": None if (field := self.case.sensors.pose_field) is None else field.keys,
@@ -255,10 +271,25 @@ class Plan:
     def remarks(self) -> tuple[str, ...]:
         """What predicted standard deviations assume, and notes for the user before running it."""
         assumed = f"predicted for {self.assumed_noise:.3g} N white noise of "
+        missing = self._not_counted
+        counted = f"; no tolerances of {', '.join(missing)} are counted: see [tolerances]" if missing else ""
         if isinstance(self.worth, PoseWorth):
-            return f"{assumed}an averaged force", self.worth.remark
+            return f"{assumed}an averaged force{counted}", self.worth.remark, *self._lasting()
         assumed += f"a force, {self.assumed_rate:g} Hz, {self.of_motion[0].mounted}, weights {self.worth.weights}"
-        return assumed, *self.worth.notes
+        return f"{assumed}{counted}", *self._lasting(), *self.worth.notes
+
+    @property
+    def _not_counted(self) -> list[str]:
+        """Kinds of tolerances that no predicted deviation counts."""
+        return self.promise.not_counted(self.case, isinstance(self.request, PoseRequest))
+
+    def _lasting(self) -> tuple[str, ...]:
+        """Whether a longer run of its kind would gain little."""
+        model = identification_model(self.case, self.model)
+        targets = self.request.target if isinstance(self.request, Request) else {}
+        longer = "more seconds lower" if isinstance(self.request, Request) else "longer averages lower"
+        words = self.promise.lasting_words(physical_form(model).parameters, targets, longer)
+        return (words,) if words else ()
 
     @property
     def headline(self) -> str:
@@ -284,6 +315,7 @@ class Plan:
         checks = [c for c in self.limits.checks if c.ratio >= MOST_USED or c.status is not Status.PROVEN]
         limits = [*limit_lines(checks), f"{len(self.limits.checks) - len(checks)} other limits are proven too"]
         deviations = aligned(("parameter", "predicted std", "unit"), *self.deviation_rows())
+        deviations += aligned(*self.budget_rows())
         remarks = (f"note: {remark}" for remark in self.remarks)
         return "\n".join([self.headline, "", *limits, "", *deviations, "", *remarks, *self._verdict()])
 
@@ -296,6 +328,11 @@ class Plan:
             scale, unit = legible(p.unit)
             rows.append((parameter_words(p.name, rods), std_text(self.predicted_std[p.name] * scale), unit))
         return tuple(rows)
+
+    def budget_rows(self) -> list[tuple[str, ...]]:
+        """Rows of a table, its head first: parts of the predicted deviations; none where no tolerance is stated."""
+        units = {p.name: p.unit for p in physical_form(identification_model(self.case, self.model)).parameters}
+        return budget_cells(units, self.promise.budget)
 
 
 def poses_in_units(poses: Array, case: Case) -> Array:

@@ -19,8 +19,9 @@ from planner.families.fourier import of_lower_order
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import Fourier, PointToPoint
 from planner.noise import mean_information
-from planner.plans.figures import Worth, figures_of
+from planner.plans.figures import Worth, figures_of, predictions_of
 from planner.plans.plan import Plan
+from planner.plans.prediction import Promise
 from planner.request import Request
 from planner.search.feasibility import keep_limits
 from planner.search.problem import CHECK_RATE
@@ -60,13 +61,15 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
         IdentificationError: the motion does not excite all parameters of the model.
     """
     model, motion = identification_model(case, request.model), planned.motion
-    figures, noise, predicted = figures_of(case, model, motion, request.payloads, request.criterion)
+    figures, noise = figures_of(case, model, motion, request.payload, request.criterion)
+    scaling = reference_scaling(case, model)
+    promise = Promise.of(predictions_of(case, model, scaling, motion, request.payloads))
     bound, smooth = information_limit(case, model).raised(figures["logdet"]), None
     if planned.settings.get("without") == LimitKind.JERK and isinstance(motion, Joined):
         within = with_jerk_limited(motion, case)
         smooth = (
             within.duration,
-            bound.efficiency(figures_of(case, model, within, request.payloads, request.criterion)[0]["logdet"]),
+            bound.efficiency(figures_of(case, model, within, request.payload, request.criterion)[0]["logdet"]),
         )
     tried = tried_families(planned, bound.efficiency(figures["logdet"]), len(model.names))
     worth = Worth(
@@ -89,7 +92,7 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
         tried=tried,
     )
     return Plan(
-        case, request, motion, planned.limits, predicted, noise.sensors, case.recording.rate_Hz, worth,
+        case, request, motion, planned.limits, promise, noise.sensors, case.recording.rate_Hz, worth,
         planned.settings, seconds, planned.interrupted,
     )  # fmt: skip
 

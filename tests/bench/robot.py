@@ -18,13 +18,15 @@ from identification.estimation.criteria import reference_scaling
 from identification.identify import identify
 from identification.machines.casadi_batch import over_samples
 from identification.model.model import identification_model
+from identification.model.parameters import nominal_parameters
 from identification.simulate import truth_rows
 from planner.bounds.bound import information_limit
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import PointToPoint
 from planner.noise import expected_noise, mean_information, seen_through
-from planner.plans.figures import predicted_std
+from planner.plans.figures import noise_covariance
 from planner.plans.making import make
+from planner.plans.prediction import Prediction
 from planner.request import Request
 from planner.search.feasibility import keep_limits
 from planner.search.parallel import run_here, silent
@@ -64,7 +66,8 @@ def robot_figures() -> None:
     noise = expected_noise(case, static)
     weighted = seen_through(static, noise.whitening)
     rows = over_samples(weighted.coordinate_regressor, poses, still, still)[0].reshape(-1, len(of_static)) * of_static
-    by_hand = predicted_std(case, static, of_static, rows.T @ rows / len(poses), DURATION, noise.sensors)
+    covariance = noise_covariance(case, of_static, rows.T @ rows / len(poses), DURATION, noise.sensors)
+    by_hand = Prediction(static, nominal_parameters(static, case.body(0)), covariance).std
     print("standard deviations, planned beside ten standstills chosen by hand, measured as long, weighed alike:")
     for name, std in by_hand.items():
         print(f"  {name:7} {plan.predicted_std[name]:.2g} {std:.2g}")

@@ -12,7 +12,8 @@ from identification.model.model import identification_model
 from identification.model.parameters import physical_form
 from identification.motion.motion import Trajectory
 from planner.noise import expected_noise, mean_information
-from planner.plans.figures import predicted_std, predicted_std_of
+from planner.plans.figures import noise_covariance, prediction_of
+from planner.plans.prediction import Prediction
 from tests.identification.point_masses import PointMasses, wrench_of_bars
 
 RATE = 1000.0  # [1/s]
@@ -77,7 +78,7 @@ def vibrating_runs(case: Case, motion: Trajectory, runs: int) -> Spread:
         shaken = shaken_forces(case, masses, case.sensors.acceleration_noise * draw.normal(size=(len(states.t), 6)))
         forces = matrices @ truth + shaken + case.sensors.force_noise * draw.normal(size=shaken.shape)
         estimates.append(form.of(inverse @ (forces @ root.T).ravel(), np.zeros((20, 20)))[0])
-    predicted = predicted_std_of(case, model, scaling, motion, noise, 0)
+    predicted = prediction_of(case, model, scaling, motion, noise, 0).std
     found, expected = np.array(estimates), form.of(truth, np.zeros((20, 20)))[0]
     bias = found.mean(axis=0) - expected
     return Spread(tuple(predicted), np.array(list(predicted.values())), found.std(axis=0, ddof=1), bias)
@@ -119,6 +120,7 @@ def monte_carlo(case: Case, motion: Trajectory, runs: int, force_noise: float, a
     expected, _ = form.of(truth, np.zeros((20, 20)))
     scaling = reference_scaling(case, model)
     information = mean_information(model, scaling, motion)
-    predicted = predicted_std(case, model, scaling, information, len(inside) / RATE, force_noise)
+    covariance = noise_covariance(case, scaling, information, len(inside) / RATE, force_noise)
+    predicted = Prediction(model, truth, covariance).std
     names = tuple(predicted)
     return Spread(names, np.array(list(predicted.values())), found.std(axis=0, ddof=1), found.mean(axis=0) - expected)

@@ -20,7 +20,7 @@ from planner.families.manual import manual_motion, sequence_file
 from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
 from planner.noise import PoseErrors, expected_noise, information_of, mean_information, of_estimate
-from planner.plans.figures import predicted_std_at_poses, predicted_std_of
+from planner.plans.figures import prediction_at_poses, prediction_of
 from planner.search.problem import build_program
 from tests.bench.pose_errors import over_machines
 from tests.helpers import few, taylor_slope
@@ -169,7 +169,7 @@ def test_predictions_are_the_scatter_over_machines_that_err_otherwise(name: str)
         motion = family.motion(
             random_start(family, np.random.default_rng(0), build_program(CASE, MODEL, family, SCALING, 1e-3).worst)
         )
-    predicted = predicted_std_of(case, MODEL, SCALING, motion, expected_noise(case, MODEL), 0)
+    predicted = prediction_of(case, MODEL, SCALING, motion, expected_noise(case, MODEL), 0).std
     true = over_machines(motion)
     ratio = np.array([predicted[n] / true[n] for n in true])
     assert np.exp(np.mean(np.log(ratio))) == pytest.approx(1.0, abs=0.25)
@@ -182,9 +182,9 @@ def test_standstills_do_not_average_them_out():
     poses = CASE.machine.home.vector + draw.uniform(low, high, (40, 6)) / 2
     matrices = pose_regressors(model, poses)
     scaling = np.ones(len(model.names))
-    plain = predicted_std_at_poses(CASE, model, scaling, matrices, poses, 0.03)
-    found = predicted_std_at_poses(erring(SIZE, LENGTH), model, scaling, matrices, poses, 0.03)
-    far = predicted_std_at_poses(erring(SIZE, 0.1), model, scaling, matrices, poses, 0.03)
+    plain = prediction_at_poses(CASE, model, scaling, matrices, poses, 0.03).std
+    found = prediction_at_poses(erring(SIZE, LENGTH), model, scaling, matrices, poses, 0.03).std
+    far = prediction_at_poses(erring(SIZE, 0.1), model, scaling, matrices, poses, 0.03).std
     struts = Hexapod.of(CASE).strut_lengths(poses)
     assert np.linalg.norm(struts[1:] - struts[:-1], axis=1).min() > 1e-3  # beyond 0.1 mm errors are independent
     for name, std in plain.items():

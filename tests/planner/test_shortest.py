@@ -12,6 +12,7 @@ from cases.schema import load_case
 from planner.families.settings import Fourier, Manual
 from planner.plans.making import make, require_plannable
 from planner.plans.plan import Plan
+from planner.plans.prediction import Promise
 from planner.request import Request
 from planner.search.parallel import run_here, silent
 from planner.shortest import CLOSE, shortest
@@ -39,7 +40,7 @@ def following_law(plan: Plan, std_of: Callable[[float], float], asked: list[floa
         std = std_of(request.duration)
         if std == float("inf"):
             raise InfeasiblePlan("too short")
-        return replace(plan, request=request, predicted_std={**plan.predicted_std, "m": std})
+        return replace(plan, request=request, promise=Promise({**plan.predicted_std, "m": std}, {}, {}))
 
     return plan_of
 

@@ -9,9 +9,9 @@ from hexcite.cli.plan import read_payloads
 from identification.estimation.criteria import reference_scaling
 from identification.model.model import identification_model
 from planner.families.manual import manual_motion, sequence_file
-from planner.noise import expected_noise
-from planner.plans.figures import predicted_std_of, worst_std
+from planner.plans.figures import predictions_of
 from planner.plans.plan import Plan
+from planner.plans.prediction import Promise
 from planner.request import Request
 from tests.hexcite.command_line import call, refused
 from tests.planner.monte_carlo import vibrating
@@ -32,8 +32,8 @@ def test_a_number_or_a_range_is_read(text: str, found: tuple[int, int | None]):
 @pytest.mark.parametrize("shaken", [False, True])
 def test_what_is_predicted_for_a_range_is_the_largest_within_it(shaken: bool):
     case = vibrating(CASE, 1.0, 0.05, 1.0, "stated") if shaken else CASE
-    each = [predicted_std_of(case, MODEL, SCALING, MOTION, expected_noise(case, MODEL, n), n) for n in range(3)]
-    worst = worst_std(case, MODEL, SCALING, MOTION, range(3))
+    runs = predictions_of(case, MODEL, SCALING, MOTION, range(3))
+    each, worst = [run.std for run in runs], Promise.of(runs).std
     for name, std in worst.items():
         assert std == pytest.approx(max(one[name] for one in each), rel=1e-9)
     # A centre of gravity is told by a moment over a mass: it is least certain where the mass is smallest. Forces that
