@@ -211,11 +211,12 @@ class _Way:
         progress(f"check: the text read back, independently of its writer: {program.proof.verdict}")
         recording = run(program, case, self.on, seed=self.seed)
         recording.save(place / "recording", overwrite=True)
-        record = recording.record
+        executed = recording.executed
+        assert executed.d_efficiency is not None  # it moves
         progress(
-            f"run: on {record['controller']} ({self.where}), {record['executed_s']:.3f} s of "
-            f"{record['planned_s']:.3f} s planned, {record['path_error_mm']:.3f} mm from the path, D-efficiency "
-            f"{efficiency_text(record['d_efficiency'])} as executed"
+            f"run: on {executed.controller} ({self.where}), {executed.executed_s:.3f} s of "
+            f"{executed.planned_s:.3f} s planned, {executed.path_error_mm:.3f} mm from the path, D-efficiency "
+            f"{efficiency_text(executed.d_efficiency)} as executed"
         )
         result = identify(Recording.load(place / "recording"), case, full_model(case))
         result.save(place / "result", overwrite=True)

@@ -4,7 +4,7 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,7 +21,8 @@ from identification.machines.executed import Execution, executed_motion, path_er
 from identification.machines.of_case import machine_of
 from identification.model.model import full_model, identification_model
 from identification.motion.motion import Joined, Trajectory
-from identification.recording.recording import Recording, about_case
+from identification.recording.record import Executed, Payload, RunOrigin, RunRecord
+from identification.recording.recording import Recording
 from identification.simulate import UNDISTURBED, Circumstances, circumstances, simulate_recording
 from planner.bounds.bound import Bound, information_limit
 from planner.noise import mean_information
@@ -67,24 +68,49 @@ def execute(
         planned = Joined(tuple(motion for _, motion in motions(program.reading, program.guarantees)))
         poses = program.reading.measured_poses
         seconds, off = stood(run, poses, program.path)
-        rating = {"executed_s": seconds, "path_error_mm": off / MM, "d_efficiency_planned": None, "d_efficiency": None}
-        rating["poses_m_rad"] = poses.tolist()
+        quality = Quality(seconds, off / MM)
     else:
+        poses = np.zeros((0, 0))
         planned = planned_excitation(program.reading, program.guarantees)
-        rating = _rating(case, planned, run)
+        quality = _quality(case, planned, run)
     recording = simulate_recording(case, run.execution, run.trigger, seed, around=around)
     peaks = executed_peaks(run.execution, case)
-    record = {
-        **_record(program, case, run, around),
-        "seed": seed,
-        "samples": len(recording.forces),
-        "planned_s": planned.duration,
-        **rating,
-        "peaks_of_limit": {str(kind): share for kind, share in peaks.items()},
-        "exceeded": exceeded(peaks, program.guarantees, run.real),
-        "units": "SI with the unit in each column name",
-    }
+    other = written_for_another(program.content, case)
+    executed = Executed(
+        controller=run.controller,
+        executed_s=quality.seconds,
+        planned_s=planned.duration,
+        path_error_mm=quality.path_error_mm,
+        d_efficiency=quality.d_efficiency,
+        d_efficiency_planned=quality.d_efficiency_planned,
+        peaks_of_limit={str(kind): share for kind, share in peaks.items()},
+        exceeded=tuple(exceeded(peaks, program.guarantees, run.real)),
+        remark="; ".join(text for text in (other and f"the program was {other}", run.remark) if text),
+    )
+    disturbances = around.disturbances
+    record = RunRecord.of_case(
+        case,
+        origin=_origin(program, case, run, around, seed, quality),
+        executed=executed,
+        poses_m_rad=tuple(map(tuple, poses.tolist())),
+        trigger_windows_s=tuple(map(tuple, run.trigger.tolist())),
+        controller_hash=case.controller_hash,
+        controller_real=run.real,
+        simulated_parts="sensors and encoders; the motion is what the controller executed",
+        disturbances=None if disturbances is None else disturbances.model_dump(mode="json"),
+        samples=len(recording.forces),
+        units="SI with the unit in each column name",
+    )
     return run, replace(recording, case=case, record=record)
+
+
+class Quality(NamedTuple):
+    """How a program was executed."""
+
+    seconds: float  # that the excitation took
+    path_error_mm: float
+    d_efficiency_planned: float | None = None  # of the motion as programmed; None at poses
+    d_efficiency: float | None = None  # as executed, behind the filter of the evaluation
 
 
 def executed_peaks(execution: Execution, case: Case) -> dict[LimitKind, float]:
@@ -142,21 +168,20 @@ def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
     return ExecutedRun(log.controller, execution, measured, real=True, remark=remark)
 
 
-def _rating(case: Case, planned: Trajectory, run: ExecutedRun) -> dict[str, Any]:
-    """Entries of `recording.json` on how a moving excitation was executed."""
+def _quality(case: Case, planned: Trajectory, run: ExecutedRun) -> Quality:
+    """How a moving excitation was executed."""
     model = identification_model(case, full_model(case))
     scaling, bound = reference_scaling(case, model), information_limit(case, model)
     cutoff = case.recording.filter_cutoff_Hz
     if cutoff is None:
         case.missing("recording.filter_cutoff_Hz", "the rating of a run")
     after = executed_information(model, scaling, run.execution, run.trigger, cutoff)
-    return {
-        "executed_s": run.excitation,
-        "path_error_mm": path_error(planned, run.execution, run.trigger) / MM,
-        "d_efficiency_planned": _efficiency(bound, mean_information(model, scaling, planned)),
-        "d_efficiency": _efficiency(bound, after),  # behind the filter of the evaluation
-        "poses_m_rad": [],
-    }
+    return Quality(
+        run.excitation,
+        path_error(planned, run.execution, run.trigger) / MM,
+        _efficiency(bound, mean_information(model, scaling, planned)),
+        _efficiency(bound, after),
+    )
 
 
 def _efficiency(bound: Bound, information: np.ndarray) -> float:
@@ -175,7 +200,7 @@ def run(
 ) -> Recording:
     """The recording of a program's run: sensors and encoders are simulated for what the controller really executed.
 
-    Its `record` has the figures of the run, such as `path_error_mm`, `d_efficiency`, `peaks_of_limit` and `exceeded`.
+    Its `executed` has the figures of the run, such as `path_error_mm`, `d_efficiency`, `peaks_of_limit`, `exceeded`.
 
     Args:
         program: program, or its file.
@@ -203,23 +228,18 @@ def run(
     return execute(read, case, on, seed, around)[1]
 
 
-def _record(program: Program, case: Case, run: ExecutedRun, around: Circumstances) -> dict[str, Any]:
-    """Entries of `recording.json` on program, controller and machine."""
-    disturbances = around.disturbances
-    other = written_for_another(program.content, case)
-    return {
-        **about_case(case),
-        "controller_hash": case.controller_hash,
-        "program": str(program.path.resolve()),
-        "program_hash": hashlib.sha256(program.content).hexdigest()[:16],
-        "plan_hash": plan_of_program(program.content),
-        "controller": run.controller,
-        "controller_real": run.real,
-        "simulated": True,
-        "simulated_parts": "sensors and encoders; the motion is what the controller executed",
-        "simulation_source": case.need_simulation("a recording").source,
-        "payload": {"weights": len(around.weights), "mass_kg": around.load},
-        "disturbances": None if disturbances is None else disturbances.model_dump(mode="json"),
-        "trigger_windows_s": run.trigger.tolist(),
-        "remark": "; ".join(text for text in (other and f"the program was {other}", run.remark) if text),
-    }
+def _origin(
+    program: Program, case: Case, run: ExecutedRun, around: Circumstances, seed: int, quality: Quality
+) -> RunOrigin:
+    """Program, controller and machine of a run."""
+    return RunOrigin(
+        simulated=True,
+        controller=run.controller,
+        program=str(program.path.resolve()),
+        program_hash=hashlib.sha256(program.content).hexdigest()[:16],
+        plan_hash=plan_of_program(program.content),
+        seed=seed,
+        payload=Payload(weights=len(around.weights), mass_kg=around.load),
+        simulation_source=case.need_simulation("a recording").source,
+        path_error_mm=quality.path_error_mm,
+    )

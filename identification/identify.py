@@ -10,10 +10,9 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from pydantic import ValidationError
 from threadpoolctl import threadpool_limits
 
-from cases.base.errors import FileProblem, IdentificationError, RecordingError
+from cases.base.errors import IdentificationError, RecordingError
 from cases.base.files import date_of
 from cases.base.units import Array
 from cases.basis import changes_since, recording_basis, result_basis
@@ -35,9 +34,10 @@ from identification.findings.tolerances import budget_findings
 from identification.model.blocks import INERTIA, RIGID
 from identification.model.model import Model, full_model, identification_model
 from identification.recording.formats.reading import files_of
-from identification.recording.recording import Recording, poses_of_record
+from identification.recording.record import RunRecord
+from identification.recording.recording import Recording
 from identification.results.estimate import Estimate, entries_of, estimate_of
-from identification.results.result import RUN_ENTRIES, Result
+from identification.results.result import Result
 from identification.samples.moving_window import delimited, moving_run, on_one_clock, stands_only
 from identification.samples.sample_checks import scan
 from identification.samples.samples import GAUSS_MARKOV, Fitted, Samples, fit_samples
@@ -108,7 +108,8 @@ def _identified(
             raise
         raise _explained(error, _cause_of_standstills(whole, case)).at(recording.source) from error
     number = default_model(run, case) if model is None else model
-    own = recording.record.get("case")
+    about = recording.record or RunRecord()
+    own = about.case
     method = how if isinstance(how, Method) else how(identification_model(case, number))
     try:
         estimate = estimate_parameters(run, case, number, method, treatment)
@@ -117,16 +118,15 @@ def _identified(
             raise IdentificationError(f"{error.typed}; it was recorded with the case {own}, not {case.name}") from error
         raise
     changed = changed_cases(recording.remarks)
-    changes = changes_since(recording.record, recording_basis(case), case.hash)
+    changes = changes_since(about.to_json(), recording_basis(case), case.hash)
     if own not in (None, case.name) and changes:
         sentence = f"it was recorded with the case {own}, not {case.name}: {changes[0]}"
         sentence += f" ({len(changes) - 1} more)" if len(changes) > 1 else ""
         changed += (warning(Kind.CASE, f"{sentence}; leave --case out"),)
     estimate = replace(estimate, findings=(*changed, *differences, *estimate.findings))
-    seconds = run.record.get("executed_s")  # the time that it took
+    seconds = None if about.executed is None else about.executed.executed_s  # the time that it took
     if seconds is None and run.t is not None:
         seconds = estimate.evaluated.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter
-    taken = {key: run.record[key] for key in ("simulated", *RUN_ENTRIES, "path_error_mm") if key in run.record}
     files = files_of(run.paths)
     stated = stated_noise(estimate.evaluated, estimate.fit, case)
     noise = {
@@ -137,24 +137,20 @@ def _identified(
     optional = {
         "treatment": effect,
         "stale": recording.remarks or None,
-        "run": taken if run.record else None,
+        "run": None if run.record is None else run.record.origin,
         "standstills": standing,
         "recorded_at": date_of(files) if files else None,
         "channel_noise": noise,
     }
-    try:
-        record = entries_of(
-            estimate,
-            files,
-            computed_from=result_basis(case),
-            case_file=case.origin,
-            plan_hash=run.record.get("plan_hash"),
-            measuring_s=seconds,
-            **{key: entry for key, entry in optional.items() if entry is not None},
-        )
-    except ValidationError as error:  # only what recording.json says can be of another kind
-        place = ".".join(map(str, error.errors()[0]["loc"]))
-        raise FileProblem(recording.source, f"recording.json: entry {place} is damaged", "run again") from error
+    record = entries_of(
+        estimate,
+        files,
+        computed_from=result_basis(case),
+        case_file=case.origin,
+        plan_hash=about.origin.plan_hash,
+        measuring_s=seconds,
+        **{key: entry for key, entry in optional.items() if entry is not None},
+    )
     return Result(case, record, estimate)
 
 
@@ -180,7 +176,8 @@ def standing_of(
     Raises:
         RecordingError: no standstills, though there should be some; a pose was not measured, or one is none of them.
     """
-    expected = poses if poses is not None else poses_of_record(recording.record, len(case.drive_columns))
+    about = recording.record or RunRecord()
+    expected = poses if poses is not None else about.poses(len(case.drive_columns))
     if recording.t is None:
         if poses is None and not asked:
             return recording, None

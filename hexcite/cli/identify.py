@@ -97,7 +97,7 @@ def identify(
     check_folder(folder, RESULT, recordings, overwrite)
     with console.status("identifying", json):
         named = None if plan is None else hx.Plan.load(plan, None if case is None else hx.load_case(case), stale=True)
-        own = named.case if named is not None and not record_of(recordings[0]) else None
+        own = named.case if named is not None and record_of(recordings[0]) is None else None
         run = hx.Recording.load(recordings, own if case is None else hx.load_case(case), stale)
         assert run.case is not None  # it was read with one
         planned = None

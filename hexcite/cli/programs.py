@@ -162,6 +162,7 @@ def run(
 
 def answer_of_run(recording: "hx.Recording", folder: Path) -> dict[str, Any]:
     """The JSON answer of a run that was written."""
-    about = recording.record
-    own = {"recording": str(folder), "duration_s": about["executed_s"], "poses": len(about["poses_m_rad"])}
-    return {**about, **own, "simulated": True}
+    record, executed = recording.record, recording.executed
+    assert record is not None
+    own = {"recording": str(folder), "duration_s": executed.executed_s, "poses": len(record.poses_m_rad)}
+    return {**record.to_json(), **own, "simulated": True}

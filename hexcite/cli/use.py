@@ -91,7 +91,7 @@ def _read(recordings: list[Path], parameters: Path, case: str | None, stale: boo
     from identification.results.result import case_of_result
 
     named = None if case is None else hx.load_case(case)
-    if named is None and not record_of(recordings[0]):
+    if named is None and record_of(recordings[0]) is None:
         named = case_of_result(parameters)
     run = hx.Recording.load(recordings, named, stale)
     return run, hx.Result.load(parameters, run.case, stale)

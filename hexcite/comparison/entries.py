@@ -15,6 +15,7 @@ from identification.identify import identify
 from identification.model.model import identification_model
 from identification.model.parameters import physical_form
 from identification.motion.motion import Trajectory
+from identification.recording.record import RunOrigin
 from identification.recording.recording import Recording, record_of
 from identification.results.result import Result
 from planner.noise import mean_information
@@ -100,7 +101,8 @@ def read_entry(path: Path, case: Case | None = None, stale: bool = False) -> Ent
         return entry_of_plan(Plan.load(path, case, stale), str(path))
     if (path / "recording.json").is_file():
         about = record_of(path)
-        notes = {name: float(about[name]) for name in EXECUTION if about.get(name) is not None}
+        entries = {} if about is None else about.to_json()
+        notes = {name: float(entries[name]) for name in EXECUTION if entries.get(name) is not None}
         run = Recording.load(path, case, stale)
         return _entry_of_result(identify(run, case, plan=plans_at_hand(run)), str(path), notes)
     if (path / "result.json").is_file():
@@ -137,14 +139,12 @@ def entry_of_plan(saved: Plan, name: str) -> Entry:
 
 
 def _entry_of_result(result: Result, name: str, notes: Mapping[str, float]) -> Entry:
-    record, run = result.record, result.record.run or {}
-    payload, machine = run.get("payload"), None
-    load = float(payload["mass_kg"]) if isinstance(payload, Mapping) and "mass_kg" in payload else None
-    if "simulated" in run:
-        machine = "a simulated machine" if run["simulated"] else "a real machine"
+    record, run = result.record, result.record.run or RunOrigin()
+    load = None if run.payload is None else run.mounted
+    machine = None if run.simulated is None else "a simulated machine" if run.simulated else "a real machine"
     conditions = Conditions(result.case, None, load, machine, result.recordings, record.plan_hash)
     return Entry(
-        name, "identified", conditions, record.model, str(run.get("controller", "recorded")).split(" (")[0],
+        name, "identified", conditions, record.model, (run.controller or "recorded").split(" (")[0],
         record.measuring_s, record.samples, {}, result.parameters, record.s0, notes,
         tuple(dict.fromkeys((*result.warnings, *result.remarks))), record.white_noise,
         residual=record.s0_N, measured=result if result.estimate is not None else None,

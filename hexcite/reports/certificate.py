@@ -21,6 +21,7 @@ from cases.base.files import atomic_file, check_file, sha256_of
 from cases.basis import content_of
 from cases.certificate import CertificateOf
 from identification.estimation.fit import COVERAGE_FACTOR
+from identification.recording.record import RunOrigin
 from identification.results.result import Result
 from identification.results.verdicts import accept
 from identification.texts import legible, parameter_words, std_text, value_text
@@ -60,7 +61,7 @@ def certificate(
 def statements(result: Result, about: CertificateOf, number: str) -> dict[str, Any]:
     """What a certificate states, as JSON."""
     record, case = result.record, result.case
-    run = record.run or {}
+    run = record.run or RunOrigin()
     verdict = accept(result)
     budget = result.budget
     counted = list(next(iter(budget.values()))) if budget else ["noise", "noise with memory", "seen in residuals"]
@@ -75,8 +76,8 @@ def statements(result: Result, about: CertificateOf, number: str) -> dict[str, A
         "machine": {"case": case.name, "title": case.title, "setup": case.setup},
         "serial_numbers": dict(about.serial_numbers or {}),
         "recorded": record.recorded_at or "",
-        "simulated": bool(run.get("simulated", False)),
-        "program": str(run.get("program", "")),
+        "simulated": bool(run.simulated),
+        "program": run.program or "",
         "method": {
             "model": record.model,
             "weights": record.weights,
@@ -99,7 +100,7 @@ def statements(result: Result, about: CertificateOf, number: str) -> dict[str, A
         "fingerprints": {
             "case": record.case_hash,
             "plan": record.plan_hash or "",
-            "program": str(run.get("program_hash", "")),
+            "program": run.program_hash or "",
             "recording": [dict(entry) for entry in record.inputs],
             "result": content_of(record.to_json()),
         },

@@ -18,14 +18,16 @@ from postprocessors.proof.homing import planned_excitation
 
 def demo_page(chain: Demo) -> str:
     """The page of a demo; plan and result have pages of their own beside it."""
-    case, result, run, limits = chain.plan.case, chain.result, chain.recording.record, chain.program.proof.limits
+    case, result, run, limits = chain.plan.case, chain.result, chain.recording.executed, chain.program.proof.limits
     assert result.residuals is not None
+    assert chain.recording.record is not None
+    origin = chain.recording.record.origin
     source = case.need_simulation("the demo").source
     inside = sum(abs(row["error"]) <= 1.96 * row["std"] for row in chain.truth)
-    strayed = f"excitation as executed ({run['planned_s']:.2f} s planned, {run['path_error_mm']:.3f} mm from its path)"
+    strayed = f"excitation as executed ({run.planned_s:.2f} s planned, {run.path_error_mm:.3f} mm from its path)"
     efficiency = (
         "D-efficiency as executed, behind the evaluation's filter "
-        f"({chain.plan.of_motion[1].d_efficiency:.2f} planned, {run['d_efficiency_planned']:.2f} as programmed)"
+        f"({chain.plan.of_motion[1].d_efficiency:.2f} planned, {run.d_efficiency_planned:.2f} as programmed)"
     )
     unproven = "; ".join(f"{c.of}: {c.status}" for c in limits.checks if c.status is not Status.PROVEN)
     proof = (
@@ -37,20 +39,20 @@ def demo_page(chain: Demo) -> str:
         f"The largest error of a parameter is {chain.worst:.2g} reported standard deviations: the calibration "
         f"{'agrees' if agree else 'does NOT agree'} with the simulated machine."
     )
-    facts = (("program", str(chain.program.path)), ("run on", str(run["controller"])))
+    facts = (("program", str(chain.program.path)), ("run on", run.controller))
     return page(
         case.title,
         Head(verdict, agree, case.name, facts),
-        f"Planned, programmed, proven, executed on {run['controller']} and identified with model "
+        f"Planned, programmed, proven, executed on {run.controller} and identified with model "
         f"{result.record.model}. Sensors and encoders are simulated, with the imperfections that the case states "
         f"({source}). More about the motion is in plan/report.html, about the estimate in result/report.html.",
-        (("case", f"{case.name} (hash {case.hash})"), *run_inputs(run), *result.record.versions.items()),
+        (("case", f"{case.name} (hash {case.hash})"), *run_inputs(origin), *result.record.versions.items()),
         result.warnings,
         section(
             "What came out",
             tiles(
-                (f"{run['executed_s']:.2f} s", strayed),
-                (f"{run['d_efficiency']:.2f}", efficiency),
+                (f"{run.executed_s:.2f} s", strayed),
+                (f"{run.d_efficiency:.2f}", efficiency),
                 (f"{chain.worst:.2f}", "largest error in reported standard deviations"),
                 noise_tile(result),
             ),
@@ -94,15 +96,15 @@ def motion_rows(chain: Demo) -> list[tuple[str, ...]]:
     ratios = list(chain.comparison.ratios.values())
     rows: list[tuple[str, ...]] = []
     for number, each in enumerate(chain.all):
-        run = each.recording.record
+        run = each.recording.executed
         ratio = f"{ratios[number]:.2f} times" if len(ratios) == len(chain.all) else "-"
         rows.append(
             (
                 MOTIONS.get(each.plan.family, each.plan.family),
-                f"{run['planned_s']:.2f}",
-                f"{run['executed_s']:.2f}",
+                f"{run.planned_s:.2f}",
+                f"{run.executed_s:.2f}",
                 f"{each.plan.of_motion[1].d_efficiency:.3f}",
-                f"{run['d_efficiency']:.3f}",
+                f"{run.d_efficiency:.3f}",
                 f"{each.result.record.s0:.3g}",
                 f"{each.worst:.2f}",
                 ratio,

@@ -17,7 +17,8 @@ from hexcite.reports.identifiability import identifiability_blocks
 from hexcite.reports.page import Block, Head, note, page, section, table, tiles
 from identification.findings.noise_level import noise_of_channels, stated_noise
 from identification.model_choice import figures_of, table_3
-from identification.results.result import RUN_ENTRIES, Result, pooled_rows, scatter_rows, treatment_rows
+from identification.recording.record import RunOrigin
+from identification.results.result import Result, pooled_rows, scatter_rows, treatment_rows
 from identification.results.verdicts import accept
 from identification.signals import Residuals
 from identification.texts import budget_cells, carries_rods, legible, value_cells, value_text, with_deviation
@@ -86,7 +87,7 @@ def identified_head(result: Result) -> Head:
     first = f"{warnings[0][0].upper()}{warnings[0][1:]}." if warnings else "Nothing speaks against this run."
     more = f" {len(warnings) - 1} more below." if len(warnings) > 1 else ""
     facts = [("recording", str(result.record.recording))]
-    if (program := (result.record.run or {}).get("program")) is not None:
+    if result.record.run is not None and (program := result.record.run.program) is not None:
         facts.append(("program", str(program)))
     return Head(f"{value}{first}{more}", not warnings, result.case.name, tuple(facts))
 
@@ -256,10 +257,14 @@ def residual_blocks(case: Case, residuals: Residuals) -> tuple[Block, ...]:
     )
 
 
-def run_inputs(about: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
-    """Facts about a run from `recording.json` or the answer of the run: names and values."""
-    simulated = "sensors and encoders are simulated" if about.get("simulated") else "recorded on a machine"
-    known = {key: about[key] for key in RUN_ENTRIES if about.get(key) is not None}
+SHOWN_OF_RUN = ("controller", "program", "program_hash", "plan_hash", "seed", "payload", "simulation_source")
+
+
+def run_inputs(about: RunOrigin) -> tuple[tuple[str, str], ...]:
+    """Facts about a run: names and values."""
+    simulated = "sensors and encoders are simulated" if about.simulated else "recorded on a machine"
+    entries = about.to_json()
+    known = {key: entries[key] for key in SHOWN_OF_RUN if entries.get(key) is not None}
     words = {
         k: ", ".join(f"{n} {v}" for n, v in value.items()) for k, value in known.items() if isinstance(value, Mapping)
     }

@@ -7,9 +7,8 @@ sensor to world), forces `f1_N`..`f6_N` or `fx_N`..`mz_Nm`, optionally an accele
 come as several files with their own clocks.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from numbers import Real
 from os import PathLike
 from pathlib import Path
@@ -18,16 +17,17 @@ from typing import Any
 import numpy as np
 
 from cases.base.doors import checks
-from cases.base.errors import FileProblem, RecordingError
+from cases.base.errors import FileProblem, HexciteError, RecordingError
 from cases.base.files import RUN, atomic_folder, check_folder, json_text, read_json
 from cases.base.units import Array, Indices, as_html
-from cases.basis import CONTENT, KEPT, case_of, content_of, recording_basis, require_unchanged
+from cases.basis import CONTENT, case_of, content_of, recording_basis, require_unchanged
 from cases.orientation import ROTATION
 from cases.recording_format import ACCELEROMETER, CLOCK, OVERRIDE, ROLE_OF, TRIGGER, Role
 from cases.schema import Case
 from cases.tables import own_units
 from identification.recording.formats.clocks import lost_samples
 from identification.recording.formats.table import Channel, Stream, told, unreadable
+from identification.recording.record import AGAIN, Executed, RunRecord
 from identification.texts import efficiency_text, share_text
 
 
@@ -42,7 +42,7 @@ class Recording(Stream):
     averaged: float = 1.0  # samples of the forces that were averaged over an interval of the motion
     case: Case | None = None  # case that it is from; None where that is not known
     paths: tuple[Path, ...] = ()  # paths of the files that it was read from
-    record: Mapping[str, Any] = field(default_factory=dict)  # what `recording.json` says; empty where there is none
+    record: RunRecord | None = None  # what `recording.json` says; None where there is none
     remarks: tuple[str, ...] = ()  # what has changed in the case since, where it is evaluated nevertheless
 
     def __post_init__(self) -> None:
@@ -52,11 +52,13 @@ class Recording(Stream):
         object.__setattr__(self, "paths", _paths(self.paths))
         for name, right, remedy in (
             ("case", isinstance(self.case, Case | None), "hx.load_case loads one"),
-            ("record", isinstance(self.record, Mapping), "leave it out"),
+            ("record", isinstance(self.record, RunRecord | Mapping | None), "leave it out"),
             ("averaged", isinstance(self.averaged, Real) and float(self.averaged) >= 1.0, "give 1 or more samples"),
         ):
             if not right:
                 raise RecordingError(f"Recording: {name}", f"is {told(getattr(self, name))}", remedy)
+        if isinstance(self.record, Mapping):  # as in version 0.2
+            object.__setattr__(self, "record", _record(self.record, "Recording: record") if self.record else None)
         others = tuple(self.others) if isinstance(self.others, list | tuple) else (self.others,)
         if odd := [told(other) for other in others if not isinstance(other, Stream)]:
             raise RecordingError("Recording: others", f"holds {odd[0]}", "give streams of other clocks")
@@ -76,7 +78,7 @@ class Recording(Stream):
             raise RecordingError(self.source, "has several clocks, and one table has one", "keep its files")
         place = Path(folder)
         check_folder(place, RUN, self.paths, overwrite)
-        record = dict(self.record) or about_case(self.case) | {"source": self.source}
+        record = (self.record or RunRecord.of_case(self.case, source=self.source)).to_json()
         with atomic_folder(place, RUN, overwrite) as part:
             write_recording(part / "recording.csv", self, self.case)
             (part / "recording.json").write_text(json_text(record | {CONTENT: content_of(record)}), encoding="utf-8")
@@ -100,13 +102,14 @@ class Recording(Stream):
         if case is not None:
             return read(paths, case)
         record = record_of(place)
-        if not record:
+        if record is None:
             raise RecordingError(
                 place, "does not say which machine it is from", "name it with --case, or a folder of hexcite run"
             )
         file = place / "recording.json"
-        own = case_of(file, record, AGAIN)
-        remarks = require_unchanged(file, record, recording_basis(own), own, stale, AGAIN)
+        entries = record.to_json()
+        own = case_of(file, entries, AGAIN)
+        remarks = require_unchanged(file, entries, recording_basis(own), own, stale, AGAIN)
         return replace(read(paths, own), remarks=remarks)
 
     def __repr__(self) -> str:
@@ -116,9 +119,21 @@ class Recording(Stream):
             size += f" in {float(self.t[-1] - self.t[0]):.2f} s"
         lines = [f"Recording {self.source}: {size}", f"channels: {', '.join(self.channels)}"]
         lines += [f"with another clock: {', '.join(s.channels)} ({s.source})" for s in self.others]
-        return "\n".join(lines + (_of_run(self.record) if "executed_s" in self.record else []))
+        executed = None if self.record is None else self.record.executed
+        return "\n".join(lines + ([] if executed is None else _of_run(executed)))
 
     _repr_html_ = as_html
+
+    @property
+    def executed(self) -> Executed:
+        """What a controller made of its program.
+
+        Raises:
+            RecordingError: no controller of hexcite ran it.
+        """
+        if self.record is None or self.record.executed is None:
+            raise RecordingError(self.source, "is not a run of hexcite", "hexcite run makes one")
+        return self.record.executed
 
     @property
     def lost(self) -> Indices:
@@ -138,24 +153,22 @@ def _paths(paths: object) -> tuple[Path, ...]:
     return tuple(Path(path) for path in given)
 
 
-def _of_run(record: Mapping[str, Any]) -> list[str]:
-    """What a controller made of a program, from `recording.json`."""
-    peaks = ", ".join(f"{name} {share_text(share, 0)}" for name, share in record["peaks_of_limit"].items())
-    excitation = f"excitation took {record['executed_s']:.3f} s of {record['planned_s']:.3f} s planned, strayed "
-    excitation += f"{record['path_error_mm']:.3f} mm from the path"
-    if record["d_efficiency"] is not None:
-        excitation += f", D-efficiency {efficiency_text(record['d_efficiency'])} as executed"
+def _of_run(run: Executed) -> list[str]:
+    """What a controller made of a program, in words."""
+    peaks = ", ".join(f"{name} {share_text(share, 0)}" for name, share in run.peaks_of_limit.items())
+    excitation = f"excitation took {run.executed_s:.3f} s of {run.planned_s:.3f} s planned, strayed "
+    excitation += f"{run.path_error_mm:.3f} mm from the path"
+    if run.d_efficiency is not None:
+        excitation += f", D-efficiency {efficiency_text(run.d_efficiency)} as executed"
     return [
-        f"executed on {record['controller']}; sensors and encoders are simulated",
+        f"executed on {run.controller}; sensors and encoders are simulated",
         f"reached of the limits: {peaks}",
-        *record["exceeded"],
-        *([record["remark"]] if record["remark"] else []),
+        *run.exceeded,
+        *([run.remark] if run.remark else []),
         excitation,
     ]
 
 
-SCHEMA_VERSION = 1
-AGAIN = "run the program again"
 # 1e-8 mm and 1e-6 N: below every encoder and converter, and short to read
 _DECIMALS: dict[Role | None, int] = {Role.FORCES: 6, Role.MOMENTS: 6, Role.STRUTS: 8, Role.DRIVES: 8, Role.JOINTS: 8}
 CLOCK_DECIMALS, FINE = 9, 12  # decimals of the time, and of all other columns
@@ -179,63 +192,31 @@ def read(paths: Path | str | Sequence[Path | str], case: Case) -> Recording:
     places = [Path(paths)] if isinstance(paths, Path | str) else [Path(path) for path in paths]
     main, *others = read_run(places, case)
     pa.default_memory_pool().release_unused()  # as much again as the recording, which it keeps for its next table
-    record = record_of(places[0]) if len(places) == 1 else {}
+    record = record_of(places[0]) if len(places) == 1 else None
     own = {part.name: getattr(main, part.name) for part in fields(main)}
     return Recording(**own, others=tuple(others), case=case, paths=tuple(places), record=record)
 
 
-def record_of(path: Path) -> Mapping[str, Any]:
-    """Entries of recording.json in a folder, or none; raises RecordingError, FileProblem where it is damaged."""
+def record_of(path: Path) -> RunRecord | None:
+    """What recording.json in a folder says, or None; raises RecordingError, FileProblem where it is damaged."""
     try:
         path.stat()
     except (OSError, ValueError) as error:
         raise unreadable(path, error) from error
     file = path / "recording.json"
     if not (path.is_dir() and file.is_file()):
-        return {}
+        return None
     record = read_json(file, "hexcite run")
     if record.pop(CONTENT, None) not in (None, content_of(record)):  # version 0.2 stated none
         raise FileProblem(file, "was changed by hand", AGAIN)
-    for key, kind in _KINDS.items():
-        if not kind(record[key]) if key in record else "executed_s" in record:
-            raise FileProblem(file, f"entry {key} is missing or damaged", AGAIN)
-    return record
+    return _record(record, file) if record else None
 
 
-def _is_number(value: object) -> bool:
-    return isinstance(value, Real) and not isinstance(value, bool)
-
-
-_KINDS: Mapping[str, Callable[[Any], bool]] = {
-    **dict.fromkeys(("executed_s", "planned_s", "path_error_mm"), _is_number),
-    "d_efficiency": lambda value: value is None or _is_number(value),
-    **dict.fromkeys(("controller", "remark"), lambda value: isinstance(value, str)),
-    "peaks_of_limit": lambda value: isinstance(value, dict) and all(map(_is_number, value.values())),
-    "exceeded": lambda value: isinstance(value, list) and all(isinstance(line, str) for line in value),
-}
-"""Of what kind the entries of recording.json are that are shown; where one of them is there, all are."""
-
-
-def poses_of_record(record: Mapping[str, Any], coordinates: int) -> Array | None:
-    """Poses that a program measured, shape (n, coordinates); None where it measured none. Raises FileProblem."""
-    if not (entry := record.get("poses_m_rad")):
-        return None
-    with suppress(TypeError, ValueError):
-        poses = np.array(entry, dtype=float)
-        if poses.shape[1:] == (coordinates,) and np.isfinite(poses).all():
-            return poses
-    raise FileProblem("recording.json: poses_m_rad", f"are not poses of {coordinates} numbers", AGAIN)
-
-
-def about_case(case: Case) -> dict[str, Any]:
-    """What `recording.json` says of the case."""
-    return {
-        "schema_version": SCHEMA_VERSION,
-        "case": case.name,
-        "case_file": case.origin,
-        "case_hash": case.hash,
-        KEPT: recording_basis(case),
-    }
+def _record(entries: Mapping[str, Any], place: object) -> RunRecord:
+    try:
+        return RunRecord.of_json(entries)
+    except HexciteError as error:
+        raise FileProblem(place, f"entry {error.place} {error.problem}", AGAIN) from error
 
 
 def write_recording(file: Path, recording: Recording, case: Case) -> None:

@@ -7,7 +7,15 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import AliasPath, BaseModel, BeforeValidator, Field, NonNegativeFloat, PlainSerializer, PositiveInt
+from pydantic import (
+    AliasPath,
+    BaseModel,
+    BeforeValidator,
+    Field,
+    NonNegativeFloat,
+    PlainSerializer,
+    PositiveInt,
+)
 
 from cases.base.files import provenance
 from cases.base.units import Array
@@ -18,6 +26,7 @@ from identification.finding import SEVERITIES, Finding, sentences
 from identification.model.model import Model
 from identification.model.parameters import physical_form
 from identification.motion.motion import Trajectory
+from identification.recording.record import RunOrigin
 from identification.samples.samples import Fitted, Samples
 
 
@@ -151,7 +160,7 @@ class Origin(BaseModel, strict=True, frozen=True, allow_inf_nan=False, populate_
     computed_from: Entries | None = None  # values of the case by dotted key
     measuring_s: NonNegativeFloat | None = None
     plan_hash: str | None = None
-    run: Entries | None = None
+    run: RunOrigin | None = None
     recorded_at: str | None = None  # date of the first of the files that were read
     channel_noise: Entries | None = None  # of each channel as white noise by its residuals, `measured` and `stated`
     standstills: Entries | None = None

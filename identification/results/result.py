@@ -33,8 +33,6 @@ from identification.texts import (
     value_text,
 )
 
-# Entries of recording.json that a result takes over.
-RUN_ENTRIES = ("controller", "program", "program_hash", "plan_hash", "seed", "payload", "simulation_source")
 PROMINENT = ("m", "xC", "yC", "zC")  # shown first
 AGAIN = "identify again"
 ALIKE = 1e-9  # of numbers that are computed anew: another computer rounds otherwise
@@ -171,8 +169,7 @@ class Result:
     @property
     def mounted(self) -> float:
         """Mass of the payload that was mounted for a run of hexcite [kg]; 0 where its recording says nothing."""
-        payload = (self.record.run or {}).get("payload")
-        return float(payload.get("mass_kg", 0.0)) if isinstance(payload, Mapping) else 0.0
+        return 0.0 if self.record.run is None else self.record.run.mounted
 
     @property
     def delay(self) -> float:

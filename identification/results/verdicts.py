@@ -162,7 +162,7 @@ def _run(result: Result, limits: Acceptance) -> Iterator[Check | str]:
             off = 100.0 * abs(float(longer) - 1.0)
             yield Check("duration, difference from plan", off, limits.duration_percent, "%")
     if limits.path_error_mm is not None:
-        error = (result.record.run or {}).get("path_error_mm")
+        error = None if result.record.run is None else result.record.run.path_error_mm
         if error is None:
             yield "path error: the recording does not say it"
         else:

@@ -23,7 +23,7 @@ def plans_at_hand(recording: Recording) -> Plan | tuple[Plan, ...] | None:
     case = recording.case
     if case is None or case.limits is None:
         return None
-    named = recording.record.get("plan_hash")
+    named = None if recording.record is None else recording.record.origin.plan_hash
     found: list[Plan] = []
     for folder in _folders(recording):
         try:
@@ -49,9 +49,8 @@ def _folders(recording: Recording) -> Iterator[Path]:
     """Folders that hold a plan: those of the recording's files and of its program, and the folders in them."""
     places = [path.resolve() if path.is_dir() else path.resolve().parent for path in recording.paths]
     places += [path.resolve().parent for path in recording.paths if path.is_dir()]
-    program = recording.record.get("program")
-    if isinstance(program, str):
-        places.append(Path(program).parent)
+    if recording.record is not None and recording.record.origin.program is not None:
+        places.append(Path(recording.record.origin.program).parent)
     for place in dict.fromkeys(places):
         if (place / "plan.json").is_file():
             yield place

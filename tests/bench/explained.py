@@ -75,11 +75,11 @@ def executed(plans: dict[str, hx.Plan]) -> Figure:
     """Information that was planned, and that LinuxCNC executes at the case's own limits of acceleration."""
     case = changed(hx.load_case("hexapod"), controller__linuxcnc__acceleration_headroom=1.0)
     names = [name for name in plans if name != "by hand"]
-    runs = [on_linuxcnc(plans[name], case).record for name in names]
+    runs = [on_linuxcnc(plans[name], case).executed for name in names]
     figure, axes = drawn(2.6)
     rows = np.arange(len(names))
     planned = [plans[name].of_motion[1].d_efficiency for name in names]
-    reached = [run["d_efficiency"] or 0.0 for run in runs]
+    reached = [run.d_efficiency or 0.0 for run in runs]
     axes.barh(rows - 0.2, planned, 0.38, color=COLOURS[5], label="as planned")
     axes.barh(rows + 0.2, reached, 0.38, color=COLOURS[1], label="as LinuxCNC executes it")
     for row, run, value in zip(rows, runs, reached, strict=True):

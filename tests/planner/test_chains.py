@@ -148,9 +148,9 @@ def test_the_bound_holds_for_random_designs():
 @pytest.mark.parametrize("joints", few(6, 5, 7))
 def test_a_run_gives_the_true_parameters_within_their_deviations(joints: int, plans: Plans, runs: Runs):
     plan, recording = plans[joints], runs[joints]
-    record = recording.record
-    assert record["path_error_mm"] < 1.0
-    assert record["d_efficiency"] == pytest.approx(record["d_efficiency_planned"], rel=0.02)
+    executed = recording.executed
+    assert executed.path_error_mm < 1.0
+    assert executed.d_efficiency == pytest.approx(executed.d_efficiency_planned, rel=0.02)
     result = identify(recording, plan.case)
     assert result.estimate is not None
     assert result.estimate.model.number == 6

@@ -17,10 +17,10 @@ from cases.base.errors import FileProblem
 from cases.schema import load_case
 from identification.estimation.fit import Value
 from identification.finding import SEVERITIES, Finding, Kind
-from identification.identify import identify
 from identification.machines.hexapod import Hexapod
 from identification.model.model import identification_model
-from identification.recording.recording import Recording, about_case
+from identification.recording.record import RunRecord
+from identification.recording.recording import Recording
 from identification.results.estimate import ResultEntries, entries_of_parameters, physical_values
 from identification.results.result import Result
 from identification.simulate import simulate_recording
@@ -110,8 +110,9 @@ def test_nobody_can_change_a_result(result: Result) -> None:
 def test_a_damaged_entry_of_the_recording_is_named() -> None:
     execution = PoseExecution(Hexapod.of(CASE), Harmonic(duration=2.0))
     run = simulate_recording(CASE, execution, np.array([[0.15, 1.85]]), 0, "run.csv")
-    with pytest.raises(FileProblem, match=r"run.csv: recording.json: entry plan_hash is damaged; run again"):
-        identify(replace(run, record={"case": CASE.name, "plan_hash": 5}), CASE)
+    with pytest.raises(FileProblem, match="entry plan_hash is missing or damaged") as caught:
+        replace(run, record={"case": CASE.name, "plan_hash": 5})
+    assert caught.value.place == "Recording: record"
 
 
 @pytest.mark.parametrize(
@@ -120,7 +121,7 @@ def test_a_damaged_entry_of_the_recording_is_named() -> None:
         ("executed_s", 2.5, "was changed by hand"),
         ("executed_s", None, "entry executed_s is missing or damaged"),
         ("exceeded", 3.0, "entry exceeded is missing or damaged"),
-        ("peaks_of_limit", {"jerk": "much"}, "entry peaks_of_limit is missing or damaged"),
+        ("peaks_of_limit", {"jerk": "much"}, "entry peaks_of_limit.jerk is missing or damaged"),
     ],
 )
 def test_a_record_of_a_run_that_was_changed_is_refused(key: str, value: object, words: str, tmp_path: Path) -> None:
@@ -128,7 +129,7 @@ def test_a_record_of_a_run_that_was_changed_is_refused(key: str, value: object, 
     of_run = {"executed_s": 2.0, "planned_s": 2.0, "path_error_mm": 0.1, "d_efficiency": None, "controller": "virtual"}
     of_run |= {"remark": "", "peaks_of_limit": {"jerk": 0.5}, "exceeded": []}
     run = simulate_recording(CASE, PoseExecution(Hexapod.of(CASE), Harmonic(duration=0.5)), np.array([[0.1, 0.4]]), 0)
-    replace(run, case=CASE, record=about_case(CASE) | of_run).save(tmp_path / "run")
+    replace(run, case=CASE, record=RunRecord.of_case(CASE).to_json() | of_run).save(tmp_path / "run")
     assert "executed on virtual" in repr(Recording.load(tmp_path / "run"))
     file = tmp_path / "run" / "recording.json"
     data = json.loads(file.read_text(encoding="utf-8")) | {key: value}
