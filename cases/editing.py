@@ -1,19 +1,25 @@
-"""One table of a case file replaced by another, and nothing else: comments, order and layout of the rest stay."""
+"""Tables and keys of a case file replaced by others, and nothing else: comments, order and layout of the rest stay."""
 
 import re
+import tempfile
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from copy import deepcopy
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from cases.base.errors import FileProblem
+from cases.base.errors import CaseError, FileProblem, Write
 from cases.base.files import atomic_file, read_whole
+
+if TYPE_CHECKING:
+    from cases.schema import Case
 
 Change = tuple[str, Any, Any]
 """Dotted key, value before and value after; None: it is not there."""
 
 
 _SECTIONS = ("columns", "files")  # tables of these names get sections of their own, others are written in one line
+MOST_KEPT = 1000  # earlier versions of a case file that are kept beside it
 _MARK = "\ufeff"  # of UTF-8, as Windows editors write it
 
 
@@ -32,16 +38,114 @@ def write_table(file: Path, table: str, values: Mapping[str, Any]) -> tuple[Chan
     changes = tuple(_changes(table, _table(file, before, table), values))
     if not changes:
         return ()
-    edited = _edited(file, text, table, values)
+    edited = _edited(file, text, {table: values})
     above, below = _around(text, table)
     alone = edited.startswith(above) and edited.endswith(below)
     if not alone or _parsed(edited) != {**before, table: dict(values)}:
         raise FileProblem(file, f"[{table}] cannot be replaced alone as it is written there", "paste the table by hand")
+    _write(file, edited)
+    return changes
+
+
+class Rewritten(NamedTuple):
+    """What became of a case file."""
+
+    changes: tuple[Change, ...]
+    earlier: Path | None  # the file as it was before; None where nothing changed
+
+
+def write_keys(file: Path, writes: Iterable[Write]) -> Rewritten:
+    """Writes keys into a case file, as a whole or not at all; the earlier file is kept beside it, numbered.
+
+    Args:
+        file: of a case.
+        writes: places with their values; tables on the way to a place are made where there are none.
+
+    Raises:
+        CaseError: the file cannot be read, has no such entry of a list, or is not a case with these values.
+        FileProblem: it cannot be written, or is written in a way in which these keys cannot be changed alone.
+    """
+    text, before = _content(file)
+    after = deepcopy(before)
+    for place, value in writes:
+        _set(file, after, tuple(place), value)
+    changes = tuple(_changes("", before, after))
+    if not changes:
+        return Rewritten((), None)
+    edited = _edited(file, text, {key: value for key, value in after.items() if before.get(key) != value})
+    if _parsed(edited) != after:
+        raise FileProblem(file, "these keys cannot be replaced alone as it is written there", "write them by hand")
+    case_of_text(edited, file)
+    earlier = _kept(file)
+    _write(file, edited)
+    return Rewritten(changes, earlier)
+
+
+def case_of_text(text: str, file: Path) -> "Case":
+    """The case of a text that is not written yet; raises CaseError, which names the file that it is for."""
+    from cases.schema import load_case
+
+    with tempfile.TemporaryDirectory(prefix="hexcite-") as folder:
+        part = Path(folder) / file.name
+        part.write_text(text, encoding="utf-8")
+        try:
+            return load_case(str(part))
+        except CaseError as error:
+            problem = str(error).removeprefix(f"{part}: ").replace(str(part), str(file))
+            problems = tuple(each.replace(str(part), str(file)) for each in error.problems)
+            raise CaseError(file, "", problem, problems) from error
+
+
+def _set(file: Path, values: Any, place: tuple[str | int, ...], value: Any) -> None:
+    """Sets a value of nested tables; None takes it away."""
+    for k, part in enumerate(place):
+        there = values.get(part) if isinstance(values, dict) else None
+        if isinstance(part, int):
+            if not isinstance(values, list) or not 0 <= part < len(values):
+                raise CaseError(file, placed(place[: k + 1]), "there is no such entry; write it by hand")
+            there = values[part]
+        elif not isinstance(values, dict):
+            raise CaseError(file, placed(place[: k + 1]), "is not in a table there; write it by hand")
+        if k < len(place) - 1:
+            if there is None:
+                there = values[part] = {}
+            values = there
+        elif value is None:
+            values.pop(part, None)
+        else:
+            values[part] = deepcopy(value)
+
+
+def placed(place: Iterable[str | int]) -> str:
+    """A place as messages and options name it, entries of lists counted from 1: machine.chain.joints[2].name."""
+    text = ""
+    for part in place:
+        text += f"[{part + 1}]" if isinstance(part, int) else f".{part}" if text else part
+    return text
+
+
+def _kept(file: Path) -> Path:
+    """A copy of a file beside it, under the first number that is free."""
+    content = file.read_bytes()
+    for k in range(1, MOST_KEPT):
+        earlier = file.with_name(f"{file.stem}-{k}{file.suffix}")
+        try:
+            with open(earlier, "xb") as stream:
+                stream.write(content)
+            return earlier
+        except FileExistsError:
+            continue
+        except OSError as error:
+            raise FileProblem.of(error) from error
+    raise FileProblem(file, f"has {MOST_KEPT - 1} earlier versions beside it", "move them away")
+
+
+def _write(file: Path, text: str) -> None:
+    """Writes a file as a whole, with the rights that it had."""
     mode = file.stat().st_mode
     with atomic_file(file) as part:
-        part.write_bytes(edited.encode())
+        part.write_bytes(text.encode())
     file.chmod(mode)
-    return changes
 
 
 def _parsed(text: str) -> dict[str, Any] | None:
@@ -71,9 +175,9 @@ def _changes(name: str, before: Mapping[str, Any], after: Mapping[str, Any]) -> 
     for key in dict.fromkeys((*before, *after)):
         old, new = before.get(key), after.get(key)
         if isinstance(old, dict) and isinstance(new, dict):
-            yield from _changes(f"{name}.{key}", old, new)
+            yield from _changes(f"{name}.{key}" if name else key, old, new)
         elif old != new:
-            yield f"{name}.{key}", old, new
+            yield f"{name}.{key}" if name else key, old, new
 
 
 def _around(text: str, table: str) -> tuple[str, str]:
@@ -86,8 +190,8 @@ def _around(text: str, table: str) -> tuple[str, str]:
     return text[: headers[own[0]].start()], text[below:]
 
 
-def _edited(file: Path, text: str, table: str, values: Mapping[str, Any]) -> str:
-    """The text with a table replaced."""
+def _edited(file: Path, text: str, values: Mapping[str, Any]) -> str:
+    """The text with tables and values at its top replaced."""
     import tomlkit
     from tomlkit.exceptions import TOMLKitError
 
@@ -96,12 +200,17 @@ def _edited(file: Path, text: str, table: str, values: Mapping[str, Any]) -> str
     plain = text.removeprefix(mark)
     try:
         document = tomlkit.parse(plain.replace("\r\n", "\n") if crlf else plain)
-        if table not in document:
-            document[table] = tomlkit.table()
-        _replace(document[table], values)
+        for key, value in values.items():
+            if isinstance(value, Mapping):
+                if key not in document:
+                    document[key] = tomlkit.table()
+                _replace(document[key], value)
+            else:
+                document[key] = _item(value, False)
         edited = tomlkit.dumps(document)
     except (TOMLKitError, TypeError, AttributeError, KeyError) as error:
-        raise FileProblem(file, f"[{table}] cannot be replaced alone ({error})", "paste the table by hand") from error
+        tables = " and ".join(f"[{key}]" for key in values)
+        raise FileProblem(file, f"{tables} cannot be replaced alone ({error})", "write that by hand") from error
     return mark + (edited.replace("\n", "\r\n") if crlf else edited)
 
 
@@ -115,11 +224,19 @@ def _replace(table: Any, values: Mapping[str, Any]) -> None:
     for key, value in values.items():
         if isinstance(value, Mapping) and isinstance(table.get(key), Mapping):
             _replace(table[key], value)
+        elif _of_tables(value) and _of_tables(table.get(key)) and len(value) == len(table[key]):
+            for inner, entries in zip(table[key], value, strict=True):
+                if inner.unwrap() != entries:
+                    _replace(inner, entries)
         elif key not in table or table[key].unwrap() != value:
             table[key] = _item(value, key in _SECTIONS and isinstance(table, tomlkit.items.Table))
     last = _last_section(table)
     for item in below:
         last.add(item)
+
+
+def _of_tables(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and all(isinstance(each, Mapping) for each in value)
 
 
 def _last_section(table: Any) -> Any:

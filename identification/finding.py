@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any, Literal
 
-from cases.base.errors import printable
+from cases.base.errors import Remedy, printable
 from cases.base.units import as_html
 
 
@@ -43,6 +43,7 @@ class Finding:
         place: place in the file, as messages name it; empty where there is none.
         quantity: entries for programs, by their key in result files.
         counted: whether the standard deviations of the result allow for it.
+        remedies: keys of the case that would mend it, where some do.
     """
 
     kind: Kind
@@ -51,6 +52,7 @@ class Finding:
     place: str = ""
     quantity: Mapping[str, Any] = field(default_factory=dict)
     counted: bool = False
+    remedies: tuple[Remedy, ...] = ()
 
     def __post_init__(self) -> None:
         """Makes the sentence a printable line, whatever names of files and channels it holds."""

@@ -229,7 +229,7 @@ def estimate_parameters(
             if said is None:
                 return estimate
             if said.named:
-                raise IdentificationError(said.sentence)
+                raise _named(said)
         tried = warning(Kind.MODEL, said.sentence) if said.large else note(Kind.MODEL, said.sentence)
         return replace(estimate, findings=(*estimate.findings, tried))
     except (IdentificationError, RecordingError) as error:
@@ -289,6 +289,13 @@ def _cause_of_standstills(recording: Recording, case: Case) -> Answer | None:
         return answer(averages, case, identification_model(case, number), _fits(number, GAUSS_MARKOV))
 
 
+def _named(said: Answer) -> IdentificationError:
+    """The error that a cause is, with the keys that mend it."""
+    error = IdentificationError(said.sentence)
+    error.remedies = said.remedies
+    return error
+
+
 def _explained(
     error: IdentificationError | RecordingError, said: Answer | None
 ) -> IdentificationError | RecordingError:
@@ -296,7 +303,7 @@ def _explained(
     if said is None:
         return error
     if said.named:
-        return IdentificationError(said.sentence)
+        return _named(said)
     kind = RecordingError if isinstance(error, RecordingError) else IdentificationError
     problem = error.problem.removesuffix(f"; {error.remedy}")
     explained = kind(error.place, f"{problem} ({said.sentence})", error.remedy)

@@ -4,10 +4,35 @@ import difflib
 import re
 from collections.abc import Iterable, Sequence
 from copy import copy
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
 ALSO = "; also: "  # between problems of one error
+
+
+class Write(NamedTuple):
+    """A key of a case file with the value that it is to get."""
+
+    place: tuple[str | int, ...]  # keys from the top of the file, and numbers from 0 in lists of tables
+    value: Any  # as JSON has it; None: the key goes
+
+
+@dataclass(frozen=True, slots=True)
+class Remedy:
+    """Keys of a case that mend something.
+
+    Args:
+        words: what is wrong where they mend it, a clause.
+        keys: what to write.
+    """
+
+    words: str
+    keys: tuple[Write, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """Entries for programs."""
+        return {"words": self.words, "keys": [[list(write.place), write.value] for write in self.keys]}
 
 
 class HexciteError(Exception):
@@ -23,6 +48,8 @@ class HexciteError(Exception):
     """Key of the case, or parameter, that the value is of; empty where it has none."""
     doubtful: bool = False
     """Whether its cause may be that data were read as they are not meant, or a case that is not the machine's."""
+    remedies: tuple[Remedy, ...] = ()
+    """Keys of the case that would mend it, each remedy tried before it is named; empty where no key does."""
 
     def __init__(self, place: object, problem: str = "", remedy: str = "") -> None:
         self.place, self.problem = (str(place), problem) if problem else ("", str(place))

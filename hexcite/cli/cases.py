@@ -1,4 +1,4 @@
-"""`hexcite cases`, `hexcite case new`, `hexcite case check` and `hexcite case show`."""
+"""`hexcite cases`, and `hexcite case` with `new`, `check`, `show` and `set`."""
 
 from pathlib import Path
 from typing import Annotated
@@ -6,7 +6,8 @@ from typing import Annotated
 import typer
 
 import hexcite as hx
-from cases.base.files import atomic_file, check_file, output_place
+from cases.base.errors import Write
+from cases.base.files import atomic_file, check_file, output_place, toml_value
 from hexcite.cli import console
 from hexcite.cli.console import argument, option, out
 from identification.texts import aligned
@@ -99,3 +100,60 @@ def new(
     check = f"hexcite case check {file.parent} says what is missing, and what cannot be"
     odd = [f"look at {note}" for note in notes]
     console.answered({"ok": True, "case": str(file), "notes": list(notes)}, json, *odd, written, check)
+
+
+@app.command("set")
+def set_keys(
+    case: Annotated[str, argument("Folder or file of a case of one's own.")],
+    keys: Annotated[
+        list[str],
+        argument(
+            "Keys with values as TOML has them: recording.columns.l1_mm='\"LOAD\"'; entries of lists are counted from "
+            "1: machine.chain.joints[2].rpy_deg='[0, 0, 90]'. A key without a value is taken away."
+        ),
+    ],
+    json: console.Json = False,
+) -> None:
+    """Write keys into a case file; all else in it, comments too, stays.
+
+    Nothing is written where the case cannot be as it would be then. The earlier file is kept beside it, as case-1.toml.
+    """
+    from cases.editing import write_keys
+    from cases.tables import built_in_cases, find_case
+
+    file = find_case(case)
+    if file in built_in_cases().values():
+        raise hx.HexciteError(case, "is built in, and stays as it is", "hexcite case new begins your own from it")
+    written = write_keys(file, [key_of(text) for text in keys])
+    changes = [{"key": key, "before": before, "after": after} for key, before, after in written.changes]
+    earlier = None if written.earlier is None else str(written.earlier)
+    lines = [f"{key}: {toml_shown(before)} -> {toml_shown(after)}" for key, before, after in written.changes]
+    last = f"case written: {file}; as it was before: {earlier}" if earlier else f"{file} has these values already"
+    console.answered({"ok": True, "case": str(file), "earlier": earlier, "changes": changes}, json, *lines, last)
+
+
+def key_of(text: str) -> Write:
+    """A key with its value, as typed; raises HexciteError where it cannot be understood."""
+    import re
+    import tomllib
+
+    name, given, value = text.partition("=")
+    place = list[str | int]()
+    for part in name.strip().split("."):
+        matched = re.fullmatch(r"([A-Za-z0-9_-]+)((?:\[[1-9]\d{0,5}\])*)", part)
+        if matched is None:
+            raise hx.HexciteError(text, "is not a key with a value", "write it as table.key=VALUE")
+        place += [matched[1], *(int(number) - 1 for number in re.findall(r"\d+", matched[2]))]
+    if not given:
+        return Write(tuple(place), None)
+    try:
+        (found,) = tomllib.loads(f"value = {value.strip()}\n").values()
+    except (tomllib.TOMLDecodeError, ValueError, RecursionError) as error:
+        remedy = "write numbers plainly, texts in quotes, lists in brackets"
+        raise hx.HexciteError(text, f"its value is not TOML ({error})", remedy) from error
+    return Write(tuple(place), found)
+
+
+def toml_shown(value: object) -> str:
+    """A value of a case as TOML has it."""
+    return "not stated" if value is None else toml_value(value)

@@ -60,6 +60,19 @@ def answered(answer: dict[str, Any], as_json: bool, *texts: object) -> bool:
     return as_json
 
 
+@contextmanager
+def remedies(as_json: bool) -> Iterator[None]:
+    """Inside, an error that keys of the case would mend prints them as JSON before it ends the command."""
+    from cases.base.errors import HexciteError
+
+    try:
+        yield
+    except HexciteError as error:
+        if as_json and error.remedies:
+            answered({"refused": error.typed, "remedies": [each.to_json() for each in error.remedies]}, True)
+        raise
+
+
 def say(*texts: object) -> None:
     """Prints texts for people, without characters that steer a terminal."""
     print(*(legible(str(text)) for text in texts), sep="\n", flush=True)

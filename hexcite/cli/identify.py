@@ -2,15 +2,16 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 import hexcite as hx
 from cases.base.errors import printable
-from cases.base.files import RESULT, check_file, check_folder, output_place, toml_value
+from cases.base.files import RESULT, check_file, check_folder, output_place
 from cases.editing import Change
 from hexcite.cli import console
+from hexcite.cli.cases import toml_shown
 from hexcite.cli.console import argument, option, out
 from identification.texts import aligned
 
@@ -95,7 +96,7 @@ def identify(
         require_file(files_of([verify])[0])  # before a result is written
     folder = output_place(output, Path(f"{recordings[0].resolve().stem}-result"), overwrite)
     check_folder(folder, RESULT, recordings, overwrite)
-    with console.status("identifying", json):
+    with console.remedies(json), console.status("identifying", json):
         named = None if plan is None else hx.Plan.load(plan, None if case is None else hx.load_case(case), stale=True)
         own = named.case if named is not None and record_of(recordings[0]) is None else None
         run = hx.Recording.load(recordings, own if case is None else hx.load_case(case), stale)
@@ -210,16 +211,11 @@ def _end_of_look(report: "hx.Look", write: str | None, changes: Sequence[Change]
         nothing = "nothing was written: " if write is not None else ""
         return [f"{nothing}the file is not read with this table yet; complete it as said above, then look again"]
     if write is not None and changes:
-        done = [f"{key}: {_shown(before)} -> {_shown(after)}" for key, before, after in changes]
+        done = [f"{key}: {toml_shown(before)} -> {toml_shown(after)}" for key, before, after in changes]
         return [f"written into {write}:", *(f"  {line}" for line in done)]
     if report.unchanged:
         return ["the [recording] of the case reads this file; nothing is to be changed"]
     return ["paste the table into case.toml in place of its [recording], or run this again with --write CASE"]
-
-
-def _shown(value: Any) -> str:
-    """A value of a case as TOML has it."""
-    return "not stated" if value is None else toml_value(value)
 
 
 def _draw(report: "hx.Look", file: Path, overwrite: bool) -> list[Path]:

@@ -6,7 +6,9 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from cases.editing import write_table
+from cases.base.errors import HexciteError, Remedy, Write
+from cases.base.files import toml_value
+from cases.editing import placed, write_keys, write_table
 from cases.tables import built_in_cases
 from hexcite.page import forms, values
 from hexcite.page.forms import Fields, Unfit, chosen, field
@@ -98,7 +100,8 @@ def _look(context: Context, there: Workspace, fields: Fields, write: bool = Fals
     picture = f"{Path(recording).stem}-look.svg"
     rehearsed = any(each.simulated for each in there.recordings if each.name == recording)
     command = forms.look(context.machine, f"{recording}/{RUN_FILE}" if rehearsed else recording, picture, write)
-    return _job(context, "data", command, about=recording, query=query, goto=f"{context.address}/data{query}")
+    goto = f"{context.address}/data{query}"
+    return _job(context, "data", command, about=recording, query=query, goto=goto, writes=write)
 
 
 def _take(context: Context, there: Workspace, fields: Fields) -> Job:
@@ -148,6 +151,58 @@ def chosen_settings(answer: Mapping[str, Any], fields: Fields) -> dict[str, Any]
                 units[name[2:]] = unit
     settings.pop("units", None)
     return settings | ({"units": units} if units else {})
+
+
+def _apply(context: Context, there: Workspace, fields: Fields) -> Job:
+    """Writes the keys of a remedy into the case, and identifies again where the recording is there."""
+    if not context.machine.own:
+        raise Unfit("a built-in case is not changed")
+    found = remedies(context, there, fields)
+    number = field(fields, "remedy")
+    if not number.isdecimal() or int(number) >= len(found):
+        raise Unfit("remedy: there is none of this number any more; identify again")
+    remedy = found[int(number)]
+    if field(fields, "words") != remedy.words.strip():
+        raise Unfit("remedy: it was identified again meanwhile; look at the stage anew")
+    job = _identify(context, there, fields)
+    try:
+        written = write_keys(context.machine.file, remedy.keys)
+    except HexciteError as error:
+        raise Unfit("; ".join(error.lines)) from error
+    arguments = [placed(place) + ("" if value is None else f"={toml_value(value)}") for place, value in remedy.keys]
+    job.before = ("case", "set", context.machine.argument, *arguments)
+    notes = [f"{key}: {_shown(before)} → {_shown(after)}" for key, before, after in written.changes]
+    job.notes = (
+        *notes,
+        *([] if written.earlier is None else [f"{written.earlier.parent.name}/{written.earlier.name}"]),
+    )
+    return job
+
+
+def remedies(context: Context, there: Workspace, fields: Fields) -> list[Remedy]:
+    """The remedies by keys that findings of a result name, or the refusal of a recording."""
+    name = field(fields, "result")
+    if name:
+        result = next(result for result in there.results if result.name == _result(there, fields))
+        stated = [each for finding in result.record.get("findings", ()) for each in remedies_of(finding)]
+    else:
+        refused = context.jobs.latest(context.machine.key, "identify", _recording(there, fields))
+        stated = remedies_of(refused.answer) if refused is not None and refused.state == "failed" else []
+    return stated
+
+
+def remedies_of(answer: Any) -> list[Remedy]:
+    """Remedies in an answer, or in a finding of a result file."""
+    if not isinstance(answer, Mapping):
+        return []
+    return [
+        Remedy(str(each["words"]), tuple(Write(tuple(place), value) for place, value in each["keys"]))
+        for each in answer.get("remedies") or ()
+    ]
+
+
+def _shown(value: Any) -> str:
+    return "–" if value is None else toml_value(value)
 
 
 def _identify(context: Context, there: Workspace, fields: Fields) -> Job:
@@ -227,8 +282,8 @@ def _pool(context: Context, there: Workspace, fields: Fields) -> Job:
 
 ACTIONS: Mapping[str, Action] = {
     "check": _check, "plan": _plan, "program": _program, "rehearse": _rehearse, "look": _look, "take": _take,
-    "menus": _menus, "identify": _identify, "export": _export, "force": _force, "tare": _tare, "payload": _payload,
-    "pool": _pool,
+    "menus": _menus, "identify": _identify, "apply": _apply, "export": _export, "force": _force, "tare": _tare,
+    "payload": _payload, "pool": _pool,
 }  # fmt: skip
 """Name in an address -> what it starts."""
 

@@ -34,6 +34,9 @@ class Job:
         query: of the stage's address while it is under way.
         goto: address to show when it is done.
         search: whether an interrupt keeps the best motion until then.
+        before: command line of what was done before it started, in one with it.
+        notes: what was written then.
+        writes: whether it writes the case: what is started for the machine after it waits until it has ended.
         number: of this server.
     """
 
@@ -45,10 +48,14 @@ class Job:
     query: str = ""
     goto: str = ""
     search: bool = False
+    before: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    writes: bool = False
     number: int = 0
     state: State = "waiting"
     began: float = field(default_factory=time.monotonic)
     ended: float | None = None
+    finished: float = 0.0  # time of the day [s]
     progress: list[dict[str, Any]] = field(default_factory=list)
     messages: list[str] = field(default_factory=list)
     answer: dict[str, Any] | None = None
@@ -68,7 +75,8 @@ class Job:
     @property
     def shown(self) -> str:
         """The command line that does the same in a terminal."""
-        return shlex.join(("hexcite", *self.command))
+        lines = [self.before, self.command] if self.before else [self.command]
+        return "\n".join(shlex.join(("hexcite", *line)) for line in lines)
 
     def tell(self) -> None:
         """Wakes those who watch it."""
@@ -105,7 +113,12 @@ class Jobs:
         self._all[job.number] = job
         for old in [other for other in self._all.values() if other.over][:-MOST_KEPT]:
             del self._all[old.number]
-        self._tasks[job.number] = asyncio.create_task(self._run(job))
+        first = [
+            self._tasks[other.number]
+            for other in self._all.values()
+            if other.writes and not other.over and other is not job and other.machine == job.machine
+        ]
+        self._tasks[job.number] = asyncio.create_task(self._run(job, first))
 
     def get(self, number: int) -> Job | None:
         """A job by its number."""
@@ -120,6 +133,10 @@ class Jobs:
         """The latest job of a machine that ran a command of this name for something."""
         own = [job for job in self._all.values() if (job.machine, job.about) == (machine, about)]
         return next((job for job in reversed(own) if job.command[0] == word), None)
+
+    def writing(self, output: str) -> Job | None:
+        """The latest job that writes something of this name."""
+        return next((job for job in reversed(self._all.values()) if job.output == output), None)
 
     @property
     def outputs(self) -> set[str]:
@@ -148,12 +165,14 @@ class Jobs:
                 job.interrupt()
 
     def _end(self, job: Job, state: State) -> None:
-        job.state, job.ended, job.process = state, time.monotonic(), None
+        job.state, job.ended, job.finished, job.process = state, time.monotonic(), time.time(), None
         self._tasks.pop(job.number, None)
         print(f"{job.shown}: {state}, {job.seconds:.0f} s", file=sys.stderr, flush=True)
         job.tell()
 
-    async def _run(self, job: Job) -> None:
+    async def _run(self, job: Job, first: list[asyncio.Task[None]]) -> None:
+        if first:
+            await asyncio.wait(first)
         async with self._room:
             job.began, job.state = time.monotonic(), "running"
             # -P: the root folder is the current one, and files in it are no modules

@@ -8,11 +8,12 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from cases.base.errors import Remedy
 from cases.base.units import MM, Array
 from cases.machine import Joints, turned
 from cases.schema import Case
 from identification.findings.causes.channels import rpy_of, scaled
-from identification.findings.causes.remedies import keys_to_write
+from identification.findings.causes.remedies import keys_to_write, remedy
 from identification.findings.left_out import gravity_axes
 from identification.findings.tolerances import UNITS
 from identification.recording.recording import Recording
@@ -134,13 +135,23 @@ def edited(case: Case, sizes: Sizes) -> Case:
     return case
 
 
-def remedy_of(case: Case, size: Size, sizes: Sizes) -> str:
-    """What to write, or to do, where a machine is off by a size; sizes: those of its key."""
+def mended(case: Case, size: Size, sizes: Sizes) -> Case:
+    """The case with what mends it in its keys where a machine is off by a size; sizes: those of its key."""
     if size.key == "gain_percent":
         names = case.sensor_frame.channels
         factors = {name: 1.0 / (1.0 + float(v)) for name, v in zip(names, sizes[size.key], strict=True) if v != 0.0}
-        return keys_to_write(case, scaled(factors)(case))
-    return keys_to_write(case, edited(case, sizes)) or size.remedy
+        return scaled(factors)(case)
+    return edited(case, sizes)
+
+
+def remedy_of(case: Case, size: Size, sizes: Sizes) -> str:
+    """What to write, or to do, where a machine is off by a size; sizes: those of its key."""
+    return keys_to_write(case, mended(case, size, sizes)) or size.remedy
+
+
+def remedies_of(words: str, case: Case, size: Size, sizes: Sizes) -> tuple[Remedy, ...]:
+    """The same keys for programs that write them; words: how the machine is off."""
+    return remedy(words, case, mended(case, size, sizes))
 
 
 def _moved(joints: Joints, by: Array) -> Joints:

@@ -24,7 +24,7 @@ from identification.estimation.alternatives import noise_of
 from identification.finding import Finding, Kind, note, warning
 from identification.findings.drift import drift_of
 from identification.findings.left_out import LeftOut
-from identification.findings.off_case import SHOWABLE, Size, remedy_of, sizes_named
+from identification.findings.off_case import SHOWABLE, Size, remedies_of, remedy_of, sizes_named
 from identification.findings.remains import excerpt_of, free_basis, remainder_of
 from identification.findings.tolerances import Share, shares_of
 from identification.samples.samples import Fitted
@@ -226,8 +226,10 @@ def findings_of(told: Told, case: Case) -> list[Finding]:
     found = [note(Kind.CASE, "", told=entries, told_sizes=exact)]
     for key in dict.fromkeys(size.key for size, _, _ in clear):
         words = "; ".join(sentence for size, sentence, _ in clear if size.key == key)
-        remedy = remedy_of(case, next(size for size, _, _ in clear if size.key == key), {key: by_key[key]})
-        found.append(note(Kind.CASE, f"the run tells that {words}: estimated and allowed for; {remedy}"))
+        first = next(size for size, _, _ in clear if size.key == key)
+        sentence = f"the run tells that {words}: estimated and allowed for; "
+        told_of = note(Kind.CASE, sentence + remedy_of(case, first, {key: by_key[key]}))
+        found.append(replace(told_of, remedies=remedies_of(words, case, first, {key: by_key[key]})))
     return found + _impossible(told, named)
 
 

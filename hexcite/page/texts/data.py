@@ -49,4 +49,13 @@ TEXTS: dict[str, tuple[str, str]] = {
     ),
     "identify": ("Identify the parameters", "Parameter bestimmen"),
     "picture": ("Channels over time", "Kanäle über der Zeit"),
+    "remedies": ("What mends it", "Was es behebt"),
+    "apply": (
+        "Accept: write this into the case, and identify again",
+        "Annehmen: in die Maschine schreiben und neu bestimmen",
+    ),
+    "case_written": (
+        "Written into the case; as it was before: {earlier}.",
+        "In die Maschine geschrieben; die frühere Datei: {earlier}.",
+    ),
 }

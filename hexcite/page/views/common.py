@@ -5,6 +5,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from cases.base.errors import Remedy
+from cases.base.files import toml_value
+from cases.editing import placed
 from identification.texts import legible, parameter_words, std_text, value_text
 
 MOST_TEXT = 40_000  # characters of a program or export that are shown
@@ -43,6 +46,17 @@ def limits(limits: Mapping[str, Any]) -> list[dict[str, Any]]:
         if isinstance(check, Mapping) and isinstance(check.get("ratio"), int | float)
     ]
     return sorted(rows, key=lambda row: -float(str(row["share"])))
+
+
+def remedies(stated: Sequence[Remedy]) -> list[dict[str, Any]]:
+    """Remedies by keys: their words, and lines as a case file has them."""
+    return [
+        {
+            "words": each.words,
+            "lines": [f"{placed(place)} = {'–' if value is None else toml_value(value)}" for place, value in each.keys],
+        }
+        for each in stated
+    ]
 
 
 def parameter(name: str, value: Mapping[str, Any]) -> tuple[str, str, str, str]:

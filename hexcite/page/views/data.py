@@ -6,9 +6,10 @@ from typing import Any
 
 from cases.base.errors import HexciteError
 from cases.schema import Case
-from hexcite.page.actions import Context
-from hexcite.page.stages import Recording, Workspace
-from hexcite.page.views.common import Query, chosen
+from hexcite.page.actions import Context, remedies_of
+from hexcite.page.jobs import Job
+from hexcite.page.stages import Machine, Recording, Workspace
+from hexcite.page.views.common import Query, chosen, remedies
 
 
 def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
@@ -17,7 +18,9 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
 
     recording: Recording | None = chosen(there.recordings, query.get("recording"))
     looked = context.jobs.latest(context.machine.key, "look", recording.name) if recording is not None else None
-    answer = looked.answer if looked is not None and looked.over else None
+    answer = looked.answer if looked is not None and looked.over and _since(looked, context.machine) else None
+    refused = context.jobs.latest(context.machine.key, "identify", recording.name) if recording is not None else None
+    stated = remedies_of(refused.answer) if refused is not None and refused.state == "failed" else []
     picture = f"{Path(recording.name).stem}-look.svg" if recording is not None else ""
     return {
         "recordings": there.recordings,
@@ -26,9 +29,15 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "controllers": ("virtual",) if linuxcnc_missing() is not None else ("virtual", "linuxcnc"),
         "cannot_run": context.machine.lacks("run"),
         "looked": answer,
+        "remedies": remedies(stated),
         "menus": _menus(context.machine.case, answer) if answer is not None else None,
         "picture": picture if answer is not None and (context.root / picture).is_file() else "",
     }
+
+
+def _since(looked: Job, machine: Machine) -> bool:
+    """Whether the case is still the one that a file was looked at with."""
+    return looked.finished >= machine.file.stat().st_mtime
 
 
 QUANTITIES: Mapping[str, tuple[str, ...]] = {

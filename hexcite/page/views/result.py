@@ -4,16 +4,27 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from hexcite.page.actions import Context
+from hexcite.page.actions import Context, remedies_of
 from hexcite.page.stages import Made, Workspace
-from hexcite.page.views.common import Query, chosen, parameter
+from hexcite.page.views.common import Query, chosen, parameter, remedies
 from identification.finding import ABOUT_THE_RUN
 
 
 def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     """What the stage Result shows of a machine, for its template."""
     result: Made | None = chosen(there.results, query.get("result"))
-    return {"results": there.results, "chosen": result, **({} if result is None else outcome(result))}
+    if result is None:
+        return {"results": there.results, "chosen": None}
+    made = context.jobs.writing(result.name)
+    names = {recording.name for recording in there.recordings}
+    return {
+        "results": there.results,
+        "chosen": result,
+        **(about := outcome(result)),
+        "remedies": remedies([each for finding in result.record.get("findings", ()) for each in remedies_of(finding)]),
+        "written": made.notes if made is not None else (),
+        "again": about["recording"].name if about["recording"].name in names else "",
+    }
 
 
 def outcome(result: Made) -> dict[str, Any]:

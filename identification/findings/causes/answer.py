@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cases.base.errors import HexciteError
+from cases.base.errors import HexciteError, Remedy
 from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.fit import Fit
@@ -24,7 +24,7 @@ from identification.findings.causes.hypothesis import (
     pace_of,
 )
 from identification.findings.causes.instants import instants_of
-from identification.findings.causes.remedies import keys_to_write
+from identification.findings.causes.remedies import keys_to_write, remedy
 from identification.findings.causes.search import MODERATE, NEAR, Search, Tried, search
 from identification.machines.hexapod import Hexapod
 from identification.machines.of_case import machine_of
@@ -48,6 +48,7 @@ class Answer:
     sentence: str
     # whether residuals are so large that there is a mistake; smaller ones a machine makes itself, by its structure
     large: bool = True
+    remedies: tuple[Remedy, ...] = ()  # keys of the case for each explanation that keys alone mend
 
 
 def answer(recording: Recording, case: Case, model: Model, evaluate: Evaluate, fit: Fit | None = None) -> Answer | None:
@@ -68,7 +69,8 @@ def answer(recording: Recording, case: Case, model: Model, evaluate: Evaluate, f
         return None
     confirmed = [entry for entry in found.explanations if _confirmed(entry, recording, case, model, evaluate)]
     if confirmed:
-        return Answer(True, _cause(confirmed, found, case))
+        trials = [entry.trial for entry in confirmed[:MOST_NAMED]]
+        return Answer(True, _cause(confirmed, found, case), remedies=tuple(r for t in trials for r in _keys(t, case)))
     if not found.families:
         return None
     large = found.recorded is None or found.recorded.residuals > MODERATE
@@ -140,6 +142,11 @@ def remedy_of(trial: Trial, case: Case) -> str:
     keyed = tuple(hypothesis for hypothesis in trial if not hypothesis.remedy)
     keys = keys_to_write(case, case_of(keyed, case))
     return ", and ".join([*([keys] if keys else []), *(h.remedy for h in trial if h.remedy)])
+
+
+def _keys(trial: Trial, case: Case) -> tuple[Remedy, ...]:
+    """The keys that mend a trial; none where something beside them is to be done."""
+    return () if any(h.remedy for h in trial) else remedy(words_of(trial), case, case_of(trial, case))
 
 
 def _cause(confirmed: list[Tried], found: Search, case: Case) -> str:

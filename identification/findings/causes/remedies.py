@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from cases.base.errors import Remedy, Write
 from cases.schema import Case
 
 DIGITS = 6  # of numbers that a remedy states
@@ -19,6 +20,42 @@ def keys_to_write(case: Case, edited: Case) -> str:
         tables.setdefault(table, []).append(f"{key} = {_toml(value)}" if value is not None else f"no {key}")
     parts = [_in_table(table, entries) for table, entries in tables.items()]
     return "write " + ", and ".join(parts) if parts else ""
+
+
+def remedy(words: str, case: Case, edited: Case) -> tuple[Remedy, ...]:
+    """The keys that lead from a case to another, for programs that write them; none where no key differs.
+
+    Args:
+        words: what is wrong with the case, a clause.
+        case: as it is.
+        edited: as it is mended.
+    """
+    before, after = case.model_dump(mode="json"), edited.model_dump(mode="json")
+    places = dict.fromkeys(path[:-1] if isinstance(path[-1], int) else path for path, _ in _differences(before, after))
+    keys = tuple(Write(place, _rounded(_at(before, place), _at(after, place))) for place in places)
+    return (Remedy(words, keys),) if keys else ()
+
+
+def _at(values: Any, place: Path) -> Any:
+    """The value at a place; None where there is none."""
+    for part in place:
+        values = values.get(part) if isinstance(values, dict) else None if values is None else values[part]
+    return values
+
+
+def _rounded(before: Any, after: Any) -> Any:
+    """A value with its new numbers as a sentence states them."""
+    if before == after:
+        return after
+    if isinstance(after, float):
+        return float(f"{after:.{DIGITS}g}") + 0.0
+    if isinstance(after, list):
+        entries = before if isinstance(before, list) and len(before) == len(after) else [None] * len(after)
+        return [_rounded(*pair) for pair in zip(entries, after, strict=True)]
+    if isinstance(after, dict):
+        table = before if isinstance(before, dict) else {}
+        return {key: _rounded(table.get(key), value) for key, value in after.items() if value is not None}
+    return after
 
 
 def _in_table(table: str, entries: Sequence[str]) -> str:
@@ -59,8 +96,7 @@ def _toml(value: Any) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, float):
-        rounded = float(f"{value:.{DIGITS}g}") + 0.0
-        return repr(rounded)
+        return repr(_rounded(None, value))
     if isinstance(value, str):
         return f'"{value}"'
     if isinstance(value, list | tuple):

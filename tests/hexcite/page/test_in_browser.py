@@ -101,33 +101,90 @@ def test_from_the_machine_to_its_model(browser: Browser, address: str, root: Pat
     assert all(url.startswith(("http://127.0.0.1:", "data:", "blob:")) for url in seen.requests)
 
 
-def test_a_recorded_file_is_read_for_a_machine_of_ones_own(browser: Browser, address: str, root: Path):
+@pytest.fixture(scope="module")
+def run_of_hexapod(tmp_path_factory: pytest.TempPathFactory) -> list[list[str]]:
+    """Head and rows of a recording by the virtual controller."""
     import hexcite as hx
 
+    folder = tmp_path_factory.mktemp("run")
     case = hx.load_case("hexapod")
-    plan = hx.plan(case, hx.PointToPoint(moves=24), duration=8.0, starts=1, workers=1)
-    program = hx.write(plan, "sinumerik", file=root / "made.mpf")
-    program.save(root / "made.mpf")
-    hx.run(program, case, on="virtual", seed=1).save(root.parent / "rec")
-    with (root.parent / "rec" / "recording.csv").open(newline="") as stream:
-        head, *rows = csv.reader(stream)
-    a, b = head.index("l1_mm"), head.index("l4_mm")
-    head[a], head[b] = head[b], head[a]
-    file = root.parent / "trace.csv"
-    with file.open("w", newline="") as stream:
-        csv.writer(stream).writerows([head, *rows])
+    plan = hx.plan(case, hx.Manual())
+    program = hx.write(plan, "sinumerik", file=folder / "made.mpf")
+    program.save(folder / "made.mpf")
+    hx.run(program, case, on="virtual", seed=1).save(folder / "rec")
+    with (folder / "rec" / "recording.csv").open(newline="") as stream:
+        return list(csv.reader(stream))
 
-    seen = Seen(browser, address)
+
+def damaged(table: list[list[str]], file: Path, first: str, second: str) -> Path:
+    """The recording as a foreign program exports it: two columns exchanged, semicolons, commas, a row of units."""
+    head, *rows = table
+    names = list(head)
+    a, b = names.index(first), names.index(second)
+    names[a], names[b] = names[b], names[a]
+    units = [name.rpartition("_")[2] if "_" in name else "" for name in names]
+    lines = [[name.rpartition("_")[0] or name for name in names], units]
+    lines += [[value.replace(".", ",") for value in row] for row in rows]
+    file.write_text("".join(";".join(line) + "\n" for line in lines))
+    return file
+
+
+def begun(browser: Browser, address: str, like: str, width: int = 1280) -> Seen:
+    """A machine of one's own, on its stage Data."""
+    seen = Seen(browser, address, width)
     page = seen.page
     page.get_by_label(re.compile("^Name")).fill("mill")
-    page.get_by_label(re.compile("^Begin from")).select_option("hexapod")
+    page.get_by_label(re.compile("^Begin from")).select_option(like)
     page.get_by_role("button", name="Make it").click()
     expect(page.get_by_role("heading", name="Machine", exact=True)).to_be_visible()
     page.get_by_role("link", name=re.compile("4 Data")).click()
-    page.locator("#f-file").set_input_files(str(file))
+    return seen
+
+
+def mass_of(page: Page) -> float:
+    """The mass on the stage Result [kg]."""
+    return float(page.locator(".parameters tr", has_text="mass (m)").locator("td").nth(1).inner_text())
+
+
+def test_exchanged_struts_are_mended_by_menus(
+    browser: Browser, address: str, run_of_hexapod: list[list[str]], tmp_path: Path
+):
+    seen = begun(browser, address, "hexapod")
+    page = seen.page
+    page.locator("#f-file").set_input_files(str(damaged(run_of_hexapod, tmp_path / "trace.csv", "l1_mm", "l4_mm")))
     page.get_by_role("button", name="How is it read?").click()
     expect(page.get_by_text("The file is read with these settings.")).to_be_visible()
     seen.shot("mill-4-data")
+    page.locator('[id="c.l1_mm"]').select_option("l4")
+    page.locator('[id="c.l4_mm"]').select_option("l1")
+    page.get_by_role("button", name=re.compile("Take these menus")).click()
+    expect(page.locator('[id="c.l1_mm"]')).to_have_value("l4")
+    page.get_by_role("button", name="Identify the parameters").click()
+    expect(page.locator(".verdict.good")).to_be_visible()
+    assert mass_of(page) == pytest.approx(31.83, abs=0.05)
+    assert seen.errors == []
+
+
+def test_exchanged_struts_are_mended_by_one_button(
+    browser: Browser, address: str, root: Path, run_of_hexapod: list[list[str]], tmp_path: Path
+):
+    seen = begun(browser, address, "hexapod", 390)
+    page = seen.page
+    before = (root / "mill" / "case.toml").read_bytes()
+    page.locator("#f-file").set_input_files(str(damaged(run_of_hexapod, tmp_path / "trace.csv", "l1_mm", "l4_mm")))
+    page.get_by_role("button", name="How is it read?").click()
+    page.get_by_role("button", name="Take the proposal into the case").click()
+    page.get_by_role("button", name="Identify the parameters").click()
+    expect(page.locator(".job .error")).to_contain_text("struts 1 and 4 are exchanged")
+    expect(page.locator(".remedy pre")).to_contain_text('recording.columns.l1_mm = "l4"')
+    seen.shot("mill-5-remedy")
+    page.get_by_role("button", name=re.compile("^Accept")).click()
+    expect(page.locator(".verdict.good")).to_be_visible()
+    expect(page.get_by_role("status").filter(has_text="mill/case-1.toml")).to_be_visible()
+    seen.shot("mill-5-mended")
+    assert mass_of(page) == pytest.approx(31.83, abs=0.05)
+    assert (root / "mill" / "case-1.toml").read_bytes() != before  # with [recording], before the struts were mended
+    assert 'l4_mm = "l1"' in (root / "mill" / "case.toml").read_text()
     assert seen.errors == []
 
 

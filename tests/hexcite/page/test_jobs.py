@@ -181,3 +181,18 @@ def test_the_curve_rises_with_the_best():
     heights = [float(point.split(",")[1]) for point in points]
     assert heights == sorted(heights, reverse=True)
     assert heights[0] > heights[-1]
+
+
+def test_what_writes_the_case_ends_before_another_command_of_the_machine_begins(root: Path, stand_in: None):
+    async def story(there: Jobs) -> None:
+        writing, reading = Job("+mill", "data", ("short",), writes=True), Job("+mill", "data", ("short-2",))
+        elsewhere = Job("hexapod", "data", ("short-3",))
+        for each in (writing, reading, elsewhere):
+            there.start(each)
+        await until(lambda: elsewhere.state != "waiting" and writing.state == "running")
+        assert reading.state == "waiting"
+        await until(lambda: reading.over)
+        assert writing.over
+        assert reading.began >= (writing.ended or 0.0)
+
+    run(root, story)

@@ -9,6 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from cases.base.errors import IdentificationError
+from cases.editing import write_keys
 from cases.schema import Case, load_case
 from identification.findings.causes.answer import mended, words_of
 from identification.findings.causes.channels import of_point, of_turn
@@ -24,6 +25,7 @@ from identification.findings.causes.hypothesis import (
     together,
 )
 from identification.findings.causes.instants import instants_of
+from identification.findings.causes.remedies import remedy
 from identification.findings.causes.search import Search, search
 from identification.findings.causes.trials import tried
 from identification.identify import default_model, estimate_parameters
@@ -244,8 +246,10 @@ def test_the_keys_of_a_remedy_mend_the_run_when_it_is_read_again(of: str, name: 
     for entry in found.explanations:
         if "compensated" in words_of(entry.trial):
             continue  # no key gives back what a controller has taken off: record the raw wrench
-        _, edited = written(tmp_path, recording, case_of(entry.trial, case))
-        write_recording(file, recording, case)  # the file stays as it was
+        (found_remedy,) = remedy("", case, case_of(entry.trial, case))
+        _, case = written(tmp_path, recording, wrong)
+        write_keys(tmp_path / "case.toml", found_remedy.keys)
+        edited = load_case(str(tmp_path / "case.toml"))
         estimate = estimate_parameters(read(file, edited), edited)
         mass = estimate.physical["m"]
         assert abs(mass.value - MASSES[of]) < 5.0 * mass.reported + 1e-3 * MASSES[of]

@@ -70,6 +70,8 @@ def test_what_is_told_is_said_with_the_key_that_mends_it() -> None:
     sensor = turned_case().chain.sensor.model_copy(update={"rpy_deg": tuple(written)})
     off = Rotation.from_euler("xyz", run()[0].case.chain.sensor.rpy).inv() * Rotation.from_euler("xyz", sensor.rpy)
     assert np.degrees(off.magnitude()) < 0.1
+    (remedy,) = next(finding for finding in turned().findings if "turned on its flange" in finding.sentence).remedies
+    assert [(key.place, key.value) for key in remedy.keys] == [(("machine", "chain", "sensor", "rpy_deg"), written)]
 
 
 def test_a_case_that_cannot_be_right_at_its_tolerance_names_the_part() -> None:
