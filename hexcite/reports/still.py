@@ -10,6 +10,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 
@@ -69,8 +70,9 @@ def picture(chart: Chart) -> str:
 
 def _svg(figure: Figure) -> str:
     text = io.StringIO()
-    with mpl.rc_context(STYLE):
-        figure.savefig(text, format="svg", metadata={"Date": None})
+    canvas: Any = FigureCanvasSVG(figure)  # its functions state no types
+    with mpl.rc_context(STYLE):  # savefig would draw everything twice, to lay it out first: drawing does so by itself
+        canvas.print_svg(text, metadata={"Date": None})
     return legible(text.getvalue())
 
 
