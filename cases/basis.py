@@ -14,7 +14,7 @@ _MACHINE = ("setup", "gravity_m_s2", "sensor_frame", "machine")
 _MOTION = ("setup", "machine", "workspace", "limits", "controller.cycle_ms")
 _BOUND = (*_MACHINE, "workspace", "limits", "controller.cycle_ms")
 _PLAN = (*_BOUND, "sensors", "nominal", "payloads")
-_RESULT = (*_MACHINE, "sensors", "recording", "tolerances")
+_RESULT = (*_MACHINE, "sensors", "recording", "tolerances", "bounds")
 _OF_PLANS = ("sensors.pose_error_N", "sensors.pose_error_length_mm")  # results find them, and do without them
 # A plan states the rate that its predictions assume; what is handed to a robot is computed when it is.
 _NOT_COMPUTED_WITH = ("recording.rate_Hz", "machine.chain.flange", "sensor_frame.transducer.flange")

@@ -18,6 +18,7 @@ from cases.acceptance import Acceptance
 from cases.base.errors import ALSO, CaseError, printable
 from cases.base.files import check_file, toml_text, write_text
 from cases.base.units import DEG, MINUTE, MM, Array, as_html
+from cases.bounds import Bounds
 from cases.certificate import CertificateOf
 from cases.chain import Box, Chain, JointMotionLimits, Limits, SerialMachine, joint_problems
 from cases.controller import Controller, ControllerName, Settings, Sinumerik, TwinCat
@@ -89,6 +90,8 @@ class Case(Heading):
     """How the controller is set up."""
     tolerances: Tolerances | None = None
     """How far the machine may be from all this; deviations of results count it."""
+    bounds: Bounds | None = None
+    """What is known of the body that the sensors carry, as from CAD."""
     accept: Acceptance | None = None
     """What a result has to be, to be accepted."""
     certificate: CertificateOf | None = None
@@ -142,7 +145,12 @@ class Case(Heading):
 
     @model_validator(mode="after")
     def _consistent(self) -> "Case":
-        if problems := [*self._of_its_machine(), *self._of_its_sensors(), *self._of_its_tolerances()]:
+        if problems := [
+            *self._of_its_machine(),
+            *self._of_its_sensors(),
+            *self._of_its_tolerances(),
+            *self._of_its_bounds(),
+        ]:
             raise ValueError(ALSO.join(problems))
         return self
 
@@ -229,6 +237,11 @@ class Case(Heading):
                 "pose_error_length_mm"
             )
 
+    def _of_its_bounds(self) -> Iterator[str]:
+        """Problems of bounds of a body that is not identified."""
+        if self.bounds is not None and self.setup == "1a":
+            yield "bounds are of a body that moves; in setup 1a none is identified: remove them"
+
     def _of_its_tolerances(self) -> Iterator[str]:
         """Problems of tolerances of what the machine does not have: they would count for nothing."""
         for key, _ in () if self.tolerances is None else self.tolerances.stated():
@@ -237,7 +250,7 @@ class Case(Heading):
                 yield f"tolerances.{key} is of something that this machine does not have; it has {own}"
 
     @cached_property
-    def doubts(self) -> tuple[doubts.Doubt, ...]:
+    def doubts(self) -> tuple[str, ...]:
         """Sentences on values that contradict others of the case, or that no machine has; see `cases.doubts`."""
         motion, chain, frame = None if self.limits is None else self.limits.motion, self.chain, self.sensor_frame
         found = list(doubts.of_geometry(self.hexapod, frame, self.workspace))

@@ -151,7 +151,7 @@ def _identified(
         measuring_s=seconds,
         **{key: entry for key, entry in optional.items() if entry is not None},
     )
-    return Result(case, record, estimate)
+    return Result(case, record, estimate).beside_physical()
 
 
 def default_model(recording: Recording, case: Case) -> int:

@@ -1,8 +1,8 @@
 """Plans from Python: what notebooks and the command line call."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, TypedDict, Unpack
+from typing import TypedDict, Unpack
 
 from threadpoolctl import threadpool_limits
 
@@ -11,13 +11,12 @@ from cases.schema import Case
 from identification.model.model import full_model, static_model
 from planner.families.manual import load_poses
 from planner.families.settings import Best, FamilySettings
-from planner.known import Known
 from planner.plans.making import make_until_ctrl_c, require_plannable
 from planner.plans.plan import Plan
 from planner.plans.progress import Follower, Standing
 from planner.request import DURATION, LONGEST_WANTED, PoseRequest, Request
 from planner.search.parallel import silent
-from planner.shortest import require_more, shortest
+from planner.shortest import shortest
 
 
 class Settings(TypedDict, total=False):
@@ -33,7 +32,6 @@ class Settings(TypedDict, total=False):
     workers: int | None
     seconds: float | None
     target: Mapping[str, float]  # [SI]
-    known: Sequence[object]  # earlier values of `Result` of the machine with the same load
 
 
 class PoseSettings(TypedDict, total=False):
@@ -46,7 +44,6 @@ class PoseSettings(TypedDict, total=False):
     candidates: int | None
     seed: int
     without: str | None
-    known: Sequence[object]  # earlier values of `Result` of the machine, of standstills
 
 
 def plan(
@@ -69,21 +66,16 @@ def plan(
         duration: duration of the excitation [s], 12 s by default; with a target the longest that is tried, by default
             60 s.
         progress: shows a line now and then.
-        **settings: criterion, model, payload, payload_from, starts, seed, solver, workers, seconds, target, known; see
-            `Settings`. With a target, predicted deviations by parameter [SI], the shortest motion that reaches them;
-            with results that are known, the shortest with which they reach them together.
+        **settings: criterion, model, payload, payload_from, starts, seed, solver, workers, seconds, target; see
+            `Settings`. With a target, predicted deviations by parameter [SI], the shortest motion that reaches them.
 
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.
     """
-    own: dict[str, Any] = dict(settings)
-    results = settings.get("known")
-    known = Known.of(results, case, settings.get("payload", 0), standing=False) if results else None
-    own["known"] = known
-    own.setdefault("model", full_model(case) if known is None else known.model)
+    settings.setdefault("model", full_model(case))
     if duration is None:
         duration = LONGEST_WANTED if settings.get("target") else DURATION
-    request = Request(family or Best(), duration, **own)
+    request = Request(family or Best(), duration, **settings)  # type: ignore[arg-type]  # a letter will do
     return planned(request, case, None if progress is None else lambda standing: progress(standing.line))
 
 
@@ -93,7 +85,6 @@ def planned(request: Request, case: Case, progress: Callable[[Standing], None] |
     follower = silent if progress is None else Follower(case, progress)
     with threadpool_limits(limits=1, user_api="blas"):  # matrices are small: threads of BLAS would wait for each other
         if request.target:
-            require_more(request, case)
             return shortest(request, case, lambda own: make_until_ctrl_c(own, case, follower))
         return make_until_ctrl_c(request, case, follower)
 
@@ -112,21 +103,17 @@ def plan_poses(
             machine, shape (n, k) [m or rad].
         case: machine, limits and poses.
         progress: called with the number of poses after each step of the choice.
-        **settings: criterion, count, method, model, candidates, seed, known; see `PoseSettings`.
+        **settings: criterion, count, method, model, candidates, seed; see `PoseSettings`.
 
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.
     """
     from planner.poses.planned_poses import poses_planned  # SciPy, which motions do without
 
-    wanted: dict[str, Any] = dict(settings)
-    results = settings.get("known")
-    known = Known.of(results, case, 0, standing=True) if results else None
-    wanted["known"] = known
-    wanted.setdefault("model", static_model(case) if known is None else known.model)
+    settings.setdefault("model", static_model(case))
     if at is not None:
-        wanted["method"] = "given"
-    request = PoseRequest(**wanted)
+        settings["method"] = "given"
+    request = PoseRequest(**settings)  # type: ignore[arg-type]  # a letter will do
     own = load_poses(Path(at), case.need_motion("a plan of poses")[1].columns) if isinstance(at, Path | str) else at
     with threadpool_limits(limits=1, user_api="blas"):
         return poses_planned(request, case, progress or (lambda _: None), own)

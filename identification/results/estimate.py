@@ -22,6 +22,7 @@ from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, Value
+from identification.estimation.nearest_body import NearestBody
 from identification.finding import SEVERITIES, Finding, sentences
 from identification.model.model import Model
 from identification.model.parameters import physical_form
@@ -187,6 +188,7 @@ class Parameters(Origin):
     # of the linear ones by one standard deviation of each size that a tolerance is one of, by its key of [tolerances];
     # all runs of a machine have these in common
     tolerance_biases: Mapping[str, tuple[Numbers, ...]] | None = None
+    physical: NearestBody | None = None  # nearest body that can exist, where that is not the estimate
     delay_s: Delay | None
 
 

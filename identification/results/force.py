@@ -222,7 +222,9 @@ def tare(recording: Recording, result: Result) -> Result:
         },
         **({"stale": stale} if stale else {}),
     )
-    return Result(case, record)
+    tared = Result(case, record.replaced(physical=None))
+    moved = tared.physical  # the same body; what is correlated with it moves by other amounts
+    return Result(case, record.replaced(physical=moved if moved is not None and moved.moved else None))
 
 
 class Verification(NamedTuple):

@@ -8,7 +8,7 @@ mean of B_i p, counted once. Runs are compared by chi^2 of u_i in their whole co
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -18,6 +18,7 @@ from cases.base.errors import FileProblem, HexciteError
 from cases.base.files import provenance
 from cases.base.units import Array
 from cases.tolerances import KINDS
+from identification.estimation.covariances import Free, larger_of
 from identification.estimation.fit import Value
 from identification.finding import Finding, Kind, note, warning
 from identification.findings.tolerances import MEMORY, NOISE
@@ -28,7 +29,6 @@ from identification.results.result import Result
 from identification.texts import parameter_words
 
 UNLIKELY = 0.01  # chance of a scatter by noise, below which deviations grow by it
-FIXED = 1e-13  # of the largest variance in units of the deviations: a combination that is given, not estimated
 
 
 def pool(results: Sequence[Result]) -> Result:
@@ -98,11 +98,10 @@ def pool(results: Sequence[Result]) -> Result:
         pooled=pooled,
     )
     # entries of a single run
-    own = {"run", "standstills", "models", "treatment", "tared", "tared_with", "plan_hash", "channel_noise"}
+    own = {"run", "standstills", "models", "treatment", "tared", "tared_with", "plan_hash", "channel_noise", "physical"}
     kept = {name: getattr(entries, name) for name in entries.model_fields_set - own}
-    return Result(
-        first.case, type(entries)(**kept), remarks=tuple(dict.fromkeys(x for r in results for x in r.remarks))
-    )
+    remarks = tuple(dict.fromkeys(x for r in results for x in r.remarks))
+    return Result(first.case, type(entries)(**kept), remarks=remarks).beside_physical()
 
 
 def require_alike(results: Sequence[Result]) -> None:
@@ -149,26 +148,6 @@ def require_alike(results: Sequence[Result]) -> None:
             raise FileProblem(result.source, f"is of {kinds[0]}, {first.source} of {kinds[1]}", "pool runs of one kind")
 
 
-class Estimated(Protocol):
-    """What a mean needs of a run, whether it was identified or is planned."""
-
-    @property
-    def values(self) -> Array:
-        """u, shape (u,)."""
-
-    @property
-    def covariance(self) -> Array:
-        """Covariance of u by (28), shape (u, u)."""
-
-    @property
-    def covariance_robust(self) -> Array:
-        """Covariance of u with all that deviations count, shape (u, u)."""
-
-    @property
-    def biases(self) -> Mapping[str, Array]:
-        """Part of that by what all runs have in common, as of a result."""
-
-
 class Mean(NamedTuple):
     """A generalised mean of u."""
 
@@ -212,15 +191,9 @@ class _Runs:
     biases: tuple[Mapping[str, Array], ...]  # shapes (x, k)
 
     @classmethod
-    def of(cls, results: Sequence[Estimated]) -> "_Runs":
+    def of(cls, results: Sequence[Result]) -> "_Runs":
         first = results[0].values
-        total = sum(result.covariance for result in results)
-        scale = np.sqrt(np.diag(total))
-        free = scale > 0.0
-        scale = np.where(free, scale, 1.0)
-        values, vectors = np.linalg.eigh(total / np.outer(scale, scale))
-        kept = vectors[:, values > FIXED * values.max()]
-        lift, down = scale[:, None] * kept, kept.T / scale
+        lift, down = Free.of(sum((result.covariance for result in results), np.zeros((len(first),) * 2)))
         own, white, biases = [], [], []
         for result in results:
             common = sum((b @ b.T for b in result.biases.values()), np.zeros_like(result.covariance))
@@ -268,20 +241,6 @@ class _Runs:
         """How far the others scatter, of each run."""
         every = range(len(self.values))
         return tuple(self.agreement([k for k in every if k != left]) for left in every)
-
-
-def larger_of(least: Array, other: Array) -> Array:
-    """The smallest covariance that is nowhere below one that is positive definite, nor below another, shape (x, x)."""
-    root = np.linalg.cholesky(least)
-    back = np.linalg.inv(root)
-    values, vectors = np.linalg.eigh(back @ (0.5 * (other + other.T)) @ back.T)
-    turned = root @ vectors
-    return np.asarray((turned * np.maximum(values, 1.0)) @ turned.T)
-
-
-def mean_of(runs: Sequence[Estimated]) -> Mean:
-    """The generalised mean of runs of the same machine with the same load, of which some may be planned."""
-    return _Runs.of(runs).mean()
 
 
 def _scatter_by_parameter(model: Model, u: Array, runs: _Runs) -> dict[str, dict[str, float]]:

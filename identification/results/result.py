@@ -16,9 +16,11 @@ from cases.base.units import Array, as_html
 from cases.basis import CONTENT, case_of, content_of, require_unchanged, result_basis
 from cases.schema import Case
 from identification.estimation.fit import Value
-from identification.finding import Finding, sentences
+from identification.estimation.nearest_body import NearestBody, nearest_body
+from identification.finding import Finding, Kind, note, sentences, warning
 from identification.findings.off_case import edited
 from identification.model.model import Model, identification_model
+from identification.model.parameters import INERTIA_INDEX
 from identification.results.estimate import SCHEMA_VERSION, Estimate, ResultEntries, of_version_0_2, physical_values
 from identification.signals import Residuals
 from identification.texts import (
@@ -158,6 +160,18 @@ class Result:
         """Covariance of u that allows for noise with memory, shape (u, u)."""
         return np.array(self.record.covariance_robust, dtype=float)
 
+    @cached_property
+    def physical(self) -> NearestBody | None:
+        """The nearest body that can exist and keeps `[bounds]` of the case; the estimate itself where it does.
+
+        Bounds are not asked where a payload was mounted. None where the model has no body, or where none keeps what was
+        given.
+        """
+        if self.record.physical is not None:
+            return self.record.physical
+        bounds = None if self.mounted else self.case.bounds
+        return nearest_body(self.model, self.values, self.covariance, self.covariance_robust, bounds)
+
     @property
     def biases(self) -> Mapping[str, Array]:
         """Of u by one standard deviation of each size that a tolerance of the case is one of, shape (u, k), by its key.
@@ -215,6 +229,21 @@ class Result:
         remarks = require_unchanged(file, record.to_json(), result_basis(own), own, stale, AGAIN)
         return cls(own, record, file=file, remarks=remarks)
 
+    def beside_physical(self) -> "Result":
+        """The same with the nearest body that can exist as an entry, and a sentence, where that is not the estimate."""
+        nearest = self.physical
+        if nearest is None:
+            if "m" not in self.record.names:
+                return self
+            remedy = "correct [bounds], or what was fixed or left out"
+            told = warning(Kind.MODEL, f"no body that can exist has what was given and keeps [bounds]; {remedy}")
+            return replace(self, record=self.record.replaced(findings=(*self.findings, told)))
+        if not nearest.moved:
+            return self
+        unlikely = nearest.p_at_most < UNLIKELY and any(name.startswith("bounds.") for name in nearest.broken)
+        told = warning(Kind.CASE, nearest_words(nearest)) if unlikely else note(Kind.MODEL, nearest_words(nearest))
+        return replace(self, record=self.record.replaced(physical=nearest, findings=(*self.findings, told)))
+
     def chosen_among(self, choice: Mapping[str, Any]) -> "Result":
         """The same with all models of its run, entries of `ModelChoice`, which it keeps and its page shows."""
         return replace(self, record=self.record.replaced(models=choice))
@@ -259,6 +288,7 @@ class Result:
             *aligned(*budget_cells({n: p.unit for n, p in self.parameters.items()}, self.budget)),
             *lines,
             *self._pooled(),
+            *aligned(*physical_rows(self)),
             *self._treated(),
             *self._tared(),
             *self.notes,
@@ -289,6 +319,38 @@ class Result:
         return aligned(("offset", "before", "after", "change", "+-", "unit"), *rows)
 
     _repr_html_ = as_html
+
+
+UNLIKELY = 1e-3  # chance of a distance from bounds, below which they or the run are doubted
+
+
+def nearest_words(nearest: NearestBody) -> str:
+    """What an estimate does not keep, and how far the nearest body that can exist is."""
+    what = {"inertia": "no body has the estimated inertia", "mass": "no body has the estimated mass"}
+    broken = " and ".join(what.get(name, f"the estimate does not keep {name}") for name in nearest.broken)
+    return (
+        f"{broken}; the nearest body that can exist is {nearest.distance:.2g} deviations off (p at most "
+        f"{nearest.p_at_most:.2g}): exports of the load take that one"
+    )
+
+
+def physical_rows(result: Result) -> list[tuple[str, ...]]:
+    """Rows of a table, the head first: the nearest body that can exist beside the estimate; none where they are one."""
+    nearest = result.record.physical
+    if nearest is None:
+        return []
+    rows: list[tuple[str, ...]] = [("nearest body that can exist", "estimate", "nearest", "by deviations", "unit")]
+    for name, estimated in result.parameters.items():
+        if name not in _OF_BODY or not estimated.reported > 0.0:
+            continue
+        scale, unit = legible(estimated.unit)
+        value = nearest.parameters[name]
+        texts = (value_text(v * scale, estimated.reported * scale) for v in (estimated.value, value))
+        rows.append((parameter_words(name), *texts, f"{(value - estimated.value) / estimated.reported:+.2g}", unit))
+    return rows
+
+
+_OF_BODY = frozenset(("m", "xC", "yC", "zC", *(f"IC{i + 1}{j + 1}" for i, j in INERTIA_INDEX)))
 
 
 def treatment_rows(treatment: Mapping[str, Any]) -> list[tuple[str, ...]]:

@@ -1,5 +1,6 @@
 """The rigid body that the force sensors carry, in the frame in which a robot or a simulator counts it."""
 
+from collections.abc import Mapping
 from itertools import permutations
 from typing import Literal, NamedTuple
 
@@ -33,26 +34,38 @@ class Load(NamedTuple):
 
 
 def load_of(result: Result, frame_from_sensor: Array) -> Load:
-    """The load in a frame.
+    """The load in a frame: the nearest body that can exist, where the estimate cannot.
 
     Args:
         frame_from_sensor: axes and origin of {P} in it, shape (4, 4) [-, m].
 
     Raises:
-        IdentificationError: no body has that inertia, or sensors in struts at the drive, whose body is the platform
-            with the rods.
+        IdentificationError: no body can be it, or sensors in struts at the drive, whose body is the platform with the
+            rods.
     """
     struts = result.model.struts
     if struts is not None and struts.sensors.at == "drive":
         problem = "its body is the platform with the rods of the struts, no load alone"
         raise IdentificationError(result.source, f"{problem}; export --to c, linuxcnc, st or json")
-    rotation, value = frame_from_sensor[:3, :3], {name: v.value for name, v in result.parameters.items()}
+    rotation, value = frame_from_sensor[:3, :3], possible(result)
     centre = rotation @ [value["xC"], value["yC"], value["zC"]] + frame_from_sensor[:3, 3]
     if not has_inertia(result.model):
         return Load(value["m"], centre, None, frame_from_sensor)
     xx, xy, xz, yy, yz, zz = (value[f"IC{k}"] for k in ("11", "12", "13", "22", "23", "33"))
     inertia = rotation @ [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]] @ rotation.T
     return Load(value["m"], centre, inertia, frame_from_sensor)
+
+
+def possible(result: Result) -> Mapping[str, float]:
+    """Parameters of the nearest body that can exist, by name [SI].
+
+    Raises:
+        IdentificationError: there is none.
+    """
+    if (nearest := result.physical) is None:
+        problem = "no body that can exist has what was given beforehand and keeps [bounds] of the case"
+        raise IdentificationError(result.source, f"{problem}; correct them and identify again")
+    return nearest.parameters
 
 
 def has_inertia(model: Model) -> bool:
@@ -70,25 +83,11 @@ def load_in(result: Result, frame: FrameName) -> Load:
     return load_at_flange(result) if frame == "flange" else load_of(result, np.eye(4))
 
 
-ROUNDING = 1e-9  # share of the largest principal inertia: tolerance of the triangle inequality for rounding
-
-
-def require_body(load: Load, result: Result) -> Load:
-    """The load itself; raises IdentificationError where no rigid body has its inertia."""
-    if load.inertia is not None:
-        moments = smallest, middle, largest = np.linalg.eigvalsh(load.inertia)
-        if smallest <= 0.0 or smallest + middle < largest * (1.0 - ROUNDING):
-            problem = f"no body has the principal inertias {', '.join(f'{v:.4g}' for v in moments)} kg m^2"
-            raise IdentificationError(result.source, f"{problem}; identify from a run that turns the machine more")
-    return load
-
-
 def require_inertia(load: Load, result: Result, receiver: str) -> Array:
-    """The inertia; raises IdentificationError where the model has none, or no body has it."""
+    """The inertia; raises IdentificationError where the model has none."""
     if load.inertia is None:
         problem = f"{receiver} needs an inertia, which models 6 to 10 of a moving run determine"
         raise IdentificationError(result.source, f"{problem}; identify from a moving run")
-    require_body(load, result)
     return load.inertia
 
 
@@ -115,7 +114,11 @@ def principal_axes(inertia: Array) -> tuple[Array, Array]:
 def deviations_words(result: Result) -> str:
     """Reported deviations of mass and centre of gravity, along the sensor's axes."""
     m, *centre = (result.parameters[name].reported for name in ("m", "xC", "yC", "zC"))
-    return f"deviations: mass {m:.2g} kg, centre of gravity {', '.join(f'{v / MM:.2g}' for v in centre)} mm in {{P}}"
+    words = f"deviations: mass {m:.2g} kg, centre of gravity {', '.join(f'{v / MM:.2g}' for v in centre)} mm in {{P}}"
+    nearest = result.physical
+    if nearest is None or not nearest.moved:
+        return words
+    return f"{words}; it is the nearest body that can exist, {nearest.distance:.2g} deviations from the estimate"
 
 
 def place_words(place: Array) -> str:

@@ -19,7 +19,6 @@ from postprocessors.export.load import (
     numbers,
     place_words,
     principal_axes,
-    require_body,
     require_inertia,
 )
 
@@ -71,7 +70,7 @@ def kuka(result: Result, name: str) -> str:
     KRL: mass in kg, centre of gravity in mm from the flange; A, B, C turn the flange's axes about z, y, x in degrees to
     the principal axes of inertia; J are the moments of inertia about these [kg m^2].
     """
-    load = require_body(load_at_flange(result), result)
+    load = load_at_flange(result)
     moments, axes = (np.zeros(3), np.eye(3)) if load.inertia is None else principal_axes(load.inertia)
     x, y, z = (numbers(np.array([v]), 3) for v in load.centre / MM)
     a, b, c = (numbers(np.array([v]), 4) for v in Rotation.from_matrix(axes).as_euler("ZYX", degrees=True))
@@ -91,7 +90,7 @@ def rapid(result: Result, name: str) -> str:
     and ix, iy, iz are the moments about these [kg m^2], 0 for a point mass. The load of a tool counts from the wrist
     coordinate system, whose origin is the centre of the flange.
     """
-    load = require_body(load_at_flange(result), result)
+    load = load_at_flange(result)
     moments, axes = (np.zeros(3), np.eye(3)) if load.inertia is None else principal_axes(load.inertia)
     w, *vector = Rotation.from_matrix(axes).as_quat(canonical=True, scalar_first=True)
     data = (
@@ -135,7 +134,7 @@ def xarm(result: Result, name: str) -> str:
 
 def table(result: Result, name: str) -> str:
     """The load in the units of screens where it is typed in: FANUC's PAYLOAD SET among them."""
-    load = require_body(load_at_flange(result), result)
+    load = load_at_flange(result)
     remarks = "".join(f"{line}\n" for line in _remarks(result, load))
     rows = [("mass [kg]", f"{load.mass:.4f}")]
     for axis, v in zip("XYZ", load.centre, strict=True):

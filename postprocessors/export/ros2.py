@@ -5,7 +5,7 @@ import numpy as np
 from cases.base.errors import CaseError
 from identification.results.result import Result
 from postprocessors.export.calibration import comment_lines
-from postprocessors.export.load import Load, deviations_words, load_in, numbers, require_transducer
+from postprocessors.export.load import Load, deviations_words, load_in, numbers, possible, require_transducer
 
 AXES = ("x", "y", "z")
 BASE, SENSOR = "BASE_FRAME", "SENSOR_FRAME"
@@ -66,7 +66,8 @@ def ft_tools(result: Result, name: str) -> str:
 
 def _offsets(result: Result) -> np.ndarray:
     """What the six channels read without a load, shape (6,) [N, N m]."""
-    return np.array([result[f"f_q0_{k}"].value for k in range(1, 7)])
+    value = possible(result)
+    return np.array([value[f"f_q0_{k}"] for k in range(1, 7)])
 
 
 def _channels(key: str, values: np.ndarray) -> list[str]:

@@ -10,8 +10,8 @@ import pytest
 import hexcite as hx
 from cases.base.errors import FileProblem, HexciteError
 from cases.tolerances import Tolerances
+from identification.estimation.covariances import larger_of
 from identification.estimation.estimators import Method
-from identification.results.pooling import larger_of
 from identification.results.result import Result
 from tests.damaged.runs import SOUND, STATED, Moves, machine, recorded
 from tests.helpers import tells

@@ -40,19 +40,18 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
 def drawn(case: Case | None, problem: str = "") -> dict[str, Any]:
     """The drawings of a case, or why there are none."""
     if case is None:
-        return {"views": None, "why": problem, "converted": ()}
+        return {"views": None, "why": problem}
     try:
-        return {"views": drawing.views(case), "why": "", "converted": ()}
+        return {"views": drawing.views(case), "why": ""}
     except HexciteError as error:
-        return {"views": None, "why": "; ".join(error.lines), "converted": ()}
+        return {"views": None, "why": "; ".join(error.lines)}
 
 
 def preview(context: Context, fields: Fields) -> dict[str, Any]:
     """The drawings of a case with values that are not written yet."""
     content = context.machine.file.read_text(encoding="utf-8")
     try:
-        written = values.edited(content, given_values(fields), context.machine.file)
-        case = values.case_of(written.text, context.machine.file)
+        case = values.case_of(values.edited(content, given_values(fields)), context.machine.file)
     except values.Refused as error:
-        return {"views": None, "why": str(error), "converted": ()}
-    return {**drawn(case), "converted": written.converted}
+        return {"views": None, "why": str(error)}
+    return drawn(case)
