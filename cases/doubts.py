@@ -74,6 +74,18 @@ class Stated(NamedTuple):
         return f"{self.key.rpartition('.')[2]} = {_shown(value)}"
 
 
+class Doubt(str):
+    """A sentence on values that are doubtful, with their keys."""
+
+    keys: tuple[str, ...]
+
+    def __new__(cls, sentence: str, keys: Iterable[str]) -> "Doubt":
+        """Of dotted keys; those of one sum stand in one, with commas."""
+        doubt = super().__new__(cls, sentence)
+        doubt.keys = tuple(keys)
+        return doubt
+
+
 class Relation(NamedTuple):
     """A figure of some values, where machines have it, and what it says."""
 
@@ -120,7 +132,7 @@ class _Hypothesis(NamedTuple):
         return {key: value * self.factors.get(key, 1.0) for key, value in values.items()}
 
 
-def contradictions(stated: Sequence[Stated], relations: Relations) -> Iterator[str]:
+def contradictions(stated: Sequence[Stated], relations: Relations) -> Iterator[Doubt]:
     """Sentences on the values behind figures that no machine has, each with the unit in which it would fit.
 
     A mistaken unit is named where it explains more than it costs to assume one, and more than any other.
@@ -135,14 +147,15 @@ def contradictions(stated: Sequence[Stated], relations: Relations) -> Iterator[s
         if best is None or score >= unusual:
             break
         own = [relation for relation in now if best.concerns(relation)]
-        yield _accusation(best, of_key, max(own, key=lambda relation: relation.distance))
+        words = _accusation(best, of_key, max(own, key=lambda relation: relation.distance))
+        yield Doubt(words, best.factors)
         values = best.applied(values)
         now = list(relations(values))
         tried = [other for other in tried if not set(other.factors) & set(best.factors)]
     for relation in _first_of_each(relation for relation in now if relation.distance > DOUBTFUL):
         others = ", ".join(of_key[key].words for key in relation.keys[1:])
         cure = f"beside {others}: {relation.words}; one of them is wrong" if others else f"{relation.words}; correct it"
-        yield f"{of_key[relation.keys[0]].words}{' ' if others else ': '}{cure}"
+        yield Doubt(f"{of_key[relation.keys[0]].words}{' ' if others else ': '}{cure}", relation.keys)
 
 
 def _left(hypothesis: _Hypothesis, values: Values, relations: Relations) -> float:
@@ -274,7 +287,7 @@ def _alike(values: Values, one: Pair, other: Pair, often: float) -> Relation:
     return Relation((*one, *other), first / second, 1.0, 1.0, often, words)
 
 
-def of_motion(limits: MotionLimits, machine: HexapodMachine | None) -> Iterator[str]:
+def of_motion(limits: MotionLimits, machine: HexapodMachine | None) -> Iterator[Doubt]:
     """Doubts about the box of a hexapod: translations, rotations and struts beside each other."""
 
     def stated(*keys: str) -> Stated:
@@ -331,7 +344,7 @@ def _inverse_jacobian(machine: HexapodMachine) -> Array:
     return np.hstack([along, np.cross(arms, along)])
 
 
-def of_chain(chain: Chain, limits: JointMotionLimits) -> Iterator[str]:
+def of_chain(chain: Chain, limits: JointMotionLimits) -> Iterator[Doubt]:
     """Doubts about a chain: each joint's limits beside each other, and beside those of other joints."""
     stated: dict[str, Stated] = {}
     keys = [[f"limits.motion.joints[{k}].{key}" for key in joint.keys] for k, joint in enumerate(limits.joints, 1)]
@@ -402,7 +415,7 @@ class Carried(NamedTuple):
     turns: Sequence[Array]  # orientations of {P}, each (3, 3), in one of which the sensors bear the weight
 
 
-def of_loads(carried: Carried, sensors: Sensors) -> Iterator[str]:
+def of_loads(carried: Carried, sensors: Sensors) -> Iterator[Doubt]:
     """Doubts about bodies beside the machine's size, and about sensors beside the weight that they carry."""
     stated = [
         Stated(f"{table}.{key}", np.array(getattr(body, key)))
@@ -482,7 +495,7 @@ def _mm(length: float) -> str:
     return f"{length / MM:.4g} mm"
 
 
-def of_geometry(machine: HexapodMachine | None, frame: SensorFrame, workspace: Workspace | None) -> Iterator[str]:
+def of_geometry(machine: HexapodMachine | None, frame: SensorFrame, workspace: Workspace | None) -> Iterator[Doubt]:
     """Doubts about lengths and angles of joints, bars and struts, which look like metres or radians."""
     groups = [] if machine is None else [("machine.base", machine.base), ("machine.platform", machine.platform)]
     if frame.bars is not None:
@@ -524,7 +537,7 @@ def of_geometry(machine: HexapodMachine | None, frame: SensorFrame, workspace: W
     yield from contradictions([*stated, *angles], relations)
 
 
-def of_times(stated: Mapping[str, float | None]) -> Iterator[str]:
+def of_times(stated: Mapping[str, float | None]) -> Iterator[Doubt]:
     """Doubts about rates and times, by the keys of `TIMES`; None where one is not stated."""
     given = [Stated(key, np.array(value)) for key, value in stated.items() if value is not None]
     rate, cutoff = "recording.rate_Hz", "recording.filter_cutoff_Hz"

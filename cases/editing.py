@@ -14,6 +14,8 @@ from cases.base.files import atomic_file, read_whole
 if TYPE_CHECKING:
     from cases.schema import Case
 
+Place = tuple[str | int, ...]
+"""Keys, and numbers in lists, from the top of a file to a value."""
 Change = tuple[str, Any, Any]
 """Dotted key, value before and value after; None: it is not there."""
 
@@ -72,9 +74,7 @@ def write_keys(file: Path, writes: Iterable[Write]) -> Rewritten:
     changes = tuple(_changes("", before, after))
     if not changes:
         return Rewritten((), None)
-    edited = _edited(file, text, {key: value for key, value in after.items() if before.get(key) != value})
-    if _parsed(edited) != after:
-        raise FileProblem(file, "these keys cannot be replaced alone as it is written there", "write them by hand")
+    edited = with_values(file, text, after)
     case_of_text(edited, file)
     earlier = _kept(file)
     _write(file, edited)
@@ -146,6 +146,84 @@ def _write(file: Path, text: str) -> None:
     with atomic_file(file) as part:
         part.write_bytes(text.encode())
     file.chmod(mode)
+
+
+def with_values(file: Path, text: str, wanted: Mapping[str, Any]) -> str:
+    """The text of a TOML file with other values in it; what stays equal keeps its place and its comments.
+
+    A key that stands in the text as a comment is switched on where it stands. Raises FileProblem where the file is
+    written in a way in which only these values cannot be changed.
+    """
+    text = _switched_on(text, wanted)
+    before = _parsed(text) or {}
+    edited = _edited(file, text, {key: value for key, value in wanted.items() if before.get(key) != value})
+    if _parsed(edited) != wanted:
+        raise FileProblem(file, "these keys cannot be replaced alone as it is written there", "write them by hand")
+    return edited
+
+
+_HEADER = re.compile(r"(#[ \t]?)?(\[\[?)[ \t]*([\w.-]+)[ \t]*\]\]?(?=[ \t]*(#|\r?$))")
+_COMMENTED = re.compile(r"#[ \t]?(\w+)[ \t]*=[ \t]*(.*?)(\r?)$")
+_TO_DO = "TO BE FILLED IN"  # what comments say of values that no example has
+
+
+def commented(text: str) -> dict[Place, Any]:
+    """Values of keys that a TOML file has as comments, but for those that are still to be filled in."""
+    found = dict[Place, Any]()
+    lines = text.split("\n")
+    for _, place, value, header, remark in _comments(text):
+        if not remark.startswith(_TO_DO) and _TO_DO not in lines[header]:
+            found[place] = (_parsed(f"value = {value}") or {}).get("value")
+    return {place: value for place, value in found.items() if value is not None}
+
+
+def _comments(text: str) -> Iterator[tuple[int, Place, str, int, str]]:
+    """Keys in comments: line, place, what stands there, line of the header above, and the remark behind it."""
+    counts, table, header, listed, number = dict[str, int](), "", 0, False, 0
+    for k, line in enumerate(text.split("\n")):
+        if found := _HEADER.match(line):
+            header, listed, table = k, found[2] == "[[", found[3]
+            number = counts[table] = counts.get(table, -1) + 1
+        elif table and (commented := _COMMENTED.match(line)):
+            value, _, remark = commented[2].partition(" # ")
+            parents: Place = (*table.split("."), number) if listed else tuple(table.split("."))
+            yield k, (*parents, commented[1]), value, header, remark
+
+
+def _switched_on(text: str, wanted: Mapping[str, Any]) -> str:
+    """The text with those keys that it has as comments, each where it stands, as far as this gives wanted values."""
+    from cases.base.files import toml_value
+
+    before, lines = _parsed(text) or {}, text.split("\n")
+    for k, place, _, header, remark in _comments(text):
+        value = at(wanted, place)
+        if value is None or isinstance(value, Mapping) or at(before, place) is not None:
+            continue
+        lines[header] = re.sub(r"^#[ \t]?", "", lines[header])
+        remark = "" if not remark.strip() or remark.startswith(_TO_DO) else f" # {remark.rstrip()}"
+        lines[k] = f"{place[-1]} = {toml_value(value)}{remark}" + ("\r" if lines[k].endswith("\r") else "")
+    after = "\n".join(lines)
+    parsed = _parsed(after)
+    return after if parsed is not None and _within(parsed, {**wanted}) else text
+
+
+def at(values: Any, place: Place) -> Any:
+    """The value at a place; None where there is none."""
+    for key in place:
+        if isinstance(key, int):
+            values = values[key] if isinstance(values, list) and key < len(values) else None
+        else:
+            values = values.get(key) if isinstance(values, Mapping) else None
+    return values
+
+
+def _within(part: Any, whole: Any) -> bool:
+    """Whether tables have no keys, and lists of tables no entries, that others do not have; values may differ."""
+    if isinstance(part, Mapping) and isinstance(whole, Mapping):
+        return all(key in whole and _within(part[key], whole[key]) for key in part)
+    if isinstance(part, list) and isinstance(whole, list) and any(isinstance(each, Mapping) for each in part):
+        return len(part) == len(whole) and all(map(_within, part, whole))
+    return isinstance(part, Mapping) == isinstance(whole, Mapping)
 
 
 def _parsed(text: str) -> dict[str, Any] | None:

@@ -250,7 +250,7 @@ class Case(Heading):
                 yield f"tolerances.{key} is of something that this machine does not have; it has {own}"
 
     @cached_property
-    def doubts(self) -> tuple[str, ...]:
+    def doubts(self) -> tuple[doubts.Doubt, ...]:
         """Sentences on values that contradict others of the case, or that no machine has; see `cases.doubts`."""
         motion, chain, frame = None if self.limits is None else self.limits.motion, self.chain, self.sensor_frame
         found = list(doubts.of_geometry(self.hexapod, frame, self.workspace))

@@ -31,12 +31,16 @@ TYPICAL = {
     "sensor_mm": 0.1,
     "sensor_deg": 0.1,
     "joint_zeros_deg": 0.02,
+    "joint_zeros_mm": 0.02,
     "encoder_scale_ppm": 20.0,
     "gain_percent": 0.2,
+    "common_gain_percent": 0.05,
     "gravity_deg": 0.05,
+    "gravity_percent": 0.01,
     "clock_ppm": 50.0,
 }
-"""Values to begin from: parts ground to a few hundredths, a load cell's class, a spirit level, a quartz."""
+"""Values to begin from: parts ground to a few hundredths, a load cell's class and its reference, a spirit level, g by
+latitude and height, a quartz."""
 
 
 class Spread(Part):

@@ -1,8 +1,8 @@
 """Plans from Python: what notebooks and the command line call."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TypedDict, Unpack
+from typing import Any, TypedDict, Unpack
 
 from threadpoolctl import threadpool_limits
 
@@ -11,12 +11,13 @@ from cases.schema import Case
 from identification.model.model import full_model, static_model
 from planner.families.manual import load_poses
 from planner.families.settings import Best, FamilySettings
+from planner.known import Known
 from planner.plans.making import make_until_ctrl_c, require_plannable
 from planner.plans.plan import Plan
 from planner.plans.progress import Follower, Standing
 from planner.request import DURATION, LONGEST_WANTED, PoseRequest, Request
 from planner.search.parallel import silent
-from planner.shortest import shortest
+from planner.shortest import require_more, shortest
 
 
 class Settings(TypedDict, total=False):
@@ -32,6 +33,7 @@ class Settings(TypedDict, total=False):
     workers: int | None
     seconds: float | None
     target: Mapping[str, float]  # [SI]
+    known: Sequence[object]  # earlier values of `Result` of the machine with the same load
 
 
 class PoseSettings(TypedDict, total=False):
@@ -44,6 +46,7 @@ class PoseSettings(TypedDict, total=False):
     candidates: int | None
     seed: int
     without: str | None
+    known: Sequence[object]  # earlier values of `Result` of the machine, of standstills
 
 
 def plan(
@@ -66,16 +69,21 @@ def plan(
         duration: duration of the excitation [s], 12 s by default; with a target the longest that is tried, by default
             60 s.
         progress: shows a line now and then.
-        **settings: criterion, model, payload, payload_from, starts, seed, solver, workers, seconds, target; see
-            `Settings`. With a target, predicted deviations by parameter [SI], the shortest motion that reaches them.
+        **settings: criterion, model, payload, payload_from, starts, seed, solver, workers, seconds, target, known; see
+            `Settings`. With a target, predicted deviations by parameter [SI], the shortest motion that reaches them;
+            with results that are known, the shortest with which they reach them together.
 
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.
     """
-    settings.setdefault("model", full_model(case))
+    own: dict[str, Any] = dict(settings)
+    results = settings.get("known")
+    known = Known.of(results, case, settings.get("payload", 0), standing=False) if results else None
+    own["known"] = known
+    own.setdefault("model", full_model(case) if known is None else known.model)
     if duration is None:
         duration = LONGEST_WANTED if settings.get("target") else DURATION
-    request = Request(family or Best(), duration, **settings)  # type: ignore[arg-type]  # a letter will do
+    request = Request(family or Best(), duration, **own)
     return planned(request, case, None if progress is None else lambda standing: progress(standing.line))
 
 
@@ -85,6 +93,7 @@ def planned(request: Request, case: Case, progress: Callable[[Standing], None] |
     follower = silent if progress is None else Follower(case, progress)
     with threadpool_limits(limits=1, user_api="blas"):  # matrices are small: threads of BLAS would wait for each other
         if request.target:
+            require_more(request, case)
             return shortest(request, case, lambda own: make_until_ctrl_c(own, case, follower))
         return make_until_ctrl_c(request, case, follower)
 
@@ -103,17 +112,21 @@ def plan_poses(
             machine, shape (n, k) [m or rad].
         case: machine, limits and poses.
         progress: called with the number of poses after each step of the choice.
-        **settings: criterion, count, method, model, candidates, seed; see `PoseSettings`.
+        **settings: criterion, count, method, model, candidates, seed, known; see `PoseSettings`.
 
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.
     """
     from planner.poses.planned_poses import poses_planned  # SciPy, which motions do without
 
-    settings.setdefault("model", static_model(case))
+    wanted: dict[str, Any] = dict(settings)
+    results = settings.get("known")
+    known = Known.of(results, case, 0, standing=True) if results else None
+    wanted["known"] = known
+    wanted.setdefault("model", static_model(case) if known is None else known.model)
     if at is not None:
-        settings["method"] = "given"
-    request = PoseRequest(**settings)  # type: ignore[arg-type]  # a letter will do
+        wanted["method"] = "given"
+    request = PoseRequest(**wanted)
     own = load_poses(Path(at), case.need_motion("a plan of poses")[1].columns) if isinstance(at, Path | str) else at
     with threadpool_limits(limits=1, user_api="blas"):
         return poses_planned(request, case, progress or (lambda _: None), own)

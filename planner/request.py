@@ -18,6 +18,7 @@ from planner.families.settings import (
     family_class,
     require_plannable_without,
 )
+from planner.known import Known
 
 OWNERS = {setting.name: name for name, kind in FAMILIES.items() for setting in fields(kind)}
 """Settings of one family alone, and its name."""
@@ -78,6 +79,7 @@ class Request:
     # predicted standard deviations to reach, by physical parameter [SI]: where there are any, the shortest motion that
     # reaches them is planned, and `duration` is the longest that it may have until it is
     target: Mapping[str, float] = field(default_factory=dict, hash=False)
+    known: Known | None = field(default=None, compare=False)  # what earlier results say
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "criterion", Criterion(self.criterion))
@@ -99,6 +101,10 @@ class Request:
                 f"payloads {self.payload_from}-{self.payload} are not a range; give the fewest first, as "
                 f"0-{self.payload}"
             )
+        if self.known is not None:
+            self.known.require_model(self.model)
+            if len(self.payloads) > 1:
+                raise HexciteError(f"what is known is of one load, {self.mounted} are planned for; give one --payload")
 
     @property
     def payloads(self) -> range:
@@ -214,6 +220,7 @@ class PoseRequest:
     candidates: int | None = None  # quasi-random candidates; None: the grid of the case
     seed: int = 0  # seed of these candidates
     without: str | None = None  # jerk, where the controller of the moves between poses does not limit it; None for none
+    known: Known | None = field(default=None, compare=False)  # what earlier results say
     name: ClassVar[str] = "poses"  # in place of that of a family
 
     def to_json(self) -> dict[str, Any]:
@@ -237,6 +244,8 @@ class PoseRequest:
             raise HexciteError(f"method {self.method} measures every pose; leave --count out, or choose another method")
         require_plannable_without(self.without)
         require_seed(self.seed)
+        if self.known is not None:
+            self.known.require_model(self.model)
 
     def wanted(self, available: int, parameters: int) -> int:
         """Number of poses to choose from `available` ones for a model with `parameters`.

@@ -15,6 +15,7 @@ from identification.model.model import identification_model
 from identification.model.parameters import physical_form
 from identification.texts import legible, std_text
 from planner.plans.plan import Plan
+from planner.plans.prediction import Prediction
 from planner.request import DURATION, Request
 
 CLOSE = 1.04  # ratio of the shortest duration that reaches the targets to the longest below it that does not
@@ -70,12 +71,28 @@ def shortest(request: Request, case: Case, plan_of: Callable[[Request], Plan]) -
     return replace(best.plan, request=replace(own, target=targets), worth=worth, interrupted=interrupted)
 
 
+def require_more(request: Request, case: Case) -> None:
+    """Raises HexciteError where what is known reaches the targets of a request already: no motion is needed."""
+    if request.known is None:
+        return
+    from identification.results.pooling import mean_of
+
+    known = mean_of([request.known])
+    std = Prediction(identification_model(case, request.model), request.known.values, known.random, known.biases).std
+    if all(std[name] <= at for name, at in request.target.items()):
+        raise HexciteError(
+            f"target {deviations_in_words(request.target, request.target, case, request.model)}",
+            f"is reached by {', '.join(request.known.results)}: "
+            f"{deviations_in_words(request.target, std, case, request.model)}; no motion is needed",
+        )
+
+
 def _trial(request: Request, targets: Mapping[str, float], plan_of: Callable[[Request], Plan]) -> Trial:
     try:
         plan = plan_of(request)
     except HexciteError as error:  # too short for its family, or for what the model has to determine
         return Trial(request.duration, None, math.inf, error)
-    return Trial(request.duration, plan, max(plan.predicted_std[name] / at for name, at in targets.items()))
+    return Trial(request.duration, plan, max(plan.std_after[name] / at for name, at in targets.items()))
 
 
 def following(trials: list[Trial], longest: float, step: float) -> float | None:
@@ -135,7 +152,7 @@ def deviations_in_words(names: Iterable[str], values: Mapping[str, float], case:
 
 def _predicted(trial: Trial, targets: Mapping[str, float], case: Case, model: int) -> str:
     assert trial.plan is not None
-    return deviations_in_words(targets, trial.plan.predicted_std, case, model)
+    return deviations_in_words(targets, trial.plan.std_after, case, model)
 
 
 def _note(best: Trial, trials: list[Trial], targets: Mapping[str, float], case: Case, model: int) -> str:
@@ -173,9 +190,10 @@ def _missed(trials: list[Trial], request: Request, case: Case) -> HexciteError |
 
 def _remedy(planned: list[Trial], longest: float, request: Request, best: Plan | None) -> str:
     """What to do: allow more time where that would help, else ask for less, or know the machine better."""
-    if best is not None and any(best.promise.least.get(name, 0.0) > at for name, at in request.target.items()):
+    promise = None if best is None else best.promise if best.gain is None else best.gain.after
+    if best and promise and any(promise.least.get(name, 0.0) > at for name, at in request.target.items()):
         parameters = physical_form(identification_model(best.case, best.model)).parameters
-        words = best.promise.lasting_words(parameters, request.target, "more seconds lower")
+        words = promise.lasting_words(parameters, request.target, "more seconds lower")
         return f"; {words}: ask for larger deviations, or lower these tolerances, as by a known weight"
     last = sorted(planned, key=lambda trial: trial.duration)[-2:]
     if len(last) == 2 and _power(*last) > -0.25:

@@ -46,6 +46,13 @@ def plan(
             "deviations reach all."
         ),
     ] = None,
+    known: Annotated[
+        list[Path] | None,
+        option(
+            "Result folder of an earlier run of the machine with the same load. Repeatable. Deviations and --target "
+            "then hold for these results and the run together."
+        ),
+    ] = None,
     order: Annotated[int, option("fourier: harmonics, 1 to 7; 1 is ellipses, with ways in and out.")] = 5,
     period: Annotated[float | None, option("fourier: period in s; by default about 2, to fit --duration.")] = None,
     free_order: Annotated[bool, option("fourier: search the best order, 2 to 7.", "--free-order")] = False,
@@ -114,6 +121,7 @@ def plan(
     from identification.model.model import full_model
     from planner._plan import planned
     from planner.families.settings import Best, family_class
+    from planner.known import Known, load_known
     from planner.plans.making import require_plannable
     from planner.request import DURATION, LONGEST_WANTED, OWNERS, Request, Solver
     from planner.search.parallel import first_ctrl_c
@@ -128,7 +136,9 @@ def plan(
         refuse_foreign(given, family)
     most, fewest = read_payloads(payload)
     loaded = hx.load_case(case)
-    number = full_model(loaded) if model is None else model
+    earlier = Known.of(load_known(known, loaded), loaded, most, standing=False) if known else None
+    usual = full_model(loaded) if earlier is None else earlier.model
+    number = usual if model is None else model
     targets = targets_of(target or (), loaded, number)
     if duration is None:
         duration = LONGEST_WANTED if targets else DURATION
@@ -145,6 +155,7 @@ def plan(
         workers=workers,
         seconds=seconds,
         target=targets,
+        known=earlier,
     )
     optimised = request.family.optimised
     folder = output_place(output, Path(f"{loaded.name}-{family or 'plan'}"), overwrite)

@@ -21,6 +21,12 @@ def poses(
         int | None, option("Quasi-random candidates; by default the grid of the case, of a chain 2048.")
     ] = None,
     seed: Annotated[int, option("Seed of the sample.")] = 0,
+    known: Annotated[
+        list[Path] | None,
+        option(
+            "Result folder of earlier standstills of the machine. Repeatable. Deviations then hold for all of them."
+        ),
+    ] = None,
     without: Annotated[
         str | None,
         option(
@@ -42,6 +48,7 @@ def poses(
     """
     from cases.tables import find_case
     from identification.model.model import static_model
+    from planner.known import load_known
 
     loaded = hx.load_case(case)
     if least:
@@ -49,6 +56,8 @@ def poses(
         return
     folder = output_place(output, Path(f"{loaded.name}-poses"), overwrite)
     check_folder(folder, PLAN, [find_case(case)], overwrite)
+    earlier = load_known(known or (), loaded)
+    number = static_model(loaded) if not earlier else earlier[0].record.model
     with console.status("choosing poses", json) as remark:
         plan = hx.plan_poses(
             loaded,
@@ -57,10 +66,11 @@ def poses(
             criterion=criterion,
             count=count,
             method=method,
-            model=static_model(loaded) if model is None else model,
+            model=number if model is None else model,
             candidates=candidates,
             seed=seed,
             without=without,
+            known=earlier,
         )
     with console.status("writing", json):
         console.save_with_page(plan, PLAN, folder, overwrite)

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from urllib.parse import quote
 
 from cases.base.errors import HexciteError, Remedy, Write
@@ -57,6 +57,16 @@ def _job(context: Context, stage: str, command: list[str], **more: Any) -> Job:
 def _check(context: Context, there: Workspace, fields: Fields) -> Job:
     propose = ["--propose"] if field(fields, "propose") else []
     return _job(context, "machine", ["case", "check", context.machine.argument, *propose], about="check")
+
+
+def _box(context: Context, there: Workspace, fields: Fields) -> Job:
+    """The box that the last check proposed becomes that of `[limits.motion]`, and is checked."""
+    checked = context.jobs.latest(context.machine.key, "case", "check")
+    proposal = ((checked.answer if checked is not None else None) or {}).get("proposal")
+    if not context.machine.own or not proposal:
+        raise Unfit("there is no proposal for this machine; look for the largest reachable box first")
+    values.write_motion_box(context.machine.file, proposal["limits_motion"])
+    return _check(context, there, {})
 
 
 def _plan(context: Context, there: Workspace, fields: Fields) -> Job:
@@ -281,8 +291,9 @@ def _pool(context: Context, there: Workspace, fields: Fields) -> Job:
 
 
 ACTIONS: Mapping[str, Action] = {
-    "check": _check, "plan": _plan, "program": _program, "rehearse": _rehearse, "look": _look, "take": _take,
-    "menus": _menus, "identify": _identify, "apply": _apply, "export": _export, "force": _force, "tare": _tare,
+    "check": _check, "box": _box, "plan": _plan, "program": _program, "rehearse": _rehearse, "look": _look,
+    "take": _take, "menus": _menus, "identify": _identify, "apply": _apply, "export": _export, "force": _force,
+    "tare": _tare,
     "payload": _payload, "pool": _pool,
 }  # fmt: skip
 """Name in an address -> what it starts."""
@@ -304,22 +315,33 @@ def new(root: Path, fields: Fields) -> Job:
     return Job("", "machine", tuple(command), output=name, goto=f"/m/+{quote(name)}/machine")
 
 
-def save(context: Context, fields: Fields) -> str | None:
-    """Writes changed values into a case of one's own; returns why not, a sentence or the key of a text, or None."""
+class Saved(NamedTuple):
+    """What became of a form of values: why it was not written, a sentence or the key of a text; what was converted."""
+
+    refused: str
+    converted: tuple[str, ...] = ()
+
+
+def save(context: Context, fields: Fields) -> Saved:
+    """Writes changed values into a case of one's own."""
     if not context.machine.own:
         raise Unfit("a built-in case is not changed")
     content = context.machine.file.read_text(encoding="utf-8")
     if values.digest(content) != field(fields, "digest"):
-        return "changed_elsewhere"
+        return Saved("changed_elsewhere")
     try:
-        text = values.edited(content, given_values(fields))
-        values.case_of(text, context.machine.file)
+        written = values.edited(content, given_values(fields), context.machine.file)
     except values.Refused as error:
-        return str(error)
-    values.save(context.machine.file, text)
-    return None
+        return Saved(str(error))
+    if context.machine.case is not None:  # one that cannot be read yet is filled in step by step
+        try:
+            values.case_of(written.text, context.machine.file)
+        except values.Refused as error:
+            return Saved(str(error))
+    values.save(context.machine.file, written.text)
+    return Saved("", written.converted)
 
 
 def given_values(fields: Fields) -> dict[str, str]:
-    """Values of a form by their name."""
-    return {name[2:]: field(fields, name) for name in fields if name.startswith("v.")}
+    """What a form says of values, by the names of its fields."""
+    return {name: field(fields, name) for name in fields if name.partition(".")[0] in ("v", "u", "w", "on")}

@@ -132,7 +132,8 @@ class _Page:
         query = dict(request.query_params)
         language = self._language(request)
         values = await run_in_threadpool(views.stage, context, stage, query, language)
-        whole = {"jobs": jobs, "error": "", "saved": False, **values, **more}
+        said = request.query_params.getlist("said")
+        whole = {"jobs": jobs, "error": "", "saved": False, "said": said, **values, **more}
         return HTMLResponse(self._rendered(request, f"{stage}.html.jinja", stage=stage, **whole), status)
 
     async def act(self, request: Request) -> Response:
@@ -155,11 +156,12 @@ class _Page:
         return HTMLResponse(self._rendered(request, "drawing.html.jinja", **values))
 
     async def _save(self, request: Request, context: Context, fields: Any) -> Response:
-        refused = await run_in_threadpool(actions.save, context, fields)
-        if refused is None:
-            return RedirectResponse(f"/m/{quote(context.machine.key, safe='+')}/machine?saved=1", 303)
-        given = {name[2:]: field(fields, name) for name in fields if name.startswith("v.")}
-        error = text(refused, self._language(request)) if refused == "changed_elsewhere" else refused
+        saved = await run_in_threadpool(actions.save, context, fields)
+        if not saved.refused:
+            said = "".join(f"&said={quote(sentence, safe='')}" for sentence in saved.converted[:20])
+            return RedirectResponse(f"/m/{quote(context.machine.key, safe='+')}/machine?saved=1{said}", 303)
+        error = text(saved.refused, self._language(request)) if saved.refused == "changed_elsewhere" else saved.refused
+        given = actions.given_values(fields)
         return await self._stage(request, context, "machine", 409, error=error, given=given)
 
     async def new(self, request: Request) -> Response:

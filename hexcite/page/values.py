@@ -1,25 +1,25 @@
 """The values of a case file as fields: shown with what they mean, written back and nothing else."""
 
+import copy
 import hashlib
 import re
 import tempfile
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from operator import attrgetter
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-import tomlkit
-
-from cases.base.errors import HexciteError
+from cases.base.errors import HexciteError, Write
 from cases.base.files import atomic_file, toml_value
-from cases.scaffold import explanations
+from cases.doubts import Doubt
+from cases.editing import Place, at, with_values, write_keys
 from cases.schema import Case, load_case
-from cases.tables import CASE_FILE, Part, built_in_cases
+from cases.tables import CASE_FILE, Part
+from hexcite.page.keys import choices_of, example_of, is_text, leaves, missing, part_of, typical, words_of
+from hexcite.page.units import Spelling, noun, spellings
 
-Place = tuple[str | int, ...]
-"""Keys, and numbers in lists of tables, from the top of a file to a value."""
 FIXED = frozenset({"schema_version", "name", "template"})  # what a form does not change
 _COMMA = re.compile(r"[+-]?\d+,\d+")  # a decimal sign
 
@@ -30,23 +30,49 @@ class Refused(ValueError):
 
 @dataclass(frozen=True)
 class Entry:
-    """One value: its name in forms, its text, what it means, and whether it is still that of the example."""
+    """One value, or one that may be added.
+
+    Args:
+        name: in forms.
+        noun: its key without the unit, in words.
+        mark: whose it is: "mine", "example" (that of the case that this one was begun from), "typical", or "missing".
+        needed: whether its table cannot do without it.
+        doubts: sentences of the case's check about it.
+    """
 
     name: str
     key: str
+    noun: str
     text: str
     words: str
-    example: bool
-    flag: bool  # whether it is true or false
+    mark: str
+    choices: tuple[str, ...]
+    spellings: tuple[Spelling, ...]
+    needed: bool = False
+    doubts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class Section:
-    """The values of one table."""
+    """The values of one table, and keys that it may have as well."""
 
     name: str
     words: str
     entries: tuple[Entry, ...]
+    more: tuple[Entry, ...] = ()
+
+    @property
+    def calls(self) -> bool:
+        """Whether something in it is needed or doubtful."""
+        return any(entry.needed or entry.doubts for entry in (*self.entries, *self.more))
+
+
+@dataclass(frozen=True)
+class Written:
+    """The text of a case file with other values, and those that stand there otherwise than they were typed."""
+
+    text: str
+    converted: tuple[str, ...]
 
 
 def digest(content: str) -> str:
@@ -55,39 +81,66 @@ def digest(content: str) -> str:
 
 
 def sections(content: str, case: Case | None) -> tuple[Section, ...]:
-    """The values of a case file by table, in their order; empty where it is not TOML."""
+    """The values of a case file by table, in their order, then tables that it may have; empty where it is not TOML."""
     try:
         data = tomllib.loads(content)
     except tomllib.TOMLDecodeError:
         return ()
-    example = dict(_leaves((), _template(data.get("template"))))
-    tables: dict[str, list[Entry]] = {}
-    for place, value in _leaves((), data):
-        if place[0] in FIXED:
-            continue
-        table, key = _table_of(place)
-        words = _words(case, table).get(key.split(".")[0], "")
-        same = place in example and example[place] == value
-        shown = value if isinstance(value, str) else toml_value(value)
-        tables.setdefault(table, []).append(Entry(named(place), key, str(shown), words, same, isinstance(value, bool)))
-    return tuple(Section(name, _about(case, name), tuple(entries)) for name, entries in tables.items())
+    example = example_of(data)
+    begun = dict(leaves((), example)) if data.get("template") else {}
+    doubts = () if case is None else case.doubts
+    there: dict[str, list[Entry]] = {}
+    more: dict[str, list[Entry]] = {}
+    for place, value in leaves((), data):
+        if place[0] not in FIXED:
+            part = part_of(place[:-1], data)
+            mark = "mine"
+            if place in begun and begun[place] == value:
+                mark = "example"
+            elif part is not None and place[-1] in part.model_fields and not data.get("template"):
+                mark = "typical" if _usual(data, example, place, part) == value else "mine"
+            there.setdefault(_table_of(place)[0], []).append(_entry(place, value, part, mark, doubts))
+    for place, value in missing(data, case, content).items():
+        more.setdefault(_table_of(place)[0], []).append(_entry(place, value, part_of(place[:-1], data), "missing"))
+    tables = dict.fromkeys([*there, *more])
+    return tuple(
+        Section(name, _about(name, data), tuple(there.get(name, ())), tuple(more.get(name, ()))) for name in tables
+    )
 
 
-def _template(name: Any) -> Mapping[str, Any]:
-    file = built_in_cases().get(name) if isinstance(name, str) else None
-    return {} if file is None else tomllib.loads(file.read_text(encoding="utf-8"))
+def _usual(data: Mapping[str, Any], example: Mapping[str, Any], place: Place, part: type[Part]) -> Any:
+    """The value that would be proposed if there were none; None of texts and zeros, which many machines have."""
+    value = typical(data, example, place, part)
+    plain = isinstance(value, str | bool) or value in (None, 0.0) or (isinstance(value, list) and not any(value))
+    return None if plain else value
 
 
-def _leaves(place: Place, value: Any) -> Iterator[tuple[Place, Any]]:
-    """Values that are no tables, each with its place."""
-    if isinstance(value, Mapping):
-        for key, inner in value.items():
-            yield from _leaves((*place, key), inner)
-    elif isinstance(value, list) and value and all(isinstance(each, Mapping) for each in value):
-        for k, inner in enumerate(value):
-            yield from _leaves((*place, k), inner)
-    elif isinstance(value, bool | int | float | str | list):
-        yield place, value
+def _entry(place: Place, value: Any, part: type[Part] | None, mark: str, doubts: Iterable[Doubt] = ()) -> Entry:
+    key = str(place[-1])
+    shown = "" if value is None else value if isinstance(value, str) else toml_value(value)
+    dotted = re.sub(r"\[\d+\]", "", named(place))
+    own = tuple(
+        doubt
+        for doubt in doubts
+        if any(named(place) == of or dotted == re.sub(r"\[\d+\]", "", of) for of in _keys(doubt))
+    )
+    listed = isinstance(value, list) and all(isinstance(each, str) for each in value)
+    choices = ("true", "false") if isinstance(value, bool) else () if listed else choices_of(part, key)
+    ways = () if isinstance(value, str) else spellings(key, () if part is None else part.model_fields.keys())
+    field = None if part is None else part.model_fields.get(key)
+    needed = mark == "missing" and field is not None and field.is_required()
+    words = words_of(part).get(key, "")
+    return Entry(named(place), key, noun(key), str(shown), words, mark, choices, ways, needed, own)
+
+
+def _keys(doubt: Doubt) -> list[str]:
+    """Keys of a doubt one by one: of those that it is about together, each with the table that they share."""
+    found = list[str]()
+    for key in doubt.keys:
+        table, _, _ = key.partition(",")[0].rpartition(".")
+        first, *others = key.split(", ")
+        found += [first, *(f"{table}.{other}" for other in others)]
+    return found
 
 
 def named(place: Place) -> str:
@@ -101,53 +154,108 @@ def named(place: Place) -> str:
 def _table_of(place: Place) -> tuple[str, str]:
     """The table that a value is shown in, of two keys at most or an entry of a list, and its key there."""
     numbers = [k for k, key in enumerate(place[:-1]) if isinstance(key, int)]
-    cut = numbers[0] + 1 if numbers else min(2 if len(place) > 3 or place[0] == "controller" else 1, len(place) - 1)
+    two = len(place) > 3 or place[0] in ("controller", "limits")
+    cut = numbers[0] + 1 if numbers else min(2 if two else 1, len(place) - 1)
     return named(place[:cut]), named(place[cut:])
 
 
-def _part(case: Case | None, table: str) -> Part | None:
-    try:
-        part = attrgetter(re.sub(r"\[\d+\]", "", table))(case) if table else case
-    except AttributeError:
-        return None
-    if isinstance(part, tuple) and part:
-        part = part[0]
-    return part if isinstance(part, Part) else None
+def _place(table: str) -> Place:
+    return tuple(int(key) if key.isdigit() else key for key in re.findall(r"\w+", table))
 
 
-def _words(case: Case | None, table: str) -> Mapping[str, str]:
-    if not table:
-        return explanations(Case)
-    part = _part(case, table)
-    return {} if part is None else explanations(type(part))
+def _about(table: str, data: Mapping[str, Any]) -> str:
+    part = part_of(_place(table), data) if table else None
+    return "" if part is None else " ".join((part.__doc__ or "").split())
 
 
-def _about(case: Case | None, table: str) -> str:
-    part = _part(case, table) if table else None
-    return "" if part is None else " ".join((type(part).__doc__ or "").split())
+def edited(content: str, fields: Mapping[str, str], file: Path = Path(CASE_FILE)) -> Written:
+    """The text of a case file with other values, comments and order as they are; raises Refused.
 
-
-def edited(content: str, given: Mapping[str, str]) -> str:
-    """The text of a case file with other values, comments and order as they are; raises Refused."""
-    document = tomlkit.parse(content)
-    places = {named(place): (place, value) for place, value in _leaves((), tomllib.loads(content))}
-    wanted = dict[Place, Any]()
-    for name, text in given.items():
-        if name not in places or places[name][0][0] in FIXED:
-            raise Refused(f"{name}: there is no such value")
-        place, before = places[name]
-        after = _value(name, text, before)
-        if after == before:
+    Args:
+        fields: `v.NAME` the text of a value, `u.NAME` the name of the spelling that it is in, `on.NAME` any text where
+            a key, or all of a table, is to be added with the text `w.NAME`.
+    """
+    data = tomllib.loads(content)
+    wanted, converted = copy.deepcopy(data), list[str]()
+    there = {named(place): (place, value) for place, value in leaves((), data)}
+    offered = {named(place): (place, value) for place, value in missing(data, None, content).items()}
+    on = [name[3:] for name in fields if name.startswith("on.")]
+    for field, text in fields.items():
+        kind, _, name = field.partition(".")
+        if kind not in ("v", "w"):
             continue
-        wanted[place] = after
-        holder: Any = document
-        for key in place[:-1]:
-            holder = holder[key]
-        holder[place[-1]] = after
-    text = tomlkit.dumps(document)
-    if dict(_leaves((), tomllib.loads(text))) != dict(places.values()) | wanted:
-        raise Refused("these values cannot be replaced alone as the file is written; edit it by hand")
-    return text
+        own = there if kind == "v" else offered
+        if name not in own or own[name][0][0] in FIXED:
+            raise Refused(f"{name}: there is no such value")
+        place, before = own[name]
+        part = part_of(place[:-1], data)
+        if kind == "w" and not any(name == each or (name.startswith(f"{each}.") and text.strip()) for each in on):
+            continue
+        if before is None:
+            before = "" if is_text(part, str(place[-1])) else _ANY
+        ways = {way.name: way for way in spellings(str(place[-1]), () if part is None else part.model_fields.keys())}
+        way = ways.get(fields.get(f"u.{name}", ""), next(iter(ways.values()), None))
+        after = _value(name, text, before)
+        if way is not None and (way.factor != 1.0 or way.key != place[-1]):
+            after = _scaled(after, way.factor)
+            converted.append(f"{named((*place[:-1], way.key))} = {toml_value(after)} ({text.strip()} {way.unit})")
+            _drop(wanted, place)
+            place = (*place[:-1], way.key)
+        elif kind == "v" and after == before:
+            continue
+        _put(wanted, place, after)
+    try:
+        return Written(with_values(file, content, wanted), tuple(converted))
+    except HexciteError as error:
+        raise Refused("; ".join(error.lines)) from error
+
+
+def write_motion_box(file: Path, box: Mapping[str, Any]) -> None:
+    """Writes ends of `[limits.motion]`, by key or by name of a joint; raises Refused where they do not fit the case."""
+    motion = at(tomllib.loads(file.read_text(encoding="utf-8")), ("limits", "motion")) or {}
+    joints = {joint.get("name"): (k, joint) for k, joint in enumerate(motion.get("joints", ()))}
+    writes = []
+    for key, ends in box.items():
+        place: Place = ("limits", "motion", key)
+        if key in joints:
+            k, joint = joints[key]
+            place = ("limits", "motion", "joints", k, next(name for name in joint if name.startswith("position_")))
+        elif key not in motion:
+            raise Refused(f"limits.motion.{key}: there is no such value")
+        writes.append(Write(place, [float(end) for end in ends]))
+    try:
+        write_keys(file, writes)
+    except HexciteError as error:
+        raise Refused("; ".join(error.lines)) from error
+
+
+_ANY = object()  # a number or a list, where nothing stood before
+
+
+def _scaled(value: Any, factor: float) -> Any:
+    """A number, or each of a list, in another unit; twelve digits, so that whole numbers stay whole."""
+    if isinstance(value, list):
+        return [_scaled(each, factor) for each in value]
+    return float(f"{float(value) * factor:.12g}") if isinstance(value, int | float) else value
+
+
+def _drop(data: Any, place: Place) -> None:
+    holder = at(data, place[:-1])
+    if isinstance(holder, dict):
+        holder.pop(place[-1], None)
+
+
+def _put(data: Any, place: Place, value: Any) -> None:
+    """Puts a value where it belongs; tables and lists around it are made."""
+    for key, following in pairwise(place):
+        empty: Any = [] if isinstance(following, int) else {}
+        if isinstance(key, int):
+            while len(data) <= key:
+                data.append({})
+            data = data[key]
+        else:
+            data = data.setdefault(key, empty)
+    data[place[-1]] = value
 
 
 def _value(name: str, text: str, before: Any) -> Any:
@@ -163,14 +271,17 @@ def _value(name: str, text: str, before: Any) -> Any:
         value = tomllib.loads(f"value = {text}\n")
     except (tomllib.TOMLDecodeError, RecursionError):
         value = {}
-    kinds: tuple[type, ...] = (
-        (bool,) if isinstance(before, bool) else (list,) if isinstance(before, list) else (int, float)
-    )
+    kinds: tuple[type, ...] = (int, float)
+    if before is _ANY:
+        kinds = (int, float, list)
+    elif isinstance(before, bool | list):
+        kinds = (type(before),)
     after = value.get("value")
     if len(value) != 1 or not isinstance(after, kinds) or (bool not in kinds and isinstance(after, bool)):
-        kind = "true or false" if bool in kinds else "a list such as [1.0, 2.0]" if list in kinds else "a number"
+        kind = "true or false" if bool in kinds else "a list such as [1.0, 2.0]" if kinds == (list,) else "a number"
         raise Refused(f"{name}: {text!r} is not {kind}")
-    return float(after) if isinstance(before, float) and isinstance(after, int) else after
+    whole = isinstance(before, float) or before is _ANY
+    return float(after) if whole and isinstance(after, int) and not isinstance(after, bool) else after
 
 
 def case_of(content: str, file: Path) -> Case:

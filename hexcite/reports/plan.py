@@ -22,7 +22,8 @@ def plan_page(plan: Plan) -> str:
     entries = {"criterion": plan.request.criterion, "model": plan.model, **plan.settings}
     inputs = [(name, str(value)) for name, value in entries.items() if not isinstance(value, list | dict)]
     notes = [f"{text[0].upper()}{text[1:]}." for text in plan.remarks]
-    deviations = table(("parameter", "predicted std", "unit"), plan.deviation_rows())
+    first, *each = plan.deviation_rows()
+    deviations = table(first, each)
     head, *rows = plan.budget_rows() or [()]
     parts = [table(head, rows)] if rows else []
     counted = [check for check in plan.limits.checks if check.status is not Status.LEFT_OUT]

@@ -233,7 +233,7 @@ def gauss_markov(regression: Regression, weights: Array) -> Fit:
     if len(unseen):
         raise IdentificationError(f"{names[unseen[0]]} is not determined: the forces do not change; check the channels")
     half = inverse_root(root)
-    values = np.asarray(half @ ((root @ half).T @ right))  # (24)
+    values = np.asarray(solve_triangular(root, right))  # (24)
     residuals, stride = regression.residuals(values), regression.filtered.stride
     freedom = degrees_of_freedom(rows, len(values), regression.filtered)
     white_noise = float(np.sqrt(np.sum(weights * residuals**2) * stride / freedom))  # (27)

@@ -8,7 +8,7 @@ mean of B_i p, counted once. Runs are compared by chi^2 of u_i in their whole co
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -148,6 +148,26 @@ def require_alike(results: Sequence[Result]) -> None:
             raise FileProblem(result.source, f"is of {kinds[0]}, {first.source} of {kinds[1]}", "pool runs of one kind")
 
 
+class Estimated(Protocol):
+    """What a mean needs of a run, whether it was identified or is planned."""
+
+    @property
+    def values(self) -> Array:
+        """u, shape (u,)."""
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance of u by (28), shape (u, u)."""
+
+    @property
+    def covariance_robust(self) -> Array:
+        """Covariance of u with all that deviations count, shape (u, u)."""
+
+    @property
+    def biases(self) -> Mapping[str, Array]:
+        """Part of that by what all runs have in common, as of a result."""
+
+
 class Mean(NamedTuple):
     """A generalised mean of u."""
 
@@ -191,7 +211,7 @@ class _Runs:
     biases: tuple[Mapping[str, Array], ...]  # shapes (x, k)
 
     @classmethod
-    def of(cls, results: Sequence[Result]) -> "_Runs":
+    def of(cls, results: Sequence[Estimated]) -> "_Runs":
         first = results[0].values
         lift, down = Free.of(sum((result.covariance for result in results), np.zeros((len(first),) * 2)))
         own, white, biases = [], [], []
@@ -241,6 +261,11 @@ class _Runs:
         """How far the others scatter, of each run."""
         every = range(len(self.values))
         return tuple(self.agreement([k for k in every if k != left]) for left in every)
+
+
+def mean_of(runs: Sequence[Estimated]) -> Mean:
+    """The generalised mean of runs of the same machine with the same load, of which some may be planned."""
+    return _Runs.of(runs).mean()
 
 
 def _scatter_by_parameter(model: Model, u: Array, runs: _Runs) -> dict[str, dict[str, float]]:

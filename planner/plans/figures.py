@@ -105,9 +105,9 @@ def noise_covariance(case: Case, scaling: Array, information: Array, duration: f
 
 
 def prediction_at_poses(
-    case: Case, model: Model, scaling: Array, regressors: Array, poses: Array, noise: float
+    case: Case, model: Model, scaling: Array, regressors: Array, poses: Array, noise: float, values: Array | None = None
 ) -> Prediction:
-    """What averaged standstills promise of the nominal body.
+    """What averaged standstills promise.
 
     Args:
         case: gives errors that depend on the pose, and tolerances.
@@ -116,6 +116,7 @@ def prediction_at_poses(
         regressors: regressors of the poses, scaled, shape (n, 6, u).
         poses: shape (n, 6) [m, rad].
         noise: standard deviation of an averaged force [N].
+        values: u for which it is, shape (u,); that of the nominal body unless given.
     """
     inverse = np.linalg.inv(total_information(regressors))
     covariance = np.asarray(noise**2 * inverse, dtype=np.float64)
@@ -124,7 +125,7 @@ def prediction_at_poses(
         covariance = covariance + inverse @ sum(a.T @ by_pose @ a for a in regressors.transpose(1, 0, 2)) @ inverse
     covariance = np.asarray(covariance * np.outer(scaling, scaling), dtype=np.float64)
     plain = replace(model, whitening=None)
-    values = nominal_parameters(plain, case.body(0))
+    values = nominal_parameters(plain, case.body(0)) if values is None else values
     if case.tolerances is None:
         return Prediction(plain, values, covariance)
     one, stated = sensor_noise(case), case.sensors.force_noise

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import BaseModel, Field, ValidationError
+from pydantic import BaseModel, Field, TypeAdapter, ValidationError
 
 from cases.base.errors import FileProblem, HexciteError
 from cases.base.files import DAMAGED
@@ -16,7 +16,7 @@ from cases.tables import LARGEST
 from identification.motion.curves import FourierMotion, PolynomialMotion
 from identification.motion.motion import Joined, Standstill, Trajectory
 from identification.motion.moves import CircularMove, Plane, StraightMove, unit_profile
-from planner.plans.prediction import Promise
+from planner.plans.prediction import Gain, Promise
 
 SCHEMA_VERSION = 1
 LONGEST_OF_POSES = 4 * 3600.0  # [s] of a measurement at poses: the paper's took 21 min
@@ -45,8 +45,17 @@ class Entries(BaseModel, strict=True, frozen=True):
     assumed_rate_Hz: float
     settings: dict[str, bool | int | float | str | list[str]]
     solve_s: float
+    known: dict[str, Any] | None = None
     interrupted: bool = False
     content: str = ""
+
+    @property
+    def gain(self) -> Gain | None:
+        """What its run adds to what was known; raises KeyError, TypeError or ValueError where that is damaged."""
+        if self.known is None:
+            return None
+        entry = {key: value for key, value in self.known.items() if key != "loose"}
+        return TypeAdapter(Gain).validate_python(entry)
 
     @property
     def promise(self) -> Promise:

@@ -5,6 +5,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import count
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,7 +25,6 @@ from planner.request import LONGEST, Request
 from planner.search.feasibility import keep_limits, remedy, require_identifiable, require_rest
 from planner.search.parallel import (
     Listener,
-    Outcome,
     Planned,
     Runner,
     Schedule,
@@ -91,9 +91,8 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
     results: list[Start | Failed] = []
     ended_early = late = False
     for number in count():
-        more, ended_early = rounds.one(number, _best_refined(results))
+        more, ended_early, late = rounds.one(number, _best_refined(results))
         results += more
-        late = time.monotonic() >= until
         if ended_early or late or request.seconds is None or all(isinstance(result, Failed) for result in more):
             break
     out_of_time = late
@@ -121,6 +120,14 @@ def _best_refined(results: Sequence[Start | Failed]) -> float:
     return max((s.record.criterion_value for s in _without_failures(results) if s.record.refined), default=-math.inf)
 
 
+class _Round(NamedTuple):
+    """What a round of a search came to."""
+
+    results: list[Start | Failed]  # refinements last
+    early: bool  # whether Ctrl-C or its time ended it
+    late: bool  # whether the time that is left, if there is any, is too short for more
+
+
 @dataclass(frozen=True, slots=True)
 class _Rounds:
     """Rounds of a search: starts until further ones gain too little, and refinements of the best of them."""
@@ -132,8 +139,11 @@ class _Rounds:
     run: Runner
     until: float  # when the search is to end, by `time.monotonic` [s]
 
-    def one(self, number: int, score: float) -> Outcome:
-        """Results of a round, refinements last, and whether Ctrl-C or its time ended it early.
+    def one(self, number: int, score: float) -> _Round:
+        """A round: explorations, then refinements of the best where there is time for them.
+
+        A start that is stopped takes its time to end: its functions are built, its motion is brought inside the limits.
+        Where less than that is left, as measured here, nothing more is begun.
 
         Args:
             number: number of the round, from 0.
@@ -142,10 +152,12 @@ class _Rounds:
         request = self.request
         wanted = request.family.refinements(request.criterion)
         left = self.until - time.monotonic()
-        schedule = self._explorations(number, self.until - REFINING * left if wanted else self.until)
+        refining = REFINING * left if wanted and math.isfinite(left) else 0.0
+        schedule = self._explorations(number, self.until - refining)
         least, exactly = self._least(), request.starts is not None
         self.listener(Planned("start", least, exactly, schedule.until))
         results, early = self.run(schedule, self.listener)
+        ending = max(time.monotonic() - schedule.until, 0.0)
         explored, score = _without_failures(results), max(score, _best_refined(results))
         # An exploration overestimates, and never underestimates: one below the best result so far cannot win.
         promising = sorted(
@@ -153,11 +165,11 @@ class _Rounds:
         )
         refinements = [self._task(s.family, s.record.seed, s.begin) for s in promising[:wanted]]
         early = early and not schedule.late  # the end of its time leaves some to refine, or to go on
-        if refinements and not early:
+        if refinements and not early and self.until - time.monotonic() > ending:
             self.listener(Planned("refinement", len(refinements), True, self.until))
             second, early = self.run(Schedule.of(refinements, self.until), self.listener)
             results = results + second
-        return results, early
+        return _Round(results, early, self.until - time.monotonic() <= ending)
 
     def _task(self, family: Family, seed: int, begin: Array | None = None) -> Task:
         own = self.request

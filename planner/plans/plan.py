@@ -39,7 +39,7 @@ from planner.plans.folder import (
     motion_of_entries,
     refusing,
 )
-from planner.plans.prediction import Promise
+from planner.plans.prediction import Gain, Promise
 from planner.request import LONGEST, PoseRequest, Request
 
 SAMPLE_RATE = 1000.0  # [1/s] of motion.csv
@@ -65,6 +65,7 @@ class Plan:
         folder: folder from which it was loaded; None for a new plan.
         digest: fingerprint of the plan.json there.
         stale: changes of the case since then, where the user went on; written into what is made of the plan.
+        gain: what its run adds to what earlier results say, where it was planned with some.
     """
 
     case: Case
@@ -81,6 +82,7 @@ class Plan:
     folder: Path | None = None
     digest: str = ""
     stale: tuple[str, ...] = ()
+    gain: Gain | None = None
 
     @property
     def family(self) -> str:
@@ -101,6 +103,11 @@ class Plan:
     def predicted_std(self) -> dict[str, float]:
         """Standard deviation of each physical parameter for one run [SI]."""
         return self.promise.std
+
+    @property
+    def std_after(self) -> dict[str, float]:
+        """The same with what earlier results say, where it was planned with some: what targets are compared with."""
+        return self.promise.std if self.gain is None else self.gain.after.std
 
     @property
     def poses(self) -> Array:
@@ -203,7 +210,7 @@ class Plan:
             plan = cls(
                 own, request, motion, limits, entries.promise, entries.assumed_noise_N,
                 entries.assumed_rate_Hz, worth, entries.settings, entries.solve_s, entries.interrupted,
-                Path(folder), fingerprint_of(file.read_bytes()), remarks,
+                Path(folder), fingerprint_of(file.read_bytes()), remarks, entries.gain,
             )  # fmt: skip
         if entries.content != content_of(data):
             raise FileProblem(file, "was changed by hand", "plan again")
@@ -250,6 +257,8 @@ class Plan:
             "limits": self.limits.to_json(),
             **motion_entries(self.motion),
         }
+        if self.gain is not None:
+            entries["known"] = self.gain.to_json()
         if self.stale:
             entries["stale"] = list(self.stale)
         return entries | {CONTENT: content_of(entries)}
@@ -273,10 +282,11 @@ class Plan:
         assumed = f"predicted for {self.assumed_noise:.3g} N white noise of "
         missing = self._not_counted
         counted = f"; no tolerances of {', '.join(missing)} are counted: see [tolerances]" if missing else ""
+        gained = () if self.gain is None else self.gain.words
         if isinstance(self.worth, PoseWorth):
-            return f"{assumed}an averaged force{counted}", self.worth.remark, *self._lasting()
+            return f"{assumed}an averaged force{counted}", *gained, self.worth.remark, *self._lasting()
         assumed += f"a force, {self.assumed_rate:g} Hz, {self.of_motion[0].mounted}, weights {self.worth.weights}"
-        return f"{assumed}{counted}", *self._lasting(), *self.worth.notes
+        return f"{assumed}{counted}", *gained, *self._lasting(), *self.worth.notes
 
     @property
     def _not_counted(self) -> list[str]:
@@ -288,7 +298,8 @@ class Plan:
         model = identification_model(self.case, self.model)
         targets = self.request.target if isinstance(self.request, Request) else {}
         longer = "more seconds lower" if isinstance(self.request, Request) else "longer averages lower"
-        words = self.promise.lasting_words(physical_form(model).parameters, targets, longer)
+        promise = self.promise if self.gain is None else self.gain.after
+        words = promise.lasting_words(physical_form(model).parameters, targets, longer)
         return (words,) if words else ()
 
     @property
@@ -314,25 +325,32 @@ class Plan:
         """The same with predicted standard deviations, and a table of the limits that matter."""
         checks = [c for c in self.limits.checks if c.ratio >= MOST_USED or c.status is not Status.PROVEN]
         limits = [*limit_lines(checks), f"{len(self.limits.checks) - len(checks)} other limits are proven too"]
-        deviations = aligned(("parameter", "predicted std", "unit"), *self.deviation_rows())
+        deviations = aligned(*self.deviation_rows())
         deviations += aligned(*self.budget_rows())
         remarks = (f"note: {remark}" for remark in self.remarks)
         return "\n".join([self.headline, "", *limits, "", *deviations, "", *remarks, *self._verdict()])
 
     _repr_html_ = as_html
 
-    def deviation_rows(self) -> tuple[tuple[str, str, str], ...]:
-        """Predicted standard deviations for people: each parameter in words, its deviation, and the unit of that."""
-        rods, rows = carries_rods(self.predicted_std), []
+    def deviation_rows(self) -> list[tuple[str, ...]]:
+        """Rows of a table, its head first: parameters in words, their predicted deviations, units.
+
+        Where something is known: also the deviations by that alone, and with the run.
+        """
+        columns, rods = {"predicted std": self.predicted_std}, carries_rods(self.predicted_std)
+        if self.gain is not None:
+            columns |= {"known": self.gain.before, "with this run": self.gain.after.std}
+        rows: list[tuple[str, ...]] = [("parameter", *columns, "unit")]
         for p in physical_form(identification_model(self.case, self.model)).parameters:
             scale, unit = legible(p.unit)
-            rows.append((parameter_words(p.name, rods), std_text(self.predicted_std[p.name] * scale), unit))
-        return tuple(rows)
+            deviations = (std_text(of[p.name] * scale) for of in columns.values())
+            rows.append((parameter_words(p.name, rods), *deviations, unit))
+        return rows
 
     def budget_rows(self) -> list[tuple[str, ...]]:
         """Rows of a table, its head first: parts of the predicted deviations; none where no tolerance is stated."""
         units = {p.name: p.unit for p in physical_form(identification_model(self.case, self.model)).parameters}
-        return budget_cells(units, self.promise.budget)
+        return budget_cells(units, (self.promise if self.gain is None else self.gain.after).budget)
 
 
 def poses_in_units(poses: Array, case: Case) -> Array:

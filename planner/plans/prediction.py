@@ -6,7 +6,7 @@ where that lowers a deviation by what is worth it.
 """
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,6 +21,7 @@ from identification.model.model import Model, expected_forces
 from identification.model.parameters import physical_form
 from identification.motion.motion import Trajectory
 from identification.texts import legible, std_text
+from planner.known import Known
 from planner.noise import ExpectedNoise
 
 NOISE = "noise"  # part of a budget
@@ -42,6 +43,29 @@ class Prediction:
     # machine have these in common
     biases: Mapping[str, Array] = field(default_factory=dict)
     lasting: Mapping[str, Array] = field(default_factory=dict)  # the same of an endless run of the same motion
+
+    @property
+    def covariance(self) -> Array:
+        """As of a result: by noise alone, shape (u, u)."""
+        return self.noise
+
+    @property
+    def covariance_robust(self) -> Array:
+        """As of a result: with the tolerances, shape (u, u)."""
+        return np.asarray(sum((bias @ bias.T for bias in self.biases.values()), self.noise))
+
+    def beside(self, known: Known) -> "tuple[Prediction, Prediction]":
+        """What is known without the run, and with it: its generalised mean with earlier results.
+
+        What the machine is off its case by, all have in common: it is counted once.
+        """
+        from identification.results.pooling import mean_of
+
+        before, after = mean_of([known]), mean_of([known, self])
+        return (
+            replace(self, values=known.values, noise=before.random, biases=before.biases),
+            replace(self, values=known.values, noise=after.random, biases=after.biases),
+        )
 
     @property
     def std(self) -> dict[str, float]:
@@ -129,6 +153,48 @@ class Promise(NamedTuple):
         others = "" if not rest else f"; likewise {', '.join(rest)}"
         gain = f"from {now} to {least} {unit} at most" if now != least else f"by nothing, it stays at {now} {unit}"
         return f"{longer} {first.name} {gain}: tolerances of {kind} are {percent:.0f} % of its variance{others}"
+
+
+LOOSE = 0.5  # of a variance that is noise, from which on further runs lower it
+MOST_NAMED = 3  # parameters of which a sentence says by how much a run lowers their deviations
+
+
+@dataclass(frozen=True, slots=True)
+class Gain:
+    """What a run adds to what earlier results say."""
+
+    results: tuple[str, ...]  # their names
+    before: dict[str, float]  # standard deviations by them [SI]
+    after: Promise  # with the run
+
+    @classmethod
+    def of(cls, run: Prediction, known: Known) -> "Gain":
+        """That of a run for the load as it is known."""
+        before, after = run.beside(known)
+        return cls(known.results, before.std, Promise.of([after]))
+
+    @property
+    def loose(self) -> tuple[str, ...]:
+        """Parameters whose deviations further runs will lower: noise is most of their variance."""
+        budget, std = self.after.budget, self.after.std
+        return tuple(name for name in budget if budget[name][NOISE] ** 2 > LOOSE * std[name] ** 2)
+
+    def to_json(self) -> dict[str, Any]:
+        """Entries of `plan.json`."""
+        return asdict(self) | {"after": self.after._asdict(), "loose": list(self.loose)}
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """What the run lowers most, and what stays loose after it."""
+        std, named = self.after.std, ", ".join(self.results)
+        most = sorted(std, key=lambda name: std[name] / self.before[name])[:MOST_NAMED]
+        falls = ", ".join(f"{name} to {100.0 * std[name] / self.before[name]:.0f} %" for name in most)
+        sentences = [f"known by {named}: with this run deviations fall, most {falls} of what they are"]
+        if self.after.budget:
+            loose = ", ".join(self.loose)
+            still = f"still loose, for noise is most of their variance: {loose}" if loose else ""
+            sentences.append(still or "nothing is loose after it: tolerances are most of every variance")
+        return tuple(sentences)
 
 
 class Tolerated(NamedTuple):

@@ -104,7 +104,7 @@ class Follower:
         if best is not None:
             words.append(self._in_words(best))
         if left is not None:
-            words.append(f"about {left:.0f} s left")
+            words.append(f"about {left:.0f} s left" if left > 0.0 else "its time is over, ending")
         return ", ".join(words)
 
     def _best(self) -> float:

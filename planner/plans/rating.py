@@ -19,9 +19,9 @@ from planner.families.fourier import of_lower_order
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import Fourier, PointToPoint
 from planner.noise import mean_information
-from planner.plans.figures import Worth, figures_of, predictions_of
+from planner.plans.figures import Worth, figures_of, prediction_of, predictions_of
 from planner.plans.plan import Plan
-from planner.plans.prediction import Promise
+from planner.plans.prediction import Gain, Promise
 from planner.request import Request
 from planner.search.feasibility import keep_limits
 from planner.search.problem import CHECK_RATE
@@ -63,7 +63,10 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
     model, motion = identification_model(case, request.model), planned.motion
     figures, noise = figures_of(case, model, motion, request.payload, request.criterion)
     scaling = reference_scaling(case, model)
-    promise = Promise.of(predictions_of(case, model, scaling, motion, request.payloads))
+    promise, gain = Promise.of(predictions_of(case, model, scaling, motion, request.payloads)), None
+    if request.known is not None:
+        values = request.known.values
+        gain = Gain.of(prediction_of(case, model, scaling, motion, noise, request.payload, values), request.known)
     bound, smooth = information_limit(case, model).raised(figures["logdet"]), None
     if planned.settings.get("without") == LimitKind.JERK and isinstance(motion, Joined):
         within = with_jerk_limited(motion, case)
@@ -93,7 +96,7 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
     )
     return Plan(
         case, request, motion, planned.limits, promise, noise.sensors, case.recording.rate_Hz, worth,
-        planned.settings, seconds, planned.interrupted,
+        planned.settings, seconds, planned.interrupted, gain=gain,
     )  # fmt: skip
 
 

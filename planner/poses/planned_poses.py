@@ -29,7 +29,7 @@ from planner.families.family import Settings
 from planner.noise import sensor_noise, standing_model
 from planner.plans.figures import PoseWorth, prediction_at_poses
 from planner.plans.plan import Plan
-from planner.plans.prediction import Promise
+from planner.plans.prediction import Gain, Promise
 from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, refine
 from planner.poses.space import space_of, standing_report, standing_shares, valid_poses
 from planner.poses.travel import fastest_move, require_ways, shortest_order, travel_times
@@ -126,9 +126,13 @@ def poses_planned(
     )
     settings: Settings = {"settle_s": setting.settle_s, "average_s": setting.average_s}
     settings = settings if request.without is None else {**settings, "without": request.without}
-    promise = Promise.of([prediction_at_poses(case, model, scaling, selection, poses, noise)])
+    promise, gain = Promise.of([prediction_at_poses(case, model, scaling, selection, poses, noise)]), None
+    if (known := request.known) is not None:
+        gain = Gain.of(prediction_at_poses(case, model, scaling, selection, poses, noise, known.values), known)
     seconds = perf_counter() - start
-    return Plan(case, request, motion, limits, promise, noise, case.recording.rate_Hz, worth, settings, seconds)
+    return Plan(
+        case, request, motion, limits, promise, noise, case.recording.rate_Hz, worth, settings, seconds, gain=gain
+    )
 
 
 def pose_of_tilt(position: Array, tilt: Array, azimuth: Array, torsion: Array) -> Array:

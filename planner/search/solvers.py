@@ -273,4 +273,5 @@ _IPOPT = {
     "hessian_approximation": "exact",
     "tol": _TOLERANCE,
     "mumps_pivot_order": _MINIMUM_DEGREE,
+    "mumps_permuting_scaling": 0,  # a matching before each analysis: a fifth of an iteration, and no other result
 }

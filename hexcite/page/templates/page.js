@@ -80,7 +80,8 @@ for (const part of document.querySelectorAll("details[data-frame]")) {
 const form = document.querySelector("form[data-preview]");
 if (form) {
   let timer = 0, under = null;
-  form.addEventListener("input", () => {
+  form.addEventListener("input", (event) => { // what is typed for a key that is not there switches it on
+    if (event.target.name?.startsWith("w.")) form.elements["on." + event.target.name.slice(2)].checked = true;
     clearTimeout(timer);
     timer = setTimeout(async () => {
       under?.abort();

@@ -57,5 +57,24 @@ TEXTS: dict[str, tuple[str, str]] = {
         "Dieser Bereich ist ganz erreichbar; seine Werte gehören unten in limits.motion.",
     ),
     "no_picture": ("There is no picture of this machine: {why}", "Von dieser Maschine gibt es kein Bild: {why}"),
-    "template_value": ("still that of the example", "noch der Wert des Beispiels"),
+    "mark_example": ("still that of the example", "noch der Wert des Beispiels"),
+    "mark_typical": ("a typical value, to be replaced", "ein üblicher Wert, noch zu ersetzen"),
+    "mark_mine": ("yours", "Ihr Wert"),
+    "mark_missing": ("not stated", "nicht angegeben"),
+    "mark_doubtful": ("implausible", "unglaubhaft"),
+    "mark_needed": ("needed", "nötig"),
+    "unit_of": ("Unit of {what}", "Einheit von {what}"),
+    "angle_half": ("half angle", "halber Winkel"),
+    "angle_included": ("included angle", "ganzer Winkel"),
+    "angles_sketch": (
+        "Two joints of a pair: the half angle is from the centre of the pair to a joint, the included one from joint "
+        "to joint.",
+        "Zwei Gelenke eines Paars: Der halbe Winkel reicht von der Mitte des Paars zum Gelenk, der ganze von Gelenk "
+        "zu Gelenk.",
+    ),
+    "converted": ("Converted: {what}", "Umgerechnet: {what}"),
+    "more_keys": ("Switch on what is not stated", "Einschalten, was nicht angegeben ist"),
+    "switch_all": ("all of these, with the values below", "alle, mit den Werten darunter"),
+    "not_stated": ("not stated", "nicht angegeben"),
+    "take_box": ("Take this box into the machine", "Diesen Bereich in die Maschine übernehmen"),
 }

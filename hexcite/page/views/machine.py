@@ -40,18 +40,19 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
 def drawn(case: Case | None, problem: str = "") -> dict[str, Any]:
     """The drawings of a case, or why there are none."""
     if case is None:
-        return {"views": None, "why": problem}
+        return {"views": None, "why": problem, "converted": ()}
     try:
-        return {"views": drawing.views(case), "why": ""}
+        return {"views": drawing.views(case), "why": "", "converted": ()}
     except HexciteError as error:
-        return {"views": None, "why": "; ".join(error.lines)}
+        return {"views": None, "why": "; ".join(error.lines), "converted": ()}
 
 
 def preview(context: Context, fields: Fields) -> dict[str, Any]:
     """The drawings of a case with values that are not written yet."""
     content = context.machine.file.read_text(encoding="utf-8")
     try:
-        case = values.case_of(values.edited(content, given_values(fields)), context.machine.file)
+        written = values.edited(content, given_values(fields), context.machine.file)
+        case = values.case_of(written.text, context.machine.file)
     except values.Refused as error:
-        return {"views": None, "why": str(error)}
-    return drawn(case)
+        return {"views": None, "why": str(error), "converted": ()}
+    return {**drawn(case), "converted": written.converted}

@@ -3,10 +3,11 @@
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 from starlette.testclient import TestClient
 
-from cases.scaffold import new_case
+from cases.scaffold import new_arm, new_case, readiness
 from cases.schema import load_case
 from hexcite.page import values
 from hexcite.page.values import Refused, digest, edited, sections
@@ -28,15 +29,15 @@ def test_every_value_of_a_case_has_a_field_that_reads_back(file: Path):
     content = file.read_text()
     entries = [entry for section in sections(content, load_case(str(file))) for entry in section.entries]
     assert {entry.name for entry in entries} >= {RADIUS, "limits.motion.x_mm", "machine.home.z_mm"}
-    assert edited(content, {entry.name: entry.text for entry in entries}) == content
+    assert edited(content, {f"v.{entry.name}": entry.text for entry in entries}).text == content
     assert sum(bool(entry.words) for entry in entries) > len(entries) / 2
-    assert all(entry.example for entry in entries if entry.name.startswith("machine"))
+    assert all(entry.mark == "example" for entry in entries if entry.name.startswith("machine"))
 
 
 @pytest.mark.parametrize("typed", ["701.5", "701,5", " 701.5 "])
 def test_a_value_is_changed_and_comments_stay(file: Path, typed: str):
     content = file.read_text()
-    after = edited(content, {RADIUS: typed})
+    after = edited(content, {f"v.{RADIUS}": typed}).text
     assert tomllib.loads(after)["machine"]["base"]["ring"]["radius_mm"] == 701.5
     comments = [line for line in content.splitlines() if line.startswith("#")]
     assert [line for line in after.splitlines() if line.startswith("#")] == comments
@@ -55,7 +56,7 @@ def test_a_value_is_changed_and_comments_stay(file: Path, typed: str):
 )
 def test_what_is_no_value_of_the_kind_is_refused(file: Path, name: str, typed: str, words: str):
     with pytest.raises(Refused, match=words):
-        edited(file.read_text(), {name: typed})
+        edited(file.read_text(), {f"v.{name}": typed})
 
 
 def test_saving_writes_what_can_be_and_nothing_else(client: TestClient, file: Path):
@@ -94,3 +95,103 @@ def test_the_drawing_follows_what_is_typed(client: TestClient, file: Path):
     assert wrong.status_code == 200
     assert "not a number" in wrong.text
     assert values.digest(file.read_text()) == form(file)["digest"]
+
+
+HALF = "machine.base.ring.half_angle_deg"
+
+
+def test_a_drawing_in_other_units_and_angles_is_the_same_machine(file: Path):
+    drawn = {
+        f"v.{RADIUS}": "0,7", f"u.{RADIUS}": "radius_mm:m",
+        f"v.{HALF}": "24", f"u.{HALF}": "included_angle_deg:deg",
+        "v.limits.motion.angular_acceleration_rad_s2": "[540.0, 540.0, 540.0]",
+        "u.limits.motion.angular_acceleration_rad_s2": "angular_acceleration_deg_s2:deg/s²",
+        "v.limits.motion.acceleration_m_s2": "[6000, 6000, 6000]",
+        "u.limits.motion.acceleration_m_s2": "acceleration_m_s2:mm/s²",
+    }  # fmt: skip
+    written = edited(file.read_text(), drawn)
+    before, after = load_case(str(file)), values.case_of(written.text, file)
+    assert before.hexapod is not None
+    assert after.hexapod is not None
+    assert np.allclose(after.hexapod.base.points, before.hexapod.base.points, atol=1e-12)
+    ring = tomllib.loads(written.text)["machine"]["base"]["ring"]
+    assert ring["included_angle_deg"] == 24.0
+    assert "half_angle_deg" not in ring
+    motion = tomllib.loads(written.text)["limits"]["motion"]
+    assert motion["acceleration_m_s2"] == [6.0, 6.0, 6.0]
+    assert motion["angular_acceleration_deg_s2"] == [540.0, 540.0, 540.0]
+    assert "angular_acceleration_rad_s2" not in motion
+    assert len(written.converted) == 4
+    assert any("radius_mm = 700.0" in words and "0,7 m" in words for words in written.converted)
+
+
+def test_what_stands_there_as_a_comment_is_switched_on_where_it_stands(file: Path):
+    content = file.read_text()
+    offered = {entry.name: entry for section in sections(content, load_case(str(file))) for entry in section.more}
+    typed = {f"w.{name}": entry.text for name, entry in offered.items() if name.startswith("tolerances.")}
+    one = edited(content, {**typed, "on.tolerances.joints_mm": "1"}).text
+    assert tomllib.loads(one)["tolerances"] == {"joints_mm": 0.03}
+    assert "# joints_mm" not in one
+    assert "# bars_mm" in one
+    whole = edited(content, {**typed, "on.tolerances": "1"}).text
+    assert values.case_of(whole, file).tolerances is not None
+    assert len(tomllib.loads(whole)["tolerances"]) == sum(bool(text) for text in typed.values()) > 4
+    assert edited(content, typed).text == content  # nothing is switched on by itself
+    with pytest.raises(Refused, match="no such value"):
+        edited(content, {"w.tolerances.colour": "1", "on.tolerances.colour": "1"})
+
+
+def test_an_implausible_value_is_marked_beside_its_field(client: TestClient, file: Path):
+    def marks() -> dict[str, bool]:
+        content = file.read_text()
+        found = [entry for section in sections(content, load_case(str(file))) for entry in section.entries]
+        return {entry.name: bool(entry.doubts) for entry in found}
+
+    assert not any(marks().values())
+    client.post("/m/+mill/do/save", data=form(file, **{"recording.filter_cutoff_Hz": "40", "nominal.mass_kg": "33000"}))
+    assert marks()["nominal.mass_kg"]
+    assert not marks()[RADIUS]
+    assert "mark doubtful" in client.get("/m/+mill/machine").text
+
+
+ARM = """<robot name="two">
+<link name="a"/><link name="b"/><link name="tool0"/>
+<joint name="first" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
+<limit lower="-2" upper="2" velocity="2" effort="100"/></joint>
+<joint name="second" type="revolute"><parent link="b"/><child link="tool0"/><axis xyz="0 1 0"/>
+<origin xyz="0 0 0.4"/><limit lower="-2" upper="2" velocity="3" effort="50"/></joint>
+</robot>"""
+
+
+def test_an_arm_is_completed_by_switching_on(client: TestClient, root: Path):
+    (root / "two.urdf").write_text(ARM)
+    file = new_arm("arm", root / "two.urdf", "tool0", root / "arm")
+    content = file.read_text()
+    found = sections(content, None)
+    needed = {entry.name for section in found for entry in section.more if entry.needed}
+    assert "sensor_frame.transducer.sense" in needed
+    fields = {"digest": digest(content)}
+    for entry in (entry for section in found for entry in section.more):
+        fields[f"w.{entry.name}"] = entry.text or (entry.choices[0] if entry.choices else "")
+        wanted = entry.name.rpartition(".")[2].startswith(("home_", "sense", "force_noise", "moment_noise"))
+        wanted = wanted and not entry.name.startswith("simulation")
+        if wanted or entry.name.startswith(("limits.motion", "nominal.")):
+            fields[f"on.{entry.name}"] = "1"
+    answer = client.post("/m/+arm/do/save", data=fields)
+    assert answer.status_code == 303, answer.text
+    case = load_case(str(file))
+    assert case.chain is not None
+    assert case.limits is not None
+    assert readiness(case)["plan"] == ()
+    assert case.limits.motion.rate == pytest.approx([2.0, 3.0])  # what the URDF says, which stood there as comments
+    assert "# home_deg" not in file.read_text()
+    marks = {entry.name: entry.mark for section in sections(file.read_text(), case) for entry in section.entries}
+    assert marks["limits.motion.joints[0].jerk_rad_s3"] == "typical"
+    assert client.get("/m/+arm/machine").status_code == 200
+
+
+def test_a_proposed_box_is_written(file: Path):
+    values.write_motion_box(file, {"x_mm": [-100, 120]})
+    assert load_case(str(file)).limits.motion.x_mm == (-100.0, 120.0)
+    with pytest.raises(Refused):
+        values.write_motion_box(file, {"x_mm": [50, 120]})  # home is not in it

@@ -67,6 +67,9 @@ def test_it_says_which_start_how_good_and_how_long(hexapod_case: Case, monkeypat
     follow(Planned("refinement", 1, True, clock[0] + 7.0))
     assert lines[-1].startswith("refinement 1 of 1, best ")
     assert lines[-1].endswith(", about 7 s left")
+    clock[0] += 8.0
+    follow(None)
+    assert "left" not in lines[-1].split(", ")[-1]
 
 
 def test_a_search_tells_from_its_beginning(hexapod_case: Case):

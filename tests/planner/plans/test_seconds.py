@@ -1,16 +1,21 @@
 """A search of some seconds: whatever it has found by then is proven; there is always something."""
 
 import time
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import hexcite as hx
 from cases.base.errors import HexciteError
 from cases.schema import Case
 from planner.families.settings import FamilySettings, Fourier, PointToPoint, Spline
+from planner.plans import making
 from planner.plans.making import search
 from planner.request import Request
-from planner.search.parallel import run_here, silent
+from planner.search.parallel import Listener, Outcome, Schedule, run_here, silent
+from planner.search.record import SolverStatus, StartRecord
+from planner.search.solving import Start
 
 LONG = 120.0  # [s] room for a busy computer
 
@@ -22,6 +27,38 @@ def test_however_short_the_time_what_is_found_is_proven(family: FamilySettings, 
     assert not found.interrupted
     assert found.limits.kept
     assert found.starts[0].record.logdet > -200.0
+
+
+@pytest.mark.parametrize(("ending", "rounds"), [(0.4, [False, True, False, True]), (3.0, [False])])
+def test_nothing_is_begun_that_has_no_time_to_end(
+    ending: float, rounds: list[bool], hexapod_case: Case, monkeypatch: pytest.MonkeyPatch
+):
+    """Starts run until they are stopped, and need time to end: a search of 10 s explores for 6 s and refines then.
+
+    Those that need 0.4 s leave 3.6 s for a refinement, which needs 1 s here, and 2.6 s for a round more; of
+    those that need 3 s, 1 s is left: less than a refinement would need to end.
+    """
+    clock, refined = [50.0], list[bool]()
+    monkeypatch.setattr(making.time, "monotonic", lambda: clock[0])
+    request = Request(Fourier(order=3), 2.0, model=6, seconds=10.0)
+    (family,) = request.family.families(hexapod_case, 2.0)
+    unknowns = family.start(np.random.default_rng(1), lambda unknowns: 4.0 * float(np.abs(unknowns).max()))
+    record = StartRecord(1, False, -3.0, -3.0, SolverStatus.SETTLED, True, 9, 4.0)
+
+    def run(schedule: Schedule, listener: Listener) -> Outcome:
+        task = schedule.task(0, [])
+        assert task is not None
+        refined.append(task.refine)
+        clock[0] = clock[0] + 1.0 if task.refine else schedule.until + ending
+        value = -3.0 + 0.1 * len(refined)
+        own = replace(record, refined=task.refine, criterion_value=value)
+        return [Start(own, unknowns, family, 1.0, unknowns, value)], not task.refine
+
+    found = search(request, hexapod_case, silent, run)
+    assert refined == rounds
+    assert clock[0] - 50.0 < request.seconds + ending
+    assert found.out_of_time
+    assert not found.interrupted
 
 
 @pytest.mark.slow

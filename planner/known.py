@@ -1,0 +1,103 @@
+"""What earlier results say of the parameters of a machine, before a run of it is planned."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cases.base.errors import FileProblem, HexciteError
+from cases.base.units import Array
+from cases.basis import changes_since, result_basis
+from cases.schema import Case
+
+if TYPE_CHECKING:
+    from identification.results.result import Result  # with SciPy, which plans that know nothing do without
+
+SAME_MASS = 1e-6  # [kg]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Known:
+    """Linear parameters as results of the same machine with the same load say them."""
+
+    results: tuple[str, ...]  # their names
+    model: int  # number in Table 2
+    values: Array  # u, shape (u,) [SI]
+    covariance: Array  # of u by (28), shape (u, u)
+    covariance_robust: Array  # of u with all that deviations count
+    biases: Mapping[str, Array]  # part of it by what all runs of the machine have in common, as of a result
+    warnings: tuple[str, ...]  # that the results do not agree
+
+    @classmethod
+    def of(cls, results: Sequence[object], case: Case, payload: int, standing: bool) -> "Known":
+        """What results say together, of several their generalised mean.
+
+        Args:
+            case: case that is planned for.
+            payload: number of its payloads that will be mounted.
+            standing: whether standstills are planned, not a motion.
+
+        Raises:
+            FileProblem: one is of another machine, case, load or kind of run, counts what was known otherwise, or two
+                cannot be pooled.
+        """
+        from identification.results.pooling import pool
+        from identification.results.result import Result
+
+        earlier = [result for result in results if isinstance(result, Result)]
+        if len(earlier) < len(results):
+            raise HexciteError("known", "holds something that is not a result; give values of hexcite.Result")
+        for result in earlier:
+            _require_usable(result, case, payload, standing)
+        one = earlier[0] if len(earlier) == 1 else pool(earlier)
+        warnings = () if len(earlier) == 1 else tuple(one.warnings)
+        names = tuple(str(result.source if result.file is None else result.file.parent) for result in earlier)
+        return cls(
+            names, one.record.model, one.values, one.covariance, one.covariance_robust, dict(one.biases), warnings
+        )
+
+    def require_model(self, number: int) -> None:
+        """Raises HexciteError where a plan is for another model."""
+        if number != self.model:
+            raise HexciteError(
+                f"{self.results[0]} has the parameters of model {self.model}, the plan those of model {number}; plan "
+                f"with --model {self.model}, or identify with --model {number}"
+            )
+
+
+def load_known(folders: Sequence[Path], case: Case) -> "list[Result]":
+    """The results of folders; errors as of `Result.load`, also where the case has changed since."""
+    from identification.results.result import Result
+
+    return [Result.load(folder, case) for folder in folders]
+
+
+def _require_usable(result: "Result", case: Case, payload: int, standing: bool) -> None:
+    """Raises FileProblem where what a result says does not hold for the run that is planned."""
+    record, source = result.record, result.source
+    if record.case != case.name:
+        raise FileProblem(source, f"is of case {record.case}, the plan of {case.name}", "name results of this machine")
+    if changes := changes_since({"computed_from": record.computed_from}, result_basis(case), case.hash):
+        raise FileProblem(
+            source,
+            f"was identified with another case {case.name}: {changes[0]}",
+            "identify its recording again with the case of the plan",
+        )
+    fixed = [*(record.known or {}), *record.dropped, *(record.priors or {})]
+    if fixed:
+        raise FileProblem(
+            source,
+            f"was identified with {fixed[0]} known, which is not what its run told",
+            "identify without --fix, --drop and --prior",
+        )
+    weights = () if case.payloads is None else case.payloads.weights[:payload]
+    mass = sum(weight.mass_kg for weight in weights)
+    if abs(result.mounted - mass) > SAME_MASS:
+        raise FileProblem(
+            source,
+            f"a payload of {result.mounted:.4g} kg was mounted, {mass:.4g} kg is planned for",
+            "plan with the --payload of that run",
+        )
+    if (record.delay_s is None) != standing:
+        problem = "is of a motion, standstills are planned" if standing else "is of standstills, a motion is planned"
+        raise FileProblem(source, problem, "name results of the same kind of run")
