@@ -93,6 +93,7 @@ def answer_of_program(program: "hx.Program") -> dict[str, Any]:
         "without": list(proof.without),
         "remarks": [*program.remarks, *override_remarks(program.reading, program.guarantees)],
         "limits": proof.limits.to_json(),
+        "lines": proof.lines_to_json(),
     }
 
 
@@ -129,6 +130,7 @@ def answer_of_proof(program: "hx.Program") -> dict[str, Any]:
         "duration_s": proof.duration,
         "remarks": [*proof.remarks, *([other] if other else [])],
         "limits": proof.limits.to_json(),
+        "lines": proof.lines_to_json(),
     }
 
 

@@ -1,7 +1,9 @@
 """Proves that a program's text is inside the limits of a case, or names the line where it is not."""
 
+import math
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +15,7 @@ from identification.limits.limit import KINETIC, LimitCheck, LimitKind, LimitRep
 from identification.motion.motion import Array
 from postprocessors.proof.guarantees import Guarantees
 from postprocessors.proof.judging import judge, require_timing
-from postprocessors.reading import Reading, Still, Timed, Untimed
+from postprocessors.reading import Reading, Still, Stretch, Timed, Untimed
 
 MOST_TIMES = 10.0  # multiple of a limit above which the number itself does not matter
 
@@ -29,6 +31,9 @@ class ProgramProof:
     limits: LimitReport  # worst case of each limit
     violations: tuple[LimitCheck, ...]  # limits that are exceeded, with their lines, the worst first
     remarks: tuple[str, ...]  # remarks beside the limits: where it begins and ends
+    # the worst limit of lines: of every move whose time the controller decides, and of a path that the program times,
+    # those lines in which one of its limits comes closest
+    of_lines: tuple[LimitCheck, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -112,6 +117,13 @@ class ProgramProof:
             faster = first.kind.kinetic or first.kind is LimitKind.FEED_TO_HOME
             raise NotProven(self.file, self.exceeded, "slow down or change the move" if faster else "change the move")
 
+    def lines_to_json(self) -> list[dict[str, Any]]:
+        """What `of_lines` says, an object a line: number, limit, share that is used, and whether it is enforced."""
+        return [
+            {"line": check.line, "limit": check.name, "ratio": check.ratio, "status": str(check.status)}
+            for check in self.of_lines
+        ]
+
     @property
     def exceeded(self) -> tuple[Violation, ...]:
         """The violations in words."""
@@ -130,13 +142,16 @@ def prove_program(reading: Reading, guarantees: Guarantees) -> ProgramProof:
     clock, excitation = 0.0, 0.0
     reports: list[LimitReport] = []
     violations: list[LimitCheck] = []
+    of_lines: dict[int, LimitCheck] = {}
     for part in reading.stretches:
         if isinstance(part, Timed):
             require_timing(part, guarantees, reading.file)
         report, duration = judge(part, guarantees)
-        for check in report.violations:
-            line = part.line_at(check.time) if isinstance(part, Timed) else part.line
-            violations.append(replace(check, line=line, time=check.time + clock))
+        placed = [replace(check, line=_line_of(part, check), time=check.time + clock) for check in report.checks]
+        violations += [check for check in placed if not check.kept]
+        for check in placed:
+            if math.isfinite(check.ratio) and check.ratio > getattr(of_lines.get(check.line), "ratio", -math.inf):
+                of_lines[check.line] = check
         reports.append(report.later(clock))
         clock += duration
         excitation += duration if part.trigger and not isinstance(part, Still) else 0.0
@@ -149,7 +164,13 @@ def prove_program(reading: Reading, guarantees: Guarantees) -> ProgramProof:
         worst_of(reports),
         worst_first,
         tuple(remarks(reading, guarantees)),
+        tuple(of_lines[line] for line in sorted(of_lines)),
     )
+
+
+def _line_of(part: Stretch, check: LimitCheck) -> int:
+    """The line in which a limit of a stretch comes closest."""
+    return part.line_at(check.time) if isinstance(part, Timed) else part.line
 
 
 AT_HOME = 1e-5 * MM, 1e-6 * DEG  # the last decimal of a program

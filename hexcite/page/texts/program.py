@@ -21,6 +21,12 @@ TEXTS: dict[str, tuple[str, str]] = {
     ),
     "exceeded": ("Exceeded", "Überschritten"),
     "line": ("line", "Zeile"),
+    "worst_of_lines": (
+        "Beside a line: its worst limit. Where the program itself states the times, only lines in which a limit comes "
+        "closest have one. It is shown for a program that was written since the page was started.",
+        "Neben einer Zeile: ihre am meisten genutzte Grenze. Wo das Programm selbst die Zeiten vorgibt, nur neben "
+        "Zeilen, in denen eine Grenze am nächsten ist. Gezeigt, wenn das Programm seit dem Start der Seite entstand.",
+    ),
     "checklist": ("At the machine", "An der Maschine"),
     "step_home": (
         "Jog the machine home: the program begins there.",

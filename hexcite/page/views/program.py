@@ -1,9 +1,11 @@
 """The stage Program: the text of a program, and what its proof says."""
 
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from hexcite.page.actions import Context
-from hexcite.page.stages import Made, Workspace
+from hexcite.page.stages import Made, Program, Workspace
 from hexcite.page.views.common import Query, beginning, chosen, limits
 
 
@@ -22,7 +24,7 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "chosen": plan,
         "programs": programs,
         "program": program,
-        "text": content,
+        "lines": _lines(content, last.answer if last is not None and last.state == "done" else None, program),
         "cut": cut,
         "dialects": context.machine.dialects,
         "preferred": _preferred(plan, context) if plan is not None else "",
@@ -32,6 +34,22 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "written": last.answer if last is not None and last.state == "done" else None,
         "limits": limits((last.answer or {}).get("limits", {})) if last is not None and last.state == "done" else [],
     }
+
+
+def _lines(content: str, answer: Mapping[str, Any] | None, program: Program | None) -> list[tuple[int, str, str, bool]]:
+    """Lines of a program: number, text, the worst limit there in words, and whether it is used to its end."""
+    worst: dict[int, Mapping[str, Any]] = {}
+    if answer is not None and program is not None and Path(str(answer.get("program"))).name == program.name:
+        worst = {each["line"]: each for each in answer.get("lines", ())}
+    rows = []
+    for number, line in enumerate(content.splitlines(), 1):
+        of = worst.get(number)
+        words = "" if of is None else f"{of['limit']} {100.0 * of['ratio']:.0f} %, {of['status']}"
+        rows.append((number, line, words, of is not None and of["ratio"] >= BOUND))
+    return rows
+
+
+BOUND = 0.99  # share from which a limit is used to its end
 
 
 def _preferred(plan: Made, context: Context) -> str:

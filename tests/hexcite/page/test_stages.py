@@ -139,3 +139,25 @@ def test_a_form_that_cannot_be_is_refused_with_words(client: TestClient):
     assert "soon" in answer.text
     assert client.post("/m/hexapod/do/identify", data={"recording": "../a.csv"}).status_code == 400
     assert client.post("/new", data={"name": "--help", "like": "hexapod"}).status_code == 400
+
+
+def test_each_line_of_a_program_has_its_worst_limit():
+    from hexcite.page.stages import Program
+    from hexcite.page.views.program import _lines
+
+    answer = {
+        "program": "folder/run.mpf",
+        "lines": [
+            {"line": 2, "limit": "velocity (x)", "ratio": 0.5, "status": "proven"},
+            {"line": 3, "limit": "jerk (x)", "ratio": 1.0, "status": "NOT enforced"},
+        ],
+    }
+    shown = _lines("G90\nG1 X1\nG1 X2\n", answer, Program("run.mpf", "plan", 0.0))
+    assert [row[0] for row in shown] == [1, 2, 3]
+    assert shown[0][2] == ""
+    assert "velocity (x)" in shown[1][2]
+    assert "50 %" in shown[1][2]
+    assert not shown[1][3]
+    assert "NOT enforced" in shown[2][2]
+    assert shown[2][3]
+    assert all(not row[2] for row in _lines("G90\n", answer, Program("other.mpf", "plan", 0.0)))
