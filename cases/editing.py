@@ -71,6 +71,8 @@ def write_keys(file: Path, writes: Iterable[Write]) -> Rewritten:
     after = deepcopy(before)
     for place, value in writes:
         _set(file, after, tuple(place), value)
+        if value is None:
+            _without_empty(after, tuple(place[:-1]))
     changes = tuple(_changes("", before, after))
     if not changes:
         return Rewritten((), None)
@@ -108,12 +110,26 @@ def _set(file: Path, values: Any, place: tuple[str | int, ...], value: Any) -> N
             raise CaseError(file, placed(place[: k + 1]), "is not in a table there; write it by hand")
         if k < len(place) - 1:
             if there is None:
+                if value is None:
+                    return
                 there = values[part] = {}
             values = there
         elif value is None:
             values.pop(part, None)
         else:
             values[part] = deepcopy(value)
+
+
+def _without_empty(values: Any, place: tuple[str | int, ...]) -> None:
+    """Takes away the tables on a place in which nothing is left."""
+    while place:
+        holder = values
+        for part in place[:-1]:
+            holder = holder.get(part, {}) if isinstance(holder, dict) else holder[part]
+        if not isinstance(holder, dict) or holder.get(place[-1]) != {}:
+            return
+        del holder[place[-1]]
+        place = place[:-1]
 
 
 def placed(place: Iterable[str | int]) -> str:
@@ -156,7 +172,8 @@ def with_values(file: Path, text: str, wanted: Mapping[str, Any]) -> str:
     """
     text = _switched_on(text, wanted)
     before = _parsed(text) or {}
-    edited = _edited(file, text, {key: value for key, value in wanted.items() if before.get(key) != value})
+    keys = [key for key in {**before, **wanted} if before.get(key) != wanted.get(key)]
+    edited = _edited(file, text, {key: wanted.get(key) for key in keys})
     if _parsed(edited) != wanted:
         raise FileProblem(file, "these keys cannot be replaced alone as it is written there", "write them by hand")
     return edited
@@ -279,7 +296,9 @@ def _edited(file: Path, text: str, values: Mapping[str, Any]) -> str:
     try:
         document = tomlkit.parse(plain.replace("\r\n", "\n") if crlf else plain)
         for key, value in values.items():
-            if isinstance(value, Mapping):
+            if value is None:
+                del document[key]
+            elif isinstance(value, Mapping):
                 if key not in document:
                     document[key] = tomlkit.table()
                 _replace(document[key], value)

@@ -230,11 +230,14 @@ def _result(there: Workspace, fields: Fields, name: str = "result") -> str:
 
 
 def _export(context: Context, there: Workspace, fields: Fields) -> Job:
-    from postprocessors.export.targets import TARGETS
+    from postprocessors.export.targets import FRAMES, LINKS, TARGETS
 
     result, target = _result(there, fields), chosen(fields, "to", TARGETS)
     query = f"?result={quote(result)}&to={quote(target)}"
     command = ["export", forms.place(result), "--to", target, "--case", context.machine.argument]
+    frame = chosen(fields, "frame", ("", *FRAMES), "")
+    if frame and target in LINKS:
+        command += ["--frame", frame]
     if field(fields, "preview"):
         return _job(
             context, "use", [*command, "--preview"], about=result, query=query, goto=f"{context.address}/use{query}"
@@ -267,16 +270,20 @@ def _tare(context: Context, there: Workspace, fields: Fields) -> Job:
     result, recording = _result(there, fields), _recording(there, fields)
     output = context.free(f"{result}-tared")
     names = [forms.place(recording), "--parameters", forms.place(result), "--case", context.machine.argument]
-    goto = f"{context.address}/result?result={quote(output)}"
+    goto = f"{context.address}/result?result={quote(output)}&other={quote(result)}"
     query = f"?result={quote(result)}"
-    return _job(context, "use", ["tare", *names, "-o", output], output=output, about=result, query=query, goto=goto)
+    return _job(context, "result", ["tare", *names, "-o", output], output=output, about=result, query=query, goto=goto)
 
 
 def _payload(context: Context, there: Workspace, fields: Fields) -> Job:
     before, after = _result(there, fields, "before"), _result(there, fields, "after")
     command = ["payload", forms.place(before), forms.place(after), "--case", context.machine.argument]
+    for name, (unit, low, high) in REFERENCES.items():
+        if field(fields, f"r.{name}"):
+            value, expanded = forms.number(fields, f"r.{name}", low, high), forms.number(fields, f"U.{name}", 0, high)
+            command.append(f"--reference={name}={value}+-{expanded}{unit}")
     query = f"?result={quote(after)}"
-    return _job(context, "use", command, about=after, query=query, goto=f"{context.address}/use{query}")
+    return _job(context, "result", command, about=after, query=query, goto=f"{context.address}/result{query}#payload")
 
 
 def _pool(context: Context, there: Workspace, fields: Fields) -> Job:
@@ -290,11 +297,94 @@ def _pool(context: Context, there: Workspace, fields: Fields) -> Job:
     return _job(context, "result", command, output=output, goto=goto)
 
 
+REFERENCES: Mapping[str, tuple[str, float, float]] = {
+    "m": ("kg", 0.0, 1e5), "xC": ("mm", -1e5, 1e5), "yC": ("mm", -1e5, 1e5), "zC": ("mm", -1e5, 1e5),
+}  # fmt: skip
+"""Parameters that a payload may be compared in: unit of the form, least and largest value."""
+
+
+def _certificate(context: Context, there: Workspace, fields: Fields) -> Job:
+    result = _result(there, fields)
+    output = context.free(f"{result}-certificate", ".pdf")
+    command = ["certificate", forms.place(result), "--case", context.machine.argument]
+    for name in ("operator", "conditions", "number"):
+        if text := field(fields, name):
+            command.append(f"--{name}={line(name, text)}")
+    query = f"?result={quote(result)}"
+    goto = f"{context.address}/use{query}#certificate"
+    return _job(context, "use", [*command, "-o", output], output=output, about=result, query=query, goto=goto)
+
+
+def line(name: str, text: str) -> str:
+    """A text of one line; raises Unfit for any other."""
+    if len(text) > 500 or not text.isprintable():
+        raise Unfit(f"{name}: is too long, or has control characters")
+    return text
+
+
+def _verify(context: Context, there: Workspace, fields: Fields) -> Job:
+    """`certificate --verify`."""
+    known = [file.name for file in context.root.glob("*.pdf") if file.is_file()]
+    file, result = chosen(fields, "certificate", known), _result(there, fields)
+    query = f"?result={quote(result)}&certificate={quote(file)}"
+    of = ["--result", forms.place(result), "--case", context.machine.argument]
+    goto = f"{context.address}/use{query}#certificate"
+    command = ["certificate", forms.place(file), "--verify", *of]
+    return _job(context, "use", command, about=file, query=query, goto=goto)
+
+
+def _history(context: Context, there: Workspace, fields: Fields) -> Job:
+    """`history` of all results of the machine in the folder."""
+    output = context.free(f"{_name(context)}-history", ".html")
+    names = [forms.place(result.name) for result in there.results]
+    if not names:
+        raise Unfit("results: there is none yet")
+    command = ["history", *names, "--case", _name(context), "-o", output]
+    goto = f"{context.address}/use#history"
+    return _job(context, "use", command, output=output, about="history", goto=goto)
+
+
+LIMITS = (
+    "noise_times", "mass_percent", "path_percent", "duration_percent", "path_error_mm", "deviations.mass_kg",
+    "deviations.centre_of_gravity_mm", "deviations.inertia_kg_m2", "deviations.offset_N", "deviations.offset_Nm",
+    "reference.mass_kg", "reference.mass_U_kg",
+)  # fmt: skip
+"""Keys of `[accept]` that a form states."""
+ISSUED = ("laboratory", "serial_numbers.machine", "serial_numbers.sensors")
+"""Keys of `[certificate]` that a form states."""
+
+
+def state(context: Context, fields: Fields) -> str:
+    """Writes acceptance limits, or what certificates say of the machine, into the case; returns where to go.
+
+    Raises:
+        Unfit: a value cannot be, or the case is built in.
+    """
+    if not context.machine.own:
+        raise Unfit("a built-in case is not changed")
+    writes = list[Write]()
+    for key in LIMITS:
+        if f"accept.{key}" in fields:
+            typed = field(fields, f"accept.{key}")
+            value = float(forms.number(fields, f"accept.{key}", 0, 1e9)) if typed else None
+            writes.append(Write(("accept", *key.split(".")), value))
+    for key in ISSUED:
+        if f"certificate.{key}" in fields:
+            text = line(key, field(fields, f"certificate.{key}"))
+            writes.append(Write(("certificate", *key.split(".")), text or None))
+    try:
+        write_keys(context.machine.file, writes)
+    except HexciteError as error:
+        raise Unfit("; ".join(error.lines)) from error
+    stage = chosen(fields, "stage", ("result", "use"))
+    return f"{context.address}/{stage}?result={quote(field(fields, 'result'))}&stated=1"
+
+
 ACTIONS: Mapping[str, Action] = {
     "check": _check, "box": _box, "plan": _plan, "program": _program, "rehearse": _rehearse, "look": _look,
     "take": _take, "menus": _menus, "identify": _identify, "apply": _apply, "export": _export, "force": _force,
-    "tare": _tare,
-    "payload": _payload, "pool": _pool,
+    "tare": _tare, "payload": _payload, "pool": _pool, "certificate": _certificate, "verify": _verify,
+    "history": _history,
 }  # fmt: skip
 """Name in an address -> what it starts."""
 

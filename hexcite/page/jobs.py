@@ -68,6 +68,12 @@ class Job:
         return self.state in ("done", "failed", "stopped")
 
     @property
+    def arrived(self) -> bool:
+        """Whether what it was started for is there: also where limits that it judges by are exceeded, exit code 1."""
+        judged = self.answer is not None and ("accept" in self.answer or "reference" in self.answer)
+        return self.state == "done" or (self.state == "failed" and judged)
+
+    @property
     def seconds(self) -> float:
         """How long it took, or takes until now."""
         return (self.ended or time.monotonic()) - self.began

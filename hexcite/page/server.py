@@ -32,7 +32,9 @@ from hexcite.page.values import Refused
 
 EVERY = 2.0  # [s] after which a stream shows the clock again
 DOWNLOADS = (
-    RECORDINGS | PROGRAMS | {".json", ".comp", ".st", ".c", ".h", ".dat", ".mod", ".py", ".txt", ".xml", ".toml"}
+    RECORDINGS
+    | PROGRAMS
+    | {".json", ".comp", ".st", ".c", ".h", ".dat", ".mod", ".py", ".txt", ".xml", ".toml", ".pdf", ".html"}
 )
 
 
@@ -72,6 +74,7 @@ def app_of(
         Route("/files/{path:path}", page.download),
         Route("/report/{folder}", page.report),
         Route("/picture/{name}", page.picture),
+        Route("/sheet/{name}", page.sheet),
         Route("/static/{name}", page.static),
     ]
     errors: Any = {Outside: page.lost, HTTPException: page.lost, 404: page.lost, Unfit: page.unfit, Refused: page.unfit}
@@ -144,6 +147,9 @@ class _Page:
             return await self._preview(request, context, fields)
         if name == "save":
             return await self._save(request, context, fields)
+        if name == "state":
+            address = await run_in_threadpool(actions.state, context, fields)
+            return RedirectResponse(address, 303)
         action = actions.ACTIONS.get(name)
         if action is None:
             raise HTTPException(404)
@@ -182,7 +188,7 @@ class _Page:
     async def upload(self, request: Request) -> Response:
         """Takes a file as it comes, onto the disk, under a name that nothing has yet."""
         name = file_name(request.path_params["name"])
-        if Path(name).suffix.lower() not in RECORDINGS | {".urdf"}:
+        if Path(name).suffix.lower() not in RECORDINGS | {".urdf", ".pdf"}:
             return JSONResponse({"error": "suffix"}, 415)
         stated = request.headers.get("content-length", "")
         if stated.isdigit() and int(stated) > MOST_UPLOAD:
@@ -231,7 +237,7 @@ class _Page:
                 changed = job.changed
                 yield _event("panel", json.dumps(self._panel(request, job)))
                 if job.over:
-                    yield _event("over", json.dumps(job.goto if job.state == "done" else ""))
+                    yield _event("over", json.dumps(job.goto if job.arrived else ""))
                     return
                 with suppress(TimeoutError):
                     async with asyncio.timeout(EVERY):
@@ -256,6 +262,13 @@ class _Page:
     async def report(self, request: Request) -> Response:
         """The report of a plan or result, in an origin of its own."""
         return await self._shown(inside(self.root, request.path_params["folder"], "report.html"), "text/html", REPORT)
+
+    async def sheet(self, request: Request) -> Response:
+        """A page that a command wrote beside its table, in an origin of its own."""
+        path = inside(self.root, request.path_params["name"])
+        if path.suffix != ".html":
+            raise HTTPException(404)
+        return await self._shown(path, "text/html", REPORT)
 
     async def picture(self, request: Request) -> Response:
         """A picture that a command drew."""

@@ -56,6 +56,7 @@ SINGLE_FILES: dict[str, Target | LinkTarget] = {
     "sdf": LinkTarget(".xml", simulators.sdf, False, "<inertial>"),
 }
 
+LINKS = tuple(name for name, target in SINGLE_FILES.items() if isinstance(target, LinkTarget))
 TARGETS = ("c", *SINGLE_FILES)
 FRAMES: tuple[FrameName, ...] = ("sensor", "flange")
 

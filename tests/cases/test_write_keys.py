@@ -75,3 +75,12 @@ def test_one_entry_of_a_list_of_tables_is_changed_alone(tmp_path: Path) -> None:
     assert list(after[1].rpy_deg) == turned
     assert (after[0], *after[2:]) == (joints[0], *joints[2:])
     assert comments(file.read_text()) == comments(before)
+
+
+def test_a_table_in_which_nothing_is_left_goes(file: Path) -> None:
+    before = tomllib.loads(file.read_text())
+    write_keys(file, [Write(("accept", "reference", "mass_kg"), 2.0), Write(("accept", "reference", "mass_U_kg"), 0.1)])
+    assert load_case(str(file)).accept is not None
+    keys = [Write(("accept", "reference", key), None) for key in ("mass_kg", "mass_U_kg")]
+    write_keys(file, [*keys, Write(("accept", "deviations", "mass_kg"), None)])
+    assert tomllib.loads(file.read_text()) == before

@@ -67,14 +67,16 @@ for (const input of document.querySelectorAll("input.upload")) {
 }
 
 for (const part of document.querySelectorAll("details[data-frame]")) {
-  part.addEventListener("toggle", () => {
+  const show = () => {
     if (!part.open || part.querySelector("iframe")) return;
     const frame = document.createElement("iframe");
     frame.setAttribute("sandbox", "allow-scripts");
     frame.title = part.querySelector("summary").textContent;
     frame.src = part.dataset.frame;
     part.append(frame);
-  });
+  };
+  part.addEventListener("toggle", show);
+  show();
 }
 
 const form = document.querySelector("form[data-preview]");

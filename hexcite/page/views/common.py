@@ -8,6 +8,7 @@ from typing import Any
 from cases.base.errors import Remedy
 from cases.base.files import toml_value
 from cases.editing import placed
+from identification.estimation.fit import COVERAGE_FACTOR
 from identification.texts import legible, parameter_words, std_text, value_text
 
 MOST_TEXT = 40_000  # characters of a program or export that are shown
@@ -59,10 +60,12 @@ def remedies(stated: Sequence[Remedy]) -> list[dict[str, Any]]:
     ]
 
 
-def parameter(name: str, value: Mapping[str, Any]) -> tuple[str, str, str, str]:
-    """A parameter in words, its value, its deviation and its unit."""
+def parameter(name: str, value: Mapping[str, Any]) -> tuple[str, str, str, str, str]:
+    """A parameter in words, its value, its deviation, its expanded uncertainty (k = 2) and its unit."""
     scale, unit = legible(str(value.get("unit", "")))
     std = max((float(value[key]) for key in ("std", "std_robust") if value.get(key) is not None), default=math.nan)
     if not math.isfinite(std) or std <= 0.0:
-        return parameter_words(name), f"{float(value['value']) * scale:.6g}", "", unit
-    return parameter_words(name), value_text(float(value["value"]) * scale, std * scale), std_text(std * scale), unit
+        return parameter_words(name), f"{float(value['value']) * scale:.6g}", "", "", unit
+    shown = value_text(float(value["value"]) * scale, std * scale)
+    expanded = std_text(COVERAGE_FACTOR * std * scale)
+    return parameter_words(name), shown, std_text(std * scale), expanded, unit

@@ -1,13 +1,20 @@
 """The stage Result: the verdict, and the parameters in words."""
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from hexcite.page.actions import Context, remedies_of
+from cases.base.errors import HexciteError
+from cases.schema import Case
+from hexcite.page.actions import LIMITS, REFERENCES, Context, remedies_of
 from hexcite.page.stages import Made, Workspace
 from hexcite.page.views.common import Query, chosen, parameter, remedies
+from identification.estimation.fit import COVERAGE_FACTOR
 from identification.finding import ABOUT_THE_RUN
+from identification.results.result import Result
+from identification.results.verdicts import Check, Verdict, accept
+from identification.texts import legible, parameter_words, std_text
 
 
 def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
@@ -23,7 +30,127 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         **(about := outcome(result)),
         "remedies": remedies([each for finding in result.record.get("findings", ()) for each in remedies_of(finding)]),
         "written": made.notes if made is not None else (),
+        "stated": query.get("stated") == "1",
+        **_judged(context, result),
+        "budget": _budget(result.record),
+        "channels": _channels(context, result.record),
+        "other": _beside(result, next((each for each in there.results if each.name == query.get("other")), None)),
+        "recordings": there.recordings,
+        **_payload(context, result),
         "again": about["recording"].name if about["recording"].name in names else "",
+    }
+
+
+def _verdict(folder: Path, case: Case | None) -> Verdict | None:
+    if case is None:
+        return None
+    try:
+        return accept(Result.load(folder, case, stale=True))
+    except HexciteError:
+        return None  # there is nothing to judge, or the result is damaged: the command that uses it says so
+
+
+def _judged(context: Context, result: Made) -> dict[str, Any]:
+    """The limits of `[accept]` with what the result has, and the keys of the form that states them."""
+    case = context.machine.case
+    verdict = _verdict(context.root / result.name, case)
+    limits = {} if case is None or case.accept is None else case.accept.model_dump(exclude_unset=True)
+    return {
+        "verdict": None if verdict is None else {"passed": verdict.passed, "unjudged": verdict.unjudged},
+        "checks": [] if verdict is None else [(c.passed, *row[1:]) for c, row in _rows(verdict)],
+        "limits_stated": case is not None and case.accept is not None,
+        "limits_form": [(key, _stated(limits, key)) for key in LIMITS],
+    }
+
+
+def _rows(verdict: Verdict) -> list[tuple[Check, tuple[str, ...]]]:
+    return list(zip(verdict.checks, verdict.rows()[1:], strict=True))
+
+
+def _stated(values: Any, key: str) -> str:
+    """The value of a dotted key as a form shows it."""
+    for part in key.split("."):
+        values = values.get(part) if isinstance(values, Mapping) else None
+    return "" if values is None else f"{values:g}" if isinstance(values, float | int) else str(values)
+
+
+def _budget(record: Mapping[str, Any]) -> dict[str, Any] | None:
+    """Of each parameter the parts of its variance by their causes; None where the case states no tolerances."""
+    budget = record.get("budget") or {}
+    if not budget:
+        return None
+    kinds = list(next(iter(budget.values())))
+    rows = []
+    for name, parts in budget.items():
+        power = [float(parts[kind] or 0.0) ** 2 for kind in kinds]
+        total = sum(power)
+        if total <= 0.0:
+            continue
+        scale, unit = legible(str((record.get("parameters", {}).get(name) or {}).get("unit", "")))
+        bars, begin = [], 0.0
+        for k, share in enumerate(each / total for each in power):
+            bars.append((k % 8, f"{200 * begin:.1f}", f"{200 * share:.1f}", kinds[k], f"{100 * share:.0f}"))
+            begin += share
+        largest = max(range(len(kinds)), key=lambda k: power[k])
+        rows.append(
+            {
+                "words": parameter_words(name),
+                "bars": [bar for bar in bars if bar[4] != "0"],
+                "largest": kinds[largest],
+                "share": f"{100 * power[largest] / total:.0f}",
+                "cells": [std_text(float(parts[kind]) * scale) if parts[kind] else "" for kind in kinds],
+                "unit": unit,
+            }
+        )
+    return {"kinds": kinds, "rows": rows}
+
+
+def _channels(context: Context, record: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
+    """Of each channel: rms residual, noise by the residuals, stated noise."""
+    case, rms = context.machine.case, record.get("residual_rms")
+    if case is None or not isinstance(rms, list):
+        return []
+    noise = record.get("channel_noise") or {}
+    names = [case.recording.file_name(name) for name in case.sensor_frame.channels]
+    columns = [rms, *(noise.get(key) or [None] * len(rms) for key in ("measured", "stated"))]
+    if any(len(column) != len(names) for column in columns):
+        return []
+    return [
+        (name, *("" if v is None else f"{float(v):.3g}" for v in cells))
+        for name, *cells in zip(names, *columns, strict=True)
+    ]
+
+
+def _beside(result: Made, other: Made | None) -> dict[str, Any] | None:
+    """Another result beside this one: values, difference, and the difference over the root of both squared U."""
+    if other is None or other.name == result.name:
+        return None
+    rows = []
+    for name, value in result.record.get("parameters", {}).items():
+        before = other.record.get("parameters", {}).get(name)
+        if not before:
+            continue
+        words, now, _, _, unit = parameter(name, value)
+        scale = legible(str(value.get("unit", "")))[0]
+        off = float(value["value"]) - float(before["value"])
+        both = math.hypot(*(COVERAGE_FACTOR * max(float(v["std"]), float(v["std_robust"])) for v in (value, before)))
+        apart = f"{abs(off) / both:.2g}" if both > 0.0 else "–"
+        rows.append((words, parameter(name, before)[1], now, f"{off * scale:+.3g}", unit, apart))
+    return {"name": other.name, "rows": rows}
+
+
+def _payload(context: Context, result: Made) -> dict[str, Any]:
+    """What the latest payload of this result was."""
+    job = context.jobs.latest(context.machine.key, "payload", result.name)
+    answer = job.answer if job is not None and job.arrived and job.answer is not None else {}
+    reference = answer.get("reference") or {}
+    return {
+        "payload": [parameter(name, value) for name, value in (answer.get("parameters") or {}).items()],
+        "payload_checks": [
+            (c["passed"], c["check"], f"{c['value']:.3g}", f"{c.get('at_most', 1.0):.3g}")
+            for c in reference.get("checks", ())
+        ],
+        "references": [(name, unit) for name, (unit, _, _) in REFERENCES.items()],
     }
 
 

@@ -1,28 +1,54 @@
 """The stage Use: exports, forces, tare and payload."""
 
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
+from cases.certificate import CertificateOf
 from hexcite.page.actions import Context
 from hexcite.page.stages import Made, Workspace
 from hexcite.page.views.common import Query, beginning, chosen, parameter
 from hexcite.page.views.result import outcome
+from identification.texts import parameter_words
+
+BODY = ("m", "xC", "yC", "zC")  # parameters of a history that are shown on the stage
+
+
+def _history(answer: Mapping[str, Any]) -> dict[str, Any]:
+    """Results of the machine in the order of time: body and offsets in a table, the page with their curves."""
+    results = list(answer.get("results", ()))
+    names = list(dict.fromkeys(name for each in results for name in each["parameters"] if name in BODY))
+    rows = []
+    for each in results:
+        cells = []
+        for name in names:
+            value = each["parameters"].get(name)
+            _, shown, std, _, unit = parameter(name, value) if value else ("", "", "", "", "")
+            cells.append(f"{shown} ± {std} {unit}" if std else f"{shown} {unit}".strip())
+        when, folder = str(each["when"])[:16].replace("T", " "), Path(str(each["result"])).parent.name
+        rows.append((when, folder, f"{each['payload_kg']:g}", cells))
+    return {"report": answer["report"], "heads": [parameter_words(name) for name in names], "rows": rows}
 
 
 def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     """What the stage Use shows of a machine, for its template."""
-    from postprocessors.export.targets import SINGLE_FILES, TARGETS
+    from postprocessors.export.targets import FRAMES, LINKS, SINGLE_FILES, TARGETS
 
     result: Made | None = chosen(there.results, query.get("result"))
     latest = {
         word: context.jobs.latest(context.machine.key, word, result.name) if result is not None else None
-        for word in ("export", "force", "tare", "payload")
+        for word in ("export", "force", "certificate")
     }
     answers = {word: job.answer if job is not None and job.state == "done" else None for word, job in latest.items()}
     export = answers["export"] or {}
     shown = dict(export.get("texts") or {})
     for file in export.get("files") or ():
         shown[file] = beginning(context.root / file)[0]
-    payload = (answers["payload"] or {}).get("parameters") or {}
+    pdf = query.get("certificate", "")
+    verified = context.jobs.latest(context.machine.key, "certificate", pdf) if pdf else None
+    past = context.jobs.latest(context.machine.key, "history", "history")
+    case = context.machine.case
+    about = case.certificate if case is not None and case.certificate is not None else CertificateOf()
     force = answers["force"] or {}
     return {
         "results": there.results,
@@ -35,5 +61,14 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "files": export.get("files") or (),
         "force": force,
         "force_rows": [(n, f"{v:.4g}", f"{force['peak'][n]:.4g}") for n, v in (force.get("rms") or {}).items()],
-        "payload": [parameter(name, value) for name, value in payload.items()],
+        "frames": FRAMES,
+        "links": LINKS,
+        "certificate": (answers["certificate"] or {}).get("certificate", ""),
+        "certificates": sorted(file.name for file in context.root.glob("*.pdf") if file.is_file()),
+        "pdf": pdf,
+        "verified": verified,
+        "about": about,
+        "serials": about.serial_numbers or {},
+        "stated": query.get("stated") == "1",
+        "history": _history(past.answer) if past is not None and past.state == "done" and past.answer else None,
     }

@@ -1,0 +1,126 @@
+"""The stages Result and Use show what a result says, write limits and what certificates say, and ask commands."""
+
+from pathlib import Path
+
+import pytest
+from starlette.testclient import TestClient
+
+import hexcite as hx
+from cases.scaffold import new_case
+from cases.schema import load_case
+from cases.tables import built_in_cases
+from hexcite.page import actions
+from hexcite.page.actions import Context
+from hexcite.page.forms import Fields, Unfit
+from hexcite.page.jobs import Job
+from hexcite.page.stages import machine_of
+
+
+class NoJobs:
+    """Nothing is under way."""
+
+    outputs = frozenset[str]()
+
+    def latest(self, *of: str) -> None:
+        """None."""
+
+
+@pytest.fixture(scope="module")
+def calibrated(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a machine that states tolerances, and the result of a rehearsal."""
+    root = tmp_path_factory.mktemp("calibrated")
+    file = new_case("mill", "hexapod", root / "mill")
+    file.write_text(file.read_text() + "\n[tolerances]\njoints_mm = 0.02\ngain_percent = 0.1\n")
+    case = load_case(str(file))
+    plan = hx.plan(case, hx.Manual(sequence=built_in_cases()["hexapod"].parent / "manual.toml"))
+    plan.save(root / "plan")
+    program = hx.write(plan, "sinumerik", file=root / "made.mpf")
+    program.save(root / "made.mpf")
+    run = hx.run(program, case, on="virtual", seed=1)
+    run.save(root / "rec")
+    hx.identify(hx.Recording.load(root / "rec", case)).save(root / "res")
+    return root
+
+
+@pytest.fixture
+def root(calibrated: Path) -> Path:
+    return calibrated
+
+
+def asked(root: Path, action: str, **fields: str) -> Job:
+    machine = machine_of(root, "+mill")
+    assert machine is not None
+    context = Context(root, machine, NoJobs())  # type: ignore[arg-type]
+    typed: Fields = {name.replace("__", "."): [value] for name, value in fields.items()}
+    return actions.asked(actions.ACTIONS[action], context, typed)
+
+
+def test_limits_are_judged_and_stated(client: TestClient, root: Path) -> None:
+    page = client.get("/m/+mill/result?result=res").text
+    assert "PASS" in page
+    assert "U (k=2)" in page
+    assert 'class="stack"' in page
+    file = root / "mill" / "case.toml"
+    before = file.read_text()
+    form = {"stage": "result", "result": "res", "accept.deviations.mass_kg": "1e-6", "accept.noise_times": "1,7"}
+    assert client.post("/m/+mill/do/state", data=form).status_code == 303
+    stated = load_case(str(file)).accept
+    assert stated is not None
+    assert stated.noise_times == 1.7
+    page = client.get("/m/+mill/result?result=res").text
+    assert "Acceptance: FAIL" in page
+    assert "Out of date" not in page
+    wrong = form | {"accept.reference.mass_kg": "2"}  # without its uncertainty
+    answer = client.post("/m/+mill/do/state", data=wrong)
+    assert answer.status_code == 400
+    assert "mass_U_kg" in answer.text
+    form = {name: "" for name in (*form, "accept.deviations.mass_kg") if name.startswith("accept")}
+    assert client.post("/m/+mill/do/state", data=form | {"stage": "result", "result": "res"}).status_code == 303
+    assert load_case(str(file)).accept is None
+    assert file.read_text().strip() == before.strip()
+    assert client.post("/m/hexapod/do/state", data=form).status_code == 400
+
+
+def test_certificates_and_their_texts(client: TestClient, root: Path) -> None:
+    name = '<script>alert("Müller")</script>'
+    form = {"stage": "use", "result": "res", "certificate.laboratory": name, "certificate.serial_numbers.machine": "7"}
+    assert client.post("/m/+mill/do/state", data=form).status_code == 303
+    about = load_case(str(root / "mill" / "case.toml")).certificate
+    assert about is not None
+    assert about.laboratory == name
+    page = client.get("/m/+mill/use?result=res").text
+    assert "<script>alert" not in page
+    assert "&lt;script&gt;alert" in page
+    with pytest.raises(Unfit, match="operator"):
+        asked(root, "certificate", result="res", operator="a\x00b")
+    job = asked(root, "certificate", result="res", operator="--json", number="7")
+    assert job.command == (
+        "certificate", "res", "--case", "mill/case.toml", "--operator=--json", "--number=7", "-o", "res-certificate.pdf"
+    )  # fmt: skip
+    with pytest.raises(Unfit, match="certificate"):
+        asked(root, "verify", result="res", certificate="../x.pdf")
+    (root / "x.pdf").write_bytes(b"%PDF-1.4")
+    assert asked(root, "verify", result="res", certificate="x.pdf").command[:3] == ("certificate", "x.pdf", "--verify")
+
+
+def test_payloads_exports_and_history_become_commands(root: Path) -> None:
+    payload = asked(root, "payload", before="res", after="res", r__m="19,93", U__m="0.01")
+    assert payload.command[-1] == "--reference=m=19.93+-0.01kg"
+    with pytest.raises(Unfit, match="not a number"):
+        asked(root, "payload", before="res", after="res", r__m="19,93")
+    export = asked(root, "export", result="res", to="urdf", frame="flange", preview="1")
+    assert export.command[-3:] == ("--frame", "flange", "--preview")
+    assert "--frame" not in asked(root, "export", result="res", to="c", frame="flange").command
+    assert asked(root, "history").command[:2] == ("history", "res")
+
+
+def test_a_result_beside_itself_and_another(client: TestClient, root: Path) -> None:
+    assert "E_n" not in client.get("/m/+mill/result?result=res&other=res").text
+    assert client.get("/m/+mill/result?result=res&other=../x").status_code == 200
+    case = load_case(str(root / "mill" / "case.toml"))
+    lines = (root / "rec" / "recording.csv").read_text().splitlines(keepends=True)
+    (root / "still.csv").write_text("".join(lines[:400]))
+    still = hx.Recording.load(root / "still.csv", case)
+    hx.tare(still, hx.Result.load(root / "res", case, stale=True)).save(root / "tared")
+    page = client.get("/m/+mill/result?result=tared&other=res").text
+    assert '<th scope="col">E_n</th>' in page
