@@ -1,11 +1,14 @@
 """The proof of a program knows the worst limit of its lines."""
 
+import pytest
+
 import hexcite as hx
 
 
+@pytest.mark.slow
 def test_the_worst_of_all_lines_is_the_worst_of_the_program():
     case = hx.load_case("hexapod")
-    plan = hx.plan(case, hx.PointToPoint(moves=6), duration=4.0, starts=1, workers=1, seed=1)
+    plan = hx.plan(case, hx.PointToPoint(moves=12), duration=6.0, starts=1, workers=1, seed=1)
     proof = hx.write(plan, "sinumerik").proof
     lines = [check.line for check in proof.of_lines]
     assert lines == sorted({*lines})
