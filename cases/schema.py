@@ -4,14 +4,14 @@ import hashlib
 import json
 import logging
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from itertools import accumulate
 from pathlib import Path
-from typing import Annotated, Literal, NoReturn
+from typing import Annotated, Any, Literal, NoReturn
 
 import numpy as np
-from pydantic import PrivateAttr, field_validator, model_validator
+from pydantic import ModelWrapValidatorHandler, PrivateAttr, field_validator, model_validator
 
 from cases import doubts
 from cases.acceptance import Acceptance
@@ -22,6 +22,7 @@ from cases.bounds import Bounds
 from cases.certificate import CertificateOf
 from cases.chain import Box, Chain, JointMotionLimits, Limits, SerialMachine, joint_problems
 from cases.controller import Controller, ControllerName, Settings, Sinumerik, TwinCat
+from cases.earlier import LEFT, earlier_keys, without_earlier_keys
 from cases.machine import HexapodMachine, MotionLimits, Workspace, box_problems, turned
 from cases.poses import Poses
 from cases.recording_format import STRUTS, RecordingFormat
@@ -104,6 +105,7 @@ class Case(Heading):
     """Known weights, for a validation."""
 
     _origin: str = PrivateAttr("")
+    _earlier: tuple[doubts.Doubt, ...] = PrivateAttr(())
 
     @property
     def origin(self) -> str:
@@ -142,6 +144,15 @@ class Case(Heading):
     __str__ = __repr__
 
     _repr_html_ = as_html
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _of_any_version(cls, data: Any, read: ModelWrapValidatorHandler["Case"]) -> "Case":
+        if not isinstance(data, Mapping) or not (stated := earlier_keys(data)):
+            return read(data)
+        case = read(without_earlier_keys(data))
+        case._earlier = tuple(doubts.Doubt(f"{key}, which {LEFT[key]}; delete the line", [key]) for key in stated)
+        return case
 
     @model_validator(mode="after")
     def _consistent(self) -> "Case":
@@ -251,7 +262,10 @@ class Case(Heading):
 
     @cached_property
     def doubts(self) -> tuple[doubts.Doubt, ...]:
-        """Sentences on values that contradict others of the case, or that no machine has; see `cases.doubts`."""
+        """Sentences on values that contradict others of the case, or that no machine has; see `cases.doubts`.
+
+        Keys of earlier versions, which do nothing, are named first.
+        """
         motion, chain, frame = None if self.limits is None else self.limits.motion, self.chain, self.sensor_frame
         found = list(doubts.of_geometry(self.hexapod, frame, self.workspace))
         if isinstance(motion, MotionLimits):
@@ -260,7 +274,7 @@ class Case(Heading):
             found += doubts.of_chain(chain, motion)
         carried = doubts.Carried(dict(self._bodies()), self._size, frame, self.gravity, self._turns())
         found += doubts.of_loads(carried, self.sensors)
-        return (*found, *doubts.of_times({key: self._stated(key) for key in doubts.TIMES}))
+        return (*self._earlier, *found, *doubts.of_times({key: self._stated(key) for key in doubts.TIMES}))
 
     def _bodies(self) -> Iterator[tuple[str, RigidBody]]:
         """Bodies of the case with their tables."""
