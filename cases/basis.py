@@ -17,7 +17,10 @@ _PLAN = (*_BOUND, "sensors", "nominal", "payloads")
 _RESULT = (*_MACHINE, "sensors", "recording", "tolerances", "bounds")
 _OF_PLANS = ("sensors.pose_error_N", "sensors.pose_error_length_mm")  # results find them, and do without them
 # A plan states the rate that its predictions assume; what is handed to a robot is computed when it is.
-_NOT_COMPUTED_WITH = ("recording.rate_Hz", "machine.chain.flange", "sensor_frame.transducer.flange")
+_NOT_COMPUTED_WITH = (
+    "recording.rate_Hz", "machine.chain.flange", "machine.chain.tcp", "sensor_frame.transducer.flange",
+    "sensor_frame.transducer.tcp",
+)  # fmt: skip
 _SHOWN = 60  # characters of a value
 
 

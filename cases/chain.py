@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from cases.base.units import DEG, MM, Array
-from cases.machine import Frame, KeepOut, MotionLimits, Tool, Workspace
+from cases.machine import Frame, KeepOut, MotionLimits, Tool, Workspace, require_flange
 from cases.sensors import RigidBody
 from cases.tables import NonNegative, Number, Part, Positive, Range, Vector, frozen, kind_of, own_units, spelled
 
@@ -126,12 +126,19 @@ class Chain(Part):
     """The sensor frame {P} in the last joint's moved frame."""
     flange: Frame | None = None
     """The robot's flange in the same frame, as its controller counts it: payloads are handed to the robot in it."""
+    tcp: Frame | None = None
+    """The frame of the robot's tool in the flange, as its controller states a TCP: results can be had in it."""
     base: tuple[Tool, ...] = ()
     """Round bodies that stand, in {B}: a pedestal."""
     tool: tuple[Tool, ...] = ()
     """Round bodies behind the sensor, in {P}: tool and workpiece."""
     keep_out: tuple[KeepOut, ...] = ()
     """Boxes in {B} that neither links nor tool may enter: floor, table, neighbour."""
+
+    @model_validator(mode="after")
+    def _tcp_in_flange(self) -> "Chain":
+        require_flange(self.flange, self.tcp)
+        return self
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -56,6 +56,12 @@ class Frame(Part):
         return place
 
 
+def require_flange(flange: Frame | None, tcp: Frame | None) -> None:
+    """Raises ValueError where a robot's tool is stated without the flange that it is counted from."""
+    if tcp is not None and flange is None:
+        raise ValueError("tcp lies in the flange, which is not stated; add flange = { origin_mm = [0.0, 0.0, 0.0] }")
+
+
 WORST_CONDITION = 1e3  # of six lines, moments divided by the size: beyond it errors are amplified a thousandfold
 
 

@@ -23,7 +23,7 @@ from cases.certificate import CertificateOf
 from cases.chain import Box, Chain, JointMotionLimits, Limits, SerialMachine, joint_problems
 from cases.controller import Controller, ControllerName, Settings, Sinumerik, TwinCat
 from cases.earlier import LEFT, earlier_keys, without_earlier_keys
-from cases.machine import HexapodMachine, MotionLimits, Workspace, box_problems, turned
+from cases.machine import Frame, HexapodMachine, MotionLimits, Workspace, box_problems, turned
 from cases.poses import Poses
 from cases.recording_format import STRUTS, RecordingFormat
 from cases.sensors import Payloads, RigidBody, SensorFrame, Sensors, Simulation, together
@@ -225,8 +225,10 @@ class Case(Heading):
                 'setup "R", and machine.chain, go with a force/torque sensor: write setup = "R" and '
                 "[sensor_frame.transducer], or the setup of the bars"
             )
-        if self.chain is not None and frame.transducer is not None and frame.transducer.flange is not None:
-            yield "sensor_frame.transducer.flange is for cases without a chain; state it as machine.chain.flange"
+        transducer = frame.transducer
+        for key in ("flange", "tcp"):
+            if self.chain is not None and transducer is not None and getattr(transducer, key) is not None:
+                yield f"sensor_frame.transducer.{key} is for cases without a chain; state it as machine.chain.{key}"
         if frame.struts is not None and sensors.acceleration_noise is not None:
             yield "sensors: noise of accelerations is not counted yet where sensors sit in struts; remove it"
         if (sensors.moment_noise_Nm is not None) != (frame.has_moments and sensors.force_noise_N is not None):
@@ -386,6 +388,12 @@ class Case(Heading):
             transducer = self.sensor_frame.transducer
             flange, sensor = None if transducer is None else transducer.flange, np.eye(4)
         return None if flange is None else frozen(np.linalg.solve(flange.place, sensor))
+
+    @property
+    def tcp(self) -> Frame | None:
+        """The frame of the robot's tool in its flange; None where the case states none."""
+        mounted = self.sensor_frame.transducer if self.chain is None else self.chain
+        return None if mounted is None else mounted.tcp
 
     def need_flange(self, purpose: str) -> Array:
         """As `in_flange`; raises CaseError where the case states no flange."""

@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from cases.base.units import DEG, MM, Array
-from cases.machine import Frame, Joints, require_spanning
+from cases.machine import Frame, Joints, require_flange, require_spanning
 from cases.recording_format import BAR_FORCES, WRENCH
 from cases.tables import NonNegative, Number, Part, Positive, Six, Text, Vector, frozen, si, si_value
 
@@ -85,6 +85,13 @@ class Transducer(Part):
     """Which force a positive reading means: that of the load on the sensor, or its reaction."""
     flange: Frame | None = None
     """The robot's flange in {P}, as its controller counts it; of a chain, `machine.chain.flange` states it."""
+    tcp: Frame | None = None
+    """The frame of the robot's tool in the flange; of a chain, `machine.chain.tcp` states it."""
+
+    @model_validator(mode="after")
+    def _tcp_in_flange(self) -> "Transducer":
+        require_flange(self.flange, self.tcp)
+        return self
 
 
 class StrutSensors(Part):

@@ -408,8 +408,9 @@ def fitted_with_sizes(
         if told is None:
             break
         if told.settled:
+            findings = tuple(findings_of(told, case, joint.fitted))
             joint = joint._replace(fitted=told.allowed_for(joint.fitted))
-            return Joint(joint, edited, told, tuple(findings_of(told, case)))
+            return Joint(joint, edited, told, findings)
     sentence = "what the residuals show of the sizes in [tolerances] did not settle: they are not estimated beside"
     return Joint(plain, case, None, (note(Kind.CASE, f"{sentence} the parameters"),))
 

@@ -75,6 +75,7 @@ def identify(
         Path | None, option("Plan of poses: average the run's standstills, which must be those of this plan.")
     ] = None,
     standstills: Annotated[bool, option("Average the run's standstills, wherever they are.", "--standstills")] = False,
+    frame: console.InFrame = None,
     verify: Annotated[Path | None, option("Predict this second run with the parameters of the first.")] = None,
     output: Annotated[Path | None, out("Folder to write; RECORDING-result by default.")] = None,
     stale: console.Stale = False,
@@ -90,6 +91,7 @@ def identify(
     from identification.recording.formats.reading import files_of
     from identification.recording.formats.table import require_file
     from identification.recording.recording import record_of
+    from identification.results.frames import frame_named, place_of
     from planner.plans.at_hand import plans_at_hand
 
     if verify is not None:
@@ -101,6 +103,8 @@ def identify(
         own = named.case if named is not None and record_of(recordings[0]) is None else None
         run = hx.Recording.load(recordings, own if case is None else hx.load_case(case), stale)
         assert run.case is not None  # it was read with one
+        if frame is not None:
+            place_of(run.case, frame)  # before anything is computed
         planned = None
         if poses is not None:
             posed = hx.Plan.load(poses, run.case, stale=True)  # of a plan of poses only these are wanted
@@ -127,6 +131,7 @@ def identify(
         )
         if choice is not None:
             result = result.chosen_among(choice.to_json())
+        body = None if frame is None else result.in_frame(frame_named(frame))
         console.save_with_page(result, RESULT, folder, overwrite)
     answer = answer_of_result(result, folder)
     verdict = None if result.case.accept is None else hx.accept(result)
@@ -135,6 +140,9 @@ def identify(
         answer["accept"] = verdict.to_json()
         texts.append(verdict)
     texts.append(result)
+    if body is not None:
+        answer["in_frame"] = body.to_json()
+        texts.append(body)
     if choice is not None:
         texts.append(choice)
     if verify is not None:

@@ -1,7 +1,7 @@
 """`hexcite pool`, `history`, `accept` and `certificate`: results together, over time, judged, and signed for."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -14,6 +14,7 @@ from hexcite.cli.console import argument, option, out
 def pool(
     results: Annotated[list[Path], argument("Result folders of runs of the same machine with the same load.")],
     case: console.OwnCase = None,
+    frame: console.InFrame = None,
     output: Annotated[Path | None, out("Result folder to write; pooled by default.")] = None,
     stale: console.Stale = False,
     overwrite: console.Overwrite = False,
@@ -28,9 +29,17 @@ def pool(
     check_folder(folder, RESULT, results, overwrite)
     named = None if case is None else hx.load_case(case)
     pooled = hx.pool([hx.Result.load(result, named, stale) for result in results])
+    texts: list[object] = [f"result written: {folder}, with its report {folder}/report.html", pooled]
+    stated: dict[str, Any] = {}
+    if frame is not None:
+        from identification.results.frames import frame_named
+
+        body = pooled.in_frame(frame_named(frame))
+        stated["in_frame"] = body.to_json()
+        texts.append(body)
     console.save_with_page(pooled, RESULT, folder, overwrite)
-    answer = {"result": str(folder), "report": str(folder / "report.html"), **pooled.record.to_json()}
-    console.answered(answer, json, f"result written: {folder}, with its report {folder}/report.html", pooled)
+    answer = {"result": str(folder), "report": str(folder / "report.html"), **pooled.record.to_json(), **stated}
+    console.answered(answer, json, *texts)
 
 
 def history(

@@ -7,7 +7,7 @@ import typer
 
 import hexcite as hx
 from cases.base.files import RESULT, check_file, check_folder, output_place
-from hexcite.cli.console import Json, Overwrite, OwnCase, Stale, answered, argument, option, out
+from hexcite.cli.console import InFrame, Json, Overwrite, OwnCase, Stale, answered, argument, option, out
 
 
 def export(
@@ -23,7 +23,12 @@ def export(
     ],
     case: OwnCase = None,
     frame: Annotated[
-        str | None, option("Of urdf, mjcf and sdf: count from the sensor (default) or the flange.", "--frame")
+        str | None,
+        option(
+            "Of urdf, mjcf, sdf and table: count from the sensor (default of links), the robot's flange (of the "
+            "table), its tool (TCP), or along the axes of the base.",
+            "--frame",
+        ),
     ] = None,
     preview: Annotated[bool, option("Print what would be written, and write nothing.", "--preview")] = False,
     force: Annotated[bool, option("Export a result with warnings; they are written into the file.", "--force")] = False,
@@ -56,6 +61,7 @@ def force(
     ],
     parameters: Parameters,
     case: OwnCase = None,
+    frame: InFrame = None,
     output: Annotated[Path | None, out("CSV file to write; RECORDING-force.csv by default.")] = None,
     stale: Stale = False,
     overwrite: Overwrite = False,
@@ -66,17 +72,20 @@ def force(
     A table by the recorder's clock, and beside it a page with the curves.
     """
     from cases.recording_format import WRENCH
+    from identification.results.frames import frame_named
 
     file = output_place(output, Path(f"{recordings[0].resolve().stem}-force.csv"), overwrite)
     inputs = [path for place in recordings for path in (place, *(place.glob("*") if place.is_dir() else ()))]
     check_file(file, [".csv"], inputs, overwrite)
     check_file(page := file.with_suffix(".html"), [".html"], inputs, overwrite)
-    result = hx.force(*_read(recordings, parameters, case, stale))
+    in_frame = frame_named(frame or "sensor")
+    result = hx.force(*_read(recordings, parameters, case, stale), frame=in_frame)
     result.save(file, overwrite)
     hx.report(result, page)
     answer: dict[str, Any] = {
         "force": str(file),
         "report": str(page),
+        "frame": in_frame,
         "samples": len(result.t),
         "rms": {name: float(v) for name, v in zip(WRENCH, result.rms, strict=True)},
         "peak": {name: float(v) for name, v in zip(WRENCH, result.peak, strict=True)},
@@ -126,6 +135,7 @@ def payload(
         option("A value that it should have, with its expanded uncertainty (k = 2): m=19.93+-0.01kg. Repeatable."),
     ] = None,
     case: OwnCase = None,
+    frame: InFrame = None,
     stale: Stale = False,
     json: Json = False,
 ) -> None:
@@ -141,6 +151,12 @@ def payload(
         "warnings": list(found.warnings),
     }
     texts: list[object] = [found]
+    if frame is not None:
+        from identification.results.frames import frame_named
+
+        body = found.in_frame(frame_named(frame))
+        answer["in_frame"] = body.to_json()
+        texts.append(body)
     verdict = None
     if reference:
         from hexcite.cli.method_options import verdict_of_references

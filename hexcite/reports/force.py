@@ -8,8 +8,8 @@ from identification.results.force import ExternalForce, on_clock
 from identification.texts import value_text
 
 _GROUPS = (
-    ("force", "External force on the load, along the axes of {P}.", slice(0, 3), "N"),
-    ("moment", "External moment about the origin of {P}.", slice(3, 6), "N m"),
+    ("force", "External force on the load, frame: {}.", slice(0, 3), "N"),
+    ("moment", "External moment about the origin of the frame: {}.", slice(3, 6), "N m"),
 )
 
 
@@ -18,7 +18,13 @@ def force_charts(force: ExternalForce) -> list[Chart]:
     still = force.origin is None
     x = Axis("standstill" if still else "time [s]")
     return [
-        Chart(name, words, lines(force.t, force.wrench[:, own], "xyz", dots=still), x, Axis(f"{name} [{unit}]"))
+        Chart(
+            name,
+            words.format(force.frame),
+            lines(force.t, force.wrench[:, own], "xyz", dots=still),
+            x,
+            Axis(f"{name} [{unit}]"),
+        )
         for name, words, own, unit in _GROUPS
     ]
 

@@ -18,6 +18,7 @@ from hexcite.reports.page import Block, Head, note, page, section, table, tiles
 from identification.findings.noise_level import noise_of_channels, stated_noise
 from identification.model_choice import figures_of, table_3
 from identification.recording.record import RunOrigin
+from identification.results.frames import FrameName
 from identification.results.result import Result, physical_rows, pooled_rows, scatter_rows, treatment_rows
 from identification.results.verdicts import accept
 from identification.signals import Residuals
@@ -42,6 +43,8 @@ def identify_page(result: Result) -> str:
         unjudged = (note(f"Not judged: {'; '.join(verdict.unjudged)}."),) if verdict.unjudged else ()
         sections.append(section(f"Verdict: {verdict.word}", table(columns, rows, left=2), *unjudged))
     sections.append(section("Parameters with standard deviations", _headline(result), *parameter_blocks(result)))
+    if in_frames := frame_blocks(result):
+        sections.append(section("The load at the robot's flange", *in_frames))
     if record.treatment is not None:
         (columns, *rows), words = treatment_rows(record.treatment), record.treatment["words"]
         text = f"Evaluated: {words}. Differences are shares of the default's deviations."
@@ -171,6 +174,21 @@ def parameter_blocks(result: Result) -> tuple[Block, ...]:
         *_budget(result),
         *map(note, [*([] if delay is None else [delay]), *result.notes]),
     )
+
+
+def frame_blocks(result: Result) -> tuple[Block, ...]:
+    """Tables of the load in the frames of the robot that the case states; none where it states none."""
+    case = result.case
+    if case.in_flange is None or "m" not in result.parameters:
+        return ()
+    blocks: list[Block] = []
+    frames: tuple[FrameName, ...] = ("flange",) if case.tcp is None else ("flange", "tool")
+    for frame in frames:
+        body = result.in_frame(frame)
+        rows = [(*value_cells(name, value)[:4], legible(value.unit)[1]) for name, value in body.parameters.items()]
+        blocks.append(note(f"About and along the axes of {body.place.words}:"))
+        blocks.append(table(("parameter", "value", "±", "U (k = 2)", "unit"), rows))
+    return tuple(blocks)
 
 
 def _budget(result: Result) -> tuple[Block, ...]:

@@ -7,7 +7,7 @@ import numpy as np
 from cases.base.units import MM
 from cases.machine import KeepOut, turned
 from cases.schema import Case
-from hexcite.reports.scene import tool_outlines
+from hexcite.reports.scene import frames_at_sensor, tool_outlines
 from identification.limits.chain import chain_frames
 from identification.motion.motion import Array, StandingPoses
 
@@ -15,6 +15,8 @@ Lines = dict[str, tuple[str, Iterable[Array]]]
 """Entry of the legend -> colour, and lines of points, shapes (n, 3) [mm]."""
 Labels = list[tuple[Array, str]]
 """Places, shape (3,) or (2,) [mm], and what is written there."""
+AXIS = 0.08  # length of an axis, as a share of the machine's size
+AXIS_COLOURS = ("tab:red", "tab:green", "tab:blue")
 SAME_PLACE = 0.01  # of the machine's size, within which labels are written as one
 
 
@@ -71,4 +73,13 @@ def _chain(case: Case) -> tuple[Lines, Labels, tuple[KeepOut, ...]]:
     ):
         outlines = [(frame, line) for frame, bodies in owners for line in tool_outlines(bodies)]
         lines[name] = colour, [line @ frame[:3, :3].T + frame[:3, 3] / MM for frame, line in outlines]
-    return lines, list(zip(origins[1:], (*chain.names, "sensor"), strict=False)), chain.keep_out
+    labels = list(zip(origins[1:], chain.names, strict=False))
+    size = AXIS * float(np.ptp(origins, axis=0).max())
+    for name, place in frames_at_sensor(case):
+        frame = frames[-1] @ place
+        origin, ends = frame[:3, 3] / MM, frame[:3, 3] / MM + size * frame[:3, :3].T
+        labels.append((origin, name))
+        for k, (axis, colour) in enumerate(zip("xyz", AXIS_COLOURS, strict=True)):
+            entry = f"{axis} of sensor, flange, tool"
+            lines[entry] = colour, [*lines.get(entry, ("", ()))[1], np.stack([origin, ends[k]])]
+    return lines, labels, chain.keep_out

@@ -171,10 +171,23 @@ def _chain(case: Case, motion: Motion) -> tuple[Array, tuple[Part, ...]]:
     if chain.tool:
         parts.append(Part("tools", tuple(_still(tool_outlines(chain.tool), last)), 7.0, COLOURS[5]))
     size = 0.08 * float(np.ptp(np.concatenate([place[:, :3, 3] for place in places]), axis=0).max()) / MM
-    axes = [(np.outer([0.0, size], axis), (last, last)) for axis in np.eye(3)]
-    parts.append(Part("axes of the sensor", tuple(axes), 3.0, COLOURS[4]))
+    for k, (name, place) in enumerate(frames_at_sensor(case)):
+        origin, turn = place[:3, 3] / MM, place[:3, :3]
+        axes = [(np.stack([origin, origin + size * axis]), (last, last)) for axis in turn.T]
+        parts.append(Part(f"axes of the {name}", tuple(axes), 3.0, COLOURS[(4 + k) % len(COLOURS)]))
     parts.append(Part("origin of {P}", tuple(_still([np.zeros((1, 3))], last)), 4.0, COLOURS[2], in_legend=False))
     return _rows(places), tuple(parts)
+
+
+def frames_at_sensor(case: Case) -> tuple[tuple[str, Array], ...]:
+    """Frames behind the last joint of a chain by their names, in {P}: axes and origin, shapes (4, 4) [-, m]."""
+    frames: list[tuple[str, Array]] = [("sensor", np.eye(4))]
+    if case.in_flange is not None:
+        flange: Array = np.asarray(np.linalg.inv(case.in_flange))
+        frames.append(("flange", flange))
+        if case.tcp is not None:
+            frames.append(("tool (TCP)", flange @ case.tcp.place))
+    return tuple(frames)
 
 
 def room(low: Array, high: Array, boxes: Iterable[KeepOut]) -> tuple[Array, Array]:

@@ -93,6 +93,31 @@ class Told(NamedTuple):
             begin = end
         return tuple(found)
 
+    def mounting(self, fitted: Fitted) -> dict[str, Any] | None:
+        """What it leaves open of the place of the sensor on its flange; None where that is not among the sizes.
+
+        Six sizes, the origin along the sensor's axes [m] and turns about them [rad]: `biases`, what is left of them of
+        one standard deviation of each size of a tolerance, by its key; and of `white` and `robust` noise the `square`,
+        their covariance, and `cross`, that of the parameters with them.
+        """
+        own, into, begin = slice(len(fitted.samples.model.names)), np.zeros((6, len(self.stated))), 0
+        biases: dict[str, Any] = {}
+        ends = np.cumsum([share.biases.shape[1] for share in self.shares])
+        for share, end in zip(self.shares, ends, strict=True):
+            if share.key in ("sensor_mm", "sensor_deg"):
+                into[3 * (share.key == "sensor_deg") :][:3, begin:end] = np.diag(self.stated[begin:end])
+            begin = end
+        if not into.any():
+            return None
+        for share, left in zip(self.shares, np.split(into @ self.left, ends[:-1], axis=1), strict=True):
+            biases[share.key] = left.tolist()
+        scale = fitted.fit.white_noise**2 / fitted.regression.filtered.stride
+        of_noise = {"white": scale * self.white @ self.white.T, "robust": self.noise}
+        return {"biases": biases} | {
+            kind: {"square": (into @ c @ into.T).tolist(), "cross": (self.biases[own] @ c @ into.T).tolist()}
+            for kind, c in of_noise.items()
+        }
+
     def allowed_for(self, fitted: Fitted) -> Fitted:
         """A fit with deviations that count the noise in the estimates of the sizes."""
         fit, through = fitted.fit, self.biases @ self.white
@@ -194,12 +219,13 @@ def _moved(shares: tuple[Share, ...], stated: Array, now: Array, step: Array) ->
     return after
 
 
-def findings_of(told: Told, case: Case) -> list[Finding]:
+def findings_of(told: Told, case: Case, fitted: Fitted) -> list[Finding]:
     """What a run tells of a machine that is off its case, in words and as entries.
 
     Args:
         told: what it tells.
         case: the case as it is stated.
+        fitted: the fit of the run as it is, by its noise alone.
     """
     named = [size for share in told.shares for size in sizes_named(case, share.key)]
     stds, values, entries = np.sqrt(np.diag(told.covariance)), told.sizes, list[dict[str, Any]]()
@@ -223,7 +249,10 @@ def findings_of(told: Told, case: Case) -> list[Finding]:
         if abs(values[k]) > CLEAR * stds[k]:
             clear.append((size, sentence, told.surprises[k]))
     exact = {key: sizes.tolist() for key, sizes in by_key.items()}
+    mounting = told.mounting(fitted)
     found = [note(Kind.CASE, "", told=entries, told_sizes=exact)]
+    if mounting is not None:
+        found.append(note(Kind.CASE, "", told_mounting=mounting))
     for key in dict.fromkeys(size.key for size, _, _ in clear):
         words = "; ".join(sentence for size, sentence, _ in clear if size.key == key)
         first = next(size for size, _, _ in clear if size.key == key)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from cases.base.errors import IdentificationError
 from cases.base.files import atomic_file, check_file
@@ -21,6 +22,7 @@ from identification.findings.off_case import without
 from identification.model.parameters import offset_columns
 from identification.recording.recording import Recording
 from identification.results.estimate import entries_of_parameters, physical_values
+from identification.results.frames import FrameName, place_of
 from identification.results.result import Result
 from identification.samples.moving_window import NOISY, moving_run, on_one_clock
 from identification.samples.sample_checks import unmeasured
@@ -29,7 +31,7 @@ from identification.signals import white_noise
 
 
 class ExternalForce(NamedTuple):
-    """External force and moment on the platform, about the origin of {P} and along its axes."""
+    """External force and moment on the load, about the origin of a frame and along its axes."""
 
     t: Array  # time, shape (n,) [s]; numbers of the standstills where there is no clock
     wrench: Array  # shape (n, 6) [N, N m]
@@ -39,6 +41,7 @@ class ExternalForce(NamedTuple):
     case: str = ""  # name of the machine
     recording: str = ""  # where the run is from
     parameters: str = ""  # the result whose parameters were used
+    frame: str = "{P}"  # what it is about and along, for people
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -58,6 +61,8 @@ class ExternalForce(NamedTuple):
     def save(self, file: Path | str, overwrite: bool = False) -> None:
         """Writes a CSV file of time and components, after a comment for each change of the case since.
 
+        A comment says the frame, where that is not {P}.
+
         Times are those of the recorder's own clock, to nanoseconds: other channels of the recording stand at them.
 
         Raises:
@@ -71,14 +76,17 @@ class ExternalForce(NamedTuple):
         table: dict[str, Any] = {CLOCK: self.t if self.origin is None else on_clock(self.t, self.origin)}
         table |= {name: np.ascontiguousarray(self.wrench[:, k]) for k, name in enumerate(WRENCH)}
         with atomic_file(place) as part, part.open("wb") as out:
-            out.writelines(f"# {f.sentence}\n".encode() for f in self.findings if f.kind is Kind.CASE)
+            comments = [f.sentence for f in self.findings if f.kind is Kind.CASE]
+            if not self.frame.startswith("{P}"):
+                comments.append(f"force and moment in the frame: {self.frame}")
+            out.writelines(f"# {comment}\n".encode() for comment in comments)
             pacsv.write_csv(pa.table(table), out, pacsv.WriteOptions(quoting_style="none"))
 
     def __repr__(self) -> str:
         """How long it is, and rms and peak of each component."""
         components = zip(WRENCH, self.rms, self.peak, strict=True)
         size = f"{len(self.t)} samples from {self.t[0]:.6g} to {self.t[-1]:.6g}" if len(self.t) else "no samples"
-        lines = [f"External force and moment in {{P}}: {size}"]
+        lines = [f"External force and moment, frame {self.frame}: {size}"]
         lines += [f"{name}: rms {rms:.4g}, peak {peak:.4g}" for name, rms, peak in components]
         return "\n".join([*lines, *(f"warning: {warning}" for warning in self.warnings)])
 
@@ -93,36 +101,45 @@ def on_clock(t: Array, origin: Fraction) -> list[str]:
     return [f"{'-' * (ns < 0)}{abs(ns) // 10**9}.{abs(ns) % 10**9:09d}" for ns in stamps]
 
 
-def force(recording: Recording, result: Result, whole: bool = True) -> ExternalForce:
-    """External force and moment over a recording, in {P}; of a moving run behind the filter of the case.
+def force(recording: Recording, result: Result, whole: bool = True, frame: FrameName = "sensor") -> ExternalForce:
+    """External force and moment over a recording; of a moving run behind the filter of the case.
 
     Args:
         result: identified parameters of the same machine; their delay is compensated.
         whole: whether all samples are evaluated; else only the excitation.
+        frame: "sensor", about the origin of {P} and along its axes; "flange" or "tool" of the robot, about and along
+            its; "base", along the axes of {B} at each instant, about the origin of {P}.
 
     Raises:
+        HexciteError: no such frame.
+        CaseError: the case does not state where it is.
         FileProblem: parameters of another case.
         RecordingError, IdentificationError: the recording cannot be evaluated.
     """
-    model = result.model
+    model, place = result.model, place_of(result.case_as_told, frame, at_home=False)
     recording, case = without(on_one_clock(recording, result.case), result.case, result.sizes)
-    findings = unmeasured(recording)
+    findings, poses = unmeasured(recording), None
     if recording.t is None or case.setup == "1a":
         still = standstills(recording, case, model)
-        t, forces, matrices, poses = still.t, still.recorded, still.matrices, None
-        if model.struts is not None and recording.struts is not None:
-            poses = model.struts.hexapod.coordinates(recording.struts[~recording.bad])
+        t, forces, matrices = still.t, still.recorded, still.matrices
+        if still.standing is not None:
+            poses = still.standing.load.pose
+        elif not place.fixed:
+            problem = "the frame of the sensors stands, and its case does not say how in {B}"
+            raise IdentificationError(recording.source, f"{problem}; choose frame sensor")
     else:
         run = moving_run(recording, case, model, whole)
         findings += run.window
         t, forces, matrices = run.t, run.forces, run.regressors(result.delay)
-        poses = None if model.struts is None else run.kinematics(result.delay).pose
+        poses = None if model.struts is None and place.fixed else run.kinematics(result.delay).pose
     residuals = forces - matrices @ result.values
     variance = np.diag(result.covariance_robust)[offset_columns(model)]
     findings += (*shifted_all_along(residuals, variance, case), *changed_cases(recording.remarks + result.remarks))
     origin = None if recording.t is None or case.setup == "1a" else recording.origin
-    told = case.name, recording.source, result.source
-    return ExternalForce(t, -model.wrenches(residuals, poses), residuals, findings, origin, *told)
+    turns = None if poses is None or place.fixed else Rotation.from_euler("xyz", poses[:, 3:]).as_matrix()
+    wrenches = place.wrenches(-model.wrenches(residuals, poses), turns)
+    told = case.name, recording.source, result.source, place.words
+    return ExternalForce(t, wrenches, residuals, findings, origin, *told)
 
 
 STRETCHES = 10  # of a recording, in each of which a channel reads too much

@@ -14,6 +14,7 @@ from identification.finding import Finding, Kind, changed_cases, sentences, warn
 from identification.model.blocks import FIRST_MOMENT, INERTIA, MASS, Block
 from identification.model.model import Model
 from identification.results.estimate import physical_values
+from identification.results.frames import Body, FrameName, place_of
 from identification.results.result import Result
 from identification.texts import parameter_lines
 
@@ -26,11 +27,28 @@ class Payload(NamedTuple):
 
     parameters: dict[str, Value]  # mass, centre of gravity in {P} and inertia about it (where both results have it)
     findings: tuple[Finding, ...]
+    loaded: Result  # the result with it
+    body: Body | None  # the same in {P} with its covariance; None where not all of its centre of gravity is known
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """Sentences that people should act on."""
         return sentences(self.findings, "warning")
+
+    def in_frame(self, frame: FrameName) -> Body:
+        """The payload in the frame of the sensor, of the robot's flange or tool, or along the axes of {B} at home.
+
+        Raises:
+            HexciteError: no such frame.
+            CaseError: the case does not state where it is.
+            IdentificationError: its centre of gravity is not known as a whole.
+        """
+        place = place_of(self.loaded.case_as_told, frame)
+        if self.body is None:
+            missing = ", ".join(name for name in ("xC", "yC", "zC") if name not in self.parameters)
+            problem = f"{missing} of the payload not determined, so that it cannot be stated in another frame"
+            raise IdentificationError(self.loaded.source, f"{problem}; weigh it in another orientation too")
+        return self.body.seen_from(place, self.loaded.mounting_of_body(self.body.model))
 
     def __repr__(self) -> str:
         """A line for each parameter, and warnings."""
@@ -86,7 +104,8 @@ def payload_on_table(before: Result, after: Result) -> Payload:
     sentence = f"{', '.join(names)} not determined: gravity acts along it, and the frame does not move; weigh the "
     findings.append(warning(Kind.MODEL, f"{sentence}payload in another orientation"))
     physical = physical_values(body, u, of_u, of_u)
-    return Payload({name: value for name, value in physical.items() if name not in names}, tuple(findings))
+    known = {name: value for name, value in physical.items() if name not in names}
+    return Payload(known, tuple(findings), after, None)
 
 
 def common_of(
@@ -101,18 +120,23 @@ def common_of(
         new: the same of `after`.
     """
     one, other = (slice(None) if places is None else list(places) for places in (old, new))
-    tolerances = [
-        {key: value for key, value in (of.record.computed_from or {}).items() if key.startswith("tolerances")}
-        for of in (before, after)
-    ]
     size = len(before.values[one])
-    both = before.biases.keys() & after.biases.keys() if tolerances[0] == tolerances[1] else set()
+    both = before.biases.keys() & after.biases.keys() if _same_tolerances(before, after) else set()
     cross = np.zeros((size, size))
     for key in both:
         there, here = before.biases[key][one], after.biases[key][other]
         if there.shape[1] == here.shape[1]:
             cross += here @ there.T
     return np.asarray(cross + cross.T)
+
+
+def _same_tolerances(before: Result, after: Result) -> bool:
+    """Whether two results count the same tolerances."""
+    one, other = (
+        {key: value for key, value in (of.record.computed_from or {}).items() if key.startswith("tolerances")}
+        for of in (before, after)
+    )
+    return one == other
 
 
 def require_two(before: Result, after: Result) -> None:
@@ -172,4 +196,19 @@ def payload_between(before: Result, after: Result) -> Payload:
     robust = after.covariance_robust[np.ix_(new, new)] + before.covariance_robust[np.ix_(old, old)]
     robust -= common_of(before, after, old, new)
     findings = _about(before, after, float(difference[0]), max(float(covariance[0, 0]), float(robust[0, 0])))
-    return Payload(physical_values(body, difference, covariance, robust), tuple(findings))
+    place, biases = place_of(after.case_as_told, "sensor"), _biases_of(before, after, old, new)
+    found = Body(place, body, difference, covariance, robust, biases)
+    return Payload(found.parameters, tuple(findings), after, found)
+
+
+def _biases_of(before: Result, after: Result, old: Sequence[int], new: Sequence[int]) -> dict[str, Array]:
+    """What tolerances do to the difference of two results, by their keys; none where their parts do not add up.
+
+    They do where both are off by the same sizes; else there are two machines, and the covariance alone says it.
+    """
+    if before.biases.keys() != after.biases.keys() or not _same_tolerances(before, after):
+        return {}
+    pairs = {key: (before.biases[key][list(old)], bias[list(new)]) for key, bias in after.biases.items()}
+    if any(there.shape != here.shape for there, here in pairs.values()):
+        return {}
+    return {key: here - there for key, (there, here) in pairs.items()}

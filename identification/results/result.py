@@ -22,6 +22,7 @@ from identification.findings.off_case import edited
 from identification.model.model import Model, identification_model
 from identification.model.parameters import INERTIA_INDEX
 from identification.results.estimate import SCHEMA_VERSION, Estimate, ResultEntries, of_version_0_2, physical_values
+from identification.results.frames import Body, FrameName, Mounting, body_alone, mounting_of, place_of
 from identification.signals import Residuals
 from identification.texts import (
     aligned,
@@ -108,6 +109,39 @@ class Result:
     def case_as_told(self) -> Case:
         """The case of the machine off by `sizes`: with it parameters were estimated, and forces are computed."""
         return edited(self.case, self.sizes)
+
+    @cached_property
+    def body(self) -> Body:
+        """The load in {P}, without offsets and all else that is the sensor's.
+
+        Raises:
+            IdentificationError: it has offsets alone, or its body is no load.
+        """
+        model, own = body_alone(self.model, self.source)
+        square = np.ix_(own, own)
+        biases = {key: bias[own] for key, bias in self.biases.items()}
+        sensor = place_of(self.case_as_told, "sensor")
+        return Body(sensor, model, self.values[own], self.covariance[square], self.covariance_robust[square], biases)
+
+    def mounting_of_body(self, body: Model) -> Mounting:
+        """What is not known of the place of the sensor on its flange, with its share in the errors of a body."""
+        own = [self.model.names.index(name) for name in body.names]
+        return mounting_of(self.case, self.biases.keys(), self._quantity("told_mounting"), own)
+
+    def in_frame(self, frame: FrameName) -> Body:
+        """The load in the frame of the sensor, of the robot's flange or tool, or along the axes of {B} at home.
+
+            result.in_frame("flange").parameters["xC"].value
+
+        Deviations count how uncertain the sensor's place on the flange is, where the case states that.
+
+        Raises:
+            HexciteError: no such frame.
+            CaseError: the case does not state where it is.
+            IdentificationError: the result has no body.
+        """
+        place = place_of(self.case_as_told, frame)
+        return self.body.seen_from(place, self.mounting_of_body(self.body.model))
 
     @property
     def not_counted(self) -> list[str]:

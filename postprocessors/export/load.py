@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from itertools import permutations
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,9 +11,8 @@ from cases.base.units import DEG, MM, Array
 from cases.schema import Case
 from identification.model.blocks import INERTIA
 from identification.model.model import Model
+from identification.results.frames import FrameName, place_of
 from identification.results.result import Result
-
-FrameName = Literal["sensor", "flange"]
 
 
 class Load(NamedTuple):
@@ -75,12 +74,12 @@ def has_inertia(model: Model) -> bool:
 
 def load_at_flange(result: Result) -> Load:
     """The load in the frame of the robot's flange; raises CaseError where the case does not say where that is."""
-    return load_of(result, result.case.need_flange("a payload"))
+    return load_of(result, result.case_as_told.need_flange("a payload"))
 
 
 def load_in(result: Result, frame: FrameName) -> Load:
-    """The load in the sensor's frame {P}, or that of the robot's flange."""
-    return load_at_flange(result) if frame == "flange" else load_of(result, np.eye(4))
+    """The load in a frame; raises CaseError where the case does not state where that is."""
+    return load_of(result, place_of(result.case_as_told, frame).of_sensor)
 
 
 def require_inertia(load: Load, result: Result, receiver: str) -> Array:
@@ -111,10 +110,12 @@ def principal_axes(inertia: Array) -> tuple[Array, Array]:
     return moments, vectors
 
 
-def deviations_words(result: Result) -> str:
-    """Reported deviations of mass and centre of gravity, along the sensor's axes."""
-    m, *centre = (result.parameters[name].reported for name in ("m", "xC", "yC", "zC"))
-    words = f"deviations: mass {m:.2g} kg, centre of gravity {', '.join(f'{v / MM:.2g}' for v in centre)} mm in {{P}}"
+def deviations_words(result: Result, frame: FrameName) -> str:
+    """Reported deviations of mass and centre of gravity, along the axes of a frame."""
+    body = result.in_frame(frame)
+    m, *centre = (body.parameters[name].reported for name in ("m", "xC", "yC", "zC"))
+    values = ", ".join(f"{v / MM:.2g}" for v in centre)
+    words = f"deviations: mass {m:.2g} kg, centre of gravity {values} mm along the axes of {body.place.words}"
     nearest = result.physical
     if nearest is None or not nearest.moved:
         return words

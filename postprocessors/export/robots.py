@@ -10,12 +10,14 @@ from scipy.spatial.transform import Rotation
 
 from cases.base.errors import IdentificationError
 from cases.base.units import MM
+from identification.results.frames import FrameName, place_of
 from identification.results.result import Result
 from postprocessors.export.calibration import comment_lines
 from postprocessors.export.load import (
     Load,
     deviations_words,
     load_at_flange,
+    load_in,
     numbers,
     place_words,
     principal_axes,
@@ -28,14 +30,15 @@ CM = 0.01  # [m]
 POINT = "the run did not determine the inertia: the load counts as a point mass"
 
 
-def _remarks(result: Result, load: Load) -> list[str]:
+def _remarks(result: Result, load: Load, frame: FrameName = "flange") -> list[str]:
     """Where the values are from, what they count, and how sure they are: lines for people."""
+    words = place_of(result.case_as_told, frame).words
+    where = f"counted from {words}, along its axes" if frame != "base" else f"counted along {words}"
     return [
         *comment_lines(result),
         "payload: everything that the force sensor carries; add what is between flange and sensor, and the sensor",
-        f"counted from the robot's flange, along its axes: the case's sensor frame lies in it at "
-        f"{place_words(load.frame_from_sensor)}",
-        deviations_words(result),
+        f"{where}: the case's sensor frame lies in it at {place_words(load.frame_from_sensor)}",
+        deviations_words(result, frame),
         *([] if load.inertia is not None else [POINT]),
     ]
 
@@ -132,10 +135,11 @@ def xarm(result: Result, name: str) -> str:
     return _commented("#", _remarks(result, load), "\n".join(lines))
 
 
-def table(result: Result, name: str) -> str:
+def table(result: Result, name: str, frame: FrameName) -> str:
     """The load in the units of screens where it is typed in: FANUC's PAYLOAD SET among them."""
-    load = load_at_flange(result)
-    remarks = "".join(f"{line}\n" for line in _remarks(result, load))
+    load = load_at_flange(result) if frame == "flange" else load_in(result, frame)
+    remarks = "".join(f"{line}
+" for line in _remarks(result, load, frame))
     rows = [("mass [kg]", f"{load.mass:.4f}")]
     for axis, v in zip("XYZ", load.centre, strict=True):
         rows.append((f"centre of gravity {axis} [mm]  [cm]  [m]", f"{v / MM:.3f}  {v / CM:.4f}  {v:.6f}"))

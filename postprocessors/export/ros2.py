@@ -80,5 +80,5 @@ def _channels(key: str, values: np.ndarray) -> list[str]:
 
 
 def _yaml(result: Result, remarks: list[str], lines: list[str]) -> str:
-    comments = [*comment_lines(result), deviations_words(result), *remarks]
+    comments = [*comment_lines(result), deviations_words(result, "sensor"), *remarks]
     return "".join(f"# {line}\n" for line in comments) + "".join(f"{line}\n" for line in lines)

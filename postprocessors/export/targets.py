@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 from cases.base.errors import FileProblem, HexciteError, choice
 from cases.base.files import FolderKind, atomic_folder, check_file, check_folder, output_place, write_text
+from identification.results.frames import FrameName, frame_named
 from identification.results.result import Result
 from postprocessors.export import robots, ros2, simulators
 from postprocessors.export.calibration import checked_name, default_name, json_document, require_exportable
 from postprocessors.export.code import c_sources, linuxcnc_component, python_module, structured_text
-from postprocessors.export.load import FrameName
 
 
 class Target(NamedTuple):
@@ -30,12 +30,13 @@ class Target(NamedTuple):
 
 
 class LinkTarget(NamedTuple):
-    """A target whose text is counted from the sensor or from the flange, as is chosen."""
+    """A target whose text is counted from the frame that is chosen; `usual` where none is."""
 
     suffix: str
     text: Callable[[Result, str, FrameName], str]
     named: bool
     what: str
+    usual: FrameName = "sensor"
 
 
 SINGLE_FILES: dict[str, Target | LinkTarget] = {
@@ -48,7 +49,7 @@ SINGLE_FILES: dict[str, Target | LinkTarget] = {
     "rapid": Target(".mod", robots.rapid, True, "ABB loaddata"),
     "franka": Target(".yaml", robots.franka, False, "setLoad"),
     "xarm": Target(".py", robots.xarm, False, "UFACTORY"),
-    "table": Target(".txt", robots.table, False, "to type in: FANUC and others"),
+    "table": LinkTarget(".txt", robots.table, False, "to type in: FANUC and others", "flange"),
     "ros2": Target(".yaml", ros2.broadcaster, False, "force_torque_sensor_broadcaster"),
     "ft-tools": Target(".yaml", ros2.ft_tools, False, "calibration of ft_tools"),
     "urdf": LinkTarget(".xml", simulators.urdf, False, "<inertial>"),
@@ -58,7 +59,6 @@ SINGLE_FILES: dict[str, Target | LinkTarget] = {
 
 LINKS = tuple(name for name, target in SINGLE_FILES.items() if isinstance(target, LinkTarget))
 TARGETS = ("c", *SINGLE_FILES)
-FRAMES: tuple[FrameName, ...] = ("sensor", "flange")
 
 
 def export(
@@ -76,7 +76,8 @@ def export(
         result: identified parameters.
         target: one of `TARGETS`.
         output: file, or folder for `c`; by default named after the case, in the current folder.
-        frame: "sensor" (the default) or "flange": of a link, the frame that its load is counted in.
+        frame: of a link and of the table, the frame that the load is counted in: "sensor" (the default of links),
+            "flange" (that of the table), "tool" or "base".
         force: whether to export in spite of warnings, which are written into the file.
         overwrite: whether to replace the files of an earlier export.
 
@@ -131,10 +132,7 @@ def _text(result: Result, target: str, own: Target | LinkTarget, name: str, fram
     if isinstance(own, Target):
         _require_no_frame(target, frame)
         return own.text(result, name)
-    known = next((known for known in FRAMES if known == (frame or FRAMES[0])), None)
-    if known is None:
-        raise HexciteError(f"frame {frame!r} is unknown; {choice(str(frame), FRAMES)}")
-    return own.text(result, name, known)
+    return own.text(result, name, own.usual if frame is None else frame_named(frame))
 
 
 def _require_no_frame(target: str, frame: str | None) -> None:

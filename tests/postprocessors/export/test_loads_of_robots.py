@@ -355,10 +355,12 @@ def test_a_standing_run_gives_mass_and_centre_and_says_that_it_is_a_point(target
 
 
 @pytest.mark.first(6)
-@pytest.mark.parametrize("target", [name for name in SINGLE_FILES if name not in ("urdf", "mjcf", "sdf")])
+@pytest.mark.parametrize("target", [name for name in SINGLE_FILES if name not in ("table", "urdf", "mjcf", "sdf")])
 def test_a_frame_is_chosen_of_links_alone(target: str, turned_sensor: Result) -> None:
     with pytest.raises(HexciteError, match=target) as caught:
         text_of(target, turned_sensor, frame="flange")
     assert "urdf" in one_line(caught.value)
-    with pytest.raises(HexciteError, match="'tool' is unknown"):
+    with pytest.raises(HexciteError, match="'tcp' is unknown"):
+        text_of("sdf", turned_sensor, frame="tcp")
+    with pytest.raises(HexciteError, match="machine.chain.tcp"):
         text_of("sdf", turned_sensor, frame="tool")

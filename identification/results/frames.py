@@ -1,0 +1,312 @@
+"""Results in the frames of their receivers: of the sensor, of the robot's flange or its tool, along the axes of {B}.
+
+Mass, first moments and inertia about the origin of a frame depend linearly on those of another one, so that covariances
+and what tolerances do are carried over exactly; from there physical values follow as everywhere.
+"""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Literal, NamedTuple, get_args
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from cases.base.errors import CaseError, HexciteError, IdentificationError, choice
+from cases.base.units import DEG, MM, Array, as_html
+from cases.schema import Case
+from cases.tolerances import KINDS
+from identification.estimation.fit import Value
+from identification.machines.of_case import machine_of
+from identification.model.blocks import FIRST_MOMENT, INERTIA, MASS, Block
+from identification.model.model import Model
+from identification.results.estimate import physical_values
+from identification.texts import aligned, budget_cells, parameter_lines
+
+FrameName = Literal["sensor", "flange", "tool", "base"]
+FRAMES: tuple[FrameName, ...] = get_args(FrameName)
+
+
+class Place(NamedTuple):
+    """A frame, and where that of the sensor, {P}, lies in it."""
+
+    name: FrameName
+    words: str  # what it is, for people
+    of_sensor: Array  # axes and origin of {P} in it, shape (4, 4) [-, m]
+
+    @property
+    def fixed(self) -> bool:
+        """Whether the load stands still in it."""
+        return self.name != "base"
+
+    def wrenches(self, wrenches: Array, turns: Array | None = None) -> Array:
+        """Forces and moments about its origin, of those about the origin of {P} and along its axes, shapes (n, 6).
+
+        Args:
+            wrenches: [N, N m].
+            turns: axes of {P} at each instant, shape (n, 3, 3); of {B} alone, which {P} turns in.
+        """
+        turn = np.broadcast_to(self.of_sensor[:3, :3], (len(wrenches), 3, 3)) if turns is None else turns
+        force, moment = (np.einsum("nij,nj->ni", turn, wrenches[:, half]) for half in (slice(0, 3), slice(3, 6)))
+        return np.hstack([force, moment + np.cross(self.of_sensor[:3, 3], force)])
+
+    def to_json(self) -> dict[str, Any]:
+        """Name, words, and where the sensor's frame is in it."""
+        sensor = {"origin_m": self.of_sensor[:3, 3].tolist(), "axes": self.of_sensor[:3, :3].tolist()}
+        return {"frame": self.name, "words": self.words, "sensor": sensor}
+
+
+def frame_named(name: str) -> FrameName:
+    """The frame of a name; raises HexciteError, with those that there are, where it is none."""
+    known = next((frame for frame in FRAMES if frame == name), None)
+    if known is None:
+        raise HexciteError(f"frame {name!r} is unknown; {choice(name, FRAMES)}")
+    return known
+
+
+def place_of(case: Case, frame: str, at_home: bool = True) -> Place:
+    """A frame of a machine.
+
+    Args:
+        case: as the machine is; of a result `Result.case_as_told`.
+        frame: one of `FRAMES`. That of the base has the origin of {P} and the axes of {B}.
+        at_home: whether the load is meant that stands at home; else axes of {B} are left to each instant.
+
+    Raises:
+        HexciteError: no such frame.
+        CaseError: the case does not state it.
+    """
+    name = frame_named(frame)
+    if name == "sensor":
+        return Place(name, "{P}" if case.hexapod is None else "{P}, the platform", np.eye(4))
+    if name == "flange":
+        return Place(name, "the robot's flange", _of_robot(case, name))
+    if name == "tool":
+        flange = _of_robot(case, name)
+        if case.tcp is None:
+            key = "machine.chain.tcp" if case.chain is not None else "sensor_frame.transducer.tcp"
+            problem = "is missing; frame tool is the robot's TCP: state where it lies in the flange"
+            raise CaseError(f"case {case.name}", key, f"{problem}, such as tcp = {{ origin_mm = [0.0, 0.0, 150.0] }}")
+        return Place(name, "the robot's tool (TCP)", np.asarray(np.linalg.solve(case.tcp.place, flange)))
+    if at_home:
+        return Place(name, "the axes of {B} at home, the origin of {P}", _at_home(case))
+    return Place(name, "the axes of {B}, the origin of {P}", np.eye(4))
+
+
+def _of_robot(case: Case, name: FrameName) -> Array:
+    if case.chain is None and case.sensor_frame.transducer is None:
+        problem = f"is that of no robot: frame {name} is for a force/torque sensor at a flange"
+        raise CaseError(f"case {case.name}", "setup", f"{problem}; choose sensor, which is {{P}}, or base")
+    return case.need_flange(f"frame {name}")
+
+
+def _at_home(case: Case) -> Array:
+    """Axes of {P} in {B} at home, shape (4, 4), the origin left where it is."""
+    if (case.hexapod is None and case.chain is None) or case.setup == "1a":
+        problem = "has no machine that moves the sensor: how it stands in {B} follows from no home"
+        raise CaseError(f"case {case.name}", "machine", f"{problem}; choose sensor, flange or tool")
+    home = case.hexapod.home.vector if case.hexapod is not None else None
+    if home is None:
+        assert case.chain is not None
+        if not np.all(np.isfinite(case.chain.home)):
+            problem = "home is missing; frame base is meant at home: add home_deg of each joint"
+            raise CaseError(f"case {case.name}", "machine.chain.joints", f"{problem}, or choose another frame")
+        still = np.zeros((1, len(case.chain.home)))
+        home = machine_of(case).kinematics(case.chain.home[None], still, still).pose[0]
+    place = np.eye(4)
+    place[:3, :3] = Rotation.from_euler("xyz", home[3:]).as_matrix()
+    return place
+
+
+class Mounting(NamedTuple):
+    """How uncertain the place of the sensor on its flange is: by where it is less where it was taken to be.
+
+    Six sizes: its origin along its own axes [m], then turns about them [rad].
+    """
+
+    biases: Mapping[str, Array]  # by one standard deviation of each size of a tolerance, shapes (6, k), by its key
+    # covariance of the six by noise where a run has told them, shapes (6, 6), and with the error of u, shapes (u, 6)
+    white: tuple[Array, Array] | None = None  # of white noise
+    robust: tuple[Array, Array] | None = None
+
+
+@dataclass(frozen=True, repr=False)
+class Body:
+    """A rigid body in a frame, as a run determines it.
+
+    Args:
+        place: the frame.
+        model: mass, first moments and, where the run determines it, inertia.
+        values: these about the frame's origin and along its axes, shape (4,) or (10,) [SI].
+        covariance: by (28), shape (u, u).
+        covariance_robust: allows for noise with memory, tolerances and what residuals show.
+        biases: of the values by one standard deviation of each size of a tolerance, shapes (u, k), by its key.
+    """
+
+    place: Place
+    model: Model
+    values: Array
+    covariance: Array
+    covariance_robust: Array
+    biases: Mapping[str, Array] = field(default_factory=dict)
+
+    @cached_property
+    def parameters(self) -> dict[str, Value]:
+        """Mass, centre of gravity in the frame, and inertia about it along the frame's axes [SI]."""
+        return physical_values(self.model, self.values, self.covariance, self.covariance_robust)
+
+    @cached_property
+    def budget(self) -> dict[str, dict[str, float]]:
+        """Of each parameter the parts of its deviation by their causes [SI], whose squares add up to that of the
+        reported one; empty where no tolerances are counted. "other noise" has memory, or is what residuals show.
+        """
+        if not self.biases:
+            return {}
+        by_kind: dict[str, Array] = {}
+        for key, bias in self.biases.items():
+            by_kind[KINDS[key]] = by_kind.get(KINDS[key], 0.0) + bias @ bias.T
+        parts = {kind: physical_values(self.model, self.values, c, c) for kind, c in by_kind.items()}
+        rows = {}
+        for name, value in self.parameters.items():
+            stated = {kind: part[name].std for kind, part in parts.items()}
+            rest = value.reported**2 - sum(v**2 for v in stated.values())
+            white = min(value.std**2, max(rest, 0.0))
+            noise = {"noise": white**0.5, "other noise": max(rest - white, 0.0) ** 0.5}
+            rows[name] = noise | stated
+        return rows
+
+    def seen_from(self, place: Place, mounting: Mounting | None = None) -> "Body":
+        """The same body, of {P}, in another frame.
+
+        Args:
+            place: the frame.
+            mounting: what is not known of the place of the sensor, which counts in all frames but its own.
+        """
+        moved = moved_body(place.of_sensor, len(self.values))
+        white, robust, biases = self.covariance, self.covariance_robust, dict(self.biases)
+        if mounting is not None and place.name != "sensor":
+            by_place = _by_mounting(self.values, place.fixed)
+            robust = robust - sum((b @ b.T for b in biases.values()), np.zeros_like(robust))
+            for key, sizes in mounting.biases.items():
+                biases[key] = biases.get(key, np.zeros((len(self.values), sizes.shape[1]))) - by_place @ sizes
+            white, robust = (
+                c if noise is None else _less(c, by_place, *noise)
+                for c, noise in ((white, mounting.white), (robust, mounting.robust))
+            )
+            robust = robust + sum((b @ b.T for b in biases.values()), np.zeros_like(robust))
+        return Body(
+            place,
+            self.model,
+            moved @ self.values,
+            moved @ white @ moved.T,
+            moved @ robust @ moved.T,
+            {key: moved @ bias for key, bias in biases.items()},
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """Entries for programs."""
+        return {
+            **self.place.to_json(),
+            "parameters": {name: value._asdict() for name, value in self.parameters.items()},
+            **({"budget": self.budget} if self.budget else {}),
+        }
+
+    def __repr__(self) -> str:
+        """A table of the parameters, and the parts of their deviations."""
+        frame = f"in the frame of {self.place.words}" if self.place.fixed else f"along {self.place.words}"
+        return "\n".join(
+            [
+                f"the body {frame}:",
+                *parameter_lines(self.parameters),
+                *aligned(*budget_cells({n: p.unit for n, p in self.parameters.items()}, self.budget)),
+            ]
+        )
+
+    def _repr_html_(self) -> str:
+        return as_html(self)
+
+
+def _less(covariance: Array, by_place: Array, square: Array, cross: Array) -> Array:
+    """Covariance of x - G y, of that of x, shape (u, u), G (u, 6), that of y (6, 6) and of x with y (u, 6)."""
+    both = cross @ by_place.T
+    return np.asarray(covariance - both - both.T + by_place @ square @ by_place.T)
+
+
+def body_alone(model: Model, source: str) -> tuple[Model, list[int]]:
+    """The part of a model that is the load's rigid body, and the places of its parameters in u.
+
+    Raises:
+        IdentificationError: it has none, or sensors in struts at the drive, whose body is the platform with the rods.
+    """
+    if MASS not in model.blocks:
+        raise IdentificationError(source, "has offsets alone, no body to state in a frame; identify a moving run")
+    if model.struts is not None and model.struts.sensors.at == "drive":
+        problem = "its body is the platform with the rods of the struts, no load alone"
+        raise IdentificationError(source, f"{problem}; its parameters are in {{P}}")
+    blocks: tuple[Block, ...] = tuple(block for block in (MASS, FIRST_MOMENT, INERTIA) if block in model.blocks)
+    body = Model(model.number, blocks, model.structure, model.gravity)
+    return body, [model.names.index(name) for name in body.names]
+
+
+def moved_body(place: Array, size: int = 10) -> Array:
+    """Matrix from mass, first moments and inertia in {P} to those in a frame, shape (size, size).
+
+    Args:
+        place: axes and origin of {P} in the frame, shape (4, 4) [-, m].
+        size: 10, or 4 without inertia.
+    """
+    turn, origin = place[:3, :3], place[:3, 3]
+    columns = []
+    for unit in np.eye(10)[:size]:
+        mass, first, inertia = unit[0], turn @ unit[1:4], np.zeros((3, 3))
+        if size == 10:
+            xx, xy, xz, yy, yz, zz = unit[4:]
+            inertia = turn @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ turn.T
+        # about the frame's origin: sum of m ((r.r) 1 - r r^T), r = R r_P + p
+        across = np.outer(first, origin)
+        inertia = inertia + 2.0 * (first @ origin) * np.eye(3) - across - across.T
+        inertia = inertia + mass * (origin @ origin * np.eye(3) - np.outer(origin, origin))
+        upper = inertia[np.triu_indices(3)]
+        columns.append(np.r_[mass, first + mass * origin, upper][:size])
+    return np.transpose(columns)
+
+
+def _by_mounting(values: Array, fixed: bool) -> Array:
+    """How a body in {P} seems to move with the sensor: by its six sizes of `Mounting`, shape (u, 6).
+
+    Args:
+        fixed: whether the frame that it is seen from moves with the robot; along {B}, the origin stays that of {P}.
+    """
+    columns = np.zeros((len(values), 6))
+    for k in range(0 if fixed else 3, 6):
+        ends = []
+        for sign in (1.0, -1.0):  # the map is a polynomial of second order: this difference is its derivative
+            place = np.eye(4)
+            if k < 3:
+                place[k, 3] = sign
+            else:
+                axis = np.eye(3)[k - 3]
+                place[:3, :3] += sign * np.cross(np.eye(3), axis)
+            ends.append(moved_body(place, len(values)) @ values)
+        columns[:, k] = (ends[0] - ends[1]) / 2.0
+    return columns
+
+
+def mounting_of(case: Case, counted: Collection[str], told: Mapping[str, Any] | None, own: Sequence[int]) -> Mounting:
+    """What is left open of the place of the sensor on its flange.
+
+    Args:
+        case: case of the result.
+        counted: keys of tolerances that its deviations count.
+        told: what its run tells of the place, entry `told_mounting`; None where it tells nothing.
+        own: places of the parameters of the body in u.
+    """
+    if told is not None:
+        biases = {key: np.array(rows, dtype=float) for key, rows in told["biases"].items()}
+        white, robust = (
+            (np.array(told[kind]["square"]), np.array(told[kind]["cross"])[list(own)]) for kind in ("white", "robust")
+        )
+        return Mounting(biases, white, robust)
+    stated = {} if case.tolerances is None else dict(case.tolerances.stated())
+    rows = (("sensor_mm", MM, slice(0, 3)), ("sensor_deg", DEG, slice(3, 6)))
+    return Mounting({key: np.eye(6)[:, own] * stated[key] * unit for key, unit, own in rows if key in counted})
