@@ -362,5 +362,5 @@ def test_a_frame_is_chosen_of_links_alone(target: str, turned_sensor: Result) ->
     assert "urdf" in one_line(caught.value)
     with pytest.raises(HexciteError, match="'tcp' is unknown"):
         text_of("sdf", turned_sensor, frame="tcp")
-    with pytest.raises(HexciteError, match="machine.chain.tcp"):
+    with pytest.raises(HexciteError, match=r"machine\.chain\.tcp"):
         text_of("sdf", turned_sensor, frame="tool")
