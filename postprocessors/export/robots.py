@@ -138,8 +138,7 @@ def xarm(result: Result, name: str) -> str:
 def table(result: Result, name: str, frame: FrameName) -> str:
     """The load in the units of screens where it is typed in: FANUC's PAYLOAD SET among them."""
     load = load_at_flange(result) if frame == "flange" else load_in(result, frame)
-    remarks = "".join(f"{line}
-" for line in _remarks(result, load, frame))
+    remarks = "".join(f"{line}\n" for line in _remarks(result, load, frame))
     rows = [("mass [kg]", f"{load.mass:.4f}")]
     for axis, v in zip("XYZ", load.centre, strict=True):
         rows.append((f"centre of gravity {axis} [mm]  [cm]  [m]", f"{v / MM:.3f}  {v / CM:.4f}  {v:.6f}"))
