@@ -230,7 +230,8 @@ def _result(there: Workspace, fields: Fields, name: str = "result") -> str:
 
 
 def _export(context: Context, there: Workspace, fields: Fields) -> Job:
-    from postprocessors.export.targets import FRAMES, LINKS, TARGETS
+    from identification.results.frames import FRAMES
+    from postprocessors.export.targets import LINKS, TARGETS
 
     result, target = _result(there, fields), chosen(fields, "to", TARGETS)
     query = f"?result={quote(result)}&to={quote(target)}"

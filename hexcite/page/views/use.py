@@ -32,7 +32,8 @@ def _history(answer: Mapping[str, Any]) -> dict[str, Any]:
 
 def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     """What the stage Use shows of a machine, for its template."""
-    from postprocessors.export.targets import FRAMES, LINKS, SINGLE_FILES, TARGETS
+    from identification.results.frames import FRAMES
+    from postprocessors.export.targets import LINKS, SINGLE_FILES, TARGETS
 
     result: Made | None = chosen(there.results, query.get("result"))
     latest = {
