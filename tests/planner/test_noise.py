@@ -125,7 +125,7 @@ def test_a_plan_tells_what_the_payload_does_to_the_noise(weights: str, tmp_path:
         )
     (bare, _), (loaded, printed), (plain, _) = plans
     assert tells(printed, "2 payloads")
-    assert f"weights {weights} " in printed
+    assert f"weights {weights};" in printed
     assert loaded["predicted_std"]["m"] > bare["predicted_std"]["m"] > plain["predicted_std"]["m"]
     assert loaded["d_efficiency"] == bare["d_efficiency"] == plain["d_efficiency"]  # W = 1: comparable
 
