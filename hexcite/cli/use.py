@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import typer
 
 import hexcite as hx
-from cases.base.files import RESULT, check_file, check_folder, output_place
+from cases.base.files import RESULT, check_file, check_folder, json_text, output_place, write_text
 from hexcite.cli.console import InFrame, Json, Overwrite, OwnCase, Stale, answered, argument, option, out
 
 
@@ -136,20 +136,29 @@ def payload(
     ] = None,
     case: OwnCase = None,
     frame: InFrame = None,
+    to: Annotated[
+        str | None,
+        option(
+            "Write it for a robot (urscript, kuka, rapid, franka, xarm, table) or as a link (urdf, mjcf, sdf).", "--to"
+        ),
+    ] = None,
+    force: Annotated[bool, option("Export it with warnings; they are written into the file.", "--force")] = False,
+    output: Annotated[Path | None, out("JSON file to write; with --to the file of the target.")] = None,
     stale: Stale = False,
+    overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Compute a payload from runs without and with it.
 
-    Mass, centre of gravity and inertia, as far as both results determine them. With --reference: E_n of each, the
-    difference over the root of both squared U (k = 2); exit code 1 where one is above 1.
+    Mass, centre of gravity and inertia, as far as both results determine them. With -o they are written, with the
+    fingerprints of both results, or with --to for the robot or simulator that has to know them. With --reference: E_n
+    of each, the difference over the root of both squared U (k = 2); exit code 1 where one is above 1.
     """
+    if to is None and output is not None:
+        check_file(output, [".json"], [before, after], overwrite)
     old = hx.Result.load(before, None if case is None else hx.load_case(case), stale)
     found = hx.payload(old, hx.Result.load(after, old.case, stale))
-    answer: dict[str, Any] = {
-        "parameters": {name: value._asdict() for name, value in found.parameters.items()},
-        "warnings": list(found.warnings),
-    }
+    answer = found.to_json()
     texts: list[object] = [found]
     if frame is not None:
         from identification.results.frames import frame_named
@@ -164,6 +173,13 @@ def payload(
         verdict = verdict_of_references(reference, found.parameters, old.model.number)
         answer["reference"] = verdict.to_json()
         texts.append(verdict)
+    if to is not None:
+        files = hx.export(found, to, output, frame=frame, force=force, overwrite=overwrite)
+        answer["file"] = str(files[0])
+        texts.append(f"payload written: {files[0]}")
+    elif output is not None:
+        write_text(output, json_text(answer))
+        texts.append(f"payload written: {output}")
     answered(answer, json, *texts)
     if verdict is not None and not verdict.passed:
         raise typer.Exit(1)

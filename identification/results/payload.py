@@ -2,14 +2,16 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.special import chdtri
 
 from cases.base.errors import IdentificationError
 from cases.base.units import Array, as_html
+from cases.schema import Case
 from identification.estimation.fit import Value
+from identification.estimation.nearest_body import NearestBody, nearest_body
 from identification.finding import Finding, Kind, changed_cases, sentences, warning
 from identification.model.blocks import FIRST_MOMENT, INERTIA, MASS, Block
 from identification.model.model import Model
@@ -27,6 +29,7 @@ class Payload(NamedTuple):
 
     parameters: dict[str, Value]  # mass, centre of gravity in {P} and inertia about it (where both results have it)
     findings: tuple[Finding, ...]
+    empty: Result  # the result without it
     loaded: Result  # the result with it
     body: Body | None  # the same in {P} with its covariance; None where not all of its centre of gravity is known
 
@@ -43,12 +46,62 @@ class Payload(NamedTuple):
             CaseError: the case does not state where it is.
             IdentificationError: its centre of gravity is not known as a whole.
         """
-        place = place_of(self.loaded.case_as_told, frame)
+        place = place_of(self.case_as_told, frame)
+        body = self.whole_body
+        return body.seen_from(place, self.loaded.mounting_of_body(body.model))
+
+    @property
+    def whole_body(self) -> Body:
+        """The same in {P}; raises IdentificationError where its centre of gravity is not known as a whole."""
         if self.body is None:
             missing = ", ".join(name for name in ("xC", "yC", "zC") if name not in self.parameters)
-            problem = f"{missing} of the payload not determined, so that it cannot be stated in another frame"
-            raise IdentificationError(self.loaded.source, f"{problem}; weigh it in another orientation too")
-        return self.body.seen_from(place, self.loaded.mounting_of_body(self.body.model))
+            problem = f"{missing} of the payload not determined, so that it can be stated neither in another frame nor"
+            raise IdentificationError(self.source, f"{problem} as a load; weigh it in another orientation too")
+        return self.body
+
+    @property
+    def physical(self) -> NearestBody | None:
+        """The nearest body that can exist; the estimate itself where it can.
+
+        Raises:
+            IdentificationError: its centre of gravity is not known as a whole.
+        """
+        body = self.whole_body
+        return nearest_body(body.model, body.values, body.covariance, body.covariance_robust)
+
+    @property
+    def case_as_told(self) -> Case:
+        """The case of the machine that carries it."""
+        return self.loaded.case_as_told
+
+    @property
+    def source(self) -> str:
+        """Its name in messages: that of the result with it."""
+        return self.loaded.source
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Why its values may be further off than their deviations say: its own warnings, then those of both results."""
+        findings = (*self.findings, *self.empty.findings, *self.loaded.findings)
+        return tuple(dict.fromkeys(finding.sentence for finding in findings if finding.doubts_values))
+
+    def to_json(self) -> dict[str, Any]:
+        """Entries for programs: parameters, warnings, and the two results that it was computed from."""
+        return {
+            "parameters": {name: value._asdict() for name, value in self.parameters.items()},
+            "warnings": list(self.warnings),
+            "computed_from": {
+                name: {
+                    "result": of.source,
+                    "sha256": of.fingerprint,
+                    "case": of.case.name,
+                    "case_hash": of.record.case_hash,
+                    "model": of.record.model,
+                    "inputs": list(of.record.inputs),
+                }
+                for name, of in (("without", self.empty), ("with", self.loaded))
+            },
+        }
 
     def __repr__(self) -> str:
         """A line for each parameter, and warnings."""
@@ -105,7 +158,7 @@ def payload_on_table(before: Result, after: Result) -> Payload:
     findings.append(warning(Kind.MODEL, f"{sentence}payload in another orientation"))
     physical = physical_values(body, u, of_u, of_u)
     known = {name: value for name, value in physical.items() if name not in names}
-    return Payload(known, tuple(findings), after, None)
+    return Payload(known, tuple(findings), before, after, None)
 
 
 def common_of(
@@ -198,7 +251,7 @@ def payload_between(before: Result, after: Result) -> Payload:
     findings = _about(before, after, float(difference[0]), max(float(covariance[0, 0]), float(robust[0, 0])))
     place, biases = place_of(after.case_as_told, "sensor"), _biases_of(before, after, old, new)
     found = Body(place, body, difference, covariance, robust, biases)
-    return Payload(found.parameters, tuple(findings), after, found)
+    return Payload(found.parameters, tuple(findings), before, after, found)
 
 
 def _biases_of(before: Result, after: Result, old: Sequence[int], new: Sequence[int]) -> dict[str, Array]:

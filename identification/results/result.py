@@ -1,5 +1,6 @@
 """The result of an identification as users hold it: parameters by name, saved and loaded as a folder."""
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -11,7 +12,7 @@ from pydantic import ValidationError
 
 from cases.base.doors import checks
 from cases.base.errors import FileProblem, HexciteError
-from cases.base.files import RESULT, atomic_folder, check_folder, json_text, read_json
+from cases.base.files import RESULT, atomic_folder, check_folder, json_text, read_json, sha256_of
 from cases.base.units import Array, as_html
 from cases.basis import CONTENT, case_of, content_of, require_unchanged, result_basis
 from cases.schema import Case
@@ -162,6 +163,13 @@ class Result:
     def source(self) -> str:
         """Its name in messages: its file, or the recording that it is from."""
         return str(self.record.recording if self.file is None else self.file)
+
+    @property
+    def fingerprint(self) -> str:
+        """SHA-256 of its file; where it was not loaded, of what `save` writes into it."""
+        if self.file is not None:
+            return sha256_of(self.file)
+        return hashlib.sha256(json_text(self.record.to_json()).encode()).hexdigest()
 
     @property
     def model(self) -> Model:

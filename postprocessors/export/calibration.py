@@ -1,6 +1,5 @@
 """A result for export: whether it may be exported, its JSON, and the values in every language."""
 
-import hashlib
 import re
 from functools import cache
 from importlib.metadata import version
@@ -13,28 +12,40 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from cases.base.errors import FileProblem
 from cases.base.files import json_text
 from cases.schema import Case
+from identification.results.payload import Payload
 from identification.results.result import Result
-from postprocessors.export.load import has_inertia, load_of
+from postprocessors.export.load import Carried, has_inertia, load_of
 
 
-def require_exportable(result: Result, force: bool = False) -> None:
+def require_exportable(result: Carried, force: bool = False) -> None:
     """Raises FileProblem where a mass is not positive, or its values are in doubt and `force` is not set.
 
     What the standard deviations allow for, or what was left out, is no such doubt; it is written into the file.
     """
-    if not result.values[0] > 0.0:
+    if isinstance(result, Payload):
+        require_added(result)
+        doubts = list(result.doubts)
+    elif not result.values[0] > 0.0:
         raise FileProblem(result.source, f"mass {result.values[0]:.4g} kg is not positive", "identify from another run")
-    doubts = [finding.sentence for finding in result.findings if finding.doubts_values]
+    else:
+        doubts = [finding.sentence for finding in result.findings if finding.doubts_values]
     if doubts and not force:
         more = f" (and {len(doubts) - 1} more)" if len(doubts) > 1 else ""
         remedy = "mend that and identify again, or export with --force, which writes the warning into the file"
         raise FileProblem(result.source, f"carries a warning{more}: {doubts[0]}", remedy)
 
 
+def require_added(payload: Payload) -> None:
+    """Raises FileProblem where it was taken off: no body has a negative mass."""
+    mass = payload.whole_body.values[0]
+    if not mass > 0.0:
+        remedy = "name the results without and with payload, in this order"
+        raise FileProblem(payload.source, f"the payload's mass {mass:.4g} kg is not positive", remedy)
+
+
 def result_hash(result: Result) -> str:
-    """Fingerprint of the file of a result."""
-    content = json_text(result.record.to_json()).encode() if result.file is None else result.file.read_bytes()
-    return hashlib.sha256(content).hexdigest()[:16]
+    """Fingerprint of the file of a result, its first 16 digits."""
+    return result.fingerprint[:16]
 
 
 def _recording(result: Result) -> str:
@@ -144,24 +155,33 @@ def checked_name(stem: str, file: Path) -> str:
     return stem
 
 
-def comment_lines(result: Result) -> list[str]:
-    """Result, case, model and version behind a file, and every warning, one sentence a line.
+def comment_lines(result: Carried) -> list[str]:
+    """Result, or both of a payload, case, model and version behind a file, and every warning, one sentence a line.
 
     The text is printable ASCII that cannot end a comment in C, Structured Text or NC programs.
     """
-    case, model, record = result.case, result.model, result.record
+    if isinstance(result, Payload):
+        both = (("payload with", result.loaded), ("payload without", result.empty))
+        origin = [f"{words} {line}" for words, of in both for line in _origin(of)]
+        warned = dict.fromkeys((*result.warnings, *result.doubts))
+    else:
+        origin, warned = _origin(result), dict.fromkeys((*result.warnings, *result.remarks))
     lines = []
-    for line in (
-        f"made by hexcite {version('hexcite')}",
-        f"result {result.source} (sha256 {result_hash(result)}), from {_recording(result)}: {record.samples} samples"
-        f", s0 {record.s0:.4g}",
-        f"case {case.name}, hash {case.hash}; model {model.number} with {len(model.names)} parameters",
-        *(f"WARNING: {warning}" for warning in (*result.warnings, *result.remarks)),
-    ):
+    for line in (f"made by hexcite {version('hexcite')}", *origin, *(f"WARNING: {warning}" for warning in warned)):
         plain = " ".join(line.split()).encode("ascii", "backslashreplace").decode()
         plain = "".join(c if c.isprintable() else "?" for c in plain)
         lines.append(plain.replace("*/", "* /").replace("*)", "* )").replace("(*", "( *").replace("/*", "/ *"))
     return lines
+
+
+def _origin(result: Result) -> list[str]:
+    """Where a result is from, and of which model."""
+    case, model, record = result.case, result.model, result.record
+    return [
+        f"result {result.source} (sha256 {result_hash(result)}), from {_recording(result)}: {record.samples} samples"
+        f", s0 {record.s0:.4g}",
+        f"case {case.name}, hash {case.hash}; model {model.number} with {len(model.names)} parameters",
+    ]
 
 
 def rendered(template: str, result: Result, name: str, **own: Any) -> str:

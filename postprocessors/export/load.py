@@ -12,7 +12,11 @@ from cases.schema import Case
 from identification.model.blocks import INERTIA
 from identification.model.model import Model
 from identification.results.frames import FrameName, place_of
+from identification.results.payload import Payload
 from identification.results.result import Result
+
+Carried = Result | Payload
+"""What carries a load: a result, whose load is all that the sensors carry, or what was added between two."""
 
 
 class Load(NamedTuple):
@@ -32,7 +36,7 @@ class Load(NamedTuple):
     frame_from_sensor: Array
 
 
-def load_of(result: Result, frame_from_sensor: Array) -> Load:
+def load_of(result: Carried, frame_from_sensor: Array) -> Load:
     """The load in a frame: the nearest body that can exist, where the estimate cannot.
 
     Args:
@@ -42,20 +46,19 @@ def load_of(result: Result, frame_from_sensor: Array) -> Load:
         IdentificationError: no body can be it, or sensors in struts at the drive, whose body is the platform with the
             rods.
     """
-    struts = result.model.struts
-    if struts is not None and struts.sensors.at == "drive":
+    if isinstance(result, Result) and _carries_rods(result.model):
         problem = "its body is the platform with the rods of the struts, no load alone"
         raise IdentificationError(result.source, f"{problem}; export --to c, linuxcnc, st or json")
     rotation, value = frame_from_sensor[:3, :3], possible(result)
     centre = rotation @ [value["xC"], value["yC"], value["zC"]] + frame_from_sensor[:3, 3]
-    if not has_inertia(result.model):
+    if not (has_inertia(result.model) if isinstance(result, Result) else INERTIA in result.whole_body.model.blocks):
         return Load(value["m"], centre, None, frame_from_sensor)
     xx, xy, xz, yy, yz, zz = (value[f"IC{k}"] for k in ("11", "12", "13", "22", "23", "33"))
     inertia = rotation @ [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]] @ rotation.T
     return Load(value["m"], centre, inertia, frame_from_sensor)
 
 
-def possible(result: Result) -> Mapping[str, float]:
+def possible(result: Carried) -> Mapping[str, float]:
     """Parameters of the nearest body that can exist, by name [SI].
 
     Raises:
@@ -69,20 +72,32 @@ def possible(result: Result) -> Mapping[str, float]:
 
 def has_inertia(model: Model) -> bool:
     """Whether a model has the inertia of the load alone."""
-    return INERTIA in model.blocks and (model.struts is None or model.struts.sensors.at != "drive")
+    return INERTIA in model.blocks and not _carries_rods(model)
 
 
-def load_at_flange(result: Result) -> Load:
+def _carries_rods(model: Model) -> bool:
+    """Whether the body of a model is the platform with the rods of its struts, which cancel in a payload."""
+    return model.struts is not None and model.struts.sensors.at == "drive"
+
+
+def carried_words(result: Carried) -> str:
+    """What a load is, and what has to be added to it."""
+    if isinstance(result, Payload):
+        return "what was added between the two results; what the machine carried before is not in it"
+    return "everything that the force sensor carries; add what is between flange and sensor, and the sensor"
+
+
+def load_at_flange(result: Carried) -> Load:
     """The load in the frame of the robot's flange; raises CaseError where the case does not say where that is."""
     return load_of(result, result.case_as_told.need_flange("a payload"))
 
 
-def load_in(result: Result, frame: FrameName) -> Load:
+def load_in(result: Carried, frame: FrameName) -> Load:
     """The load in a frame; raises CaseError where the case does not state where that is."""
     return load_of(result, place_of(result.case_as_told, frame).of_sensor)
 
 
-def require_inertia(load: Load, result: Result, receiver: str) -> Array:
+def require_inertia(load: Load, result: Carried, receiver: str) -> Array:
     """The inertia; raises IdentificationError where the model has none."""
     if load.inertia is None:
         problem = f"{receiver} needs an inertia, which models 6 to 10 of a moving run determine"
@@ -110,7 +125,7 @@ def principal_axes(inertia: Array) -> tuple[Array, Array]:
     return moments, vectors
 
 
-def deviations_words(result: Result, frame: FrameName) -> str:
+def deviations_words(result: Carried, frame: FrameName) -> str:
     """Reported deviations of mass and centre of gravity, along the axes of a frame."""
     body = result.in_frame(frame)
     m, *centre = (body.parameters[name].reported for name in ("m", "xC", "yC", "zC"))

@@ -11,10 +11,11 @@ from scipy.spatial.transform import Rotation
 from cases.base.errors import IdentificationError
 from cases.base.units import MM
 from identification.results.frames import FrameName, place_of
-from identification.results.result import Result
 from postprocessors.export.calibration import comment_lines
 from postprocessors.export.load import (
+    Carried,
     Load,
+    carried_words,
     deviations_words,
     load_at_flange,
     load_in,
@@ -30,20 +31,20 @@ CM = 0.01  # [m]
 POINT = "the run did not determine the inertia: the load counts as a point mass"
 
 
-def _remarks(result: Result, load: Load, frame: FrameName = "flange") -> list[str]:
+def _remarks(result: Carried, load: Load, frame: FrameName = "flange") -> list[str]:
     """Where the values are from, what they count, and how sure they are: lines for people."""
     words = place_of(result.case_as_told, frame).words
     where = f"counted from {words}, along its axes" if frame != "base" else f"counted along {words}"
     return [
         *comment_lines(result),
-        "payload: everything that the force sensor carries; add what is between flange and sensor, and the sensor",
+        f"payload: {carried_words(result)}",
         f"{where}: the case's sensor frame lies in it at {place_words(load.frame_from_sensor)}",
         deviations_words(result, frame),
         *([] if load.inertia is not None else [POINT]),
     ]
 
 
-def urscript(result: Result, name: str) -> str:
+def urscript(result: Carried, name: str) -> str:
     """A URScript program that sets the load as payload of the robot.
 
     Script manual: mass, centre of gravity from the tool flange in metres, inertia about the centre of gravity along the
@@ -67,7 +68,7 @@ def urscript(result: Result, name: str) -> str:
     return "def payload():\n" + "".join(f"  {line}\n" for line in lines) + "end\n"
 
 
-def kuka(result: Result, name: str) -> str:
+def kuka(result: Carried, name: str) -> str:
     """Load data of a KUKA robot, for $config.dat or a program.
 
     KRL: mass in kg, centre of gravity in mm from the flange; A, B, C turn the flange's axes about z, y, x in degrees to
@@ -86,7 +87,7 @@ def kuka(result: Result, name: str) -> str:
     )
 
 
-def rapid(result: Result, name: str) -> str:
+def rapid(result: Carried, name: str) -> str:
     """A RAPID module with the load as `loaddata`, the third part of a `tooldata` (tload).
 
     RAPID: mass in kg, centre of gravity in mm; the quaternion turns the wrist's axes to the principal axes of inertia,
@@ -108,7 +109,7 @@ def rapid(result: Result, name: str) -> str:
     return f"MODULE {name}\n" + "".join(f"  {line}\n" for line in body) + "ENDMODULE\n"
 
 
-def franka(result: Result, name: str) -> str:
+def franka(result: Carried, name: str) -> str:
     """A request of franka_msgs/srv/SetLoad, whose entries are the arguments of libfranka's setLoad.
 
     Mass in kg, centre of mass in metres from the flange, inertia about the centre of mass as a 3 x 3 matrix, column by
@@ -124,7 +125,7 @@ def franka(result: Result, name: str) -> str:
     return _commented("#", _remarks(result, load), "\n".join(entries))
 
 
-def xarm(result: Result, name: str) -> str:
+def xarm(result: Carried, name: str) -> str:
     """A Python function that sets the load of a UFACTORY xArm: kg, and mm from the flange; it takes no inertia."""
     load = load_at_flange(result)
     lines = [
@@ -135,7 +136,7 @@ def xarm(result: Result, name: str) -> str:
     return _commented("#", _remarks(result, load), "\n".join(lines))
 
 
-def table(result: Result, name: str, frame: FrameName) -> str:
+def table(result: Carried, name: str, frame: FrameName) -> str:
     """The load in the units of screens where it is typed in: FANUC's PAYLOAD SET among them."""
     load = load_at_flange(result) if frame == "flange" else load_in(result, frame)
     remarks = "".join(f"{line}\n" for line in _remarks(result, load, frame))

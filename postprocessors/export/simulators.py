@@ -3,14 +3,13 @@
 import numpy as np
 
 from identification.results.frames import FrameName, place_of
-from identification.results.result import Result
 from postprocessors.export.calibration import comment_lines
-from postprocessors.export.load import deviations_words, load_in, require_inertia
+from postprocessors.export.load import Carried, carried_words, deviations_words, load_in, require_inertia
 
 ORDER = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
-def urdf(result: Result, name: str, frame: FrameName) -> str:
+def urdf(result: Carried, name: str, frame: FrameName) -> str:
     """`<inertial>` of a URDF link whose frame is that of the sensor, flange or tool [kg, m, kg m^2]."""
     load = load_in(result, frame)
     xx, yy, zz, xy, xz, yz = _elements(require_inertia(load, result, "a link"))
@@ -25,7 +24,7 @@ def urdf(result: Result, name: str, frame: FrameName) -> str:
     )
 
 
-def mjcf(result: Result, name: str, frame: FrameName) -> str:
+def mjcf(result: Carried, name: str, frame: FrameName) -> str:
     """`<inertial>` of a body of MuJoCo whose frame is that of the sensor, flange or tool [kg, m, kg m^2]."""
     load = load_in(result, frame)
     full = " ".join(_elements(require_inertia(load, result, "a body")))
@@ -36,7 +35,7 @@ def mjcf(result: Result, name: str, frame: FrameName) -> str:
     )
 
 
-def sdf(result: Result, name: str, frame: FrameName) -> str:
+def sdf(result: Carried, name: str, frame: FrameName) -> str:
     """`<inertial>` of a link of SDFormat whose frame is that of the sensor, flange or tool [kg, m, kg m^2]."""
     load = load_in(result, frame)
     elements = _elements(require_inertia(load, result, "a link"))
@@ -62,11 +61,11 @@ def _spaced(values: np.ndarray) -> str:
     return " ".join(f"{v:.9g}" for v in values)
 
 
-def _document(result: Result, frame: FrameName, *lines: str) -> str:
+def _document(result: Carried, frame: FrameName, *lines: str) -> str:
     """An element behind a comment, which must not hold two hyphens in a row."""
     remarks = [
         *comment_lines(result),
-        f"everything that the force sensors carry, in the frame: {place_of(result.case_as_told, frame).words}",
+        f"{carried_words(result)}; in the frame: {place_of(result.case_as_told, frame).words}",
         deviations_words(result, frame),
     ]
     comment = "\n".join(f"  {line}" for line in remarks)

@@ -7,10 +7,18 @@ from typing import NamedTuple
 from cases.base.errors import FileProblem, HexciteError, choice
 from cases.base.files import FolderKind, atomic_folder, check_file, check_folder, output_place, write_text
 from identification.results.frames import FrameName, frame_named
+from identification.results.payload import Payload
 from identification.results.result import Result
 from postprocessors.export import robots, ros2, simulators
-from postprocessors.export.calibration import checked_name, default_name, json_document, require_exportable
+from postprocessors.export.calibration import (
+    checked_name,
+    default_name,
+    json_document,
+    require_added,
+    require_exportable,
+)
 from postprocessors.export.code import c_sources, linuxcnc_component, python_module, structured_text
+from postprocessors.export.load import Carried
 
 
 class Target(NamedTuple):
@@ -29,26 +37,35 @@ class Target(NamedTuple):
     what: str
 
 
+class RobotTarget(NamedTuple):
+    """A target that states the load, of a result or a payload, from the robot's flange."""
+
+    suffix: str
+    text: Callable[[Carried, str], str]
+    named: bool
+    what: str
+
+
 class LinkTarget(NamedTuple):
     """A target whose text is counted from the frame that is chosen; `usual` where none is."""
 
     suffix: str
-    text: Callable[[Result, str, FrameName], str]
+    text: Callable[[Carried, str, FrameName], str]
     named: bool
     what: str
     usual: FrameName = "sensor"
 
 
-SINGLE_FILES: dict[str, Target | LinkTarget] = {
+SINGLE_FILES: dict[str, Target | RobotTarget | LinkTarget] = {
     "linuxcnc": Target(".comp", linuxcnc_component, True, "HAL component"),
     "st": Target(".st", structured_text, True, "IEC 61131-3"),
     "python": Target(".py", python_module, True, "a module that needs NumPy"),
     "json": Target(".json", lambda result, _: json_document(result), False, "the whole model"),
-    "urscript": Target(".script", robots.urscript, False, "Universal Robots"),
-    "kuka": Target(".dat", robots.kuka, False, "LOAD_DATA"),
-    "rapid": Target(".mod", robots.rapid, True, "ABB loaddata"),
-    "franka": Target(".yaml", robots.franka, False, "setLoad"),
-    "xarm": Target(".py", robots.xarm, False, "UFACTORY"),
+    "urscript": RobotTarget(".script", robots.urscript, False, "Universal Robots"),
+    "kuka": RobotTarget(".dat", robots.kuka, False, "LOAD_DATA"),
+    "rapid": RobotTarget(".mod", robots.rapid, True, "ABB loaddata"),
+    "franka": RobotTarget(".yaml", robots.franka, False, "setLoad"),
+    "xarm": RobotTarget(".py", robots.xarm, False, "UFACTORY"),
     "table": LinkTarget(".txt", robots.table, False, "to type in: FANUC and others", "flange"),
     "ros2": Target(".yaml", ros2.broadcaster, False, "force_torque_sensor_broadcaster"),
     "ft-tools": Target(".yaml", ros2.ft_tools, False, "calibration of ft_tools"),
@@ -58,11 +75,12 @@ SINGLE_FILES: dict[str, Target | LinkTarget] = {
 }
 
 LINKS = tuple(name for name, target in SINGLE_FILES.items() if isinstance(target, LinkTarget))
+LOADS = tuple(name for name, target in SINGLE_FILES.items() if not isinstance(target, Target))
 TARGETS = ("c", *SINGLE_FILES)
 
 
 def export(
-    result: Result,
+    result: Carried,
     target: str,
     output: Path | str | None = None,
     *,
@@ -73,7 +91,7 @@ def export(
     """Writes the calibrated model, or the load that it found, for a controller or a simulator.
 
     Args:
-        result: identified parameters.
+        result: identified parameters, or the payload between two results for a target of `LOADS`.
         target: one of `TARGETS`.
         output: file, or folder for `c`; by default named after the case, in the current folder.
         frame: of a link and of the table, the frame that the load is counted in: "sensor" (the default of links),
@@ -96,15 +114,17 @@ def export(
     require_exportable(result, force)
     if own is None:
         _require_no_frame(target, frame)
+        result = _whole(result, target)
         return _c_folder(result, place, overwrite)
-    usual = Path(f"{default_name(result.case)}{own.suffix}")
+    usual = Path(f"{_usual_name(result)}{own.suffix}")
     file = output_place(place, usual, overwrite, "_" if own.named else "-")  # no name of a model holds "-"
-    check_file(file, [own.suffix], [Path(result.source)], overwrite)
+    read = [result] if isinstance(result, Result) else [result.empty, result.loaded]
+    check_file(file, [own.suffix], [Path(of.source) for of in read], overwrite)
     write_text(file, _text(result, target, own, checked_name(file.stem, file) if own.named else file.stem, frame))
     return [file]
 
 
-def preview(result: Result, target: str, *, frame: str | None = None) -> Mapping[str, str]:
+def preview(result: Carried, target: str, *, frame: str | None = None) -> Mapping[str, str]:
     """What `export` would write, warnings or not: the text of each file by its usual name.
 
     Raises:
@@ -113,26 +133,45 @@ def preview(result: Result, target: str, *, frame: str | None = None) -> Mapping
     Example:
         `print(*hx.preview(result, "kuka").values())` shows LOAD_DATA.
     """
-    own, name = _target(target), default_name(result.case)
+    own, name = _target(target), _usual_name(result)
     if own is None:
         _require_no_frame(target, frame)
+        result = _whole(result, target)
         header, source = c_sources(result, name)
         return {f"{name}.h": header, f"{name}.c": source}
     return {f"{name}{own.suffix}": _text(result, target, own, name, frame)}
 
 
-def _target(target: str) -> Target | LinkTarget | None:
+def _target(target: str) -> Target | RobotTarget | LinkTarget | None:
     """The target of that name; None for `c`."""
     if target not in TARGETS:
         raise HexciteError(f"target {target!r} is unknown; {choice(target, TARGETS)}")
     return SINGLE_FILES.get(target)
 
 
-def _text(result: Result, target: str, own: Target | LinkTarget, name: str, frame: str | None) -> str:
+def _text(result: Carried, target: str, own: Target | RobotTarget | LinkTarget, name: str, frame: str | None) -> str:
     if isinstance(own, Target):
+        _require_no_frame(target, frame)
+        return own.text(_whole(result, target), name)
+    if isinstance(result, Payload):
+        require_added(result)
+    if isinstance(own, RobotTarget):
         _require_no_frame(target, frame)
         return own.text(result, name)
     return own.text(result, name, own.usual if frame is None else frame_named(frame))
+
+
+def _usual_name(result: Carried) -> str:
+    """Name of a file: that of the case; a payload says that it is one."""
+    return default_name(result.case) if isinstance(result, Result) else f"{default_name(result.loaded.case)}_payload"
+
+
+def _whole(result: Carried, target: str) -> Result:
+    """The result itself; raises HexciteError for a payload, which has neither offsets nor a model of forces."""
+    if isinstance(result, Result):
+        return result
+    problem = f"target {target} states what a sensor reads, which no payload alone does"
+    raise HexciteError(f"{problem}; export the result with it, or choose {', '.join(LOADS)}")
 
 
 def _require_no_frame(target: str, frame: str | None) -> None:

@@ -1,5 +1,7 @@
 """A sensor frame that does not move (setup 1a): tare, external force and payload, and no more than that."""
 
+import hashlib
+import json
 from pathlib import Path
 
 import numpy as np
@@ -58,6 +60,22 @@ def test_two_standstills_weigh_the_payload_and_refuse_its_height_by_name(results
     for name, truth in (("m", MASS), ("xC", CENTRE[0]), ("yC", CENTRE[1])):
         assert abs(p[name]["value"] - truth) < 4.0 * p[name]["std"], name
     assert any(tells(w, "zC not determined", "gravity") for w in answer["warnings"])
+
+
+def test_a_payload_is_written_with_what_it_was_computed_from(results: tuple[Path, Path], tmp_path: Path) -> None:
+    file = tmp_path / "payload.json"
+    answer = call("payload", *results, "--case", "clamping_table", "-o", file, "--json").json()
+    assert json.loads(file.read_text()) == answer
+    for name, folder in zip(("without", "with"), results, strict=True):
+        content = (folder / "result.json").read_bytes()
+        assert answer["computed_from"][name]["sha256"] == hashlib.sha256(content).hexdigest()
+    before = file.read_bytes()
+    assert tells(refused("payload", *results, "--case", "clamping_table", "-o", file), "payload.json", "--overwrite")
+    load = tmp_path / "load.xml"
+    message = refused("payload", *results, "--case", "clamping_table", "--to", "urdf", "-o", load)
+    assert tells(message, "zC", "not determined")
+    assert file.read_bytes() == before
+    assert not load.exists()
     assert len(answer["warnings"]) == 1
 
 

@@ -16,12 +16,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from cases.base.errors import CaseError, HexciteError, IdentificationError
+from cases.base.errors import CaseError, FileProblem, HexciteError, IdentificationError
 from cases.basis import plan_basis, result_basis
 from cases.schema import Case, load_case
+from identification.finding import Kind, warning
 from identification.model.model import identification_model
+from identification.results.payload import payload
 from identification.results.result import Result
-from postprocessors.export import preview
+from postprocessors.export import export, preview
 from postprocessors.export.load import principal_axes
 from postprocessors.export.targets import SINGLE_FILES
 from tests.helpers import examples, one_line
@@ -364,3 +366,63 @@ def test_a_frame_is_chosen_of_links_alone(target: str, turned_sensor: Result) ->
         text_of("sdf", turned_sensor, frame="tcp")
     with pytest.raises(HexciteError, match=r"machine\.chain\.tcp"):
         text_of("sdf", turned_sensor, frame="tool")
+
+
+def as_loaded(folder: Path, u: np.ndarray) -> Result:
+    """A result of the turned sensor that was loaded from its own file."""
+    return with_chain(calibration(folder, "ur10_wrist", 6, u), sensor=ANYHOW)
+
+
+EMPTY_TOOL = np.array([1.4, 0.02, -0.01, 0.06, 0.012, 0.001, -0.002, 0.011, 0.0005, 0.006])
+"""Mass, first moments and inertia about the origin of {P} of what the sensor carried before [SI]."""
+
+
+@pytest.fixture
+def both(tmp_path: Path) -> tuple[Result, Result]:
+    """Results of the tool alone, and of the tool with the body added: rigid bodies about one point add."""
+    added = body(2.6, INERTIA)
+    alone, together = added.copy(), added.copy()
+    alone[:10] = EMPTY_TOOL
+    together[:10] += EMPTY_TOOL
+    return as_loaded(tmp_path / "empty", alone), as_loaded(tmp_path / "loaded", together)
+
+
+@pytest.mark.parametrize("target", READERS)
+def test_a_robot_reads_of_a_payload_the_body_that_was_added(target: str, both: tuple[Result, Result]) -> None:
+    (text,) = preview(payload(*both), target).values()
+    mass, centre, inertia = READERS[target](text)
+    at_flange, about_it = expected_at_flange()
+    assert mass == pytest.approx(2.6, abs=1e-4)
+    np.testing.assert_allclose(centre, at_flange, atol=1e-5)
+    np.testing.assert_allclose(inertia, about_it, atol=2e-6)
+    assert text.isascii()
+    assert all(of.fingerprint[:16] in text for of in both)
+
+
+def test_what_was_taken_off_is_no_load(both: tuple[Result, Result], tmp_path: Path) -> None:
+    off = payload(*reversed(both))
+    for write in (lambda: preview(off, "kuka"), lambda: export(off, "kuka", tmp_path / "load.dat", force=True)):
+        with pytest.raises(FileProblem, match=r"mass -2\.6 kg is not positive") as caught:
+            write()
+        one_line(caught.value)
+    assert not (tmp_path / "load.dat").exists()
+
+
+@pytest.mark.parametrize("target", ["c", "linuxcnc", "json", "ros2", "ft-tools"])
+def test_a_payload_is_no_model_of_the_forces(target: str, both: tuple[Result, Result]) -> None:
+    with pytest.raises(HexciteError, match=rf"target {target} .*kuka") as caught:
+        preview(payload(*both), target)
+    one_line(caught.value)
+
+
+def test_doubts_of_either_result_are_doubts_of_a_payload(both: tuple[Result, Result], tmp_path: Path) -> None:
+    empty, loaded = both
+    told = warning(Kind.MODEL, "the offsets drift")
+    doubtful = replace(empty, record=empty.record.replaced(findings=(*empty.findings, told)))
+    found = payload(doubtful, loaded)
+    with pytest.raises(FileProblem, match="drift"):
+        export(found, "kuka", tmp_path / "load.dat")
+    (file,) = export(found, "kuka", tmp_path / "load.dat", force=True)
+    assert "WARNING: the offsets drift" in file.read_text()
+    with pytest.raises(FileProblem, match="stands there"):
+        export(found, "kuka", file, force=True)
