@@ -426,3 +426,19 @@ def test_doubts_of_either_result_are_doubts_of_a_payload(both: tuple[Result, Res
     assert "WARNING: the offsets drift" in file.read_text()
     with pytest.raises(FileProblem, match="stands there"):
         export(found, "kuka", file, force=True)
+
+
+def test_a_payload_of_standing_runs_is_a_point(tmp_path: Path) -> None:
+    """Mass and centre of gravity alone, and a target that needs an inertia refuses."""
+    empty, loaded = (
+        calibration(tmp_path / name, "ur10_wrist", 0, np.array([mass, *first, *[0.0] * 6]))
+        for name, mass, first in (("empty", 1.4, EMPTY_TOOL[1:4]), ("loaded", 4.0, EMPTY_TOOL[1:4] + 2.6 * CENTRE))
+    )
+    (text,) = preview(payload(empty, loaded), "kuka").values()
+    mass, centre, inertia = kuka(text)
+    assert mass == pytest.approx(2.6, abs=1e-4)
+    np.testing.assert_allclose(centre, CENTRE, atol=1e-5)  # the sensor's frame is the flange
+    assert not inertia.any()
+    assert "point mass" in text
+    with pytest.raises(IdentificationError, match="needs an inertia"):
+        preview(payload(empty, loaded), "urscript")
