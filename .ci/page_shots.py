@@ -1,4 +1,4 @@
-"""Pictures of the guided page for its documentation: stages at both widths, light and dark; needs a Chromium.
+"""Pictures of the guided page for its documentation: wide in light colours, of a phone in dark ones; needs a Chromium.
 
 python .ci/page_shots.py docs/howto/page
 """
@@ -14,16 +14,18 @@ from PIL import Image
 from playwright.sync_api import sync_playwright
 
 LOOKS = ((1280, "light"), (390, "dark"))
-COLOURS = 48
+COLOURS = 128
 
 
 def main(folder: Path) -> None:
     """Plans, writes and rehearses a short motion of a built-in machine, then takes each stage that has a picture."""
     folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as place:
-        root = Path(place)
+        root = Path(place) / "calibration"
+        root.mkdir()
         for command in (
             ["case", "new", "mill", "--like", "hexapod"],
+            ["case", "set", "mill", 'title="hexapod mill, hall 2"'],
             ["plan", "mill", "--family", "ptp", "--duration", "8", "--seconds", "10", "-o", "first"],
             ["post", "first", "--dialect", "sinumerik", "-o", "first.mpf"],
             ["run", "first.mpf", "--case", "mill", "-o", "rehearsed"],
@@ -32,7 +34,7 @@ def main(folder: Path) -> None:
             subprocess.run(
                 [Path(sys.executable).with_name("hexcite"), *command], cwd=root, check=True, capture_output=True
             )
-        served = [sys.executable, "-P", "-m", "hexcite.cli.guest", str(os.getpid()), "page", place, "--no-browser"]
+        served = [sys.executable, "-P", "-m", "hexcite.cli.guest", str(os.getpid()), "page", str(root), "--no-browser"]
         with subprocess.Popen(served, cwd=root, stdout=subprocess.PIPE, text=True) as server:
             assert server.stdout is not None
             address = server.stdout.readline().split()[-1]
@@ -50,11 +52,11 @@ def _take(address: str, folder: Path) -> None:
             context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme, locale="en-GB")
             page = context.new_page()
             page.goto(address)
-            for stage in ("machine", "plan", "program", "result"):
+            for stage in ("machine", "program", "result"):
                 page.goto(f"{base}/m/+mill/{stage}")
                 file = folder / f"{stage}-{width}-{scheme}.png"
                 page.screenshot(path=file)
-                Image.open(file).convert("RGB").quantize(COLOURS).save(file, optimize=True)
+                Image.open(file).convert("RGB").quantize(COLOURS, Image.Quantize.MAXCOVERAGE).save(file, optimize=True)
                 if page.evaluate("document.documentElement.scrollWidth > innerWidth"):
                     raise SystemExit(f"{file.name}: wider than the window")
         browser.close()

@@ -13,6 +13,7 @@ from hexcite.reports.scene import box_outlines, room
 from identification.motion.motion import Array
 
 WIDTH, HEIGHT, EDGE = 480.0, 380.0, 34.0  # of a drawing, and free at its sides
+LETTER, LINE = 6.5, 11.0  # of its texts: width of a letter, roughly, and height
 _CLASSES = {
     "base": "base",
     "platform": "platform",
@@ -67,8 +68,8 @@ def _drawn(groups: Mapping[str, Sequence[Array]], labels: Labels, near: float, a
     ]
     named = together([(place[list(axes)], text) for place, text in labels], near)
     texts = [
-        Markup('<text x="{}" y="{}">{}</text>').format(f"{x + 4:.1f}", f"{y - 4:.1f}", text)
-        for (x, y), text in ((at(place), text) for place, text in named)
+        Markup('<text x="{}" y="{}">{}</text>').format(f"{x:.1f}", f"{y:.1f}", text)
+        for (x, y), text in _beside([(at(place), text) for place, text in named])
     ]
     length = _round(120.0 / scale)
     bar = Markup('<path class="bar" d="M10 {0} h{1}"/><text x="10" y="{2}">{3} mm</text>').format(
@@ -79,6 +80,24 @@ def _drawn(groups: Mapping[str, Sequence[Array]], labels: Labels, near: float, a
         f"{WIDTH - 70:.0f}", f"{HEIGHT - 10:.0f}", names[axes[0]], names[axes[1]]
     )
     return _svg(WIDTH, HEIGHT, "machine", Markup("").join([*shapes, *texts, bar, words]))
+
+
+def _beside(labels: Labels) -> Labels:
+    """The labels where their texts begin: each at a side of its point where no earlier one stands, if there is one."""
+    placed: Labels = []
+    for (x, y), text in labels:
+        wide = LETTER * len(text)
+        sides = [np.array([x + across, y + up]) for up in (-4.0, 13.0) for across in (4.0, -4.0 - wide)]
+        free = (
+            side
+            for side in sides
+            if not any(
+                -LETTER * len(other) < there[0] - side[0] < wide and abs(there[1] - side[1]) < LINE
+                for there, other in placed
+            )
+        )
+        placed.append((next(free, sides[0]), text))
+    return placed
 
 
 def _round(length: float) -> float:
