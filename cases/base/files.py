@@ -39,7 +39,7 @@ _DEEPEST = 3  # folders of 0.2 inside each other
 PLAN = FolderKind("a plan", frozenset({"plan.json", "motion.csv", "poses.csv", "plots", "report.html"}), "plan.json")
 RUN = FolderKind("a run", frozenset({"recording.json", "recording.csv"}), "recording.json")
 RESULT = FolderKind(
-    "a result", frozenset({"result.json", "identifiability.json", "plots", "report.html"}), "result.json"
+    "a result", frozenset({"result.json", "identifiability.json", "plots", "report.html", "runs"}), "result.json"
 )
 COMPARISON = FolderKind("a comparison", frozenset({"comparison.json", "report.html", "plots"}), "comparison.json")
 VALIDATION = FolderKind(

@@ -4,7 +4,7 @@ import json
 import math
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -132,10 +132,18 @@ def as_lines() -> "Callable[[Standing], None]":
     return report
 
 
-def save_with_page(value: Any, kind: FolderKind, folder: Path, overwrite: bool) -> None:
-    """Writes a value with its page, report.html; raises FileProblem where the folder is taken or cannot be written."""
+def save_with_page(
+    value: Any, kind: FolderKind, folder: Path, overwrite: bool, inside: Mapping[Path, Any] | None = None
+) -> None:
+    """Writes a value with its page, report.html, and others inside, each into a folder of its own, all or nothing.
+
+    Raises:
+        FileProblem: the folder is taken, or cannot be written.
+    """
     from hexcite.reports import page_of
 
     with atomic_folder(folder, kind, overwrite) as part:
-        value.write(part)
-        (part / "report.html").write_text(page_of(value), encoding="utf-8")
+        for place, each in {Path(): value, **(inside or {})}.items():
+            (part / place).mkdir(parents=True, exist_ok=True)
+            each.write(part / place)
+            (part / place / "report.html").write_text(page_of(each), encoding="utf-8")

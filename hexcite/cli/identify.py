@@ -1,24 +1,29 @@
 """`hexcite identify`: parameters with error bars from a recording; `hexcite look`: what one of unknown format holds."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from itertools import count
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 import hexcite as hx
-from cases.base.errors import printable
+from cases.base.errors import IdentificationError, RecordingError, printable
 from cases.base.files import RESULT, check_file, check_folder, output_place
 from cases.editing import Change
 from hexcite.cli import console
 from hexcite.cli.cases import toml_shown
 from hexcite.cli.console import argument, option, out
-from identification.texts import aligned
+from identification.texts import aligned, carries_rods, value_cells
 
 
 def identify(
     recordings: Annotated[
-        list[Path], argument("One run: a file, several files of it in any order, or a folder of hexcite run.")
+        list[Path],
+        argument(
+            "One run: a file, several files of it in any order (struts and forces, say), or a folder of hexcite run. "
+            "With --runs each is a run of its own."
+        ),
     ],
     case: console.OwnCase = None,
     model: Annotated[
@@ -75,9 +80,17 @@ def identify(
         Path | None, option("Plan of poses: average the run's standstills, which must be those of this plan.")
     ] = None,
     standstills: Annotated[bool, option("Average the run's standstills, wherever they are.", "--standstills")] = False,
+    runs: Annotated[
+        bool,
+        option(
+            "Each recording is a whole run of the same thing: identify each with the same options, and pool them as "
+            "hexcite pool does. Without it several files are pieces of one run.",
+            "--runs",
+        ),
+    ] = False,
     frame: console.InFrame = None,
     verify: Annotated[Path | None, option("Predict this second run with the parameters of the first.")] = None,
-    output: Annotated[Path | None, out("Folder to write; RECORDING-result by default.")] = None,
+    output: Annotated[Path | None, out("Folder to write; RECORDING-result by default, pooled with --runs.")] = None,
     stale: console.Stale = False,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
@@ -96,46 +109,59 @@ def identify(
 
     if verify is not None:
         require_file(files_of([verify])[0])  # before a result is written
-    folder = output_place(output, Path(f"{recordings[0].resolve().stem}-result"), overwrite)
+    if runs:
+        _require_runs(recordings, model, prior)
+    folder = output_place(output, Path("pooled" if runs else f"{recordings[0].resolve().stem}-result"), overwrite)
     check_folder(folder, RESULT, recordings, overwrite)
     with console.remedies(json), console.status("identifying", json):
         named = None if plan is None else hx.Plan.load(plan, None if case is None else hx.load_case(case), stale=True)
-        own = named.case if named is not None and record_of(recordings[0]) is None else None
-        run = hx.Recording.load(recordings, own if case is None else hx.load_case(case), stale)
-        assert run.case is not None  # it was read with one
-        if frame is not None:
-            place_of(run.case, frame)  # before anything is computed
-        planned = None
-        if poses is not None:
-            posed = hx.Plan.load(poses, run.case, stale=True)  # of a plan of poses only these are wanted
-            planned = posed.poses
-            if not len(planned):
-                raise hx.HexciteError(
-                    poses, f"is a plan of family {posed.family}, not of poses; name one of hexcite poses"
-                )
 
         def how(model: hx.Model) -> hx.Method:
             return method_of(model, fix, drop, prior, weights, symmetric, estimator)
 
-        choice = None
-        if model == "all":
-            choice = hx.identify_models(run, how=how, average_standstills=standstills, poses=planned)
-        result = hx.identify(
-            run,
-            model=None if model is None else number_of(model) if choice is None else choice.best,
-            how=how,
-            average_standstills=standstills,
-            poses=planned,
-            plan=plans_at_hand(run) if named is None else named,
-            treatment=treatment_of(accelerated, period, harmonics, cutoff),
-        )
-        if choice is not None:
-            result = result.chosen_among(choice.to_json())
+        def identified(files: list[Path]) -> tuple[hx.Result, hx.ModelChoice | None]:
+            """The result of one run, and all models of it where they are asked for."""
+            own = named.case if named is not None and record_of(files[0]) is None else None
+            run = hx.Recording.load(files, own if case is None else hx.load_case(case), stale)
+            assert run.case is not None  # it was read with one
+            if frame is not None:
+                place_of(run.case, frame)  # before anything is computed
+            planned = None
+            if poses is not None:
+                posed = hx.Plan.load(poses, run.case, stale=True)  # of a plan of poses only these are wanted
+                planned = posed.poses
+                if not len(planned):
+                    raise hx.HexciteError(
+                        poses, f"is a plan of family {posed.family}, not of poses; name one of hexcite poses"
+                    )
+            choice = None
+            if model == "all":
+                choice = hx.identify_models(run, how=how, average_standstills=standstills, poses=planned)
+            result = hx.identify(
+                run,
+                model=None if model is None else number_of(model) if choice is None else choice.best,
+                how=how,
+                average_standstills=standstills,
+                poses=planned,
+                plan=plans_at_hand(run) if named is None else named,
+                treatment=treatment_of(accelerated, period, harmonics, cutoff),
+            )
+            return (result, None) if choice is None else (result.chosen_among(choice.to_json()), choice)
+
+        choice, single = None, dict[Path, hx.Result]()
+        if runs:
+            single = {place: _of_run(file, identified) for place, file in _places_of_runs(recordings).items()}
+            result = hx.pool([*single.values()])
+        else:
+            result, choice = identified(recordings)
         body = None if frame is None else result.in_frame(frame_named(frame))
-        console.save_with_page(result, RESULT, folder, overwrite)
+        console.save_with_page(result, RESULT, folder, overwrite, single)
     answer = answer_of_result(result, folder)
     verdict = None if result.case.accept is None else hx.accept(result)
     texts: list[object] = [f"result written: {folder}, with its report {folder}/report.html"]
+    if single:
+        answer["runs"] = [answer_of_result(of, folder / place) for place, of in single.items()]
+        texts.extend(_lines_of_runs(folder, single))
     if verdict is not None:
         answer["accept"] = verdict.to_json()
         texts.append(verdict)
@@ -152,6 +178,49 @@ def identify(
     console.answered(answer, json, *texts)
     if verdict is not None and not verdict.passed:
         raise typer.Exit(1)
+
+
+def _require_runs(recordings: Sequence[Path], model: str | None, prior: Sequence[str] | None) -> None:
+    """Refuses, before anything is computed, what no runs can be pooled with."""
+    if len(recordings) < 2:
+        raise hx.HexciteError("--runs", "1 recording", "name two runs or more, or leave --runs out")
+    if model == "all":
+        raise hx.HexciteError(
+            "--model all", "may keep another model of each run", "give one number for all with --runs"
+        )
+    if prior:
+        problem = "would be counted with each run"
+        raise hx.HexciteError(
+            f"--prior {prior[0]}", problem, "leave it out with --runs, or state an exact value by --fix"
+        )
+
+
+def _places_of_runs(recordings: Sequence[Path]) -> dict[Path, Path]:
+    """Recordings by the folder that each one's result gets, in that of the pooled one; each name is there once."""
+    places = dict[Path, Path]()
+    for file in recordings:
+        stem = file.resolve().stem
+        names = (stem if k == 1 else f"{stem}-{k}" for k in count(1))
+        places[next(place for name in names if (place := Path("runs", name)) not in places)] = file
+    return places
+
+
+def _of_run(file: Path, identified: Callable[[list[Path]], tuple["hx.Result", object]]) -> "hx.Result":
+    """The result of one run of several; an error names it."""
+    try:
+        return identified([file])[0]
+    except (RecordingError, IdentificationError) as error:
+        raise error.at(str(file)) from error
+
+
+def _lines_of_runs(folder: Path, single: Mapping[Path, "hx.Result"]) -> list[str]:
+    """A table of the runs: mass, or of a model without one the first parameter, and where each result is."""
+    rows = []
+    for place, of in single.items():
+        name = "m" if "m" in of.parameters else next(iter(of.parameters))
+        words, value, deviation, *_, unit = value_cells(name, of.parameters[name], carries_rods(of.parameters))
+        rows.append((of.source, f"{words} = {value} +- {deviation} {unit}", str(folder / place)))
+    return aligned(("run", "by itself", "its result"), *rows)
 
 
 def look(

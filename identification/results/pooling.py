@@ -134,8 +134,9 @@ def require_alike(results: Sequence[Result]) -> None:
         for what in ("model", "known", "dropped", "weights"):
             there, here = getattr(base, what), getattr(record, what)
             if (there or None) != (here or None):
+                remedy = f"{again}, and with --model" if what == "model" else again
                 raise FileProblem(
-                    result.source, f"{what} is {here or 'none'}, that of {first.source} {there or 'none'}", again
+                    result.source, f"{what} is {here or 'none'}, that of {first.source} {there or 'none'}", remedy
                 )
         if result.mounted != first.mounted:
             raise FileProblem(

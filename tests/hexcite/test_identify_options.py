@@ -8,8 +8,11 @@ import pytest
 
 from cases.schema import load_case
 from cases.tables import built_in_cases
+from identification.identify import identify
 from identification.machines.hexapod import Hexapod
-from identification.recording.recording import write_recording
+from identification.recording.recording import Recording, write_recording
+from identification.results.pooling import pool
+from identification.results.result import Result
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, tells
 from tests.hexcite.command_line import call, refused
@@ -151,3 +154,46 @@ def test_all_models_are_compared_and_the_best_is_kept(run: Path, tmp_path: Path)
     assert "Table 3" in (tmp_path / "result" / "report.html").read_text(encoding="utf-8")
     line = refused("identify", run / "run.csv", "--case", "hexapod", "--model", "most", "-o", tmp_path / "no")
     assert tells(line, "--model most", "all")
+
+
+@pytest.fixture(scope="module")
+def again(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same thing once more, in another motion and with other noise, in a file of the same name."""
+    folder = tmp_path_factory.mktemp("again")
+    execution = PoseExecution(Hexapod.of(CASE), Harmonic(seed=2, duration=2.0))
+    write_recording(folder / "run.csv", simulate_recording(CASE, execution, np.array([[0.2, 1.8]]), 1), CASE)
+    return folder
+
+
+def test_runs_are_identified_each_and_pooled_as_single_results_are(run: Path, again: Path, tmp_path: Path) -> None:
+    files = [run / "run.csv", again / "run.csv"]
+    folder = tmp_path / "together"
+    words = ("--case", "hexapod", "-o", folder, "--model", 3)
+    shown = call("identify", *files, "--runs", *words)
+    assert shown.code == 0, shown.err
+    assert sum("= " in line and str(folder / "runs") in line for line in shown.out.splitlines()) == 2
+    assert tells(shown.out, "share of chi-square")
+    together = Result.load(folder)
+    alone = [identify(Recording.load(file, CASE), model=3) for file in files]
+    np.testing.assert_allclose(together.values, pool(alone).values, rtol=1e-12)
+    np.testing.assert_allclose(together.covariance_robust, pool(alone).covariance_robust, rtol=1e-12)
+    for name, of in zip(("run", "run-2"), alone, strict=True):
+        assert Result.load(folder / "runs" / name).values == pytest.approx(of.values, rel=1e-12)
+        assert (folder / "runs" / name / "report.html").exists()
+    later = call("identify", *reversed(files), "--runs", *words, "--overwrite", "--json").json()
+    assert later["parameters"]["m"]["value"] == pytest.approx(together["m"].value, rel=1e-9)
+    assert [Path(each["result"]).name for each in later["runs"]] == ["run", "run-2"]
+
+
+def test_a_run_that_is_refused_is_named_and_nothing_is_written(run: Path, tmp_path: Path) -> None:
+    short = tmp_path / "short.csv"
+    short.write_text("".join((run / "run.csv").read_text().splitlines(keepends=True)[:120]))
+    folder = tmp_path / "together"
+    words = ("--runs", "--case", "hexapod", "-o", folder)
+    for other in (short, run / "forces.csv", tmp_path / "absent.csv"):
+        assert str(other) in refused("identify", run / "run.csv", other, *words)
+    assert "same recording" in refused("identify", run / "run.csv", run / "run.csv", *words)
+    assert "two runs" in refused("identify", run / "run.csv", *words)
+    assert "--model all" in refused("identify", run / "run.csv", short, *words, "--model", "all")
+    assert "--prior m=" in refused("identify", run / "run.csv", short, *words, "--prior", "m=33+-0.5kg")
+    assert [path.name for path in tmp_path.iterdir()] == ["short.csv"]
