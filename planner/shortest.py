@@ -1,8 +1,8 @@
 """The shortest motion whose predicted deviations reach targets, found by planning motions of several durations.
 
-White noise alone lets deviations fall with the root of the duration. Errors that depend on the pose do not average out
-where a motion returns, and a short motion has no room for long ways: so each duration is planned, and what earlier ones
-reached only says which is next.
+White noise lets deviations fall with the root of the duration, above what tolerances leave, and beside what earlier
+results say. Errors that depend on the pose do not average out where a motion returns, and a short motion has no room
+for long ways: so each duration is planned, and what earlier ones reached only says which is next.
 """
 
 import math
@@ -15,13 +15,15 @@ from identification.model.model import identification_model
 from identification.model.parameters import physical_form
 from identification.texts import legible, std_text
 from planner.plans.plan import Plan
-from planner.plans.prediction import Prediction
+from planner.plans.prediction import NOISE, Prediction
 from planner.request import DURATION, Request
 
 CLOSE = 1.04  # ratio of the shortest duration that reaches the targets to the longest below it that does not
 MOST = 14  # durations at most
 LONGER, SHORTER = 4.0, 0.25  # ratio of a duration to the one before, at most and at least
 AMONG = 0.15  # nearest share of the way, in logarithms, between two durations at which the next one lies
+NEXT_TO_NOTHING = 1e-6  # of a duration
+ROUNDING = 1e-9  # of a number of steps
 STEEPEST, FLATTEST = -2.0, -0.05  # powers of the duration by which deviations are taken to change
 
 
@@ -32,6 +34,7 @@ class Trial:
     duration: float  # that was asked for [s]
     plan: Plan | None  # None where there is no motion of this duration
     excess: float  # largest ratio of a predicted deviation to its target; infinity without a motion
+    share: float  # of the duration that is enough by white noise; infinity where none is, and without a motion
     problem: HexciteError | None = None  # why there is no motion
 
 
@@ -50,7 +53,7 @@ def shortest(request: Request, case: Case, plan_of: Callable[[Request], Plan]) -
     """
     targets, longest, family = request.target, request.duration, request.family
     trials: list[Trial] = []
-    wanted: float | None = _whole(min(DURATION, longest), family.step)
+    wanted: float | None = _whole(min(max(DURATION, family.least(case)), longest), family.step)
     while wanted is not None and len(trials) < MOST:
         asked = replace(request, family=family, duration=wanted, target={})
         trial = _trial(asked, targets, plan_of)
@@ -59,7 +62,7 @@ def shortest(request: Request, case: Case, plan_of: Callable[[Request], Plan]) -
             family = trial.plan.of_motion[0].family
             if trial.plan.interrupted:
                 break
-        wanted = following(trials, longest, family.step)
+        wanted = following(trials, family.least(case), longest, family.step)
     enough = [trial for trial in trials if trial.excess <= 1.0]
     if not enough:
         raise _missed(trials, request, case)
@@ -91,15 +94,36 @@ def _trial(request: Request, targets: Mapping[str, float], plan_of: Callable[[Re
     try:
         plan = plan_of(request)
     except HexciteError as error:  # too short for its family, or for what the model has to determine
-        return Trial(request.duration, None, math.inf, error)
-    return Trial(request.duration, plan, max(plan.std_after[name] / at for name, at in targets.items()))
+        return Trial(request.duration, None, math.inf, math.inf, error)
+    excess = max(plan.std_after[name] / at for name, at in targets.items())
+    share = max(_share(plan, name, at) for name, at in targets.items())
+    return Trial(request.duration, plan, excess, min(share, 1.0) if excess <= 1.0 else share)
 
 
-def following(trials: list[Trial], longest: float, step: float) -> float | None:
+def _share(plan: Plan, name: str, at: float) -> float:
+    """The share of its duration after which a plan reaches a target by white noise, whose information grows with time.
+
+    What is known has its information already, and what tolerances leave stays; infinity where that is more than the
+    target.
+    """
+    promise = plan.promise if plan.gain is None else plan.gain.after
+    after = promise.budget[name][NOISE] if promise.budget else promise.std[name]
+    stays = promise.std[name] ** 2 - after**2
+    known = 0.0 if plan.gain is None else 1.0 / max(plan.gain.before[name] ** 2 - stays, after**2)
+    if at**2 <= stays:
+        return math.inf
+    missing, added = 1.0 / (at**2 - stays) - known, 1.0 / after**2 - known
+    if missing <= 0.0:
+        return NEXT_TO_NOTHING
+    return max(missing / added, NEXT_TO_NOTHING) if added > 0.0 else math.inf
+
+
+def following(trials: list[Trial], least: float, longest: float, step: float) -> float | None:
     """The duration to plan next [s]; None where none is worth it.
 
     Args:
         trials: in the order of planning.
+        least: duration below which there is no motion [s].
         longest: [s].
         step: between two durations [s].
     """
@@ -109,26 +133,29 @@ def following(trials: list[Trial], longest: float, step: float) -> float | None:
     lower = max(below, key=lambda trial: trial.duration, default=None)
     if upper is None:
         assert lower is not None
-        power = -0.5 if len(below) < 2 else _power(*sorted(below, key=lambda trial: trial.duration)[-2:])
-        ratio = lower.excess ** (-1.0 / power) if math.isfinite(lower.excess) else 2.0
+        two = sorted(below, key=lambda trial: trial.duration)[-2:]
+        power = -0.5 if len(two) < 2 else _power(*two, lambda trial: math.sqrt(trial.share))
+        ratio = 2.0
+        if math.isfinite(lower.share):
+            ratio = lower.share ** (-0.5 / power)
         wanted = min(lower.duration * min(max(ratio, CLOSE), LONGER), longest)
     elif lower is None:
-        wanted = upper.duration * min(max(upper.excess**2, SHORTER), 0.9)
+        wanted = upper.duration * min(max(upper.share, SHORTER), 0.9)
     elif upper.duration <= CLOSE * lower.duration:
         return None
     else:
         share = 0.5
-        if math.isfinite(lower.excess):
-            share = math.log(lower.excess) / math.log(lower.excess / upper.excess)
+        if math.isfinite(lower.share):
+            share = math.log(lower.share) / math.log(lower.share / upper.share)
         share = min(max(share, AMONG), 1.0 - AMONG)
         wanted = lower.duration * (upper.duration / lower.duration) ** share
-    wanted = _whole(wanted, step)
+    wanted = max(_whole(wanted, step), _whole(math.ceil(least / step - ROUNDING) * step, step))
     if lower is not None:
         wanted = max(wanted, _whole(lower.duration + step, step))
     if upper is not None:
         wanted = min(wanted, _whole(upper.duration - step, step))
     known = {trial.duration for trial in trials}
-    return wanted if wanted not in known and step / 2 < wanted <= longest else None
+    return wanted if wanted not in known and least - step / 2 < wanted <= longest else None
 
 
 def _whole(duration: float, step: float) -> float:
@@ -136,11 +163,12 @@ def _whole(duration: float, step: float) -> float:
     return round(max(round(duration / step), 1) * step, 9)
 
 
-def _power(shorter: Trial, longer: Trial) -> float:
-    """The power of the duration with which deviations changed between two."""
-    if not math.isfinite(shorter.excess):
+def _power(shorter: Trial, longer: Trial, deviation: Callable[[Trial], float]) -> float:
+    """The power of the duration with which a deviation changed between two."""
+    before, after = deviation(shorter), deviation(longer)
+    if not (math.isfinite(before) and math.isfinite(after)):
         return -0.5
-    slope = math.log(longer.excess / shorter.excess) / math.log(longer.duration / shorter.duration)
+    slope = math.log(after / before) / math.log(longer.duration / shorter.duration)
     return min(max(slope, STEEPEST), FLATTEST)
 
 
@@ -196,6 +224,6 @@ def _remedy(planned: list[Trial], longest: float, request: Request, best: Plan |
         words = promise.lasting_words(parameters, request.target, "more seconds lower")
         return f"; {words}: ask for larger deviations, or lower these tolerances, as by a known weight"
     last = sorted(planned, key=lambda trial: trial.duration)[-2:]
-    if len(last) == 2 and _power(*last) > -0.25:
+    if len(last) == 2 and _power(*last, lambda trial: trial.excess) > -0.25:
         return "; longer motions hardly help: ask for larger deviations"
     return "; allow a longer --duration, or ask for larger deviations"

@@ -71,6 +71,10 @@ class FamilySettings:
         """Between two durations that a search for the shortest may try: a hundredth of a second [s]."""
         return 0.01
 
+    def least(self, case: Case) -> float:
+        """Duration below which no search can succeed on this machine [s]."""
+        return self.step
+
     def made_for(self, case: Case) -> str | None:
         """The controller whose time law the motion is planned with; None where all limits of the case count."""
         return None
@@ -155,6 +159,11 @@ class Fourier(FamilySettings):
     def step(self) -> float:
         """Between two durations: a period where one is stated [s]."""
         return super(Fourier, self).step if self.period is None else self.period
+
+    def least(self, case: Case) -> float:
+        """That of the fewest periods of which the filter of the evaluation passes the lowest order [s]."""
+        lowest = FREE_ORDERS[0] if self.free_order else self.order
+        return max(self.fewest * (self.period or lowest / _highest_frequency(case)), self.step)
 
     def require_plannable(self, case: Case, duration: float) -> None:
         """Raises HexciteError unless the filter of the evaluation passes the highest harmonic."""
@@ -285,18 +294,25 @@ class PointToPoint(FamilySettings):
         A move whose coordinates cannot reach half of their limits of acceleration hardly leaves its place: the search
         would take minutes to make few moves of many, and find less than with few.
         """
-        cycle = case.need_controller(TIMED).cycle
+        case.need_controller(TIMED)
         self._require_choice(case)
-        own, _ = controlled(case, self.made_for(case))
-        box, count = own.need_motion("planning")[1], self.count(own, duration)
-        phases = (4 if box.limits_jerk else 2) * ptp.shortest_phase(cycle)
-        least = max(phases, 4 * HALF * float(np.min(box.acceleration / box.jerk)))
+        count, least = self.count(controlled(case, self.made_for(case))[0], duration), self._least_move(case)
         if duration < count * least * (1.0 - ROUNDING):
             raise HexciteError(
                 f"duration {duration:g} s is too short for {count} moves: by controller.cycle_ms and limits of jerk "
                 f"each takes {least:g} s; choose at least {count * least:g} s"
                 + (f", or fewer --moves ({ptp.FEWEST} or more)" if count > ptp.FEWEST else "")
             )
+
+    def least(self, case: Case) -> float:
+        """That of the stated number of moves, else of the fewest [s]."""
+        return (self.moves or ptp.FEWEST) * self._least_move(case)
+
+    def _least_move(self, case: Case) -> float:
+        """Shortest duration of a move, by the controller's cycle and by half of an acceleration under its jerk [s]."""
+        box = controlled(case, self.made_for(case))[0].need_motion("planning")[1]
+        phases = (4 if box.limits_jerk else 2) * ptp.shortest_phase(case.need_controller(TIMED).cycle)
+        return max(phases, 4 * HALF * float(np.min(box.acceleration / box.jerk)))
 
     def _require_choice(self, case: Case) -> None:
         """Raises HexciteError where the controller cannot keep a limit that is not left out, or keeps one that is."""
@@ -356,6 +372,10 @@ class Spline(FamilySettings):
         """Raises HexciteError where the duration has no room for the fewest knots."""
         if not duration >= SHORTEST:
             raise HexciteError(f"duration {duration:g} s is too short for a spline; choose at least {SHORTEST:g} s")
+
+    def least(self, case: Case) -> float:
+        """That of the fewest knots [s]."""
+        return SHORTEST
 
     def require_plannable(self, case: Case, duration: float) -> None:
         """Raises CaseError where the case states no controller cycle: controllers time splines in whole cycles."""
@@ -418,8 +438,7 @@ class Best(FamilySettings):
 
     def candidates(self, case: Case, duration: float) -> tuple[FamilySettings, ...]:
         """Families that are searched; raises HexciteError where none can be planned."""
-        moves = PointToPoint()
-        every = (moves,) if moves.made_for(case) is not None else (moves, Spline(), Fourier())
+        every = self._every(case)
         plannable, refused = list[FamilySettings](), list[HexciteError]()
         for family in every:
             try:
@@ -431,6 +450,14 @@ class Best(FamilySettings):
         if not plannable:
             raise refused[0]
         return tuple(plannable)
+
+    def _every(self, case: Case) -> tuple[FamilySettings, ...]:
+        moves = PointToPoint()
+        return (moves,) if moves.made_for(case) is not None else (moves, Spline(), Fourier())
+
+    def least(self, case: Case) -> float:
+        """The least of all families [s]."""
+        return min(family.least(case) for family in self._every(case))
 
     def require_plannable(self, case: Case, duration: float) -> None:
         """Raises HexciteError where no family can be planned."""

@@ -166,12 +166,13 @@ class Gain:
     results: tuple[str, ...]  # their names
     before: dict[str, float]  # standard deviations by them [SI]
     after: Promise  # with the run
+    warnings: tuple[str, ...] = ()  # that the earlier results do not agree
 
     @classmethod
     def of(cls, run: Prediction, known: Known) -> "Gain":
         """That of a run for the load as it is known."""
         before, after = run.beside(known)
-        return cls(known.results, before.std, Promise.of([after]))
+        return cls(known.results, before.std, Promise.of([after]), known.warnings)
 
     @property
     def loose(self) -> tuple[str, ...]:
@@ -185,7 +186,7 @@ class Gain:
 
     @property
     def words(self) -> tuple[str, ...]:
-        """What the run lowers most, and what stays loose after it."""
+        """What the run lowers most, what stays loose after it, and that the earlier results do not agree."""
         std, named = self.after.std, ", ".join(self.results)
         most = sorted(std, key=lambda name: std[name] / self.before[name])[:MOST_NAMED]
         falls = ", ".join(f"{name} to {100.0 * std[name] / self.before[name]:.0f} %" for name in most)
@@ -194,7 +195,7 @@ class Gain:
             loose = ", ".join(self.loose)
             still = f"still loose, for noise is most of their variance: {loose}" if loose else ""
             sentences.append(still or "nothing is loose after it: tolerances are most of every variance")
-        return tuple(sentences)
+        return (*sentences, *self.warnings)
 
 
 class Tolerated(NamedTuple):

@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 
 import hexcite as hx
-from cases.base.errors import FileProblem, HexciteError
+from cases.base.errors import FileProblem, HexciteError, InfeasiblePlan
 from cases.schema import Case
 from hexcite._run import execute
 from hexcite._write import write
 from identification.results.result import Result
-from planner.families.settings import PointToPoint
+from planner.families.settings import Best, PointToPoint
 from planner.known import Known
 from planner.plans.plan import Plan
 from planner.plans.prediction import Gain, Promise
 from planner.request import Request
-from planner.shortest import require_more, shortest
+from planner.shortest import CLOSE, require_more, shortest
 from tests.helpers import tells
 from tests.hexcite.command_line import call, refused
 from tests.planner.plans.test_prediction import planned as plan_for
@@ -64,6 +64,13 @@ def test_tolerances_that_results_have_in_common_with_the_run_are_counted_once():
     assert "IC12" in gain.loose
 
 
+def test_a_plan_tells_that_results_do_not_agree():
+    known = replace(known_by(3), warnings=("2 runs scatter 5 times as their deviations promise",))
+    gain = Gain.of(prediction(NAME, result_of(3).values), known)
+    assert any(tells(words, "scatter 5 times") for words in gain.words)
+    assert gain.to_json()["warnings"] == known.warnings
+
+
 def test_targets_hold_for_results_and_run_together():
     plan = plan_for(NAME)
     asked: list[float] = []
@@ -80,6 +87,58 @@ def test_targets_hold_for_results_and_run_together():
     alone, together = (shortest(replace(request, known=known), plan.case, plan_of) for known in (None, known_by(3)))
     assert alone.request.duration == pytest.approx(4.0, rel=0.06)
     assert together.request.duration == pytest.approx(3.0, rel=0.06)
+
+
+@pytest.mark.parametrize("target", [0.0099, 0.009, 0.005])
+def test_few_durations_are_tried_and_none_in_which_no_motion_can_be_made(target: float):
+    """Deviations are those of noise beside what is known; below 2 s there is no motion, though it would be enough."""
+    plan, family = plan_for(NAME), PointToPoint(moves=12)
+    asked: list[float] = []
+
+    def plan_of(request: Request) -> Plan:
+        asked.append(request.duration)
+        if request.duration < 2.0:
+            raise InfeasiblePlan("no motion")
+        own = 0.02 * request.duration**-0.5
+        after = (own**-2 + 0.01**-2) ** -0.5
+        gain = Gain(("earlier",), {"m": 0.01}, Promise({"m": after}, {}, {}))
+        return replace(plan, request=request, promise=Promise({"m": own}, {}, {}), gain=gain)
+
+    request = Request(family, 60.0, model=plan.model, target={"m": target}, known=known_by(3))
+    found = shortest(request, plan.case, plan_of)
+    enough = (target**-2 - 0.01**-2) * 0.02**2
+    assert len(asked) <= 8
+    assert min(asked) >= family.least(plan.case) - 1e-9
+    assert max(enough, 2.0) - 0.01 <= found.request.duration <= max(enough, 2.0) * CLOSE + 0.01
+
+
+def test_the_law_of_what_is_known_finds_the_duration_from_one_plan():
+    """Where only noise counts the second duration is the one that is enough; a power of deviations misses it."""
+    plan = plan_for(NAME)
+    asked: list[float] = []
+
+    def plan_of(request: Request) -> Plan:
+        asked.append(request.duration)
+        own, gains = 0.02 * request.duration**-0.5, 0.002
+        noise = (own**-2 + 0.01**-2) ** -0.5
+        std = {"m": np.hypot(noise, gains)}
+        after = Promise(std, {"m": {"noise": noise, "gains": gains}}, {"m": gains})
+        gain = Gain(("earlier",), {"m": np.hypot(0.01, gains)}, after)
+        return replace(plan, request=request, gain=gain)
+
+    target = float(np.hypot((8.0 / 0.02**2 + 0.01**-2) ** -0.5, 0.002))
+    shortest(Request(PointToPoint(moves=12), 60.0, model=plan.model, target={"m": target}, known=known_by(3)),
+             plan.case, plan_of)  # fmt: skip
+    assert asked[1] == pytest.approx(8.0, abs=0.02)
+
+
+def test_no_duration_has_a_motion_below_the_least_of_its_family():
+    case = plan_for(NAME).case
+    for family in (PointToPoint(moves=12), PointToPoint(), Best()):
+        least = family.least(case)
+        family.require_plannable(case, least)
+        with pytest.raises(HexciteError, match="too short"):
+            family.require_plannable(case, 0.9 * least)
 
 
 def test_what_is_reached_needs_no_motion():
