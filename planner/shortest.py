@@ -134,7 +134,7 @@ def following(trials: list[Trial], least: float, longest: float, step: float) ->
     if upper is None:
         assert lower is not None
         two = sorted(below, key=lambda trial: trial.duration)[-2:]
-        power = -0.5 if len(two) < 2 else _power(*two, lambda trial: math.sqrt(trial.share))
+        power = -0.5 if len(two) < 2 else _power(two[0], two[1], lambda trial: math.sqrt(trial.share))
         ratio = 2.0
         if math.isfinite(lower.share):
             ratio = lower.share ** (-0.5 / power)
@@ -224,6 +224,6 @@ def _remedy(planned: list[Trial], longest: float, request: Request, best: Plan |
         words = promise.lasting_words(parameters, request.target, "more seconds lower")
         return f"; {words}: ask for larger deviations, or lower these tolerances, as by a known weight"
     last = sorted(planned, key=lambda trial: trial.duration)[-2:]
-    if len(last) == 2 and _power(*last, lambda trial: trial.excess) > -0.25:
+    if len(last) == 2 and _power(last[0], last[1], lambda trial: trial.excess) > -0.25:
         return "; longer motions hardly help: ask for larger deviations"
     return "; allow a longer --duration, or ask for larger deviations"

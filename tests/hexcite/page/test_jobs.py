@@ -70,6 +70,7 @@ def test_a_search_that_is_stopped_keeps_its_best(root: Path):
         await until(lambda: search.progress)
         assert search.progress[0]["best"] == 0.25
         assert 0.0 <= search.progress[0]["at"] < 30.0
+        await until(lambda: search.messages)  # another stream than progress
         assert search.messages == ["a warning"]
         there.stop(search)
         await until(lambda: search.over)
