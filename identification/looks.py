@@ -26,6 +26,7 @@ from identification.recording.formats.binary import Topic
 from identification.recording.formats.families import words_of
 from identification.recording.formats.layout import TextColumns, look_at_text
 from identification.recording.formats.meaning import meaning_of
+from identification.recording.formats.misnamed import ALIKE, SMOOTH
 from identification.recording.formats.proposal import (
     CUTOFF_HZ,
     LAYOUT,
@@ -212,10 +213,6 @@ def _of_unnamed(table: TextColumns, proposal: Proposal) -> Iterator[str]:
     yield from said
     if said:
         yield "list the names of all columns in recording.column_names, in their order; nothing is guessed from values"
-
-
-SMOOTH = 0.5  # second over first differences, rms: that of samples of a motion; of noise it is 1.7
-ALIKE = 0.05  # share by which steps of a clock may differ
 
 
 def _by_values(values: Array) -> str:

@@ -3,7 +3,6 @@
 import copy
 import hashlib
 import re
-import tempfile
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -14,8 +13,8 @@ from typing import Any
 from cases.base.errors import HexciteError, Write
 from cases.base.files import atomic_file, toml_value
 from cases.doubts import Doubt
-from cases.editing import Place, at, with_values, write_keys
-from cases.schema import Case, load_case
+from cases.editing import Place, at, case_of_text, with_values, write_keys
+from cases.schema import Case
 from cases.tables import CASE_FILE, Part
 from hexcite.page.keys import choices_of, example_of, is_text, leaves, missing, part_of, typical, words_of
 from hexcite.page.units import Spelling, noun, spellings
@@ -285,14 +284,11 @@ def _value(name: str, text: str, before: Any) -> Any:
 
 
 def case_of(content: str, file: Path) -> Case:
-    """The case of a text that is not written yet; raises HexciteError, which names the file that it is for."""
-    with tempfile.TemporaryDirectory(prefix="hexcite-page-") as folder:
-        part = Path(folder) / CASE_FILE
-        part.write_text(content, encoding="utf-8")
-        try:
-            return load_case(str(part))
-        except HexciteError as error:
-            raise Refused("; ".join(error.lines).replace(str(part), file.parent.name + "/" + CASE_FILE)) from error
+    """The case of a text that is not written yet; raises Refused, which names the file that it is for."""
+    try:
+        return case_of_text(content, Path(file.parent.name, CASE_FILE))
+    except HexciteError as error:
+        raise Refused("; ".join(error.lines)) from error
 
 
 def save(file: Path, content: str) -> None:

@@ -15,6 +15,7 @@ from cases.recording_format import CLOCK
 from cases.schema import Case
 from identification.finding import Finding, Kind, warning
 from identification.recording.formats.clocks import lost_samples
+from identification.recording.formats.misnamed import SMOOTH
 from identification.recording.formats.sampling import spread
 from identification.recording.formats.table import Lines, Stream
 from identification.recording.recording import Recording
@@ -39,7 +40,6 @@ _ENOUGH = 200_000  # samples that suffice for a median
 SWIFT = 5.0  # times the strut limits: no motion of this machine, but a reading that jumps
 TRAVELLING = 1e-4  # [m/s] of the struts from which a sensor that never changes is suspicious
 MOST_BAD = 0.3  # of the samples; a run that is worse is to be recorded again
-SMOOTH = 0.5  # second over first differences of poses, rms: standstills in any order have 1.7, samples of a motion less
 SMALL_STEP = 2.0 * MM  # of the struts between rows: standstills further apart are not samples of a motion
 SMALL_TURN = 0.01  # [rad] the same for orientations
 LEAST_ROWS = 50  # without a clock, from which on a smooth sequence is taken for a motion

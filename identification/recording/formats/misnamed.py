@@ -12,8 +12,8 @@ from cases.recording_format import CLOCK, OVERRIDE, STRUTS, TRIGGER
 from cases.schema import Case
 from identification.recording.formats.table import ColumnTable, Stamps, listed
 
-_ALIKE = 0.05  # share by which steps of a clock may differ
-_SMOOTH = 0.5  # second over first differences, rms: samples of a motion have less, noise has 1.7
+ALIKE = 0.05  # share by which steps of a clock may differ
+SMOOTH = 0.5  # second over first differences, rms: samples of a motion have less, noise has 1.7
 _LEAST = 20  # rows that show it
 _MOST = 10_000  # rows that show it as well as all of them
 
@@ -52,13 +52,13 @@ def require_own_values(table: ColumnTable, case: Case, lengths: tuple[float, flo
 def _rises(values: Stamps) -> bool:
     """Whether numbers, shape (n,), go on from row to row, however unevenly."""
     steps = np.diff(values[:_MOST])
-    return bool(np.mean(steps >= 0.0) > 1.0 - _ALIKE and steps.sum() > 0.0 and np.mean(steps > 0.0) > _ALIKE)
+    return bool(np.mean(steps >= 0.0) > 1.0 - ALIKE and steps.sum() > 0.0 and np.mean(steps > 0.0) > ALIKE)
 
 
 def _is_clock(values: Stamps) -> bool:
     """Whether numbers, shape (n,), rise by equal steps."""
     steps = np.diff(values[:_MOST])
-    return bool(steps.min() > 0.0 and np.ptp(steps) <= _ALIKE * float(np.median(steps)))
+    return bool(steps.min() > 0.0 and np.ptp(steps) <= ALIKE * float(np.median(steps)))
 
 
 def _is_length(values: Array, low: float, high: float) -> bool:
@@ -66,4 +66,4 @@ def _is_length(values: Array, low: float, high: float) -> bool:
     first, second = np.diff(values), np.diff(values, n=2)
     moves = float(np.mean(first**2))
     within = bool(low <= values.min() and values.max() <= high)
-    return within and moves > 0.0 and float(np.mean(second**2)) < _SMOOTH**2 * moves
+    return within and moves > 0.0 and float(np.mean(second**2)) < SMOOTH**2 * moves
