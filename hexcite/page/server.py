@@ -22,7 +22,7 @@ from starlette.routing import Route
 
 from cases.base.errors import HexciteError, Interrupted
 from hexcite.page import actions, views
-from hexcite.page.actions import Context
+from hexcite.page.actions.common import Context
 from hexcite.page.forms import Unfit, field
 from hexcite.page.jobs import Job, Jobs
 from hexcite.page.security import MOST_UPLOAD, PICTURE, REPORT, Guard, Outside, file_name, form_of, inside
@@ -148,7 +148,7 @@ class _Page:
         if name == "save":
             return await self._save(request, context, fields)
         if name == "state":
-            address = await run_in_threadpool(actions.state, context, fields)
+            address = await run_in_threadpool(actions.stated.state, context, fields)
             return RedirectResponse(address, 303)
         action = actions.ACTIONS.get(name)
         if action is None:
@@ -162,18 +162,18 @@ class _Page:
         return HTMLResponse(self._rendered(request, "drawing.html.jinja", **values))
 
     async def _save(self, request: Request, context: Context, fields: Any) -> Response:
-        saved = await run_in_threadpool(actions.save, context, fields)
+        saved = await run_in_threadpool(actions.machine.save, context, fields)
         if not saved.refused:
             said = "".join(f"&said={quote(sentence, safe='')}" for sentence in saved.converted[:20])
             return RedirectResponse(f"/m/{quote(context.machine.key, safe='+')}/machine?saved=1{said}", 303)
         error = text(saved.refused, self._language(request)) if saved.refused == "changed_elsewhere" else saved.refused
-        given = actions.given_values(fields)
+        given = actions.machine.given_values(fields)
         return await self._stage(request, context, "machine", 409, error=error, given=given)
 
     async def new(self, request: Request) -> Response:
         """Begins a case of one's own."""
         fields = await form_of(request)
-        self.jobs.start(await run_in_threadpool(actions.new, self.root, fields))
+        self.jobs.start(await run_in_threadpool(actions.machine.new, self.root, fields))
         return RedirectResponse("/#jobs", 303)
 
     async def switch(self, request: Request) -> Response:

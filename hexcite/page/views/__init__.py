@@ -6,7 +6,7 @@ from typing import Any
 from markupsafe import Markup
 
 from hexcite.page import drawing, values
-from hexcite.page.actions import Context
+from hexcite.page.actions.common import Context
 from hexcite.page.jobs import Job
 from hexcite.page.stages import STAGES, Workspace, built_in, workspace
 from hexcite.page.texts import Language, text

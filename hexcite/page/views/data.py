@@ -6,7 +6,8 @@ from typing import Any
 
 from cases.base.errors import HexciteError
 from cases.schema import Case
-from hexcite.page.actions import Context, remedies_of
+from hexcite.page.actions.common import Context
+from hexcite.page.actions.data import remedies_of
 from hexcite.page.jobs import Job
 from hexcite.page.stages import Machine, Recording, Workspace
 from hexcite.page.views.common import Query, chosen, remedies

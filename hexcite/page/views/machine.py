@@ -6,7 +6,8 @@ from typing import Any
 from cases.base.errors import HexciteError
 from cases.schema import Case
 from hexcite.page import drawing, values
-from hexcite.page.actions import Context, given_values
+from hexcite.page.actions.common import Context
+from hexcite.page.actions.machine import given_values
 from hexcite.page.forms import Fields
 from hexcite.page.stages import Workspace, built_in, own_machines
 from hexcite.page.views.common import Query

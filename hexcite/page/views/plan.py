@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from hexcite.page.actions import Context
+from hexcite.page.actions.common import Context
 from hexcite.page.forms import EFFORTS, FAMILIES
 from hexcite.page.stages import Made, Workspace
 from hexcite.page.views.common import Query, chosen, limits

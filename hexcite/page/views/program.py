@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from hexcite.page.actions import Context
+from hexcite.page.actions.common import Context
 from hexcite.page.stages import Made, Program, Workspace
 from hexcite.page.views.common import Query, beginning, chosen, limits
 

@@ -7,7 +7,10 @@ from typing import Any
 
 from cases.base.errors import HexciteError
 from cases.schema import Case
-from hexcite.page.actions import LIMITS, REFERENCES, Context, remedies_of
+from hexcite.page.actions.common import Context
+from hexcite.page.actions.data import remedies_of
+from hexcite.page.actions.result import REFERENCES
+from hexcite.page.actions.stated import LIMITS
 from hexcite.page.stages import Made, Workspace
 from hexcite.page.views.common import Query, chosen, parameter, remedies
 from identification.estimation.fit import COVERAGE_FACTOR

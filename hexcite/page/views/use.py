@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from cases.certificate import CertificateOf
-from hexcite.page.actions import Context
+from hexcite.page.actions.common import Context
 from hexcite.page.stages import Made, Workspace
 from hexcite.page.views.common import Query, beginning, chosen, parameter
 from hexcite.page.views.result import outcome

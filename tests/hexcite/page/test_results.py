@@ -10,7 +10,7 @@ from cases.scaffold import new_case
 from cases.schema import load_case
 from cases.tables import built_in_cases
 from hexcite.page import actions
-from hexcite.page.actions import Context
+from hexcite.page.actions.common import Context
 from hexcite.page.forms import Fields, Unfit
 from hexcite.page.jobs import Job
 from hexcite.page.stages import machine_of

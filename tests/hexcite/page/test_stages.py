@@ -10,7 +10,7 @@ from cases.basis import KEPT, plan_basis, result_basis
 from cases.scaffold import new_case
 from cases.schema import Case, load_case
 from hexcite.page import forms
-from hexcite.page.actions import chosen_settings
+from hexcite.page.actions.data import chosen_settings
 from hexcite.page.forms import Unfit
 from hexcite.page.stages import Workspace, free, machine_of, own_machines, workspace
 

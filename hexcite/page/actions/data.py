@@ -1,0 +1,158 @@
+"""Actions of the stage Data: a rehearsal, how a file is read, remedies by keys, identification."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from cases.base.errors import HexciteError, Remedy, Write
+from cases.base.files import toml_value
+from cases.editing import placed, write_keys, write_table
+from hexcite.page import forms
+from hexcite.page.actions.common import Action, Context, job_of, recording_of, result_of
+from hexcite.page.forms import Fields, Unfit, chosen, field
+from hexcite.page.jobs import Job
+from hexcite.page.stages import Workspace
+
+RUN_FILE = "recording.csv"  # in the folder of a rehearsal
+
+
+def _rehearse(context: Context, there: Workspace, fields: Fields) -> Job:
+    program = chosen(fields, "program", [program.name for program in there.programs])
+    output = context.free(f"{Path(program).stem}-recording")
+    goto = f"{context.address}/data?recording={quote(output)}"
+    on = chosen(fields, "on", ("virtual", "linuxcnc"), "virtual")
+    command = forms.run(context.machine, program, on, output)
+    return job_of(context, "data", command, output=output, goto=goto)
+
+
+def _look(context: Context, there: Workspace, fields: Fields, write: bool = False) -> Job:
+    recording = recording_of(there, fields)
+    query = f"?recording={quote(recording)}"
+    picture = f"{Path(recording).stem}-look.svg"
+    rehearsed = any(each.simulated for each in there.recordings if each.name == recording)
+    command = forms.look(context.machine, f"{recording}/{RUN_FILE}" if rehearsed else recording, picture, write)
+    goto = f"{context.address}/data{query}"
+    return job_of(context, "data", command, about=recording, query=query, goto=goto, writes=write)
+
+
+def _take(context: Context, there: Workspace, fields: Fields) -> Job:
+    """`look --write`: the proposal becomes the case's."""
+    if not context.machine.own:
+        raise Unfit("a built-in case is not changed")
+    return _look(context, there, fields, write=True)
+
+
+def _menus(context: Context, there: Workspace, fields: Fields) -> Job:
+    """What menus say of the columns becomes the `[recording]` of the case, and the file is looked at again."""
+    recording, looked = (
+        recording_of(there, fields),
+        context.jobs.latest(context.machine.key, "look", field(fields, "recording")),
+    )
+    if not context.machine.own:
+        raise Unfit("a built-in case is not changed")
+    if looked is None or looked.answer is None:
+        raise Unfit(f"{recording}: look at it first")
+    write_table(context.machine.file, "recording", chosen_settings(looked.answer, fields))
+    return _look(context, there, fields)
+
+
+def chosen_settings(answer: Mapping[str, Any], fields: Fields) -> dict[str, Any]:
+    """The table `[recording]` that `look` proposed, with the columns and units of the menus in it."""
+    names = {column["name"] for column in answer["columns"]}
+    settings: dict[str, Any] = dict(answer["settings"])
+    ours = [name.removeprefix("c.") for name in fields if name.startswith("c.")]
+    columns = dict(settings.get("columns", {}))
+    for own in ours:
+        theirs = field(fields, f"c.{own}")
+        if theirs and theirs not in names:
+            raise Unfit(f"{own}: {theirs!r} is not a column of the file")
+        columns.pop(own, None)
+        if theirs:
+            columns[own] = theirs
+    twice = [name for name in {*columns.values()} if list(columns.values()).count(name) > 1]
+    if twice:
+        raise Unfit(f"{twice[0]!r} is chosen twice; a column is one channel")
+    settings["columns"] = columns
+    units = dict(settings.get("units", {}))
+    for name in fields:
+        if name.startswith("u."):
+            unit = field(fields, name)
+            units.pop(name[2:], None)
+            if unit:
+                units[name[2:]] = unit
+    settings.pop("units", None)
+    return settings | ({"units": units} if units else {})
+
+
+def _apply(context: Context, there: Workspace, fields: Fields) -> Job:
+    """Writes the keys of a remedy into the case, and identifies again where the recording is there."""
+    if not context.machine.own:
+        raise Unfit("a built-in case is not changed")
+    found = remedies(context, there, fields)
+    number = field(fields, "remedy")
+    if not number.isdecimal() or int(number) >= len(found):
+        raise Unfit("remedy: there is none of this number any more; identify again")
+    remedy = found[int(number)]
+    if field(fields, "words") != remedy.words.strip():
+        raise Unfit("remedy: it was identified again meanwhile; look at the stage anew")
+    job = _identify(context, there, fields)
+    try:
+        written = write_keys(context.machine.file, remedy.keys)
+    except HexciteError as error:
+        raise Unfit("; ".join(error.lines)) from error
+    arguments = [placed(place) + ("" if value is None else f"={toml_value(value)}") for place, value in remedy.keys]
+    job.before = ("case", "set", context.machine.argument, *arguments)
+    notes = [f"{key}: {_shown(before)} → {_shown(after)}" for key, before, after in written.changes]
+    job.notes = (
+        *notes,
+        *([] if written.earlier is None else [f"{written.earlier.parent.name}/{written.earlier.name}"]),
+    )
+    return job
+
+
+def remedies(context: Context, there: Workspace, fields: Fields) -> list[Remedy]:
+    """The remedies by keys that findings of a result name, or the refusal of a recording."""
+    name = field(fields, "result")
+    if name:
+        result = next(result for result in there.results if result.name == result_of(there, fields))
+        stated = [each for finding in result.record.get("findings", ()) for each in remedies_of(finding)]
+    else:
+        refused = context.jobs.latest(context.machine.key, "identify", recording_of(there, fields))
+        stated = remedies_of(refused.answer) if refused is not None and refused.state == "failed" else []
+    return stated
+
+
+def remedies_of(answer: Any) -> list[Remedy]:
+    """Remedies in an answer, or in a finding of a result file."""
+    if not isinstance(answer, Mapping):
+        return []
+    return [
+        Remedy(str(each["words"]), tuple(Write(tuple(place), value) for place, value in each["keys"]))
+        for each in answer.get("remedies") or ()
+    ]
+
+
+def _shown(value: Any) -> str:
+    return "–" if value is None else toml_value(value)
+
+
+def _identify(context: Context, there: Workspace, fields: Fields) -> Job:
+    recording = recording_of(there, fields)
+    output = context.free(f"{Path(recording).stem}-result")
+    goto = f"{context.address}/result?result={quote(output)}"
+    command = forms.identify(context.machine, recording, output)
+    return job_of(
+        context, "data", command, output=output, about=recording, query=f"?recording={quote(recording)}", goto=goto
+    )
+
+
+ACTIONS: Mapping[str, Action] = {
+    "rehearse": _rehearse,
+    "look": _look,
+    "take": _take,
+    "menus": _menus,
+    "apply": _apply,
+    "identify": _identify,
+}
+"""Name in an address -> what it starts."""

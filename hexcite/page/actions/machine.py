@@ -1,0 +1,83 @@
+"""Actions of the stage Machine: checks, the motion box, a new case, changed values."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+from urllib.parse import quote
+
+from cases.tables import built_in_cases
+from hexcite.page import forms, values
+from hexcite.page.actions.common import Action, Context, job_of
+from hexcite.page.forms import Fields, Unfit, chosen, field
+from hexcite.page.jobs import Job
+from hexcite.page.stages import Workspace
+
+
+def _check(context: Context, there: Workspace, fields: Fields) -> Job:
+    propose = ["--propose"] if field(fields, "propose") else []
+    return job_of(context, "machine", ["case", "check", context.machine.argument, *propose], about="check")
+
+
+def _box(context: Context, there: Workspace, fields: Fields) -> Job:
+    """The box that the last check proposed becomes that of `[limits.motion]`, and is checked."""
+    checked = context.jobs.latest(context.machine.key, "case", "check")
+    proposal = ((checked.answer if checked is not None else None) or {}).get("proposal")
+    if not context.machine.own or not proposal:
+        raise Unfit("there is no proposal for this machine; look for the largest reachable box first")
+    values.write_motion_box(context.machine.file, proposal["limits_motion"])
+    return _check(context, there, {})
+
+
+def new(root: Path, fields: Fields) -> Job:
+    """`hexcite case new`, from a built-in case or from a URDF file of the root."""
+    name = field(fields, "name")
+    if not name or name.startswith("-") or "/" in name or "\\" in name or len(name) > 100:
+        raise Unfit(f"{name!r} is not a name of a machine")
+    urdf, like = field(fields, "urdf"), field(fields, "like")
+    if urdf:
+        chosen(fields, "urdf", [file.name for file in root.glob("*.urdf")])
+        flange = [f"--flange={field(fields, 'flange')}"] if field(fields, "flange") else []
+        command = ["case", "new", name, "--urdf", forms.place(urdf), *flange]
+    else:
+        chosen(fields, "like", built_in_cases())
+        command = ["case", "new", name, "--like", like]
+    return Job("", "machine", tuple(command), output=name, goto=f"/m/+{quote(name)}/machine")
+
+
+class Saved(NamedTuple):
+    """What became of a form of values: why it was not written, a sentence or the key of a text; what was converted."""
+
+    refused: str
+    converted: tuple[str, ...] = ()
+
+
+def save(context: Context, fields: Fields) -> Saved:
+    """Writes changed values into a case of one's own."""
+    if not context.machine.own:
+        raise Unfit("a built-in case is not changed")
+    content = context.machine.file.read_text(encoding="utf-8")
+    if values.digest(content) != field(fields, "digest"):
+        return Saved("changed_elsewhere")
+    try:
+        written = values.edited(content, given_values(fields), context.machine.file)
+    except values.Refused as error:
+        return Saved(str(error))
+    if context.machine.case is not None:  # one that cannot be read yet is filled in step by step
+        try:
+            values.case_of(written.text, context.machine.file)
+        except values.Refused as error:
+            return Saved(str(error))
+    values.save(context.machine.file, written.text)
+    return Saved("", written.converted)
+
+
+def given_values(fields: Fields) -> dict[str, str]:
+    """What a form says of values, by the names of its fields."""
+    return {name: field(fields, name) for name in fields if name.partition(".")[0] in ("v", "u", "w", "on")}
+
+
+ACTIONS: Mapping[str, Action] = {
+    "check": _check,
+    "box": _box,
+}
+"""Name in an address -> what it starts."""

@@ -1,0 +1,56 @@
+"""Actions of the stage Result."""
+
+from collections.abc import Mapping
+from urllib.parse import quote
+
+from hexcite.page import forms
+from hexcite.page.actions.common import Action, Context, case_name, job_of, recording_of, result_of
+from hexcite.page.forms import Fields, Unfit, field
+from hexcite.page.jobs import Job
+from hexcite.page.stages import Workspace
+
+REFERENCES: Mapping[str, tuple[str, float, float]] = {
+    "m": ("kg", 0.0, 1e5), "xC": ("mm", -1e5, 1e5), "yC": ("mm", -1e5, 1e5), "zC": ("mm", -1e5, 1e5),
+}  # fmt: skip
+"""Parameters that a payload may be compared in: unit of the form, least and largest value."""
+
+
+def _tare(context: Context, there: Workspace, fields: Fields) -> Job:
+    result, recording = result_of(there, fields), recording_of(there, fields)
+    output = context.free(f"{result}-tared")
+    names = [forms.place(recording), "--parameters", forms.place(result), "--case", context.machine.argument]
+    goto = f"{context.address}/result?result={quote(output)}&other={quote(result)}"
+    query = f"?result={quote(result)}"
+    return job_of(
+        context, "result", ["tare", *names, "-o", output], output=output, about=result, query=query, goto=goto
+    )
+
+
+def _payload(context: Context, there: Workspace, fields: Fields) -> Job:
+    before, after = result_of(there, fields, "before"), result_of(there, fields, "after")
+    command = ["payload", forms.place(before), forms.place(after), "--case", context.machine.argument]
+    for name, (unit, low, high) in REFERENCES.items():
+        if field(fields, f"r.{name}"):
+            value, expanded = forms.number(fields, f"r.{name}", low, high), forms.number(fields, f"U.{name}", 0, high)
+            command.append(f"--reference={name}={value}+-{expanded}{unit}")
+    query = f"?result={quote(after)}"
+    return job_of(context, "result", command, about=after, query=query, goto=f"{context.address}/result{query}#payload")
+
+
+def _pool(context: Context, there: Workspace, fields: Fields) -> Job:
+    known = [result.name for result in there.results]
+    names = [name for name in known if name in fields.get("results", ())]
+    if len(names) < 2:
+        raise Unfit("results: choose two or more to pool")
+    output = context.free(f"{case_name(context)}-pooled")
+    command = ["pool", *map(forms.place, names), "--case", context.machine.argument, "-o", output]
+    goto = f"{context.address}/result?result={quote(output)}"
+    return job_of(context, "result", command, output=output, goto=goto)
+
+
+ACTIONS: Mapping[str, Action] = {
+    "tare": _tare,
+    "payload": _payload,
+    "pool": _pool,
+}
+"""Name in an address -> what it starts."""
