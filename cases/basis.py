@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from cases.base.errors import CaseError, FileProblem
+from cases.base.errors import CaseError, Code, FileProblem, option
 from cases.schema import Case, fingerprint, load_case
 from cases.tables import built_in_cases
 
@@ -92,9 +92,20 @@ def case_of(file: Path, about: Mapping[str, Any], again: str) -> Case:
     """The case that an artefact's file names; `again` says how to make one anew. Raises CaseError or FileProblem."""
     name = about.get("case_file", about.get("case"))
     if not isinstance(name, str) or not name:
-        raise FileProblem(file, "names no case", f"{again}, or name it with --case")
+        raise FileProblem(
+            place=file,
+            problem="names no case",
+            remedy=f"{again}, or name it with {option('case')}",
+            code=Code.MISSING,
+        )
     if name not in built_in_cases() and not Path(name).exists():
-        raise CaseError(file, "case_file", f"{name}: no such case; name the case file with --case")
+        raise CaseError(
+            file=file,
+            key="case_file",
+            problem=f"{name}: no such case",
+            remedy=f"name the case file with {option('case')}",
+            code=Code.UNKNOWN,
+        )
     return load_case(name)
 
 
@@ -119,7 +130,12 @@ def require_unchanged(
     changes = changes_since(about, now, case.hash)
     earlier = about.get("stale", [])
     if not isinstance(earlier, list) or not all(isinstance(sentence, str) for sentence in earlier):
-        raise FileProblem(file, f"stale is {_shown(earlier)}, not a list of sentences", again)
+        raise FileProblem(
+            place=file,
+            problem=f"stale is {_shown(earlier)}, not a list of sentences",
+            remedy=again,
+            code=Code.DAMAGED,
+        )
     if not changes:
         return tuple(earlier)
     name = about.get("case_file", case.name)
@@ -128,11 +144,12 @@ def require_unchanged(
         alike = 2 * len(changes) < len(now)  # else it is another machine
         same = case.origin in ("", name)
         differs = "has changed since" if same else f"differs from {case.origin}"
-        remedy = "restore the case" if same else "name its own case with --case"
+        remedy = "restore the case" if same else f"name its own case with {option('case')}"
         raise FileProblem(
-            file,
-            f"case {name} {differs}: {changes[0]}{more}",
-            f"{again}, or {remedy}" + (", or go on at your own risk with --stale" if alike else ""),
+            place=file,
+            problem=f"case {name} {differs}: {changes[0]}{more}",
+            remedy=f"{again}, or {remedy}" + (f", or go on at your own risk with {option('stale')}" if alike else ""),
+            code=Code.STALE,
         )
     return (*earlier, f"stale: {file} is of case {case.name} before {'; '.join(changes)}")
 

@@ -8,7 +8,7 @@ from copy import deepcopy
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from cases.base.errors import CaseError, FileProblem, Write
+from cases.base.errors import CaseError, Code, FileProblem, Write
 from cases.base.files import atomic_file, read_whole
 
 if TYPE_CHECKING:
@@ -44,7 +44,12 @@ def write_table(file: Path, table: str, values: Mapping[str, Any]) -> tuple[Chan
     above, below = _around(text, table)
     alone = edited.startswith(above) and edited.endswith(below)
     if not alone or _parsed(edited) != {**before, table: dict(values)}:
-        raise FileProblem(file, f"[{table}] cannot be replaced alone as it is written there", "paste the table by hand")
+        raise FileProblem(
+            place=file,
+            problem=f"[{table}] cannot be replaced alone as it is written there",
+            remedy="paste the table by hand",
+            code=Code.NOT_SUPPORTED,
+        )
     _write(file, edited)
     return changes
 
@@ -95,7 +100,7 @@ def case_of_text(text: str, file: Path) -> "Case":
         except CaseError as error:
             problem = str(error).removeprefix(f"{part}: ").replace(str(part), str(file))
             problems = tuple(each.replace(str(part), str(file)) for each in error.problems)
-            raise CaseError(file, "", problem, problems) from error
+            raise CaseError(file=file, problem=problem, problems=problems, code=Code.WRONG_KIND) from error
 
 
 def _set(file: Path, values: Any, place: tuple[str | int, ...], value: Any) -> None:
@@ -104,10 +109,22 @@ def _set(file: Path, values: Any, place: tuple[str | int, ...], value: Any) -> N
         there = values.get(part) if isinstance(values, dict) else None
         if isinstance(part, int):
             if not isinstance(values, list) or not 0 <= part < len(values):
-                raise CaseError(file, placed(place[: k + 1]), "there is no such entry; write it by hand")
+                raise CaseError(
+                    file=file,
+                    key=placed(place[: k + 1]),
+                    problem="there is no such entry",
+                    remedy="write it by hand",
+                    code=Code.UNKNOWN,
+                )
             there = values[part]
         elif not isinstance(values, dict):
-            raise CaseError(file, placed(place[: k + 1]), "is not in a table there; write it by hand")
+            raise CaseError(
+                file=file,
+                key=placed(place[: k + 1]),
+                problem="is not in a table there",
+                remedy="write it by hand",
+                code=Code.WRONG_KIND,
+            )
         if k < len(place) - 1:
             if there is None:
                 if value is None:
@@ -153,7 +170,12 @@ def _kept(file: Path) -> Path:
             continue
         except OSError as error:
             raise FileProblem.of(error) from error
-    raise FileProblem(file, f"has {MOST_KEPT - 1} earlier versions beside it", "move them away")
+    raise FileProblem(
+        place=file,
+        problem=f"has {MOST_KEPT - 1} earlier versions beside it",
+        remedy="move them away",
+        code=Code.NOT_WRITABLE,
+    )
 
 
 def _write(file: Path, text: str) -> None:
@@ -175,7 +197,12 @@ def with_values(file: Path, text: str, wanted: Mapping[str, Any]) -> str:
     keys = [key for key in {**before, **wanted} if before.get(key) != wanted.get(key)]
     edited = _edited(file, text, {key: wanted.get(key) for key in keys})
     if _parsed(edited) != wanted:
-        raise FileProblem(file, "these keys cannot be replaced alone as it is written there", "write them by hand")
+        raise FileProblem(
+            place=file,
+            problem="these keys cannot be replaced alone as it is written there",
+            remedy="write them by hand",
+            code=Code.NOT_SUPPORTED,
+        )
     return edited
 
 
@@ -262,7 +289,12 @@ def _content(file: Path) -> tuple[str, dict[str, Any]]:
 def _table(file: Path, content: Mapping[str, Any], name: str) -> Mapping[str, Any]:
     value = content.get(name, {})
     if not isinstance(value, dict):
-        raise FileProblem(file, f"{name} = {value!r} is not a table", f"write [{name}] in its place")
+        raise FileProblem(
+            place=file,
+            problem=f"{name} = {value!r} is not a table",
+            remedy=f"write [{name}] in its place",
+            code=Code.WRONG_KIND,
+        )
     return value
 
 
@@ -307,7 +339,12 @@ def _edited(file: Path, text: str, values: Mapping[str, Any]) -> str:
         edited = tomlkit.dumps(document)
     except (TOMLKitError, TypeError, AttributeError, KeyError) as error:
         tables = " and ".join(f"[{key}]" for key in values)
-        raise FileProblem(file, f"{tables} cannot be replaced alone ({error})", "write that by hand") from error
+        raise FileProblem(
+            place=file,
+            problem=f"{tables} cannot be replaced alone ({error})",
+            remedy="write that by hand",
+            code=Code.NOT_SUPPORTED,
+        ) from error
     return mark + (edited.replace("\n", "\r\n") if crlf else edited)
 
 

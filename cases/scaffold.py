@@ -11,7 +11,7 @@ from itertools import pairwise
 from operator import attrgetter
 from pathlib import Path
 
-from cases.base.errors import CaseError, FileProblem, printable
+from cases.base.errors import WITH_OUTPUT, CaseError, Code, FileProblem, printable
 from cases.base.files import toml_value, write_text
 from cases.schema import Case, load_case
 from cases.tables import CASE_FILE, Part, built_in_cases, find_case
@@ -141,13 +141,23 @@ def _place(name: str, folder: Path | str | None) -> Path:
     """The case file to write; raises CaseError for a name that no case can have, FileProblem where it exists."""
     if not _NAME.fullmatch(name):
         raise CaseError(
-            name or "''", "", "is not a name of a case; use small letters, digits and underscores, a letter first"
+            file=name or "''",
+            problem="is not a name of a case",
+            remedy="use small letters, digits and underscores, a letter first",
+            code=Code.WRONG_KIND,
         )
     if name in built_in_cases():
-        raise CaseError(name, "", "is the name of a built-in case; choose another one")
+        raise CaseError(
+            file=name, problem="is the name of a built-in case", remedy="choose another one", code=Code.EXISTS
+        )
     file = Path(name if folder is None else folder) / CASE_FILE
     if file.exists():
-        raise FileProblem(file, "exists", "choose another folder with -o, or edit that file")
+        raise FileProblem(
+            place=file,
+            problem="exists",
+            remedy=f"choose another folder{WITH_OUTPUT}, or edit that file",
+            code=Code.EXISTS,
+        )
     return file
 
 

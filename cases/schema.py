@@ -15,7 +15,7 @@ from pydantic import ModelWrapValidatorHandler, PrivateAttr, field_validator, mo
 
 from cases import doubts
 from cases.acceptance import Acceptance
-from cases.base.errors import ALSO, CaseError, printable
+from cases.base.errors import ALSO, CaseError, Code, option, printable
 from cases.base.files import check_file, toml_text, write_text
 from cases.base.units import DEG, MINUTE, MM, Array, as_html
 from cases.bounds import Bounds
@@ -333,7 +333,13 @@ class Case(Heading):
 
     def missing(self, part: str, purpose: str) -> NoReturn:
         """Raises CaseError: `part` of the case is needed for `purpose`."""
-        raise CaseError(f"case {self.name}", part, f"is missing; {purpose} needs it: add the table to the case file")
+        raise CaseError(
+            file=f"case {self.name}",
+            key=part,
+            problem="is missing",
+            remedy=f"{purpose} needs it: add the table to the case file",
+            code=Code.MISSING,
+        )
 
     @cached_property
     def tolerable(self) -> tuple[str, ...]:
@@ -401,18 +407,35 @@ class Case(Heading):
             return place
         if self.chain is None and self.sensor_frame.transducer is None:
             problem = f"is that of no robot: {purpose} is for setup R, a force/torque sensor at a flange"
-            raise CaseError(f"case {self.name}", "setup", f"{problem}; export --to c, linuxcnc, st or json")
+            raise CaseError(
+                file=f"case {self.name}",
+                key="setup",
+                problem=problem,
+                remedy=f"export {option('to')} c, linuxcnc, st or json",
+                code=Code.OTHER_SOURCE,
+            )
         key, of, z = "machine.chain.flange", "the last joint's moved frame, as machine.chain.sensor does {P}", 116.5
         if self.chain is None:
             key, of, z = "sensor_frame.transducer.flange", "{P}", -40.0
-        problem = f"is missing; {purpose} counts from the robot's flange: state where it lies in {of}"
-        raise CaseError(f"case {self.name}", key, f"{problem}, such as flange = {{ origin_mm = [0.0, 0.0, {z:g}] }}")
+        raise CaseError(
+            file=f"case {self.name}",
+            key=key,
+            problem="is missing",
+            remedy=f"{purpose} counts from the robot's flange: state where it lies in {of}, "
+            f"such as flange = {{ origin_mm = [0.0, 0.0, {z:g}] }}",
+            code=Code.MISSING,
+        )
 
     def need_chain(self, purpose: str) -> tuple[Chain, JointMotionLimits]:
         """Chain and limits of motion; raises CaseError where the case lacks one of them."""
         if self.hexapod is not None:
-            problem = f"is a hexapod, and {purpose} is for a chain of joints; choose another --dialect"
-            raise CaseError(f"case {self.name}", "machine", problem)
+            raise CaseError(
+                file=f"case {self.name}",
+                key="machine",
+                problem=f"is a hexapod, and {purpose} is for a chain of joints",
+                remedy=f"choose another {option('dialect')}",
+                code=Code.NOT_SUPPORTED,
+            )
         if self.chain is None:
             self.missing("machine.chain", purpose)
         if self.limits is None or not isinstance(self.limits.motion, JointMotionLimits):
@@ -465,14 +488,19 @@ class Case(Heading):
         """Hexapod, workspace and limits of motion; raises CaseError where the case lacks one, or has a chain."""
         if self.chain is not None:
             raise CaseError(
-                f"case {self.name}", "machine.chain", f"{purpose} is for hexapods only; a chain has none yet"
+                file=f"case {self.name}",
+                key="machine.chain",
+                problem=f"{purpose} is for hexapods only",
+                remedy="a chain has none yet",
+                code=Code.NOT_SUPPORTED,
             )
         if self.setup == "1a":
             raise CaseError(
-                f"case {self.name}",
-                "setup",
-                f"is 1a, a sensor frame that does not move: {purpose} needs one that does; use hexcite tare, "
-                "force, and identify with payload for what is put on it",
+                file=f"case {self.name}",
+                key="setup",
+                problem=f"is 1a, a sensor frame that does not move: {purpose} needs one that does",
+                remedy="use hexcite tare, force, and identify with payload for what is put on it",
+                code=Code.NOT_SUPPORTED,
             )
         if self.hexapod is None:
             self.missing("machine", purpose)
@@ -496,9 +524,11 @@ class Case(Heading):
             self.missing("nominal", "the expected load")
         if not 0 <= payloads < len(self.bodies):
             raise CaseError(
-                f"case {self.name}",
-                "payloads.weights",
-                f"are {len(self.bodies) - 1}; {payloads} cannot be mounted: choose 0 to {len(self.bodies) - 1}",
+                file=f"case {self.name}",
+                key="payloads.weights",
+                problem=f"are {len(self.bodies) - 1}",
+                remedy=f"{payloads} cannot be mounted: choose 0 to {len(self.bodies) - 1}",
+                code=Code.OUT_OF_RANGE,
             )
         return self.bodies[payloads]
 
@@ -520,12 +550,16 @@ class Case(Heading):
         if settings is None:
             example = "ur10_wrist" if kind.table == ControllerName.URSCRIPT else "hexapod"
             others = [name for name in ControllerName if getattr(self.controller, name, None) is not None]
-            own = f"for the case's own controller write --dialect {' or '.join(others)}, or " if others else ""
+            own = (
+                f"for the case's own controller write {option('dialect')} {' or '.join(others)}, or " if others else ""
+            )
             raise CaseError(
-                f"case {self.name}",
-                f"controller.{kind.table}",
-                f"is missing; the dialect {kind.table} needs it: {own}add the table to the case file, see "
+                file=f"case {self.name}",
+                key=f"controller.{kind.table}",
+                problem="is missing",
+                remedy=f"the dialect {kind.table} needs it: {own}add the table to the case file, see "
                 f"cases/{example}/case.toml",
+                code=Code.MISSING,
             )
         return settings
 

@@ -15,7 +15,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetPydanticSc
 from pydantic_core import ErrorDetails
 from pydantic_core.core_schema import CoreSchema, tagged_union_schema
 
-from cases.base.errors import ALSO, CaseError, FileProblem
+from cases.base.errors import ALSO, CaseError, Code, FileProblem
 from cases.base.files import read_whole
 from cases.base.units import DEG, MM, MS, UM, Array
 
@@ -169,11 +169,19 @@ def find_case(name: str) -> Path:
     if os.path.isfile(file):  # of os.path, which answers "no" to names that no file system takes
         return Path(file)
     if os.path.exists(file):
-        raise CaseError(file, "", f"is not a file; name a folder with a {CASE_FILE}, or such a file")
+        raise CaseError(
+            file=file,
+            problem="is not a file",
+            remedy=f"name a folder with a {CASE_FILE}, or such a file",
+            code=Code.UNREADABLE,
+        )
     close = difflib.get_close_matches(name, cases, n=1)
     hint = f"did you mean {close[0]!r}? " if close else ""
     raise CaseError(
-        name or "''", "", f"no such case; {hint}built-in cases are {', '.join(cases)}, else name a folder or file"
+        file=name or "''",
+        problem="no such case",
+        remedy=f"{hint}built-in cases are {', '.join(cases)}, else name a folder or file",
+        code=Code.UNKNOWN,
     )
 
 
@@ -204,25 +212,50 @@ def content_of_tables(path: Path) -> dict[str, Any]:
         text = read_whole(path, MOST_BYTES).decode("utf-8-sig")
         if found := _LONG_KEY.search(text):
             line = 1 + text.count("\n", 0, found.start())
-            raise CaseError(path, "", f"line {line} has a key of 50 parts and more; correct it")
+            raise CaseError(
+                file=path, problem=f"line {line} has a key of 50 parts and more", remedy="correct it", code=Code.DAMAGED
+            )
         data = tomllib.loads(text)
     except FileProblem as error:
-        raise CaseError(path, "", f"{error.problem}; {error.remedy}") from error
+        raise CaseError(file=path, problem=error.problem, remedy=error.remedy, code=Code.UNREADABLE) from error
     except UnicodeDecodeError as error:
-        raise CaseError(path, "", f"cannot be read ({error}); give a readable UTF-8 file") from error
+        raise CaseError(
+            file=path, problem=f"cannot be read ({error})", remedy="give a readable UTF-8 file", code=Code.UNREADABLE
+        ) from error
     except tomllib.TOMLDecodeError as error:
-        raise CaseError(path, "", f"is not TOML: {error}; correct that line, numbers have decimal points") from error
+        raise CaseError(
+            file=path,
+            problem=f"is not TOML: {error}",
+            remedy="correct that line, numbers have decimal points",
+            code=Code.DAMAGED,
+        ) from error
     except (ValueError, RecursionError) as error:  # of Python: numbers of thousands of digits, lists in lists in lists
         if isinstance(error, CaseError):
             raise
         line = 1 + max(enumerate(text.splitlines()), key=lambda item: len(item[1]), default=(0, ""))[0]
         what = "lists are too deep" if isinstance(error, RecursionError) else "a number is too long"
-        raise CaseError(path, "", f"{what}, probably in line {line}, the longest; correct that line") from error
+        raise CaseError(
+            file=path,
+            problem=f"{what}, probably in line {line}, the longest",
+            remedy="correct that line",
+            code=Code.DAMAGED,
+        ) from error
     key, count = _too_deep(data)
     if key:
-        raise CaseError(path, key, f"holds more than {DEEPEST} tables or lists inside each other; correct it")
+        raise CaseError(
+            file=path,
+            key=key,
+            problem=f"holds more than {DEEPEST} tables or lists inside each other",
+            remedy="correct it",
+            code=Code.DAMAGED,
+        )
     if count > MOST_KEYS:
-        raise CaseError(path, "", f"holds {count} keys, at most {MOST_KEYS} make sense; name the file of a machine")
+        raise CaseError(
+            file=path,
+            problem=f"holds {count} keys, at most {MOST_KEYS} make sense",
+            remedy="name the file of a machine",
+            code=Code.OUT_OF_RANGE,
+        )
     return data
 
 
@@ -260,7 +293,9 @@ def _explained(model: type[BaseModel], path: Path, error: ValidationError) -> Ca
     problems.sort(key=lambda problem: (problem[0], len(problem[1]) + len(problem[2])))
     lines = [f"{key}: {words}" if key else words for _, key, words in problems]
     _, key, words = problems[0]
-    return CaseError(path, key, ALSO.join([words, *lines[1:]]), tuple(lines))
+    return CaseError(
+        file=path, key=key, problem=ALSO.join([words, *lines[1:]]), problems=tuple(lines), code=Code.WRONG_KIND
+    )
 
 
 def _name(problem: ErrorDetails) -> str:

@@ -16,7 +16,7 @@ from xml.parsers import expat
 import numpy as np
 from pydantic import ValidationError
 
-from cases.base.errors import ALSO, CaseError, FileProblem
+from cases.base.errors import ALSO, CaseError, Code, FileProblem, option
 from cases.base.files import read_whole
 from cases.base.units import DEG, MM, Array
 from cases.chain import JOINT_NAME, JOINT_NAME_WORDS, LEAST_AXIS, MOST_JOINTS, Joint, JointLimit
@@ -93,14 +93,20 @@ def read_urdf(file: Path, flange: str | None, sensor: str | None = None) -> Arm:
         content = read_whole(file, MOST_BYTES)
         return _arm(_parsed(content), flange, sensor)
     except FileProblem as error:
-        raise CaseError(file, "", f"{error.problem}; name a readable URDF file") from error
+        raise CaseError(
+            file=file, problem=error.problem, remedy="name a readable URDF file", code=Code.UNREADABLE
+        ) from error
     except (expat.ExpatError, LookupError) as error:
         unexpanded = b"<xacro:" in content
-        raise CaseError(file, "", XACRO if unexpanded else f"is not XML: {error}; correct that line") from error
+        raise CaseError(
+            file=file, problem=XACRO if unexpanded else f"is not XML: {error}; correct that line", code=Code.DAMAGED
+        ) from error
     except _Unsound as error:
-        raise CaseError(file, "", ALSO.join(error.problems), error.problems) from error
+        raise CaseError(
+            file=file, problem=ALSO.join(error.problems), problems=error.problems, code=Code.WRONG_KIND
+        ) from error
     except ValueError as error:
-        raise CaseError(file, "", str(error)) from error
+        raise CaseError(file=file, problem=str(error), code=Code.WRONG_KIND) from error
 
 
 def _parsed(content: bytes) -> Element:
@@ -139,10 +145,10 @@ def _arm(root: Element, flange: str | None, sensor: str | None) -> Arm:
     links = _named(root, "link", findings)
     carriers = _carriers(root, links, findings)
     a_tree = not findings.problems
-    for option, link in (("--flange", flange), ("--sensor", sensor if sensor is not None else flange)):
-        if link not in links and not (option == "--sensor" and sensor in (None, flange)):
+    for name, link in (("flange", flange), ("sensor", sensor if sensor is not None else flange)):
+        if link not in links and not (name == "sensor" and sensor in (None, flange)):
             problem = f"has no link {link}" if link else "does not say which link carries the sensor"
-            findings.problems.append(f"{problem}; name one of {_listed(list(links))} with {option}")
+            findings.problems.append(f"{problem}; name one of {_listed(list(links))} with {option(name)}")
     if flange not in links:
         findings.require_none()
     assert flange is not None  # a link's name
@@ -152,12 +158,12 @@ def _arm(root: Element, flange: str | None, sensor: str | None) -> Arm:
     moving = [element for element in way if _moves(element, findings)]
     if not moving:
         findings.problems.append(
-            f"no joint moves link {flange}; name another one of {_listed(list(links))} as --flange"
+            f"no joint moves link {flange}; name another one of {_listed(list(links))} as {option('flange')}"
         )
         findings.require_none()
     elif len(moving) > MOST_JOINTS:
         problem = f"{len(moving)} joints move link {flange}, at most {MOST_JOINTS} can"
-        findings.problems.append(f"{problem}; name a --flange nearer to {base}, or fix joints in the file")
+        findings.problems.append(f"{problem}; name a {option('flange')} nearer to {base}, or fix joints in the file")
         findings.require_none()
     joints, place = list[tuple[Joint, JointLimit]](), np.eye(4)
     for element in way:
@@ -172,7 +178,7 @@ def _arm(root: Element, flange: str | None, sensor: str | None) -> Arm:
     behind = dict(_cluster(moving[-1].attrib[_CHILD], fixed))
     if sensor is not None and sensor in links and sensor not in behind:
         problem = f"link {sensor} is not fixed to link {flange}"
-        findings.problems.append(f"{problem}; name with --sensor one that is: {_listed(list(behind))}")
+        findings.problems.append(f"{problem}; name with {option('sensor')} one that is: {_listed(list(behind))}")
     findings.require_none()
     sensed = place if sensor is None else behind[sensor]
     stated = sensor is not None or _is_controllers(flange, behind, findings)
@@ -188,7 +194,8 @@ def _is_controllers(flange: str, behind: Mapping[str, Array], findings: _Finding
             "link",
             flange,
             f"it carries the sensor, but {link} is where ROS-Industrial's robots count tools from; "
-            f"machine.chain.flange is left open: give --flange {link} --sensor {flange}, or state it in the case",
+            f"machine.chain.flange is left open: give --flange {link} --sensor {flange}, "
+            "or state it in the case",
         )
         return False
     return True
@@ -297,7 +304,7 @@ def _moves(joint: Element, findings: _Findings) -> bool:
     kind = "mimic" if joint.find("mimic") is not None else joint.get("type", "")
     if kind not in (*_MOVING, "fixed"):
         problem = f"joint {name} is {kind[:LONGEST_NAME]}, which no program moves"
-        findings.problems.append(f"{problem}; choose a --flange before it, or {', '.join(_MOVING)} or fixed")
+        findings.problems.append(f"{problem}; choose a {option('flange')} before it, or {', '.join(_MOVING)} or fixed")
     elif kind != "fixed" and not JOINT_NAME.fullmatch(name):
         findings.problems.append(f"joint {name!r} moves, but {JOINT_NAME_WORDS}; give it another name in the file")
     return kind in _MOVING

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cases.base.errors import HexciteError, IdentificationError
+from cases.base.errors import Code, HexciteError, IdentificationError
 from cases.base.units import Array
 from cases.schema import Case
 from identification.identify import default_model, samples_of
@@ -65,23 +65,43 @@ def _looked_at(
         case Recording():
             own_case = thing.case if case is None else case
             if own_case is None:
-                raise HexciteError(thing.source, "does not say which machine it is from", "give its case")
+                raise HexciteError(
+                    place=thing.source,
+                    problem="does not say which machine it is from",
+                    remedy="give its case",
+                    code=Code.MISSING,
+                )
             usual = default_model(thing, own_case)
             samples = samples_of(thing, own_case, identification_model(own_case, usual))
             return own_case, usual, *_at_samples(samples, 0.0)
         case Result():
             if thing.estimate is None:
-                raise HexciteError(thing.source, "was loaded without its samples", "give its recording")
+                raise HexciteError(
+                    place=thing.source,
+                    problem="was loaded without its samples",
+                    remedy="give its recording",
+                    code=Code.MISSING,
+                )
             own = thing.case if case is None else case
             return own, thing.record.model, *_at_samples(thing.estimate.evaluated, thing.estimate.at)
         case _:
             if case is None:
-                raise HexciteError("identifiability", "poses belong to a machine", "give its case")
+                raise HexciteError(
+                    place="identifiability",
+                    problem="poses belong to a machine",
+                    remedy="give its case",
+                    code=Code.MISSING,
+                )
             poses = np.atleast_2d(np.asarray(thing, dtype=float))
             count = len(case.need_motion("identifiability")[0])
             if poses.shape[1] != count:
                 problem = f"poses of {poses.shape[1]} coordinates"
-                raise HexciteError("identifiability", problem, f"{case.name} has {count} [m or rad]")
+                raise HexciteError(
+                    place="identifiability",
+                    problem=problem,
+                    remedy=f"{case.name} has {count} [m or rad]",
+                    code=Code.WRONG_KIND,
+                )
             usual = 5 if 5 in models_of(case) else 0
             return case, usual, lambda model: _at_poses(model, poses), _any
 
@@ -113,7 +133,9 @@ def _at_samples(samples: Samples, delay: float) -> tuple[Callable[[Model], Array
         if isinstance(part, Run):
             return replace(part, model=model).regressors(delay)
         if motion is None or not known(model):  # as `require_position` says of a fit
-            raise IdentificationError(f"model {model.number} needs more of the motion than the recording holds")
+            raise IdentificationError(
+                problem=f"model {model.number} needs more of the motion than the recording holds", code=Code.MISSING
+            )
         return regressors(model, motion.load)[motion.known]
 
     return evaluate, known

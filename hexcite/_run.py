@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases.base.errors import HexciteError, ProgramError, choice
+from cases.base.errors import Code, HexciteError, ProgramError, choice, option
 from cases.base.units import MM
 from cases.basis import motion_hash
 from cases.controller import ControllerName
@@ -52,9 +52,9 @@ def best_controller(dialect: str = ControllerName.LINUXCNC) -> tuple[ControllerN
 def require_controller(on: str) -> None:
     """Raises HexciteError unless `on` names a controller that can run here."""
     if on not in CONTROLLERS:
-        raise HexciteError(f"controller {on!r} is unknown; {choice(on, CONTROLLERS)}")
+        raise HexciteError(problem=f"controller {on!r} is unknown", remedy=choice(on, CONTROLLERS), code=Code.UNKNOWN)
     if on == ControllerName.LINUXCNC and (missing := linuxcnc_missing()) is not None:
-        raise HexciteError(missing)
+        raise HexciteError(problem=missing, code=Code.NOT_INSTALLED)
 
 
 def execute(
@@ -151,13 +151,23 @@ def carried_out(program: Program, case: Case, on: str) -> ExecutedRun:
     else:
         run = _on_linuxcnc(program, case, program.reading.measures_at_poses)
     if not len(run.trigger):
-        raise HexciteError(program.path, f"the trigger never came on while {run.controller} ran it", "report this")
+        raise HexciteError(
+            place=program.path,
+            problem=f"the trigger never came on while {run.controller} ran it",
+            remedy="report this",
+            code=Code.RUN_FAILED,
+        )
     return run
 
 
 def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
     if read.dialect.name != ControllerName.LINUXCNC:
-        raise HexciteError(read.path, f"is not a LinuxCNC program ({read.dialect.name})", "run it with --on virtual")
+        raise HexciteError(
+            place=read.path,
+            problem=f"is not a LinuxCNC program ({read.dialect.name})",
+            remedy=f"run it with {option('on')} virtual",
+            code=Code.WRONG_KIND,
+        )
     log = run_linuxcnc(read, case)
     remark = ""
     if log.left_out > NOTICEABLE * len(log.lines):
@@ -219,11 +229,11 @@ def run(
     read = program if isinstance(program, Program) else read_for(case, Path(program))
     if motion_hash(read.case) != motion_hash(case):
         raise ProgramError(
-            read.path,
-            0,
-            0,
-            f"is proven for case {read.case.name}, whose machine or limits are others "
-            f"than those of {case.name}; give the program's own case, or write the plan for this one",
+            file=read.path,
+            problem=f"is proven for case {read.case.name}, whose machine or limits are others "
+            f"than those of {case.name}",
+            remedy="give the program's own case, or write the plan for this one",
+            code=Code.OTHER_SOURCE,
         )
     return execute(read, case, on, seed, around)[1]
 

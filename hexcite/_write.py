@@ -7,7 +7,7 @@ from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
-from cases.base.errors import CaseError, FileProblem, HexciteError, ProgramError
+from cases.base.errors import CaseError, Code, FileProblem, HexciteError, ProgramError, option
 from cases.base.files import read_whole
 from cases.basis import motion_hash
 from cases.controller import ControllerName
@@ -57,7 +57,11 @@ def write(
     language = language_of(plan, dialect, file)
     path = Path(f"{plan.name}{language.suffix}" if file is None else file)
     if not SLOWEST <= speed <= 1.0:
-        raise HexciteError(f"speed {speed:g} is outside {SLOWEST:g} to 1; choose 0.1 for a first try")
+        raise HexciteError(
+            problem=f"speed {speed:g} is outside {SLOWEST:g} to 1",
+            remedy="choose 0.1 for a first try",
+            code=Code.OUT_OF_RANGE,
+        )
     if isinstance(plan.request, Request) and plan.request.family.of_moves:
         _require_law(plan, language.name)
     header = (
@@ -85,10 +89,13 @@ def _require_law(plan: Plan, dialect_name: str) -> None:
     if has_steps(plan.motion) and not steps_of(plan.case, dialect_name):
         place = str(plan.folder or plan.name)
         raise HexciteError(
-            place,
-            f"was made for {plan.settings.get('made_for') or 'a controller'}, which does not limit jerk; moves for "
-            f"{dialect_name} satisfy the limits of jerk and last longer: plan with --for {dialect_name}, or re-time "
+            place=place,
+            problem=f"was made for {plan.settings.get('made_for') or 'a controller'}, which does not limit jerk",
+            remedy="moves for "
+            f"{dialect_name} satisfy the limits of jerk and last longer: plan with "
+            f"{option('for')} {dialect_name}, or re-time "
             f"them with hexcite retime {place} -o NEW",
+            code=Code.NOT_SUPPORTED,
         )
 
 
@@ -177,7 +184,12 @@ def naming_another(file: Path, content: bytes, case: Case) -> Iterator[None]:
     except (ProgramError, CaseError) as error:
         if other := written_for_another(content, case):
             found = error.typed.removeprefix(f"{file}: ")
-            raise ProgramError(file, 0, 0, f"is {other}; {found}; name its own case with --case") from error
+            raise ProgramError(
+                file=file,
+                problem=f"is {other}; {found}",
+                remedy=f"name its own case with {option('case')}",
+                code=Code.OTHER_SOURCE,
+            ) from error
         raise
 
 

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from cases.base.errors import IdentificationError, RecordingError
+from cases.base.errors import Code, IdentificationError, RecordingError, option
 from cases.base.files import date_of
 from cases.base.units import Array
 from cases.basis import changes_since, recording_basis, result_basis
@@ -76,7 +76,12 @@ def identify(
     """
     case = recording.case if case is None else case
     if case is None:
-        raise RecordingError(recording.source, "does not say which machine it is from", "give its case")
+        raise RecordingError(
+            place=recording.source,
+            problem="does not say which machine it is from",
+            remedy="give its case",
+            code=Code.MISSING,
+        )
     whole = on_one_clock(recording, case)
     beside = None if plan is None else closest(whole, case, plan)
     differences = () if plan is None else as_planned(beside, plan)
@@ -115,7 +120,9 @@ def _identified(
         estimate = estimate_parameters(run, case, number, method, treatment)
     except (IdentificationError, RecordingError) as error:
         if own not in (None, case.name):
-            raise IdentificationError(f"{error.typed}; it was recorded with the case {own}, not {case.name}") from error
+            raise IdentificationError(
+                problem=f"{error.message}; it was recorded with the case {own}, not {case.name}", code=Code.OTHER_SOURCE
+            ) from error
         raise
     changed = changed_cases(recording.remarks)
     changes = changes_since(about.to_json(), recording_basis(case), case.hash)
@@ -183,7 +190,12 @@ def standing_of(
             return recording, None
         if poses is not None and recording.struts is not None and (part := among(recording, case, poses)) is not None:
             return part, {"count": len(part.forces), "matched_to_poses": True, "found_by": "row"}
-        raise RecordingError(recording.source, "its rows are averaged already", "leave --poses and --standstills out")
+        raise RecordingError(
+            place=recording.source,
+            problem="its rows are averaged already",
+            remedy=f"leave {option('poses')} and {option('standstills')} out",
+            code=Code.CONTRADICTION,
+        )
     if expected is None and not asked and not stands_only(recording):
         return recording, None
     averages = average(recording, find_standstills(recording, _settling(case)))
@@ -291,7 +303,7 @@ def _cause_of_standstills(recording: Recording, case: Case) -> Answer | None:
 
 def _named(said: Answer) -> IdentificationError:
     """The error that a cause is, with the keys that mend it."""
-    error = IdentificationError(said.sentence)
+    error = IdentificationError(problem=said.sentence, code=Code.MISFIT)
     error.remedies = said.remedies
     return error
 
@@ -305,10 +317,13 @@ def _explained(
     if said.named:
         return _named(said)
     kind = RecordingError if isinstance(error, RecordingError) else IdentificationError
-    problem = error.problem.removesuffix(f"; {error.remedy}")
-    explained = kind(error.place, f"{problem} ({said.sentence})", error.remedy)
-    explained.quantity = error.quantity
-    return explained
+    return kind(
+        place=error.said.place,
+        problem=f"{error.said.problem} ({said.sentence})",
+        remedy=error.said.remedy,
+        quantity=error.quantity,
+        code=error.code,
+    )
 
 
 def samples_of(recording: Recording, case: Case, model: Model) -> Samples:
@@ -353,9 +368,10 @@ def fitted_run(
     moves = recording.t is not None and case.setup != "1a"
     if not moves and {p.name for p in INERTIA.parameters} & {*method.selection(model).names}:
         raise IdentificationError(
-            recording.source,
-            f"model {model.number} contains inertia, which standstills cannot excite; choose a "
-            "model from 0 to 5, or record a motion",
+            place=recording.source,
+            problem=f"model {model.number} contains inertia, which standstills cannot excite",
+            remedy="choose a model from 0 to 5, or record a motion",
+            code=Code.NO_EXCITATION,
         )
     scanned, recording = scan(recording, case)
     plain = Method(weights=method.weights_for(case.sensors))

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from cases.base.errors import CaseError, FileProblem, HexciteError, RecordingError, printable
+from cases.base.errors import CaseError, Code, FileProblem, HexciteError, RecordingError, option, printable
 from cases.base.files import toml_value
 from cases.base.units import Array, as_html
 from cases.editing import Change, changes_of, write_table
@@ -96,15 +96,28 @@ class Look:
             FileProblem: the case states something else, and `overwrite` is not set; or it cannot be written.
         """
         if self.problem is not None:
-            raise RecordingError(self.file, f"is not read with the proposal: {self.problem}", "nothing was written")
+            raise RecordingError(
+                place=self.file,
+                problem=f"is not read with the proposal: {self.problem}",
+                remedy="nothing was written",
+                code=Code.WRONG_KIND,
+            )
         name = str(case)
         if name in built_in_cases():
-            raise FileProblem(name, "is a built-in case", f"make your own with hexcite case new NAME --like {name}")
+            raise FileProblem(
+                place=name,
+                problem="is a built-in case",
+                remedy=f"make your own with hexcite case new NAME --like {name}",
+                code=Code.EXISTS,
+            )
         file = find_case(name)
         if not overwrite and (stated := [c for c in changes_of(file, "recording", self.settings) if c[1] is not None]):
             listed_changes = "; ".join(f"{key} = {toml_value(old)}" for key, old, _ in stated)
             raise FileProblem(
-                file, f"states something else than the proposal: {listed_changes}", "replace it with --overwrite"
+                place=file,
+                problem=f"states something else than the proposal: {listed_changes}",
+                remedy=f"replace it with {option('overwrite')}",
+                code=Code.EXISTS,
             )
         return write_table(file, "recording", self.settings)
 
@@ -157,11 +170,16 @@ def look(files: Path | str | Sequence[Path | str], case: Case | None = None) -> 
     """
     places = [bag_of(Path(files))] if isinstance(files, Path | str) else [bag_of(Path(file)) for file in files]
     if not places:
-        raise RecordingError("no recording is named; give the files of one run")
+        raise RecordingError(problem="no recording is named", remedy="give the files of one run", code=Code.MISSING)
     if is_bag(places[0]) and len(places) == 1:
         return _bag(places[0], case)
     if bag := next((place for place in places if is_bag(place)), None):
-        raise RecordingError(bag, "is a bag, which holds a run alone", "look at it by itself")
+        raise RecordingError(
+            place=bag,
+            problem="is a bag, which holds a run alone",
+            remedy="look at it by itself",
+            code=Code.NOT_SUPPORTED,
+        )
     own = None if case is None or not _says_how(case) else _refusal(places, case.recording, case)
     return _tables(places, case, own)
 
@@ -280,7 +298,9 @@ def _as_stated(file: Path, case: Case) -> tuple[TextColumns, Case]:
             layout = {key: value for key, value in stated.items() if key in LAYOUT}
             own = case.model_copy(update={"recording": RecordingFormat.model_validate(stated)})
             return replace(table, settings=layout), own
-    raise problem or RecordingError(file, "fits several tables of the case", "give each of them a match")
+    raise problem or RecordingError(
+        place=file, problem="fits several tables of the case", remedy="give each of them a match", code=Code.WRONG_KIND
+    )
 
 
 def _sentences(problem: str | None, doubts: Iterable[str]) -> tuple[str, ...]:
@@ -297,7 +317,9 @@ def _parquet(file: Path) -> TextColumns:
     try:
         table = pq.read_table(file)
     except (pa.ArrowException, OSError) as error:
-        raise RecordingError(file, "is a damaged Parquet file", "copy or export it again") from error
+        raise RecordingError(
+            place=file, problem="is a damaged Parquet file", remedy="copy or export it again", code=Code.DAMAGED
+        ) from error
     numbers = {
         k: np.asarray(table.column(k).cast(pa.float64(), safe=False).to_numpy())
         for k, kind in enumerate(table.schema.types)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from cases.base.errors import HexciteError, IdentificationError, RecordingError
+from cases.base.errors import Code, HexciteError, IdentificationError, RecordingError
 from cases.base.units import Array, as_html
 from cases.schema import Case
 from identification.estimation.estimators import Method
@@ -156,7 +156,12 @@ def identify_models(
     """
     case = recording.case if case is None else case
     if case is None:
-        raise RecordingError(recording.source, "does not say which machine it is from", "give its case")
+        raise RecordingError(
+            place=recording.source,
+            problem="does not say which machine it is from",
+            remedy="give its case",
+            code=Code.MISSING,
+        )
     run, _ = standing_of(on_one_clock(recording, case), case, poses, average_standstills)
     models, unit = carried(run, case), "poses" if run.t is None or case.setup == "1a" else "samples"
     with threadpool_limits(limits=1, user_api="blas"):
@@ -164,7 +169,12 @@ def identify_models(
         made = {number: fit for number, fit in fits.items() if isinstance(fit, Fitted)}
         if not made:
             first = next(iter(fits.values()))
-            raise IdentificationError(recording.source, f"no model can be identified; the largest: {first}")
+            raise IdentificationError(
+                place=recording.source,
+                problem="no model can be identified",
+                remedy=f"the largest: {first}",
+                code=Code.NO_EXCITATION,
+            )
         weights = made[max(made, key=lambda n: len(models[n].names))].w
         root = np.asarray(np.linalg.cholesky(weights).T)
         errors = {number: left_out(fit, root) for number, fit in made.items()}

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import fft, irfft, next_fast_len, rfft, rfftfreq
 
-from cases.base.errors import RecordingError
+from cases.base.errors import Code, RecordingError
 from cases.base.units import Array, Flags, Indices
 
 Spectrum = NDArray[np.complex128]
@@ -103,8 +103,11 @@ class Filter(NamedTuple):
             raise ValueError(f"delay {delay:g} s is beyond the filter's reach of {self.reach:g} s")
         if len(values) <= 2 * self.margin + 1:
             raise RecordingError(
-                f"{len(values)} samples are too few for a {self.cutoff:g} Hz filter, which needs more than "
-                f"{2 * self.margin + 1}; record longer or raise filter_cutoff_Hz"
+                problem=f"{len(values)} samples are too few for a {self.cutoff:g} Hz filter, which needs more "
+                "than "
+                f"{2 * self.margin + 1}",
+                remedy="record longer or raise filter_cutoff_Hz",
+                code=Code.TOO_FEW,
             )
 
     def apply(self, values: Array, order: int = 0, delay: float = 0.0) -> Array:

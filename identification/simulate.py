@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from cases.base.errors import CaseError
+from cases.base.errors import CaseError, Code
 from cases.base.units import DEG, MM, Array
 from cases.schema import Case
 from cases.sensors import Disturbances, RigidBody, Truth, together
@@ -50,9 +50,11 @@ def circumstances(case: Case, weights: int, disturbed: bool) -> Circumstances:
     payloads = () if case.payloads is None else case.payloads.weights
     if not 0 <= weights <= len(payloads):
         raise CaseError(
-            f"case {case.name}",
-            "payloads.weights",
-            f"are {len(payloads)}; {weights} cannot be mounted: choose 0 to {len(payloads)}",
+            file=f"case {case.name}",
+            key="payloads.weights",
+            problem=f"are {len(payloads)}",
+            remedy=f"{weights} cannot be mounted: choose 0 to {len(payloads)}",
+            code=Code.OUT_OF_RANGE,
         )
     disturbances = case.need_simulation("a run").disturbances
     if disturbed and disturbances is None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cases.base.errors import FileProblem, HexciteError
+from cases.base.errors import Code, FileProblem, HexciteError, option
 from cases.base.units import Array
 from cases.basis import changes_since, result_basis
 from cases.schema import Case
@@ -46,7 +46,12 @@ class Known:
 
         earlier = [result for result in results if isinstance(result, Result)]
         if len(earlier) < len(results):
-            raise HexciteError("known", "holds something that is not a result; give values of hexcite.Result")
+            raise HexciteError(
+                place="known",
+                problem="holds something that is not a result",
+                remedy="give values of hexcite.Result",
+                code=Code.WRONG_KIND,
+            )
         for result in earlier:
             _require_usable(result, case, payload, standing)
         one = earlier[0] if len(earlier) == 1 else pool(earlier)
@@ -60,8 +65,9 @@ class Known:
         """Raises HexciteError where a plan is for another model."""
         if number != self.model:
             raise HexciteError(
-                f"{self.results[0]} has the parameters of model {self.model}, the plan those of model {number}; plan "
-                f"with --model {self.model}, or identify with --model {number}"
+                problem=f"{self.results[0]} has the parameters of model {self.model}, the plan those of model {number}",
+                remedy=f"plan with {option('model')} {self.model}, or identify with {option('model')} {number}",
+                code=Code.OTHER_SOURCE,
             )
 
 
@@ -76,28 +82,38 @@ def _require_usable(result: "Result", case: Case, payload: int, standing: bool) 
     """Raises FileProblem where what a result says does not hold for the run that is planned."""
     record, source = result.record, result.source
     if record.case != case.name:
-        raise FileProblem(source, f"is of case {record.case}, the plan of {case.name}", "name results of this machine")
+        raise FileProblem(
+            place=source,
+            problem=f"is of case {record.case}, the plan of {case.name}",
+            remedy="name results of this machine",
+            code=Code.OTHER_SOURCE,
+        )
     if changes := changes_since({"computed_from": record.computed_from}, result_basis(case), case.hash):
         raise FileProblem(
-            source,
-            f"was identified with another case {case.name}: {changes[0]}",
-            "identify its recording again with the case of the plan",
+            place=source,
+            problem=f"was identified with another case {case.name}: {changes[0]}",
+            remedy="identify its recording again with the case of the plan",
+            code=Code.OTHER_SOURCE,
         )
     fixed = [*(record.known or {}), *record.dropped, *(record.priors or {})]
     if fixed:
         raise FileProblem(
-            source,
-            f"was identified with {fixed[0]} known, which is not what its run told",
-            "identify without --fix, --drop and --prior",
+            place=source,
+            problem=f"was identified with {fixed[0]} known, which is not what its run told",
+            remedy=f"identify without {option('fix')}, {option('drop')} and {option('prior')}",
+            code=Code.CONTRADICTION,
         )
     weights = () if case.payloads is None else case.payloads.weights[:payload]
     mass = sum(weight.mass_kg for weight in weights)
     if abs(result.mounted - mass) > SAME_MASS:
         raise FileProblem(
-            source,
-            f"a payload of {result.mounted:.4g} kg was mounted, {mass:.4g} kg is planned for",
-            "plan with the --payload of that run",
+            place=source,
+            problem=f"a payload of {result.mounted:.4g} kg was mounted, {mass:.4g} kg is planned for",
+            remedy=f"plan with the {option('payload')} of that run",
+            code=Code.OTHER_SOURCE,
         )
     if (record.delay_s is None) != standing:
         problem = "is of a motion, standstills are planned" if standing else "is of standstills, a motion is planned"
-        raise FileProblem(source, problem, "name results of the same kind of run")
+        raise FileProblem(
+            place=source, problem=problem, remedy="name results of the same kind of run", code=Code.OTHER_SOURCE
+        )

@@ -7,7 +7,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any, ClassVar, Literal, NamedTuple, NoReturn
 
-from cases.base.errors import HexciteError, choice
+from cases.base.errors import Code, HexciteError, choice, option
 from cases.sensors import payload_words
 from identification.estimation.criteria import Criterion
 from identification.texts import legible
@@ -31,19 +31,25 @@ LONGEST_SEARCH = 1e5  # [s]
 def require_seed(seed: int) -> None:
     """Raises HexciteError where a seed is negative."""
     if seed < 0:
-        raise HexciteError(f"seed {seed} is negative; choose 0 or more")
+        raise HexciteError(problem=f"seed {seed} is negative", remedy="choose 0 or more", code=Code.OUT_OF_RANGE)
 
 
 def require_starts(starts: int | None) -> None:
     """Raises HexciteError where a number of starts cannot be."""
     if starts is not None and not 1 <= starts <= 1000:
-        raise HexciteError(f"{starts} starts; choose --starts 1 to 1000")
+        raise HexciteError(
+            problem=f"{starts} starts", remedy=f"choose {option('starts')} 1 to 1000", code=Code.OUT_OF_RANGE
+        )
 
 
 def require_workers(workers: int | None) -> None:
     """Raises HexciteError where a number of processes cannot be."""
     if workers is not None and not 1 <= workers <= 1000:
-        raise HexciteError(f"{workers} workers; choose --workers 1 to 1000, by default one a core")
+        raise HexciteError(
+            problem=f"{workers} workers",
+            remedy=f"choose {option('workers')} 1 to 1000, by default one a core",
+            code=Code.OUT_OF_RANGE,
+        )
 
 
 class Solver(StrEnum):
@@ -56,7 +62,7 @@ class Solver(StrEnum):
     @classmethod
     def _missing_(cls, value: object) -> NoReturn:
         """Refuses what is not one of them."""
-        raise HexciteError(f"solver {value!r} is unknown; {choice(str(value), cls)}")
+        raise HexciteError(problem=f"solver {value!r} is unknown", remedy=choice(str(value), cls), code=Code.UNKNOWN)
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,26 +91,41 @@ class Request:
         object.__setattr__(self, "criterion", Criterion(self.criterion))
         object.__setattr__(self, "solver", None if self.solver is None else Solver(self.solver))
         if not abs(self.duration) <= LONGEST:
-            raise HexciteError(f"duration {self.duration:g} s is not at most {LONGEST:g} s; choose about 12 s")
+            raise HexciteError(
+                problem=f"duration {self.duration:g} s is not at most {LONGEST:g} s",
+                remedy="choose about 12 s",
+                code=Code.OUT_OF_RANGE,
+            )
         self.family.check(self.duration)
         require_starts(self.starts)
         require_seed(self.seed)
         require_workers(self.workers)
         if self.seconds is not None and not 0.0 < self.seconds <= LONGEST_SEARCH:
             raise HexciteError(
-                f"{self.seconds:g} s is not a time to search for; choose --seconds up to {LONGEST_SEARCH:g}"
+                problem=f"{self.seconds:g} s is not a time to search for",
+                remedy=f"choose {option('seconds')} up to {LONGEST_SEARCH:g}",
+                code=Code.OUT_OF_RANGE,
             )
         if self.seconds is not None and self.starts is not None:
-            raise HexciteError("--starts and --seconds both say when a search ends; leave out one of them")
+            raise HexciteError(
+                problem=f"{option('starts')} and {option('seconds')} both say when a search ends",
+                remedy="leave out one of them",
+                code=Code.CONTRADICTION,
+            )
         if self.payload_from is not None and not 0 <= self.payload_from <= self.payload:
             raise HexciteError(
-                f"payloads {self.payload_from}-{self.payload} are not a range; give the fewest first, as "
-                f"0-{self.payload}"
+                problem=f"payloads {self.payload_from}-{self.payload} are not a range",
+                remedy=f"give the fewest first, as 0-{self.payload}",
+                code=Code.OUT_OF_RANGE,
             )
         if self.known is not None:
             self.known.require_model(self.model)
             if len(self.payloads) > 1:
-                raise HexciteError(f"what is known is of one load, {self.mounted} are planned for; give one --payload")
+                raise HexciteError(
+                    problem=f"what is known is of one load, {self.mounted} are planned for",
+                    remedy=f"give one {option('payload')}",
+                    code=Code.CONTRADICTION,
+                )
 
     @property
     def payloads(self) -> range:
@@ -181,17 +202,28 @@ def read_value(text: str, units: Mapping[str, str], option: str, example: str, m
     """
     match = _VALUE.fullmatch(text.strip())
     if match is None:
-        raise HexciteError(f"{option} {text}", f"is not understood; write {option} {example}")
+        raise HexciteError(
+            place=f"{option} {text}",
+            problem="is not understood",
+            remedy=f"write {option} {example}",
+            code=Code.WRONG_KIND,
+        )
     name, unit = match["name"], (match["unit"] or "").replace("^", "").replace(" ", "")
     if name not in units:
-        words = f"{name} is not a parameter of model {model}; {choice(name, units, 'choose from')}"
-        raise HexciteError(f"{option} {text}", words)
+        raise HexciteError(
+            place=f"{option} {text}",
+            problem=f"{name} is not a parameter of model {model}",
+            remedy=choice(name, units, "choose from"),
+            code=Code.UNKNOWN,
+        )
     factor, for_people = legible(units[name])
     scales = {re.sub(r"[ ^]", "", own): scale for own, scale in ((units[name], 1.0), (for_people, 1.0 / factor))}
     scales |= {"g": 1e-3} if units[name] == "kg" else {}
     if unit not in scales:
         problem = f"unit {match['unit']} does not fit {name}" if unit else "has no unit"
-        raise HexciteError(f"{option} {text}", f"{problem}; give {' or '.join(scales)}")
+        raise HexciteError(
+            place=f"{option} {text}", problem=problem, remedy=f"give {' or '.join(scales)}", code=Code.WRONG_KIND
+        )
     std = None if match["std"] is None else float(match["std"]) * scales[unit]
     return TypedValue(name, float(match["value"]) * scales[unit], std)
 
@@ -239,9 +271,15 @@ class PoseRequest:
         object.__setattr__(self, "criterion", Criterion(self.criterion))
         if self.method not in METHODS:
             choice = ", ".join(method for method in METHODS if method != "given")  # which comes with the poses
-            raise HexciteError(f"method {self.method!r} is unknown; choose {choice}")
+            raise HexciteError(
+                problem=f"method {self.method!r} is unknown", remedy=f"choose {choice}", code=Code.UNKNOWN
+            )
         if self.method in ("all", "given") and self.count is not None:
-            raise HexciteError(f"method {self.method} measures every pose; leave --count out, or choose another method")
+            raise HexciteError(
+                problem=f"method {self.method} measures every pose",
+                remedy=f"leave {option('count')} out, or choose another method",
+                code=Code.CONTRADICTION,
+            )
         require_plannable_without(self.without)
         require_seed(self.seed)
         if self.known is not None:
@@ -259,12 +297,15 @@ class PoseRequest:
         count = self.count if self.count is not None else min(USUAL, available)
         if count < fewest:
             raise HexciteError(
-                f"{count} poses give {6 * max(count, 0)} forces for {parameters} parameters of model {self.model}; ask "
-                f"for {fewest} or more, about {USUAL} for useful standard deviations"
+                problem=f"{count} poses give {6 * max(count, 0)} forces for {parameters} parameters of model "
+                f"{self.model}",
+                remedy=f"ask for {fewest} or more, about {USUAL} for useful standard deviations",
+                code=Code.TOO_FEW,
             )
         if count > available:
             raise HexciteError(
-                f"{count} poses are asked for, only {available} candidates are valid; ask for fewer, take smaller "
-                "steps in [poses], or sample more with --candidates"
+                problem=f"{count} poses are asked for, only {available} candidates are valid",
+                remedy=f"ask for fewer, take smaller steps in [poses], or sample more with {option('candidates')}",
+                code=Code.OUT_OF_RANGE,
             )
         return count

@@ -16,7 +16,7 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cases.base.errors import HexciteError, InfeasiblePlan, choice
+from cases.base.errors import Code, HexciteError, InfeasiblePlan, choice, option
 from cases.schema import Case
 from identification.limits.limit import LimitKind
 from identification.limits.proof import PROOF_RATE, prove
@@ -46,7 +46,9 @@ class Method(StrEnum):
     @classmethod
     def _missing_(cls, value: object) -> NoReturn:
         """Refuses what is not one of them."""
-        raise HexciteError(f"--with {value!r} is unknown; {choice(str(value), cls)}")
+        raise HexciteError(
+            problem=f"{option('with')} {value!r} is unknown", remedy=choice(str(value), cls), code=Code.UNKNOWN
+        )
 
 
 def retime(plan: Plan, method: str = Method.RUCKIG, without: str | None = None) -> Plan:
@@ -69,16 +71,26 @@ def retime(plan: Plan, method: str = Method.RUCKIG, without: str | None = None) 
     if by is Method.TOPPRA:
         motion, step_time = as_fast_as_possible(motion, case, plan.name, without)
     elif without is not None:
-        raise HexciteError(f"--without {without} goes with --with toppra; ruckig keeps jerk: leave it out")
+        raise HexciteError(
+            problem=f"{option('without')} {without} goes with {option('with')} toppra",
+            remedy="ruckig keeps jerk: leave it out",
+            code=Code.CONTRADICTION,
+        )
     elif isinstance(motion, Joined):
         motion = by_controller(motion, case, plan.name)
     elif isinstance(motion, FourierMotion | PolynomialMotion):
         motion, made_with = fastest_within_limits(case, motion.slowed, plan.name, _REMEDY), "one slower pace"
     if not motion.duration <= LONGEST:
-        raise InfeasiblePlan(f"the motion takes {motion.duration:.0f} s, longer than {LONGEST:g} s; shorten it")
+        raise InfeasiblePlan(
+            problem=f"the motion takes {motion.duration:.0f} s, longer than {LONGEST:g} s",
+            remedy="shorten it",
+            code=Code.INFEASIBLE,
+        )
     limits = with_steps(prove(motion, case), step_time)
     if violations := limits.violations:
-        raise InfeasiblePlan(f"the re-timed motion is not a plan: {violations[0].sentence()}")
+        raise InfeasiblePlan(
+            problem=f"the re-timed motion is not a plan: {violations[0].sentence()}", code=Code.NOT_PROVEN
+        )
     settings: dict[str, str | float] = {
         "retimed_with": made_with,
         "retimed_from": str((plan.folder or Path(plan.name)).resolve()),
@@ -116,8 +128,10 @@ def as_fast_as_possible(
     limited = case.need_motion("re-timing")[1].limits_jerk
     if limited and without is None:
         raise HexciteError(
-            f"limits.motion of case {case.name} states jerk, which toppra cannot limit: re-time with --without jerk if "
-            "the machine bears steps of acceleration, or with --with ruckig"
+            problem=f"limits.motion of case {case.name} states jerk, which toppra cannot limit: re-time "
+            f"with {option('without')} jerk if "
+            f"the machine bears steps of acceleration, or with {option('with')} ruckig",
+            code=Code.NOT_SUPPORTED,
         )
     own = case.without_jerk()
     forces = force_shares(own)
@@ -131,7 +145,7 @@ def as_fast_as_possible(
             timed.append(timed_path(path, own, HURRY, forces))
         except UntimedMotion as error:
             where = f"{place}, move {number}" if isinstance(motion, Joined) else place
-            raise InfeasiblePlan(where, f"{error}; {_REMEDY}") from error
+            raise InfeasiblePlan(place=where, problem=error, remedy=_REMEDY, code=Code.INFEASIBLE) from error
     whole = PolynomialMotion.of_pieces(rounded(Joined(tuple(timed)), WINDOW, PIECE))
     slowed = fastest_within_limits(own, whole.slowed, place, _REMEDY)  # what is between gridpoints, and sensors at rest
     assert isinstance(slowed, PolynomialMotion)

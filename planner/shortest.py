@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
-from cases.base.errors import HexciteError, InfeasiblePlan, Interrupted
+from cases.base.errors import Code, HexciteError, InfeasiblePlan, Interrupted, option
 from cases.schema import Case
 from identification.model.model import identification_model
 from identification.model.parameters import physical_form
@@ -84,9 +84,11 @@ def require_more(request: Request, case: Case) -> None:
     std = Prediction(identification_model(case, request.model), request.known.values, known.random, known.biases).std
     if all(std[name] <= at for name, at in request.target.items()):
         raise HexciteError(
-            f"target {deviations_in_words(request.target, request.target, case, request.model)}",
-            f"is reached by {', '.join(request.known.results)}: "
-            f"{deviations_in_words(request.target, std, case, request.model)}; no motion is needed",
+            place=f"target {deviations_in_words(request.target, request.target, case, request.model)}",
+            problem=f"is reached by {', '.join(request.known.results)}: "
+            f"{deviations_in_words(request.target, std, case, request.model)}",
+            remedy="no motion is needed",
+            code=Code.OUT_OF_RANGE,
         )
 
 
@@ -210,9 +212,11 @@ def _missed(trials: list[Trial], request: Request, case: Case) -> HexciteError |
     targets, model = request.target, request.model
     longest = max(trial.duration for trial in planned)
     return InfeasiblePlan(
-        f"no motion of up to {longest:g} s reaches {deviations_in_words(targets, targets, case, model)}",
-        f"the best, of {best.duration:g} s, predicts {_predicted(best, targets, case, model)}, {best.excess:.2f} times "
-        "as much as asked for" + _remedy(planned, longest, request, best.plan),
+        place=f"no motion of up to {longest:g} s reaches {deviations_in_words(targets, targets, case, model)}",
+        problem=f"the best, of {best.duration:g} s, predicts {_predicted(best, targets, case, model)}, "
+        f"{best.excess:.2f} times as much as asked for",
+        remedy=_remedy(planned, longest, request, best.plan),
+        code=Code.INFEASIBLE,
     )
 
 
@@ -222,8 +226,8 @@ def _remedy(planned: list[Trial], longest: float, request: Request, best: Plan |
     if best and promise and any(promise.least.get(name, 0.0) > at for name, at in request.target.items()):
         parameters = physical_form(identification_model(best.case, best.model)).parameters
         words = promise.lasting_words(parameters, request.target, "more seconds lower")
-        return f"; {words}: ask for larger deviations, or lower these tolerances, as by a known weight"
+        return f"{words}: ask for larger deviations, or lower these tolerances, as by a known weight"
     last = sorted(planned, key=lambda trial: trial.duration)[-2:]
     if len(last) == 2 and _power(last[0], last[1], lambda trial: trial.excess) > -0.25:
-        return "; longer motions hardly help: ask for larger deviations"
-    return "; allow a longer --duration, or ask for larger deviations"
+        return "longer motions hardly help: ask for larger deviations"
+    return f"allow a longer {option('duration')}, or ask for larger deviations"

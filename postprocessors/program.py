@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 
 from cases.base.doors import checks
-from cases.base.errors import FileProblem, HexciteError, ProgramError, choice
+from cases.base.errors import Code, FileProblem, HexciteError, ProgramError, choice
 from cases.base.files import atomic_file, check_file, read_whole
 from cases.base.units import as_html
 from cases.controller import ControllerName
@@ -35,7 +35,7 @@ DIALECTS: dict[str, Dialect] = {
 def dialect(name: str) -> Dialect:
     """The dialect of a name; raises HexciteError, which lists the known ones, where there is none."""
     if name not in DIALECTS:
-        raise HexciteError(f"dialect {name!r} is unknown; {choice(name, DIALECTS)}")
+        raise HexciteError(problem=f"dialect {name!r} is unknown", remedy=choice(name, DIALECTS), code=Code.UNKNOWN)
     return DIALECTS[name]
 
 
@@ -45,7 +45,9 @@ def dialect_of_file(file: str) -> Dialect:
         if file.lower().endswith(dialect.suffixes):
             return dialect
     suffixes = ", ".join(s for d in DIALECTS.values() for s in d.suffixes)
-    raise ProgramError(file, 0, 0, f"the suffix names no controller; programs end in {suffixes}")
+    raise ProgramError(
+        file=file, problem="the suffix names no controller", remedy=f"programs end in {suffixes}", code=Code.UNKNOWN
+    )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -140,7 +142,9 @@ def read_program(file: Path | str, case: Case, name: str | None = None) -> Progr
     try:
         content = read_whole(path, MOST_PROGRAM)
     except FileProblem as error:
-        raise ProgramError(path, 0, 0, f"{error.problem}; name a program file") from error
+        raise ProgramError(
+            file=path, problem=error.problem, remedy="name a program file", code=Code.UNREADABLE
+        ) from error
     reading = spoken.read(content, str(path), case)
     guarantees = replace(spoken.guarantees(reading, case), without=left_out(content))
     return Program(path, spoken, content, reading, guarantees, case)

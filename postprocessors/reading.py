@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cases.base.errors import ProgramError
+from cases.base.errors import Code, ProgramError, option
 from cases.schema import Case
 from identification.motion.curves import PolynomialMotion, Tabulated
 from identification.motion.motion import Array, TimedPoints
@@ -155,9 +155,9 @@ class Grouping:
         self.timed: list[TimedBlock] = []  # blocks since the last standstill
         self.checked: tuple[Array, Array] | None = None  # as in `Reading`
 
-    def error(self, line: int, problem: str) -> ProgramError:
+    def error(self, line: int, problem: str, remedy: str = "") -> ProgramError:
         """An error at a line."""
-        return ProgramError(self.file, line, 0, problem)
+        return ProgramError(file=self.file, line=line, problem=problem, remedy=remedy, code=Code.SYNTAX)
 
     def stand(self, pose: Array) -> None:
         """Sets the pose before the start, to which the program itself does not bring the machine."""
@@ -186,12 +186,12 @@ class Grouping:
     def block(self, block: TimedBlock, exact: bool = False) -> None:
         """Adds a block whose time the program states; `exact`: whether the controller comes to rest at its end."""
         if self.timed and self.waiting is not None:
-            raise self.error(self.waiting[0], "the trigger switches in the middle of a path; switch at rest")
+            raise self.error(self.waiting[0], "the trigger switches in the middle of a path", "switch at rest")
         self._settle_trigger()
         if self.pose is None:
-            raise self.error(block[0], "a timed block starts from an unknown pose; first move home at a feed (G94)")
+            raise self.error(block[0], "a timed block starts from an unknown pose", "first move home at a feed (G94)")
         if exact:
-            raise self.error(block[0], "a timed block under exact stop lasts longer; write G64")
+            raise self.error(block[0], "a timed block under exact stop lasts longer", "write G64")
         self.timed.append(block)
 
     def move(
@@ -215,7 +215,7 @@ class Grouping:
         self._settle_trigger()
         if not exact:
             problem = "a move at a feed without exact stop is blended into the next, its path is not known"
-            raise self.error(line, f"{problem}; write {self.exact_stop}")
+            raise self.error(line, f"{problem}", f"write {self.exact_stop}")
         self.stretches.append(
             Untimed(line, self.pose if start is None else start, end, feed, linear, arc, self.trigger, *law, within)
         )
@@ -233,8 +233,8 @@ class Grouping:
         """The reading of the whole program, with its number of blocks."""
         self._finish_path()
         if self.waiting is not None:
-            problem = "the trigger waits for a next motion that never comes; "
-            raise self.error(self.waiting[0], f"{problem}write {self.switch_at_rest}")
+            problem = "the trigger waits for a next motion that never comes"
+            raise self.error(self.waiting[0], problem, f"write {self.switch_at_rest}")
         left_on = self.switched if self.trigger else 0
         return Reading(self.file, tuple(self.stretches), blocks, self.start, self.checked, left_on=left_on)
 
@@ -254,7 +254,7 @@ class Grouping:
         pieces = []
         for line, time, own in zip(lines, times, polynomials, strict=True):
             if own is None:
-                raise self.error(line, "a timed straight block among polynomials; write a path in one form")
+                raise self.error(line, "a timed straight block among polynomials", "write a path in one form")
             pieces.append((own / time ** np.arange(len(own))[:, None], time))
         return PolynomialMotion.of_pieces(pieces)
 
@@ -285,14 +285,28 @@ def program_lines(content: bytes, file: str, longest: int, most: float = math.in
     for number, line in enumerate(lines, start=1):
         if not line.isascii() or not line.replace("\t", " ").isprintable():
             column = next(k for k, c in enumerate(line) if c != "\t" and not " " <= c <= "~")
-            problem = f"character {line[column]!r} is not plain ASCII; remove or replace it"
-            raise ProgramError(file, number, column + 1, problem)
+            raise ProgramError(
+                file=file,
+                line=number,
+                column=column + 1,
+                problem=f"character {line[column]!r} is not plain ASCII",
+                remedy="remove or replace it",
+                code=Code.SYNTAX,
+            )
         if len(line) > longest:
-            raise ProgramError(file, number, 0, f"{len(line)} characters, the controller takes {longest}; split it")
+            raise ProgramError(
+                file=file,
+                line=number,
+                problem=f"{len(line)} characters, the controller takes {longest}",
+                remedy="split it",
+                code=Code.SYNTAX,
+            )
         count += bool(line.strip())
         if count > most:
             problem = f"more than {most} blocks, which is what the controller's memory holds (most_blocks)"
-            raise ProgramError(file, number, 0, f"{problem}; make the program shorter")
+            raise ProgramError(
+                file=file, line=number, problem=problem, remedy="make the program shorter", code=Code.SYNTAX
+            )
     return lines
 
 
@@ -312,7 +326,7 @@ def axis_letters(case: Case, controller: str, file: str, endless: bool = True) -
             problem = f"joint {joint.name} {how} and is not an axis of {controller}"
             remedy = (
                 'name those that slide X, Y, Z and those that turn A, B, C, with kind = "revolute" and position_deg, '
-                "or write with --dialect urscript, ros2 or setpoints"
+                f"or write with {option('dialect')} urscript, ros2 or setpoints"
             )
-            raise ProgramError(file, 0, 0, f"{problem}; {remedy}")
+            raise ProgramError(file=file, problem=problem, remedy=remedy, code=Code.SYNTAX)
     return "".join(chain.names)

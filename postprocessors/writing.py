@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cases.base.errors import ProgramError
+from cases.base.errors import Code, ProgramError
 from cases.base.units import DEG, MM
 from cases.schema import Case
 from identification.limits.proof import slowed_for_forces
@@ -69,7 +69,9 @@ def proven_program(
     content = dialect.write((*header, *findings, *program), case)
     again = dialect.read(content, str(path), case)
     if not _same_stretches(again, reading):
-        raise ProgramError(path, 0, 0, "the header changes how the program reads; report this")
+        raise ProgramError(
+            file=path, problem="the header changes how the program reads", remedy="report this", code=Code.INTERNAL
+        )
     proven = replace(proof, remarks=tuple(remarks(again, guarantees)))
     return Program(path, dialect, content, again, guarantees, case, proven=proven)
 
@@ -122,11 +124,26 @@ def _require_same(program: Blocks, reading: Reading, guarantees: Guarantees) -> 
     moves = [s for s in reading.stretches if isinstance(s, Timed | Untimed)]
     read = [s for s in moves if isinstance(s, Timed) or s.within is None]
     if len(read) == len(moves) or reading.checked is None:
-        raise ProgramError(reading.file, 0, 0, "the check that the machine stands at home is missing; report this")
+        raise ProgramError(
+            file=reading.file,
+            problem="the check that the machine stands at home is missing",
+            remedy="report this",
+            code=Code.INTERNAL,
+        )
     if not np.all(np.abs(reading.checked[0] - _home_of(program)) <= ROUNDING):
-        raise ProgramError(reading.file, 0, 0, "the program checks for another place than home; report this")
+        raise ProgramError(
+            file=reading.file,
+            problem="the program checks for another place than home",
+            remedy="report this",
+            code=Code.INTERNAL,
+        )
     if len(read) != len(written):
-        raise ProgramError(reading.file, 0, 0, f"{len(read)} moves where {len(written)} were written; report this")
+        raise ProgramError(
+            file=reading.file,
+            problem=f"{len(read)} moves where {len(written)} were written",
+            remedy="report this",
+            code=Code.INTERNAL,
+        )
     for block, stretch in zip(written, read, strict=True):
         if isinstance(block, TimedPath):
             same = isinstance(stretch, Timed) and _same_path(block, stretch, guarantees.tolerance, off)
@@ -137,7 +154,13 @@ def _require_same(program: Blocks, reading: Reading, guarantees: Guarantees) -> 
                 and bool(np.all(np.abs(stretch.end - block.end) <= off))
             )
         if not same:
-            raise ProgramError(reading.file, stretch.line, 0, "the motion reads back differently; report this")
+            raise ProgramError(
+                file=reading.file,
+                line=stretch.line,
+                problem="the motion reads back differently",
+                remedy="report this",
+                code=Code.INTERNAL,
+            )
 
 
 def _home_of(program: Blocks) -> Array:

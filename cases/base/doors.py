@@ -71,21 +71,36 @@ def _checked(function: FunctionType, package: str) -> Callable[..., Any]:
 
     @wraps(function)
     def call(*args: Any, **kwargs: Any) -> Any:
-        from cases.base.errors import FileProblem, HexciteError, choice
+        from cases.base.errors import Code, FileProblem, HexciteError, choice
 
         args, kwargs = tuple(map(_plain, args)), {name: _plain(value) for name, value in kwargs.items()}
         place = function.__qualname__.removesuffix(".__init__")
         for name in kwargs:
             if name not in annotations:
-                raise HexciteError(f"{place}: {name}", "is not an argument", choice(name, annotations, "choose from"))
+                raise HexciteError(
+                    place=f"{place}: {name}",
+                    problem="is not an argument",
+                    remedy=choice(name, annotations, "choose from"),
+                    code=Code.UNKNOWN,
+                )
         for name, value in {**signature.bind(*args, **kwargs).arguments, **kwargs}.items():
             if not _fits(value, wanted := annotations.get(name, object)):
                 text = repr(value) if len(repr(value)) < 60 else f"a {type(value).__name__}"
                 kinds = re.sub(r"\b\w+\.", "", inspect.formatannotation(wanted)).replace("'", "")
                 sources = "; ".join(source for kind, source in SOURCES.items() if re.search(rf"\b{kind}\b", kinds))
-                raise HexciteError(f"{place}: {name} = {text}", f"is not {kinds}", sources or "give such a value")
+                raise HexciteError(
+                    place=f"{place}: {name} = {text}",
+                    problem=f"is not {kinds}",
+                    remedy=sources or "give such a value",
+                    code=Code.WRONG_KIND,
+                )
             if isinstance(value, str | PathLike) and "\0" in str(value):
-                raise HexciteError(f"{place}: {name}", "holds a null character", "no file, name or choice has one")
+                raise HexciteError(
+                    place=f"{place}: {name}",
+                    problem="holds a null character",
+                    remedy="no file, name or choice has one",
+                    code=Code.WRONG_KIND,
+                )
         try:
             return function(*args, **kwargs)
         except OSError as error:

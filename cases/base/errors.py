@@ -5,6 +5,7 @@ import re
 from collections.abc import Iterable, Sequence
 from copy import copy
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
@@ -35,44 +36,105 @@ class Remedy:
         return {"words": self.words, "keys": [[list(write.place), write.value] for write in self.keys]}
 
 
+class Code(StrEnum):
+    """Kind of an error, for programs: what is wrong, whatever words say it."""
+
+    MISSING = "missing"  # something that is needed is not stated, or not in the file
+    UNKNOWN = "unknown"  # a name that nothing has
+    WRONG_KIND = "wrong_kind"  # a value, text or file of another kind than is expected
+    OUT_OF_RANGE = "out_of_range"
+    CONTRADICTION = "contradiction"  # two statements that exclude each other, or one that is given twice
+    UNIT = "unit"  # units, scales and orders of angles
+    CLOCK = "clock"  # time stamps, rates and clocks that differ
+    TRIGGER = "trigger"
+    EXISTS = "exists"  # something stands there that would be replaced
+    NOT_WRITABLE = "not_writable"
+    UNREADABLE = "unreadable"  # the system or the encoding forbids to read it
+    DAMAGED = "damaged"  # cut off, not complete, or not what its format says
+    CHANGED = "changed"  # changed by hand since it was written
+    STALE = "stale"  # its case has changed since
+    VERSION = "version"  # of another version of the format
+    OTHER_SOURCE = "other_source"  # of another machine, case, recording or result
+    SYNTAX = "syntax"  # a program that cannot be read
+    NOT_PROVEN = "not_proven"
+    INFEASIBLE = "infeasible"  # no motion or pose inside the limits
+    NO_EXCITATION = "no_excitation"  # the data do not determine the parameters
+    TOO_FEW = "too_few"  # samples, poses or standstills
+    NO_CONVERGENCE = "no_convergence"
+    MISFIT = "misfit"  # data that the model cannot have produced
+    NOT_SUPPORTED = "not_supported"  # what a machine, controller or format cannot do
+    NOT_INSTALLED = "not_installed"
+    RUN_FAILED = "run_failed"  # a controller, worker or other program failed
+    INTERNAL = "internal"  # a bug of ours; report it
+
+
+class Said(NamedTuple):
+    """The parts of an error's message, with names of options as `option` writes them."""
+
+    place: str
+    problem: str
+    remedy: str
+
+
 class HexciteError(Exception):
     """Root of all errors that a user can cause and mend: `PLACE: PROBLEM; REMEDY` in one line.
 
     Args:
-        place: file with line, key or column, or an option; where nothing else is given, the whole message.
-        problem: which value is wrong there, and its limit; without `remedy` it ends in one, after a semicolon.
-        remedy: what the reader can do.
+        place: file with line, key or column, or an option; empty where there is none.
+        problem: which value is wrong there, and its limit.
+        remedy: what the reader can do; names of options are written by `option`.
+        quantity: key of the case, or parameter, that the value is of; empty where it has none.
+        code: kind of the error.
     """
 
-    quantity: str = ""
-    """Key of the case, or parameter, that the value is of; empty where it has none."""
     doubtful: bool = False
     """Whether its cause may be that data were read as they are not meant, or a case that is not the machine's."""
     remedies: tuple[Remedy, ...] = ()
     """Keys of the case that would mend it, each remedy tried before it is named; empty where no key does."""
 
-    def __init__(self, place: object, problem: str = "", remedy: str = "") -> None:
-        self.place, self.problem = (str(place), problem) if problem else ("", str(place))
-        self.remedy = remedy or self.problem.rpartition("; ")[2] * ("; " in self.problem)
-        message = f"{self.problem}; {remedy}" if remedy else self.problem
-        super().__init__(f"{self.place}: {message}" if self.place else message)
-        self.problem, self.remedy = _of_arguments(self.problem), _of_arguments(self.remedy)
-        if self.place.startswith("--"):  # an option; the name of a file is nobody's to change, whatever it holds
-            self.place = _of_arguments(self.place)
+    def __init__(
+        self, *, problem: object, code: Code, place: object = "", remedy: str = "", quantity: str = ""
+    ) -> None:
+        message = f"{problem}; {remedy}" if remedy else str(problem)
+        super().__init__(f"{place}: {message}" if str(place) else message)
+        self.said = Said(str(place), str(problem), remedy)
+        self.quantity, self.code = quantity, code
+
+    @property
+    def place(self) -> str:
+        """Where it is, in words of the library."""
+        return in_python(self.said.place)
+
+    @property
+    def problem(self) -> str:
+        """What is wrong there, in words of the library."""
+        return in_python(self.said.problem)
+
+    @property
+    def remedy(self) -> str:
+        """What the reader can do, in words of the library; empty where nothing is named."""
+        return in_python(self.said.remedy)
+
+    @property
+    def message(self) -> str:
+        """The whole message, to be part of another error's, in which options are still to be named."""
+        return str(self.args[0])
 
     def at(self, source: str) -> Self:
         """The same error with its file in front, which the mathematics does not know."""
         error = copy(self)
         if source not in str(self):
             error.args = (f"{source}: {self.args[0]}",)
-            error.place = f"{source}: {self.place}" if self.place else source
+            place = f"{source}: {self.said.place}" if self.said.place else source
+            error.said = self.said._replace(place=place)
         return error
 
     def beside(self, doubts: Iterable[str]) -> Self:
         """The same error with what else is doubtful, which may be its cause, behind it."""
         error = copy(self)
         said = tuple(doubts)
-        error.args, error.remedy = (ALSO.join([self.args[0], *said]),), ALSO.join([self.remedy, *said])
+        error.args = (ALSO.join([self.args[0], *said]),)
+        error.said = self.said._replace(remedy=ALSO.join([self.said.remedy, *said]))
         return error
 
     def in_doubt(self) -> Self:
@@ -82,14 +144,17 @@ class HexciteError(Exception):
 
     def __str__(self) -> str:
         """One printable line, whatever names and values it quotes; options are named as arguments of the library."""
-        line, place = self.typed, printable(self.place)
-        kept = len(place) if line.startswith(place) else 0
-        return line[:kept] + _of_arguments(line[kept:])
+        return _shown(in_python(super().__str__()))
 
     @property
     def typed(self) -> str:
         """The same line with options as they are typed on the command line."""
-        return _LONG.sub(lambda word: f"{word[0][:_SHOWN]}..{word[0][-_SHOWN:]}", printable(super().__str__()))
+        return _shown(as_typed(super().__str__()))
+
+    def to_json(self) -> dict[str, Any]:
+        """Its parts for programs, with options as they are typed on the command line."""
+        parts = {key: printable(as_typed(text)) for key, text in self.said._asdict().items()}
+        return {"code": str(self.code), **parts, "quantity": self.quantity}
 
     @property
     def lines(self) -> tuple[str, ...]:
@@ -101,18 +166,37 @@ class HexciteError(Exception):
         return type(self).__new__, (type(self),), vars(self) | {"args": self.args}
 
 
-_OPTION = re.compile(r"hexcite [a-z][^,;:)]*|(?<![\w-])--(?P<name>[a-z]+(-[a-z]+)*)| with -o\b")
-"""A command of ours, which stays, or an option."""
-
-
 _SHOWN = 200  # characters at either end of a word that is shown in part
 _LONG = re.compile(r"\S{1000,}")
 """A word that no reader wants whole, such as a number of a million digits."""
 
 
-def _of_arguments(text: str) -> str:
-    """A text with options as arguments: time_limit for --time-limit."""
-    return _OPTION.sub(lambda m: m[0] if m[0].startswith("hexcite") else (m["name"] or "").replace("-", "_"), text)
+def _shown(text: str) -> str:
+    return _LONG.sub(lambda word: f"{word[0][:_SHOWN]}..{word[0][-_SHOWN:]}", printable(text))
+
+
+# Noncharacters of Unicode, which no text may hold, around the name of an option and around words of the command line.
+_OPTION = re.compile("\ufdd0([^\ufdd0-\ufdd3]*)\ufdd1")
+_TYPED_ONLY = re.compile("\ufdd2([^\ufdd0-\ufdd3]*)\ufdd3")
+
+
+def option(name: str) -> str:
+    """The name of an option in the text of an error: `--time-limit` on the command line, `time_limit` in Python."""
+    return f"\ufdd0{name}\ufdd1"
+
+
+WITH_OUTPUT = "\ufdd2 with -o\ufdd3"
+"""How another place is named, said on the command line only."""
+
+
+def as_typed(text: str) -> str:
+    """A text with options as they are typed on the command line."""
+    return _TYPED_ONLY.sub(r"\1", _OPTION.sub(lambda m: "--" + m[1].replace("_", "-"), text))
+
+
+def in_python(text: str) -> str:
+    """A text with options as arguments of the library."""
+    return _TYPED_ONLY.sub("", _OPTION.sub(r"\1", text))
 
 
 def choice(typed: str, known: Iterable[str], words: str = "choose") -> str:
@@ -142,15 +226,29 @@ def legible(text: str) -> str:
 class CaseError(HexciteError, ValueError):
     """A case file does not describe a usable machine; `problems` are all that were found, each with its dotted key."""
 
-    def __init__(self, file: Path | str, key: str, problem: str, problems: tuple[str, ...] = ()) -> None:
-        super().__init__(f"{file}: {key}" if key else file, problem)
-        self.file, self.key, self.quantity, self.problems = file, key, key, problems
+    def __init__(
+        self,
+        *,
+        file: Path | str,
+        problem: str,
+        code: Code,
+        key: str = "",
+        remedy: str = "",
+        problems: tuple[str, ...] = (),
+    ) -> None:
+        place = f"{file}: {key}" if key else file
+        super().__init__(place=place, problem=problem, remedy=remedy, quantity=key, code=code)
+        self.file, self.key, self.problems = file, key, problems
 
     @property
     def lines(self) -> tuple[str, ...]:
         """Its printable lines, one for each problem."""
         several = len(self.problems) > 1
-        return tuple(printable(f"{self.file}: {p}") for p in self.problems) if several else (self.typed,)
+        return tuple(_shown(as_typed(f"{self.file}: {p}")) for p in self.problems) if several else (self.typed,)
+
+    def to_json(self) -> dict[str, Any]:
+        """The same, with all problems, each a sentence."""
+        return super().to_json() | {"problems": [printable(as_typed(problem)) for problem in self.problems]}
 
 
 class RecordingError(HexciteError, ValueError):
@@ -166,12 +264,19 @@ class InfeasiblePlan(HexciteError, ValueError):
 
 
 class ProgramError(HexciteError, ValueError):
-    """A CNC program cannot be read or is not proven inside the limits; line and column count from 1, 0: no one."""
+    """A CNC program cannot be read or is not proven inside the limits.
 
-    def __init__(self, file: Path | str, line: int, column: int, problem: str) -> None:
+    Lines and columns are counted from 1; 0 means unknown.
+    """
+
+    def __init__(
+        self, *, file: Path | str, problem: str, code: Code, line: int = 0, column: int = 0, remedy: str = ""
+    ) -> None:
         self.file, self.line, self.column = file, line, column
         place = f"{file}, line {line}" if line else str(file)
-        super().__init__(f"{place}, column {column}" if column else place, problem)
+        super().__init__(
+            place=f"{place}, column {column}" if column else place, problem=problem, remedy=remedy, code=code
+        )
 
 
 class Violation(NamedTuple):
@@ -185,10 +290,12 @@ class Violation(NamedTuple):
 class NotProven(ProgramError):
     """A program exceeds limits; `violations` are all of them, the worst first."""
 
-    def __init__(self, file: Path | str, violations: Sequence[Violation], remedy: str) -> None:
+    def __init__(self, *, file: Path | str, violations: Sequence[Violation], remedy: str) -> None:
         worst, more = violations[0], len(violations) - 1
-        others = f" ({more} more: --all of post and check shows them)" if more else ""
-        super().__init__(file, worst.line, 0, f"{worst.sentence}; {remedy}{others}")
+        others = f" ({more} more: {option('all')} of post and check shows them)" if more else ""
+        super().__init__(
+            file=file, line=worst.line, problem=worst.sentence, remedy=f"{remedy}{others}", code=Code.NOT_PROVEN
+        )
         self.violations = tuple(violations)
 
 
@@ -202,7 +309,12 @@ class FileProblem(HexciteError, OSError):
             return error
         place = "the system" if error.filename is None else str(error.filename)
         reason = error.strerror or str(error) or type(error).__name__
-        return cls(place, f"cannot be used ({reason})", "name another file or place")
+        return cls(
+            place=place,
+            problem=f"cannot be used ({reason})",
+            remedy="name another file or place",
+            code=Code.UNREADABLE,
+        )
 
 
 class Interrupted(BaseException):

@@ -18,7 +18,7 @@ from itertools import chain, count
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
-from cases.base.errors import FileProblem
+from cases.base.errors import WITH_OUTPUT, Code, FileProblem, option
 
 
 class FolderKind(NamedTuple):
@@ -69,7 +69,12 @@ def _writing(path: Path) -> Iterator[None]:
     except FileProblem:  # of something else that the block read or wrote
         raise
     except OSError as error:
-        raise FileProblem(path, f"cannot be written ({_reason(error)})", "choose another place with -o") from error
+        raise FileProblem(
+            place=path,
+            problem=f"cannot be written ({_reason(error)})",
+            remedy=f"choose another place{WITH_OUTPUT}",
+            code=Code.NOT_WRITABLE,
+        ) from error
 
 
 def _reason(error: OSError) -> str:
@@ -162,7 +167,12 @@ def output_place(named: Path | None, usual: Path, overwrite: bool, separator: st
 
 
 def _refuse_to_replace(path: Path, content: str) -> NoReturn:
-    raise FileProblem(path, f"{content} stands there", "choose another place with -o, or replace it with --overwrite")
+    raise FileProblem(
+        place=path,
+        problem=f"{content} stands there",
+        remedy=f"choose another place{WITH_OUTPUT}, or replace it with {option('overwrite')}",
+        code=Code.EXISTS,
+    )
 
 
 def check_file(path: Path, suffixes: Iterable[str], inputs: Iterable[Path] = (), overwrite: bool = False) -> None:
@@ -176,13 +186,25 @@ def check_file(path: Path, suffixes: Iterable[str], inputs: Iterable[Path] = (),
     allowed = tuple(suffixes)
     if path.suffix.lower() not in allowed:
         ending = repr(path.suffix) if path.suffix else "no suffix"
-        raise FileProblem(path, f"ends in {ending}", f"name a file that ends in {' or '.join(allowed)}")
+        raise FileProblem(
+            place=path,
+            problem=f"ends in {ending}",
+            remedy=f"name a file that ends in {' or '.join(allowed)}",
+            code=Code.WRONG_KIND,
+        )
     _require_place(path)
     if path.is_dir():
-        raise FileProblem(path, "is a folder", "name a file in it with -o")
+        raise FileProblem(
+            place=path, problem="is a folder", remedy=f"name a file in it{WITH_OUTPUT}", code=Code.WRONG_KIND
+        )
     for source in inputs:
         if path.exists() and source.exists() and path.samefile(source):
-            raise FileProblem(path, "is also what is read", "choose another place with -o")
+            raise FileProblem(
+                place=path,
+                problem="is also what is read",
+                remedy=f"choose another place{WITH_OUTPUT}",
+                code=Code.NOT_WRITABLE,
+            )
     if path.exists() and not overwrite:
         _refuse_to_replace(path, "a file")
 
@@ -195,19 +217,44 @@ def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = (), over
     which the work reads, may be in it.
     """
     if path.resolve() == Path.cwd() or path.resolve() in Path.cwd().parents:
-        raise FileProblem(path, "is the folder that you work in", "name a new one with -o")
+        raise FileProblem(
+            place=path,
+            problem="is the folder that you work in",
+            remedy=f"name a new one{WITH_OUTPUT}",
+            code=Code.NOT_WRITABLE,
+        )
     for source in inputs:
         if path.resolve() in (source.resolve(), *source.resolve().parents):
-            raise FileProblem(path, f"holds {source}, which is read", "choose another place with -o")
+            raise FileProblem(
+                place=path,
+                problem=f"holds {source}, which is read",
+                remedy=f"choose another place{WITH_OUTPUT}",
+                code=Code.NOT_WRITABLE,
+            )
     if os.path.islink(path):
-        raise FileProblem(path, "exists and is not a folder but a link", "name the folder itself with -o")
+        raise FileProblem(
+            place=path,
+            problem="exists and is not a folder but a link",
+            remedy=f"name the folder itself{WITH_OUTPUT}",
+            code=Code.NOT_WRITABLE,
+        )
     entries, other = _looked_at(path, kind)
     if other:
-        raise FileProblem(path, f"is not {kind.name} of hexcite's ({other})", "choose another place with -o")
+        raise FileProblem(
+            place=path,
+            problem=f"is not {kind.name} of hexcite's ({other})",
+            remedy=f"choose another place{WITH_OUTPUT}",
+            code=Code.NOT_WRITABLE,
+        )
     if entries and not overwrite:
         _refuse_to_replace(path, kind.name)
     if entries and not os.access(path, os.W_OK):
-        raise FileProblem(path, "cannot be replaced (Permission denied)", "choose another place with -o")
+        raise FileProblem(
+            place=path,
+            problem="cannot be replaced (Permission denied)",
+            remedy=f"choose another place{WITH_OUTPUT}",
+            code=Code.NOT_WRITABLE,
+        )
     _require_place(path)
 
 
@@ -223,10 +270,20 @@ def _looked_at(path: Path, kind: FolderKind) -> tuple[set[str], str]:
         except (NotADirectoryError, FileNotFoundError) as error:
             # where a file stands above it, this is reported later
             if isinstance(error, NotADirectoryError) and os.path.lexists(path):
-                raise FileProblem(path, "exists and is not a folder", "choose another place with -o") from error
+                raise FileProblem(
+                    place=path,
+                    problem="exists and is not a folder",
+                    remedy=f"choose another place{WITH_OUTPUT}",
+                    code=Code.NOT_WRITABLE,
+                ) from error
             return set(), ""
         except OSError as error:
-            raise FileProblem(path, f"cannot be read ({_reason(error)})", "choose another place with -o") from error
+            raise FileProblem(
+                place=path,
+                problem=f"cannot be read ({_reason(error)})",
+                remedy=f"choose another place{WITH_OUTPUT}",
+                code=Code.NOT_WRITABLE,
+            ) from error
         other = _foreign(path, entries, kind) if entries else ""
         if _identity(path) == before:
             break
@@ -297,9 +354,19 @@ def _require_place(path: Path) -> None:
         os.rmdir(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".try", dir=above))
     except OSError as error:
         reason = _reason(error) if above.is_dir() else f"{above} is not a folder"
-        raise FileProblem(path, f"cannot be written ({reason})", "choose another place with -o") from error
+        raise FileProblem(
+            place=path,
+            problem=f"cannot be written ({reason})",
+            remedy=f"choose another place{WITH_OUTPUT}",
+            code=Code.NOT_WRITABLE,
+        ) from error
     if (free := shutil.disk_usage(above).free) < LEAST_SPACE:
-        raise FileProblem(path, f"cannot be written ({free / 2**20:.1f} MB are left there)", "make room there")
+        raise FileProblem(
+            place=path,
+            problem=f"cannot be written ({free / 2**20:.1f} MB are left there)",
+            remedy="make room there",
+            code=Code.NOT_WRITABLE,
+        )
 
 
 @contextmanager
@@ -326,7 +393,12 @@ def atomic_folder(path: Path, kind: FolderKind, overwrite: bool = False) -> Iter
                 placed = _put(part, path, overwrite)
             WRITTEN.info("%s", placed)
             if placed != path:
-                raise FileProblem(path, f"{kind.name} stands there by now and stays", f"the new one is in {placed}")
+                raise FileProblem(
+                    place=path,
+                    problem=f"{kind.name} stands there by now and stays",
+                    remedy=f"the new one is in {placed}",
+                    code=Code.EXISTS,
+                )
         finally:
             shutil.rmtree(part, ignore_errors=True)
 
@@ -373,18 +445,32 @@ def read_whole(path: Path, most: int) -> bytes:
     try:
         if not stat.S_ISREG(path.stat().st_mode):
             kind = "a folder" if path.is_dir() else "a pipe or device"
-            raise FileProblem(path, f"cannot be read (is {kind}, not a file)", "name a file")
+            raise FileProblem(
+                place=path,
+                problem=f"cannot be read (is {kind}, not a file)",
+                remedy="name a file",
+                code=Code.UNREADABLE,
+            )
         with open(path, "rb", opener=_at_once) as stream:
             content: bytes | None = stream.read(most + 1)
         if content is None:
-            raise FileProblem(path, "cannot be read (it holds nothing that is there at once)", "name a file")
+            raise FileProblem(
+                place=path,
+                problem="cannot be read (it holds nothing that is there at once)",
+                remedy="name a file",
+                code=Code.UNREADABLE,
+            )
     except FileProblem:
         raise
     except (OSError, ValueError) as error:  # ValueError: a name with a null character
         reason = _reason(error) if isinstance(error, OSError) else str(error)
-        raise FileProblem(path, f"cannot be read ({reason})", "name a readable file") from error
+        raise FileProblem(
+            place=path, problem=f"cannot be read ({reason})", remedy="name a readable file", code=Code.UNREADABLE
+        ) from error
     if len(content) > most:
-        raise FileProblem(path, f"is larger than {most / 2**20:g} MB", "name another file")
+        raise FileProblem(
+            place=path, problem=f"is larger than {most / 2**20:g} MB", remedy="name another file", code=Code.UNREADABLE
+        )
     return content
 
 
@@ -451,13 +537,21 @@ def read_json(path: Path, made_by: str) -> dict[str, Any]:
     try:
         value = json.loads(read_whole(path, MOST_JSON).decode("utf-8"), parse_constant=_refuse)
     except FileProblem as error:
-        raise FileProblem(path, error.problem, f"{made_by} writes it") from error
+        raise FileProblem(
+            place=path, problem=error.problem, remedy=f"{made_by} writes it", code=Code.UNREADABLE
+        ) from error
     except ValueError as error:
-        raise FileProblem(path, f"is not JSON ({error})", f"write it again with {made_by}") from error
+        raise FileProblem(
+            place=path, problem=f"is not JSON ({error})", remedy=f"write it again with {made_by}", code=Code.DAMAGED
+        ) from error
     except RecursionError as error:
-        raise FileProblem(path, "is nested too deeply", f"write it again with {made_by}") from error
+        raise FileProblem(
+            place=path, problem="is nested too deeply", remedy=f"write it again with {made_by}", code=Code.DAMAGED
+        ) from error
     if not isinstance(value, dict):
-        raise FileProblem(path, "holds no JSON object", f"write it again with {made_by}")
+        raise FileProblem(
+            place=path, problem="holds no JSON object", remedy=f"write it again with {made_by}", code=Code.DAMAGED
+        )
     return value
 
 

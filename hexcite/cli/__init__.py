@@ -5,6 +5,7 @@ Heavy imports happen inside the commands, so that `hexcite --help` stays fast.
 
 import gc
 import io
+import json
 import logging
 import os
 import signal
@@ -26,7 +27,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from cases.base.errors import FileProblem, HexciteError, Interrupted
 from cases.base.files import WRITTEN
-from hexcite.cli import cases, compare, demo, identify, limits, page, plan, poses, programs, results, study
+from hexcite.cli import cases, compare, console, demo, identify, limits, page, plan, poses, programs, results, study
 from hexcite.cli import use as force
 
 app = typer.Typer(
@@ -77,10 +78,13 @@ def main() -> None:
             stream.reconfigure(errors="backslashreplace")  # where the terminal's letters are fewer than ours
     gc.set_threshold(100_000)  # the usual 700 looks through all that imports create, again and again
     written: list[str] = []
+    console.given.clear()
     try:
         with ctrl_c_raises(), warnings_on_stderr(), noted(written):
             app()
     except HexciteError as error:
+        if "--json" in sys.argv and not console.given:
+            print(json.dumps({"error": error.to_json()}), flush=True)
         _stop(*error.lines)
     except Interrupted as error:
         there = f"{', '.join(written)} stand{'s' * (len(written) == 1)} there" if written else "nothing was written"

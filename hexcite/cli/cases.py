@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 import hexcite as hx
-from cases.base.errors import Write
+from cases.base.errors import Code, Write
 from cases.base.files import atomic_file, check_file, output_place, toml_value
 from hexcite.cli import console
 from hexcite.cli.console import argument, option, out
@@ -123,7 +123,12 @@ def set_keys(
 
     file = find_case(case)
     if file in built_in_cases().values():
-        raise hx.HexciteError(case, "is built in, and stays as it is", "hexcite case new begins your own from it")
+        raise hx.HexciteError(
+            place=case,
+            problem="is built in, and stays as it is",
+            remedy="hexcite case new begins your own from it",
+            code=Code.EXISTS,
+        )
     written = write_keys(file, [key_of(text) for text in keys])
     changes = [{"key": key, "before": before, "after": after} for key, before, after in written.changes]
     earlier = None if written.earlier is None else str(written.earlier)
@@ -142,7 +147,12 @@ def key_of(text: str) -> Write:
     for part in name.strip().split("."):
         matched = re.fullmatch(r"([A-Za-z0-9_-]+)((?:\[[1-9]\d{0,5}\])*)", part)
         if matched is None:
-            raise hx.HexciteError(text, "is not a key with a value", "write it as table.key=VALUE")
+            raise hx.HexciteError(
+                place=text,
+                problem="is not a key with a value",
+                remedy="write it as table.key=VALUE",
+                code=Code.WRONG_KIND,
+            )
         place += [matched[1], *(int(number) - 1 for number in re.findall(r"\d+", matched[2]))]
     if not given:
         return Write(tuple(place), None)
@@ -150,7 +160,9 @@ def key_of(text: str) -> Write:
         (found,) = tomllib.loads(f"value = {value.strip()}\n").values()
     except (tomllib.TOMLDecodeError, ValueError, RecursionError) as error:
         remedy = "write numbers plainly, texts in quotes, lists in brackets"
-        raise hx.HexciteError(text, f"its value is not TOML ({error})", remedy) from error
+        raise hx.HexciteError(
+            place=text, problem=f"its value is not TOML ({error})", remedy=remedy, code=Code.WRONG_KIND
+        ) from error
     return Write(tuple(place), found)
 
 

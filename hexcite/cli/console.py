@@ -60,10 +60,15 @@ def out(text: str) -> Any:
     return typer.Option("-o", "--output", help=text)
 
 
+given: list[dict[str, Any]] = []
+"""The JSON object that this run of a command has printed: one at most, also where it ends in an error."""
+
+
 def answered(answer: dict[str, Any], as_json: bool, *texts: object) -> bool:
     """Prints the answer as one JSON object where that was requested, texts for people else; returns whether it was."""
     for text in [json.dumps(answer, allow_nan=False)] if as_json else texts:
         say(text)
+    given.extend([answer] if as_json else [])
     return as_json
 
 
@@ -76,7 +81,8 @@ def remedies(as_json: bool) -> Iterator[None]:
         yield
     except HexciteError as error:
         if as_json and error.remedies:
-            answered({"refused": error.typed, "remedies": [each.to_json() for each in error.remedies]}, True)
+            keys = [each.to_json() for each in error.remedies]
+            answered({"refused": error.typed, "error": error.to_json(), "remedies": keys}, True)
         raise
 
 

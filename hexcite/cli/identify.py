@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 import hexcite as hx
-from cases.base.errors import IdentificationError, RecordingError, printable
+from cases.base.errors import Code, IdentificationError, RecordingError, printable
 from cases.base.files import RESULT, check_file, check_folder, output_place
 from cases.editing import Change
 from hexcite.cli import console
@@ -132,7 +132,10 @@ def identify(
                 planned = posed.poses
                 if not len(planned):
                     raise hx.HexciteError(
-                        poses, f"is a plan of family {posed.family}, not of poses; name one of hexcite poses"
+                        place=poses,
+                        problem=f"is a plan of family {posed.family}, not of poses",
+                        remedy="name one of hexcite poses",
+                        code=Code.WRONG_KIND,
                     )
             choice = None
             if model == "all":
@@ -183,15 +186,26 @@ def identify(
 def _require_runs(recordings: Sequence[Path], model: str | None, prior: Sequence[str] | None) -> None:
     """Refuses, before anything is computed, what no runs can be pooled with."""
     if len(recordings) < 2:
-        raise hx.HexciteError("--runs", "1 recording", "name two runs or more, or leave --runs out")
+        raise hx.HexciteError(
+            place="--runs",
+            problem="1 recording",
+            remedy="name two runs or more, or leave --runs out",
+            code=Code.TOO_FEW,
+        )
     if model == "all":
         raise hx.HexciteError(
-            "--model all", "may keep another model of each run", "give one number for all with --runs"
+            place="--model all",
+            problem="may keep another model of each run",
+            remedy="give one number for all with --runs",
+            code=Code.CONTRADICTION,
         )
     if prior:
         problem = "would be counted with each run"
         raise hx.HexciteError(
-            f"--prior {prior[0]}", problem, "leave it out with --runs, or state an exact value by --fix"
+            place=f"--prior {prior[0]}",
+            problem=problem,
+            remedy="leave it out with --runs, or state an exact value by --fix",
+            code=Code.CONTRADICTION,
         )
 
 
@@ -251,7 +265,12 @@ def look(
     file is not read with the proposal.
     """
     if write is not None and case is not None and hx.load_case(write).origin != hx.load_case(case).origin:
-        raise hx.HexciteError(write, f"is not the case that --case names, {case}", "name one of them")
+        raise hx.HexciteError(
+            place=write,
+            problem=f"is not the case that --case names, {case}",
+            remedy="name one of them",
+            code=Code.OTHER_SOURCE,
+        )
     named = case if write is None else write
     file = output_place(output, Path(f"{recordings[0].stem}-look.svg"), overwrite)
     check_file(file, (".svg", ".png", ".pdf"), recordings, overwrite)

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from cases.base.errors import HexciteError
+from cases.base.errors import Code, HexciteError
 from identification.estimation.estimators import Method, symmetric_platform
 from identification.estimation.fit import Value
 from identification.estimation.priors import Prior
@@ -35,23 +35,48 @@ def method_of(
     for text in fix or ():
         typed = read_value(text, units, "--fix", "m=93.1kg", model.number)
         if typed.std is not None:
-            raise HexciteError(f"--fix {text}", f"is exact; write an uncertain value as --prior {text}")
+            raise HexciteError(
+                place=f"--fix {text}",
+                problem="is exact",
+                remedy=f"write an uncertain value as --prior {text}",
+                code=Code.CONTRADICTION,
+            )
         if typed.name in constants:
-            raise HexciteError(f"--fix {text}", f"{typed.name} is given twice; give it once")
+            raise HexciteError(
+                place=f"--fix {text}",
+                problem=f"{typed.name} is given twice",
+                remedy="give it once",
+                code=Code.CONTRADICTION,
+            )
         constants[typed.name] = typed.value
     priors = []
     for text in prior or ():
         typed = read_value(text, units, "--prior", "m=33+-0.5kg", model.number)
         if typed.std is None:
-            raise HexciteError(f"--prior {text}", "has no standard deviation; write it as --prior m=33+-0.5kg")
+            raise HexciteError(
+                place=f"--prior {text}",
+                problem="has no standard deviation",
+                remedy="write it as --prior m=33+-0.5kg",
+                code=Code.MISSING,
+            )
         priors.append(Prior(typed.name, typed.value, typed.std))
     if estimator not in ESTIMATORS:
-        raise HexciteError(f"--estimator {estimator}", "is unknown", f"choose {' or '.join(ESTIMATORS)}")
+        raise HexciteError(
+            place=f"--estimator {estimator}",
+            problem="is unknown",
+            remedy=f"choose {' or '.join(ESTIMATORS)}",
+            code=Code.UNKNOWN,
+        )
     nonlinear = estimator == "nonlinear"
     if symmetric:
         own = symmetric_platform(model, nonlinear)
         if twice := sorted({*own} & {*constants, *(drop or ()), *(p.name for p in priors)}):
-            raise HexciteError("--symmetric", f"says what {twice[0]} is", f"leave {twice[0]} or --symmetric out")
+            raise HexciteError(
+                place="--symmetric",
+                problem=f"says what {twice[0]} is",
+                remedy=f"leave {twice[0]} or --symmetric out",
+                code=Code.CONTRADICTION,
+            )
         constants |= own
     return Method(constants, tuple(drop or ()), tuple(priors), weights, nonlinear)
 
@@ -61,7 +86,12 @@ def number_of(text: str) -> int:
     try:
         return int(text)
     except ValueError:
-        raise HexciteError(f"--model {text}", "is neither a number of Table 2 nor all", "give 0 to 9, or all") from None
+        raise HexciteError(
+            place=f"--model {text}",
+            problem="is neither a number of Table 2 nor all",
+            remedy="give 0 to 9, or all",
+            code=Code.UNKNOWN,
+        ) from None
 
 
 def treatment_of(
@@ -73,7 +103,12 @@ def treatment_of(
     try:
         frequency = None if cutoff is None else math.inf if cutoff == "none" else float(cutoff)
     except ValueError:
-        raise HexciteError(f"--cutoff {cutoff}", "is neither a frequency in Hz nor none", "give 40, or none") from None
+        raise HexciteError(
+            place=f"--cutoff {cutoff}",
+            problem="is neither a frequency in Hz nor none",
+            remedy="give 40, or none",
+            code=Code.OUT_OF_RANGE,
+        ) from None
     return Treatment(accelerated, period, harmonics, frequency)
 
 
@@ -84,7 +119,12 @@ def verdict_of_references(texts: Sequence[str], parameters: Mapping[str, Value],
         typed = read_value(text, units, "--reference", "m=19.93+-0.01kg", model)
         if typed.std is None:
             remedy = "write it as --reference m=19.93+-0.01kg"
-            raise HexciteError(f"--reference {text}", "has no expanded uncertainty (k = 2)", remedy)
+            raise HexciteError(
+                place=f"--reference {text}",
+                problem="has no expanded uncertainty (k = 2)",
+                remedy=remedy,
+                code=Code.MISSING,
+            )
         value = parameters[typed.name]
         found.append(Check(f"E_n of {parameter_words(typed.name)}", en(value, typed.value, typed.std), 1.0, ""))
     return Verdict(tuple(found), ())

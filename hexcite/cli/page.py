@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Annotated
 
 import hexcite as hx
+from cases.base.errors import Code
 from hexcite.cli.console import argument, option
 
 HOME = "127.0.0.1"
@@ -21,17 +22,33 @@ def page(
     Each stage runs commands of hexcite in FOLDER and shows them. Ctrl-C ends it; a search then keeps its best motion.
     """
     if not folder.is_dir():
-        raise hx.HexciteError(folder, "is not a folder", "make it, or name another one")
+        raise hx.HexciteError(
+            place=folder, problem="is not a folder", remedy="make it, or name another one", code=Code.NOT_WRITABLE
+        )
     if not 0 <= port <= 65535:
-        raise hx.HexciteError(f"--port {port}", "is no port", "give 1 to 65535, or leave it out")
+        raise hx.HexciteError(
+            place=f"--port {port}",
+            problem="is no port",
+            remedy="give 1 to 65535, or leave it out",
+            code=Code.OUT_OF_RANGE,
+        )
     if host in ("0.0.0.0", "::"):
-        raise hx.HexciteError(f"--host {host}", "is every address of this computer", "name one of them")
+        raise hx.HexciteError(
+            place=f"--host {host}",
+            problem="is every address of this computer",
+            remedy="name one of them",
+            code=Code.WRONG_KIND,
+        )
     try:
         from hexcite.page.server import serve
     except ModuleNotFoundError as error:
         if error.name not in ("starlette", "uvicorn"):
             raise
-        raise hx.HexciteError(f"the page needs {error.name}", "install it: pip install starlette uvicorn") from error
+        raise hx.HexciteError(
+            place=f"the page needs {error.name}",
+            problem="install it: pip install starlette uvicorn",
+            code=Code.NOT_INSTALLED,
+        ) from error
     import secrets
 
     if host != HOME:

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 import hexcite as hx
+from cases.base.errors import Code
 from cases.base.files import PLAN, check_folder, output_place
 from hexcite.cli import console
 from hexcite.cli.console import argument, option, out
@@ -178,7 +179,11 @@ def read_payloads(text: str) -> tuple[int, int | None]:
     """The most payloads that may be mounted, and the fewest of a range such as 0-5; raises HexciteError."""
     match = re.fullmatch(r"(?:(\d{1,4})-)?(\d{1,4})", text.strip())
     if match is None:
-        raise hx.HexciteError(f"payload {text!r} is neither a number of payloads nor a range of them; give 2, or 0-5")
+        raise hx.HexciteError(
+            problem=f"payload {text!r} is neither a number of payloads nor a range of them",
+            remedy="give 2, or 0-5",
+            code=Code.UNKNOWN,
+        )
     return int(match[2]), None if match[1] is None else int(match[1])
 
 
@@ -193,9 +198,19 @@ def targets_of(texts: Sequence[str], case: "hx.Case", model: int) -> dict[str, f
     for text in texts:
         typed = read_value(text, units, "--target", "m=5g", model)
         if typed.std is not None:
-            raise hx.HexciteError(f"--target {text}", "a deviation to reach has none of its own; write --target m=5g")
+            raise hx.HexciteError(
+                place=f"--target {text}",
+                problem="a deviation to reach has none of its own",
+                remedy="write --target m=5g",
+                code=Code.MISSING,
+            )
         if typed.name in targets:
-            raise hx.HexciteError(f"--target {text}", f"{typed.name} has a target already; give one of them")
+            raise hx.HexciteError(
+                place=f"--target {text}",
+                problem=f"{typed.name} has a target already",
+                remedy="give one of them",
+                code=Code.CONTRADICTION,
+            )
         targets[typed.name] = typed.value
     return targets
 
@@ -211,10 +226,16 @@ def refuse_foreign(given: Sequence[str], family: str) -> None:
         owners = optimised if given_option in SEARCHED else [OWNERS[given_option]]
         if family not in owners:
             raise hx.HexciteError(
-                f"--{name} does nothing with --family {family}; leave it out, or choose --family {', '.join(owners)}"
+                problem=f"--{name} does nothing with --family {family}",
+                remedy=f"leave it out, or choose --family {', '.join(owners)}",
+                code=Code.CONTRADICTION,
             )
         if given_option.startswith("free_") and (fixed := given_option.removeprefix("free_")) in given:
-            raise hx.HexciteError(f"--{fixed} does nothing with --free-{fixed}; leave out one of them")
+            raise hx.HexciteError(
+                problem=f"--{fixed} does nothing with --free-{fixed}",
+                remedy="leave out one of them",
+                code=Code.CONTRADICTION,
+            )
 
 
 def answer_of_plan(plan: "hx.Plan", folder: Path) -> dict[str, Any]:

@@ -6,6 +6,7 @@ from typing import Annotated, Any
 import typer
 
 import hexcite as hx
+from cases.base.errors import Code
 from cases.base.files import RESULT, check_file, check_folder, output_place
 from hexcite.cli import console
 from hexcite.cli.console import argument, option, out
@@ -109,7 +110,12 @@ def certificate(
         console.answered(answer, json, found)
         return
     if of is not None:
-        raise hx.HexciteError("--result", "goes with --verify", "leave one out, or add the other")
+        raise hx.HexciteError(
+            place="--result",
+            problem="goes with --verify",
+            remedy="leave one out, or add the other",
+            code=Code.CONTRADICTION,
+        )
     file = output_place(output, Path(f"{result.resolve().stem}-certificate.pdf"), overwrite)
     check_file(file, (".pdf",), [result], overwrite)
     loaded = hx.Result.load(result, named, stale)

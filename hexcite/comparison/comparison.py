@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from cases.base.errors import HexciteError
+from cases.base.errors import Code, HexciteError
 from cases.base.files import COMPARISON, atomic_folder, check_folder, json_text
 from cases.base.units import as_html
 from cases.basis import bound_hash
@@ -222,10 +222,17 @@ def compare(things: Sequence[Plan | Path | str], case: Case | None = None, stale
         HexciteError: none is named, one cannot be used, or is named twice.
     """
     if not things:
-        raise HexciteError("compare", "nothing is named", "name plans, runs or results, or their folders")
+        raise HexciteError(
+            place="compare",
+            problem="nothing is named",
+            remedy="name plans, runs or results, or their folders",
+            code=Code.MISSING,
+        )
     folders = [Path(thing).resolve() for thing in things if not isinstance(thing, Plan)]
     if twice := [folder for folder in folders if folders.count(folder) > 1]:
-        raise HexciteError(twice[0], "is named twice; name each folder once")
+        raise HexciteError(
+            place=twice[0], problem="is named twice", remedy="name each folder once", code=Code.CONTRADICTION
+        )
     with threadpool_limits(limits=1, user_api="blas"):
         entries = [
             entry_of_plan(thing, thing.name) if isinstance(thing, Plan) else read_entry(Path(thing), case, stale)

@@ -7,7 +7,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from cases.base.errors import FileProblem
+from cases.base.errors import Code, FileProblem
 from cases.schema import Case
 from identification.estimation.criteria import CRITERIA, pose_regressors, reference_scaling, singular_values
 from identification.estimation.fit import Value
@@ -109,7 +109,9 @@ def read_entry(path: Path, case: Case | None = None, stale: bool = False) -> Ent
         return _entry_of_result(Result.load(path, case, stale), str(path), {})
     words = "does not exist" if not path.exists() else "is a file" if not path.is_dir() else ""
     words = words or "holds no plan, run or result"
-    raise FileProblem(path, words, "name folders that plan, poses, run or identify wrote")
+    raise FileProblem(
+        place=path, problem=words, remedy="name folders that plan, poses, run or identify wrote", code=Code.WRONG_KIND
+    )
 
 
 def entry_of_plan(saved: Plan, name: str) -> Entry:

@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import Field
 
 from cases.base.doors import checks_arguments
-from cases.base.errors import CaseError, HexciteError, Interrupted, choice
+from cases.base.errors import CaseError, Code, HexciteError, Interrupted, choice
 from cases.controller import ControllerName
 from cases.scaffold import readiness
 from cases.schema import Case, fingerprint
@@ -163,7 +163,13 @@ def mounted_weights(case: Case, wanted: str | Sequence[int] | None) -> tuple[int
     """Numbers of weights to mount, by default all; raises HexciteError where `wanted` is not such, as in 0,3,5."""
     if case.limits is not None and full_model(case) == RIGID:
         problem = f"is {case.setup}: a validation compares methods for sensors in a hexapod's platform"
-        raise CaseError(f"case {case.name}", "setup", f"{problem}; run and identify with and without a weight")
+        raise CaseError(
+            file=f"case {case.name}",
+            key="setup",
+            problem=problem,
+            remedy="run and identify with and without a weight",
+            code=Code.NOT_SUPPORTED,
+        )
     most = len(_weights(case, 99))
     if wanted is None:
         return tuple(range(most + 1))
@@ -171,7 +177,8 @@ def mounted_weights(case: Case, wanted: str | Sequence[int] | None) -> tuple[int
     numbers = tuple(int(word) for word in words if word.isdecimal())
     if len(numbers) < len(words) or numbers[:1] != (0,) or list(numbers) != sorted(set(numbers)) or numbers[-1] > most:
         raise HexciteError(
-            f"weights {wanted!r}: give how many are mounted, from 0 upwards to at most {most}, as in 0,{most}"
+            problem=f"weights {wanted!r}: give how many are mounted, from 0 upwards to at most {most}, as in 0,{most}",
+            code=Code.OUT_OF_RANGE,
         )
     return numbers
 
@@ -222,9 +229,11 @@ def require_methods(names: Sequence[str]) -> None:
     """Raises HexciteError where a name is none of `METHODS` or given twice, or there is none."""
     for name in names:
         if name not in METHODS:
-            raise HexciteError(f"method {name!r} is unknown; {choice(name, METHODS)}")
+            raise HexciteError(problem=f"method {name!r} is unknown", remedy=choice(name, METHODS), code=Code.UNKNOWN)
     if not names or len(set(names)) < len(names):
-        raise HexciteError(f"methods {', '.join(names)!r}: name each once, of {', '.join(METHODS)}")
+        raise HexciteError(
+            problem=f"methods {', '.join(names)!r}: name each once, of {', '.join(METHODS)}", code=Code.CONTRADICTION
+        )
 
 
 @contextmanager

@@ -9,7 +9,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from cases.base.errors import HexciteError
+from cases.base.errors import Code, HexciteError
 from cases.base.files import VALIDATION, atomic_folder, check_folder, json_text
 from cases.base.units import as_html
 from cases.schema import Case
@@ -144,7 +144,9 @@ def validate(
                 found.append(trial)
                 progress(f"{method} {trial.load:.0f} kg")
         if not found:
-            raise HexciteError("; ".join(f"{method}: {reason}" for method, reason in failed.items()))
+            raise HexciteError(
+                problem="; ".join(f"{method}: {reason}" for method, reason in failed.items()), code=Code.INFEASIBLE
+            )
         made = {
             str(file.relative_to(work)): file.read_bytes()
             for name in ("plans", "programs")

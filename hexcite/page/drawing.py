@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from markupsafe import Markup
 
-from cases.base.errors import HexciteError
+from cases.base.errors import Code, HexciteError
 from cases.schema import Case
 from hexcite.reports.outline import SAME_PLACE, Labels, outline, together
 from hexcite.reports.scene import box_outlines, room
@@ -34,12 +34,12 @@ class Views(NamedTuple):
 def views(case: Case) -> Views:
     """The machine at home from above and from the side; raises HexciteError where the case does not describe one."""
     if case.limits is None:
-        raise HexciteError("no [limits.motion]")
+        raise HexciteError(problem="no [limits.motion]", code=Code.MISSING)
     lines, labels, boxes = outline(case)
     groups = {name: list(group) for name, (_, group) in lines.items()}
     points = np.vstack([line for group in groups.values() for line in group])
     if not np.isfinite(points).all() or float(np.abs(points).max()) > 1e9:
-        raise HexciteError("its points are not finite")
+        raise HexciteError(problem="its points are not finite", code=Code.OUT_OF_RANGE)
     groups["kept out"] = box_outlines(boxes, *room(points.min(axis=0), points.max(axis=0), boxes))
     near = SAME_PLACE * float(np.ptp(points, axis=0).max())
     drawn = [_drawn(groups, labels, near, axes) for axes in ((0, 1), (0, 2))]

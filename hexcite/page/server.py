@@ -20,7 +20,7 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import FileResponse, HTMLResponse, JSONResponse, RedirectResponse, Response, StreamingResponse
 from starlette.routing import Route
 
-from cases.base.errors import HexciteError, Interrupted
+from cases.base.errors import Code, HexciteError, Interrupted, option
 from hexcite.page import actions, views
 from hexcite.page.actions.common import Context
 from hexcite.page.forms import Unfit, field
@@ -318,7 +318,12 @@ def serve(root: Path, host: str, port: int, token: str, opened: Callable[[str], 
     except OSError as error:
         listener.close()
         what = f"cannot be served at ({error.strerror})"
-        raise HexciteError(f"{host}:{port}", what, "choose another --port, or leave it out") from error
+        raise HexciteError(
+            place=f"{host}:{port}",
+            problem=what,
+            remedy=f"choose another {option('port')}, or leave it out",
+            code=Code.NOT_WRITABLE,
+        ) from error
     port = listener.getsockname()[1]
     shown = f"[{host}]" if ":" in host else host
     names = {f"{shown}:{port}"} | ({f"localhost:{port}"} if host in ("127.0.0.1", "::1") else set())

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cases.base.errors import CaseError
+from cases.base.errors import CaseError, Code
 from cases.basis import values
 from cases.schema import Case, load_case
 from cases.tables import built_in_cases
@@ -28,7 +28,13 @@ def case_figures(case: Case, file: str) -> dict[str, Any]:
             hint = "".join(f"; look at {words}" for words in case.doubts)
             key = "machine.home" if case.chain is None else "machine.chain.joints"
             way = f"move home or {remedy(broken, case)}" if case.chain is None else "choose another home"
-            raise CaseError(file, key, f"home cannot be: {broken.sentence(timed=False)}; {way}{hint}")
+            raise CaseError(
+                file=file,
+                key=key,
+                problem=f"home cannot be: {broken.sentence(timed=False)}",
+                remedy=f"{way}{hint}",
+                code=Code.INFEASIBLE,
+            )
     return {"name": case.name, "title": case.title, "setup": case.setup, "hash": case.hash}
 
 

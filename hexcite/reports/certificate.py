@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from cases.base.doors import checks
-from cases.base.errors import FileProblem
+from cases.base.errors import Code, FileProblem
 from cases.base.files import atomic_file, check_file, sha256_of
 from cases.basis import content_of
 from cases.certificate import CertificateOf
@@ -135,25 +135,50 @@ def verify_certificate(file: Path | str, result: Result | None = None) -> Verifi
     try:
         content = place.read_bytes()
     except OSError as error:
-        raise FileProblem(place, f"cannot be read ({error.strerror})", "name a certificate, a PDF file") from error
+        raise FileProblem(
+            place=place,
+            problem=f"cannot be read ({error.strerror})",
+            remedy="name a certificate, a PDF file",
+            code=Code.UNREADABLE,
+        ) from error
     match = _EMBEDDED.search(content)
     if match is None:
-        raise FileProblem(place, "is not a certificate of hexcite", "name one that hexcite certificate wrote")
+        raise FileProblem(
+            place=place,
+            problem="is not a certificate of hexcite",
+            remedy="name one that hexcite certificate wrote",
+            code=Code.WRONG_KIND,
+        )
     start, end = match.span(2)
     if hashlib.sha256(content[:start] + _NONE + content[end:]).hexdigest().encode() != match[2]:
-        raise FileProblem(place, "was changed since it was issued", "ask for the original, or issue it again")
+        raise FileProblem(
+            place=place,
+            problem="was changed since it was issued",
+            remedy="ask for the original, or issue it again",
+            code=Code.CHANGED,
+        )
     stated = json.loads(base64.b64decode(match[1]))
     prints, lines = stated["fingerprints"], list[tuple[str, str]]()
     if result is not None:
         if content_of(result.record.to_json()) != prints["result"]:
-            raise FileProblem(place, f"is of another result than {result.source}", "name the result that it is of")
+            raise FileProblem(
+                place=place,
+                problem=f"is of another result than {result.source}",
+                remedy="name the result that it is of",
+                code=Code.OTHER_SOURCE,
+            )
         lines.append((f"result {result.source}", "the one that is certified"))
     for entry in prints["recording"]:
         recording = Path(entry["file"])
         if not recording.is_file():
             lines.append((f"recording {recording}", "is not here, not compared"))
         elif sha256_of(recording) != entry["sha256"]:
-            raise FileProblem(recording, f"is not the recording of {place}", "restore the recording")
+            raise FileProblem(
+                place=recording,
+                problem=f"is not the recording of {place}",
+                remedy="restore the recording",
+                code=Code.OTHER_SOURCE,
+            )
         else:
             lines.append((f"recording {recording}", "the one that is certified"))
     return Verification(stated, tuple(lines))

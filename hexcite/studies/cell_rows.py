@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cases.base.errors import FileProblem, HexciteError, Interrupted
+from cases.base.errors import Code, FileProblem, HexciteError, Interrupted
 from cases.base.files import atomic_file
 from cases.controller import ControllerName
 from cases.schema import Case
@@ -62,7 +62,12 @@ def read_rows(files: Iterable[Path]) -> "pa.Table":
         try:
             tables.append(pq.read_table(file, schema=schema(), partitioning=None))
         except (OSError, pa.ArrowException) as error:
-            raise FileProblem(file, f"is damaged ({error})", "delete it, its cell is then computed again") from error
+            raise FileProblem(
+                place=file,
+                problem=f"is damaged ({error})",
+                remedy="delete it, its cell is then computed again",
+                code=Code.DAMAGED,
+            ) from error
     return pa.concat_tables(tables)
 
 

@@ -19,7 +19,7 @@ from pathlib import Path
 from threading import current_thread, main_thread
 from typing import TYPE_CHECKING, Any
 
-from cases.base.errors import HexciteError
+from cases.base.errors import Code, HexciteError, option
 from planner.search.parallel import ctrl_c_waits
 
 if TYPE_CHECKING:
@@ -39,7 +39,11 @@ def require_dask() -> None:
         try:
             version(package)
         except PackageNotFoundError:
-            raise HexciteError(f"studies need {words} which is not installed; pip install 'hexcite[study]'") from None
+            raise HexciteError(
+                problem=f"studies need {words} which is not installed",
+                remedy="pip install 'hexcite[study]'",
+                code=Code.NOT_INSTALLED,
+            ) from None
 
 
 @contextmanager
@@ -102,11 +106,16 @@ def remote_client(address: str, certificates: Path | None = None, insecure: bool
     from distributed import Client
 
     if "://" not in address:
-        raise HexciteError(f"scheduler {address!r} is not an address; write tls://host:port")
+        raise HexciteError(
+            problem=f"scheduler {address!r} is not an address", remedy="write tls://host:port", code=Code.WRONG_KIND
+        )
     if not address.startswith("tls://") and not insecure:
         raise HexciteError(
-            f"scheduler {address} is not encrypted: whoever reaches it runs code as its user; start it with "
-            "certificates and write tls://host:port, or go on with --insecure where nobody else reaches it"
+            problem=f"scheduler {address} is not encrypted: whoever reaches it runs code as its user",
+            remedy="start it with "
+            f"certificates and write tls://host:port, or go on with {option('insecure')} where "
+            "nobody else reaches it",
+            code=Code.CONTRADICTION,
         )
     security = None if not address.startswith("tls://") else _security(address, certificates)
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
@@ -116,7 +125,9 @@ def remote_client(address: str, certificates: Path | None = None, insecure: bool
     except (OSError, TypeError, ValueError, TimeoutError, RuntimeError) as error:
         words = "" if security is None else ", and with these certificates"
         raise HexciteError(
-            f"scheduler {address} cannot be reached within {CONNECT:g} s; is `dask scheduler` running there{words}?"
+            problem=f"scheduler {address} cannot be reached within {CONNECT:g} s",
+            remedy=f"is `dask scheduler` running there{words}?",
+            code=Code.RUN_FAILED,
         ) from error
     with client:
         require_version(client, address)
@@ -149,14 +160,20 @@ def _security(address: str, certificates: Path | None) -> "Security":
         own = Security(require_encryption=True)  # of Dask's own configuration
         if not all(getattr(own, name) for name in OF_TLS):
             raise HexciteError(
-                f"scheduler {address} wants certificates; name their folder, with {', '.join(OF_TLS.values())}, with "
-                "--certificates"
+                problem=f"scheduler {address} wants certificates",
+                remedy=f"name their folder, with {', '.join(OF_TLS.values())}, with {option('certificates')}",
+                code=Code.MISSING,
             )
         return own
     files = {name: certificates / file for name, file in OF_TLS.items()}
     for file in files.values():
         if not file.is_file():
-            raise HexciteError(file, "is missing", f"--certificates is a folder with {', '.join(OF_TLS.values())}")
+            raise HexciteError(
+                place=file,
+                problem="is missing",
+                remedy=f"{option('certificates')} is a folder with {', '.join(OF_TLS.values())}",
+                code=Code.MISSING,
+            )
     return Security(require_encryption=True, **{name: str(file) for name, file in files.items()})
 
 
@@ -165,11 +182,17 @@ def require_version(client: "Client", address: str) -> None:
     ours = version("hexcite")
     theirs = client.run(version, "hexcite", on_error="return")
     if not theirs:
-        raise HexciteError(f"scheduler {address} has no workers; start `dask worker {address}`")
+        raise HexciteError(
+            problem=f"scheduler {address} has no workers", remedy=f"start `dask worker {address}`", code=Code.RUN_FAILED
+        )
     for worker, release in theirs.items():
         if release != ours:
             has = "no hexcite" if isinstance(release, PackageNotFoundError) else f"hexcite {release}"
-            raise HexciteError(f"worker {worker} has {has}, this is {ours}; install the same wheel on both")
+            raise HexciteError(
+                problem=f"worker {worker} has {has}, this is {ours}",
+                remedy="install the same wheel on both",
+                code=Code.VERSION,
+            )
 
 
 DESERTED = 300.0  # [s] without any worker after which none is expected; on a busy computer one takes a minute
@@ -202,7 +225,11 @@ def run_tasks(
             threads = sum(client.nthreads().values())
             last_contact = time.monotonic() if threads else last_contact
             if time.monotonic() - last_contact > DESERTED:
-                raise HexciteError(f"the cluster has had no workers for {DESERTED:g} s; what is done so far is kept")
+                raise HexciteError(
+                    problem=f"the cluster has had no workers for {DESERTED:g} s",
+                    remedy="what is done so far is kept",
+                    code=Code.RUN_FAILED,
+                )
             for key, task in islice(tasks, max(0, AHEAD * max(1, threads) - len(pending))):
                 pending[client.submit(_on_worker, task, time_limit, pure=False, retries=1)] = key
             if not pending:
@@ -227,7 +254,7 @@ def run_one_by_one(tasks: Iterator[tuple[str, Callable[[], Any]]]) -> Iterator[t
             try:
                 answer = task()
             except Exception as error:
-                answer = HexciteError(_reason(error))
+                answer = HexciteError(problem=_reason(error), code=Code.RUN_FAILED)
                 if attempt == 0:
                     continue
             yield key, answer
@@ -251,7 +278,7 @@ def _answer(future: "Future", time_limit: float) -> Any:
     reason = _reason(error)
     if type(error).__name__ == "KilledWorker":
         reason = f"its worker died twice: too little memory, or past its limit of {time_limit:g} s"
-    return HexciteError(reason)
+    return HexciteError(problem=reason, code=Code.RUN_FAILED)
 
 
 def _reason(error: BaseException) -> str:

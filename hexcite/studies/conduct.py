@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from markupsafe import Markup
 
-from cases.base.errors import FileProblem, HexciteError, Interrupted
+from cases.base.errors import WITH_OUTPUT, Code, FileProblem, HexciteError, Interrupted, option
 from cases.base.files import FolderKind, check_folder, json_text, read_json, write_text
 from cases.base.units import as_html
 from cases.schema import Case
@@ -187,9 +187,18 @@ def study(
     if asked.execute is not None:
         case.need_simulation("a study that executes its plans")
     if one_process and (scheduler is not None or workers is not None):
-        raise HexciteError("--one-process starts no other, --workers and --scheduler do; drop one")
+        raise HexciteError(
+            problem=f"{option('one_process')} starts no other, {option('workers')} and {option('scheduler')} do",
+            remedy="drop one",
+            code=Code.CONTRADICTION,
+        )
     if scheduler is not None and workers is not None:
-        raise HexciteError("--workers counts processes on this computer, --scheduler names another cluster; drop one")
+        raise HexciteError(
+            problem=f"{option('workers')} counts processes on this computer, {option('scheduler')} names "
+            "another cluster",
+            remedy="drop one",
+            code=Code.CONTRADICTION,
+        )
     require_workers(workers)
     if not one_process:
         require_dask()
@@ -235,7 +244,9 @@ def _require_own(folder: Path, spec: Spec, case: Case) -> None:
     record = read_json(folder / ABOUT, "hexcite study")
     if (record.get("name"), record.get("case")) != (spec.name, case.name):
         words = f"holds study {record.get('name')} of case {record.get('case')}, not {spec.name} of {case.name}"
-        raise FileProblem(folder, words, "choose another place with -o")
+        raise FileProblem(
+            place=folder, problem=words, remedy=f"choose another place{WITH_OUTPUT}", code=Code.OTHER_SOURCE
+        )
 
 
 def study_page(spec: Spec, case: Case, cells: int, rows: "pa.Table") -> str:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import BeforeValidator, Field
 
-from cases.base.errors import FileProblem, HexciteError
+from cases.base.errors import Code, FileProblem, HexciteError
 from cases.basis import study_basis
 from cases.schema import Case, fingerprint
 from cases.tables import Part, Positive, read_tables
@@ -95,7 +95,12 @@ def load_spec(name: str) -> Spec:
     files = {file.stem: file for file in sorted(BUILT_IN.glob("*.toml"))}
     path = files.get(name, Path(name))
     if not path.is_file():
-        raise FileProblem(name, "cannot be read", f"built-in studies are {', '.join(files)}, else name a TOML file")
+        raise FileProblem(
+            place=name,
+            problem="cannot be read",
+            remedy=f"built-in studies are {', '.join(files)}, else name a TOML file",
+            code=Code.UNREADABLE,
+        )
     return read_tables(Spec, path)
 
 
@@ -107,7 +112,9 @@ def cells_of(spec: Spec, case: Case) -> dict[str, CellSettings]:
     """
     if spec.size > MOST_CELLS:
         raise HexciteError(
-            f"study {spec.name}", f"the grid has {spec.size} cells, at most {MOST_CELLS}: list fewer values"
+            place=f"study {spec.name}",
+            problem=f"the grid has {spec.size} cells, at most {MOST_CELLS}: list fewer values",
+            code=Code.OUT_OF_RANGE,
         )
     executed = None if spec.execute is None else [*spec.execute.model_dump().values(), case.controller_hash]
     behind = [executed, fingerprint(study_basis(case)), version("hexcite")]

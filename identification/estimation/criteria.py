@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
-from cases.base.errors import HexciteError, IdentificationError, choice
+from cases.base.errors import Code, HexciteError, IdentificationError, choice
 from cases.base.units import Array
 from cases.schema import Case
 from identification.machines.casadi_batch import over_samples
@@ -35,7 +35,7 @@ class Criterion(StrEnum):
     @classmethod
     def _missing_(cls, value: object) -> NoReturn:
         """Refuses what is not a letter of Table 4."""
-        raise HexciteError(f"criterion {value!r} is unknown; {choice(str(value), cls)}")
+        raise HexciteError(problem=f"criterion {value!r} is unknown", remedy=choice(str(value), cls), code=Code.UNKNOWN)
 
 
 CRITERIA: dict[str, Callable[[Array], float]] = {
@@ -61,8 +61,9 @@ def singular_values(information: Array, names: Sequence[str]) -> Array:
         share = np.abs(directions[:, free]).max(axis=1)
         hidden = [name for name, s in zip(names, share, strict=True) if s > 1e-3]
         raise IdentificationError(
-            f"rank {int((~free).sum())} of {len(names)}: {', '.join(hidden)} not determined; "
-            "excite them or choose a model without them"
+            problem=f"rank {int((~free).sum())} of {len(names)}: {', '.join(hidden)} not determined",
+            remedy="excite them or choose a model without them",
+            code=Code.NO_EXCITATION,
         )
     return np.asarray(np.sqrt(values[::-1]))
 
@@ -111,7 +112,9 @@ def pose_regressors(model: Model, poses: Array) -> Array:
     """
     if model.needs_motion:
         raise IdentificationError(
-            f"model {model.number} contains inertia, which standstills cannot excite; choose a model from 0 to 5"
+            problem=f"model {model.number} contains inertia, which standstills cannot excite",
+            remedy="choose a model from 0 to 5",
+            code=Code.NO_EXCITATION,
         )
     return over_samples(model.coordinate_regressor, poses, 0.0 * poses, 0.0 * poses)[0]
 

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from cases.base.doors import checks_arguments
-from cases.base.errors import IdentificationError
+from cases.base.errors import Code, IdentificationError, option
 from cases.base.units import Array
 from cases.sensors import Sensors
 from identification.estimation.fit import (
@@ -57,20 +57,29 @@ class Method:
 
     def __post_init__(self) -> None:
         if self.weights is not None and self.weights not in ALIKE:
-            raise IdentificationError(f"weights {self.weights!r} are unknown; choose {', '.join(ALIKE)}")
+            raise IdentificationError(
+                problem=f"weights {self.weights!r} are unknown", remedy=f"choose {', '.join(ALIKE)}", code=Code.UNKNOWN
+            )
         given = [*self.known.items(), *((p.name, number) for p in self.priors for number in (p.value, p.std))]
         for name, value in given:
             if not (isinstance(name, str) and isinstance(value, Real) and math.isfinite(value)):
-                raise IdentificationError(f"Method: {name} = {value!r}", "is not a finite number", "give one in SI")
+                raise IdentificationError(
+                    place=f"Method: {name} = {value!r}",
+                    problem="is not a finite number",
+                    remedy="give one in SI",
+                    code=Code.OUT_OF_RANGE,
+                )
         if self.priors and (self.nonlinear or self.weights in ("huber", "full")):
             raise IdentificationError(
-                "priors go with the linear form and the weights equal, per_channel, per_unit or stated; leave the "
-                "other choice out"
+                problem="priors go with the linear form and the weights equal, per_channel, per_unit or stated",
+                remedy="leave the other choice out",
+                code=Code.CONTRADICTION,
             )
         if self.priors and (self.known or self.dropped):
             raise IdentificationError(
-                "priors go with all parameters free; give what is known exactly as a prior with a small standard "
-                "deviation"
+                problem="priors go with all parameters free",
+                remedy="give what is known exactly as a prior with a small standard deviation",
+                code=Code.CONTRADICTION,
             )
 
     def weights_for(self, sensors: Sensors) -> str:
@@ -82,8 +91,10 @@ class Method:
         weights = self.weights or sensors.weights
         if weights == "stated" and sensors.force_noise is None:
             raise IdentificationError(
-                "weights stated: the case states no noise; give sensors.force_noise_N and acceleration_noise_m_s2, or "
-                "choose the weights equal or per_channel"
+                problem="weights stated: the case states no noise",
+                remedy="give sensors.force_noise_N and acceleration_noise_m_s2, or "
+                "choose the weights equal or per_channel",
+                code=Code.MISSING,
             )
         return weights
 
@@ -145,7 +156,9 @@ class Method:
                 words += f"at most {most:.2g} standard deviations away"
                 return replace(self, tangent=tangent_at(model, at, known | dropped)), (note(Kind.ESTIMATOR, words),)
         raise IdentificationError(
-            f"the non-linear form has no minimum within {MOST_STEPS} steps; leave --estimator out"
+            problem=f"the non-linear form has no minimum within {MOST_STEPS} steps",
+            remedy=f"leave {option('estimator')} out",
+            code=Code.NO_CONVERGENCE,
         )
 
 
@@ -201,7 +214,11 @@ def per_channel(regression: Regression) -> Fit:
     """
     regressors, forces, filtered = regression.regressors, regression.forces, regression.filtered
     if len(forces) < 2:
-        raise IdentificationError(f"{len(forces)} sample has no scatter to weigh the channels by; record more")
+        raise IdentificationError(
+            problem=f"{len(forces)} sample has no scatter to weigh the channels by",
+            remedy="record more",
+            code=Code.TOO_FEW,
+        )
     require_alive(forces)
     alike = np.asarray(regression.alike or EACH)
     same = np.equal.outer(alike, alike).astype(float)  # sums over channels of a kind
@@ -215,13 +232,20 @@ def per_channel(regression: Regression) -> Fit:
         if freedom.min() < LEAST_FREEDOM:
             worst = int(np.argmin(freedom))
             raise IdentificationError(
-                f"channel {worst + 1} has {independent:.0f} independent samples, of which the parameters take "
-                f"{leverage[worst]:.1f}; at least {LEAST_FREEDOM:g} more are needed to know its noise: record more, "
-                "or choose a model with fewer parameters"
+                problem=f"channel {worst + 1} has {independent:.0f} independent samples, of which the "
+                "parameters take "
+                f"{leverage[worst]:.1f}",
+                remedy=f"at least {LEAST_FREEDOM:g} more are needed to know its noise: record more, "
+                "or choose a model with fewer parameters",
+                code=Code.TOO_FEW,
             )
         variance = same @ np.sum(fit.residuals**2, axis=0) * filtered.stride / (same @ freedom)
         if variance.min() <= (1e-12 * np.abs(forces).max()) ** 2 * np.finfo(float).eps:
-            raise IdentificationError("a channel fits without any residual; its variance cannot be estimated: check it")
+            raise IdentificationError(
+                problem="a channel fits without any residual",
+                remedy="its variance cannot be estimated: check it",
+                code=Code.NO_EXCITATION,
+            )
         before, weights = weights, 1.0 / variance
         fit = gauss_markov(regression, weights)
         if np.all(np.abs(weights / before - 1.0) < WEIGHT_TOLERANCE):
@@ -292,8 +316,11 @@ def full_whitening(regression: Regression, selection: Selection) -> tuple[Array,
     freedom = independent - unknowns / sensors  # each channel pays its share of the unknowns
     if independent < LEAST:
         raise IdentificationError(
-            f"{independent:.0f} independent samples are too few for the covariance of six channels, at least {LEAST} "
-            "are needed; record more, or choose --weights per_channel"
+            problem=f"{independent:.0f} independent samples are too few for the covariance of six "
+            f"channels, at least {LEAST} "
+            "are needed",
+            remedy=f"record more, or choose {option('weights')} per_channel",
+            code=Code.TOO_FEW,
         )
     fit = estimate_selected(regression, selection, gauss_markov_of)
     plain, before = regression._replace(alike=None), np.zeros((6, 6))
@@ -303,8 +330,9 @@ def full_whitening(regression: Regression, selection: Selection) -> tuple[Array,
         std = np.sqrt(np.diag(channels))
         if np.linalg.eigvalsh(channels / np.outer(std, std))[0] < DEPENDENT:
             raise IdentificationError(
-                "the noise of a channel follows from that of others; is one computed from them? Choose --weights "
-                "per_channel"
+                problem="the noise of a channel follows from that of others",
+                remedy=f"is one computed from them? Choose {option('weights')} per_channel",
+                code=Code.NO_EXCITATION,
             )
         whitening = whitening_of(channels)
         if np.abs((channels - before) / np.outer(std, std)).max() < WEIGHT_TOLERANCE:
@@ -329,7 +357,11 @@ def huber_of(regression: Regression) -> Fit:
     residuals, kind = regression.residuals(values), np.asarray(regression.alike or 6 * (0,))
     mad = np.array([np.median(np.abs(residuals[:, kind == k])) for k in kind])
     if mad.min() <= 1e-12 * np.abs(forces).max():
-        raise IdentificationError(f"channel {int(mad.argmin()) + 1} fits without any residual; check it")
+        raise IdentificationError(
+            problem=f"channel {int(mad.argmin()) + 1} fits without any residual",
+            remedy="check it",
+            code=Code.NO_EXCITATION,
+        )
     start = gauss_markov(regression, mad**-2.0)
     # residuals are smaller than the noise by what the unknowns took, see `gauss_markov` for filtered data
     shrunk = float(np.sqrt(forces.size * filtered.gain * filtered.stride / start.freedom))
@@ -339,7 +371,11 @@ def huber_of(regression: Regression) -> Fit:
     psi, inner = np.clip(sizes, -HUBER_K, HUBER_K), np.abs(sizes) <= HUBER_K
     information = np.einsum("nku,nk,nkv->uv", q, inner.astype(float), q)
     if np.linalg.cond(information) > 1.0 / np.finfo(float).eps:
-        raise IdentificationError("too few forces agree with each other for a robust estimate; choose other weights")
+        raise IdentificationError(
+            problem="too few forces agree with each other for a robust estimate",
+            remedy="choose other weights",
+            code=Code.TOO_FEW,
+        )
     spread = half @ np.linalg.inv(information)
     meat = np.einsum("nku,nk,nkv->uv", q, psi**2, q) * (forces.size / start.freedom)
     memory = long_run_covariance(np.einsum("nku,nk->nu", q, psi))

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.special import stdtrit
 
-from cases.base.errors import IdentificationError
+from cases.base.errors import Code, IdentificationError
 from cases.base.units import Array, as_html
 from cases.sensors import PoseField
 from identification.finding import Finding
@@ -123,8 +123,9 @@ def compress(regression: Regression, weights: Array) -> tuple[Array, Array, floa
     samples, sensors, unknowns = regression.regressors.shape
     if samples * sensors <= unknowns:
         raise IdentificationError(
-            f"{samples} samples give {samples * sensors} forces for {unknowns} unknowns; record more or choose a model "
-            "with fewer parameters"
+            problem=f"{samples} samples give {samples * sensors} forces for {unknowns} unknowns",
+            remedy="record more or choose a model with fewer parameters",
+            code=Code.TOO_FEW,
         )
     r = joint_triangle(regression.regressors, regression.forces, np.sqrt(weights))
     return r[:-1, :-1], r[:-1, -1], float(r[-1, -1] ** 2)
@@ -163,8 +164,9 @@ def determined(root: Array, names: Sequence[str], rows: int, nuisance: int = 0) 
         share = np.abs(directions[rank:]).max(axis=0)
         hidden = [name for name, s in zip(names, share, strict=False) if s > 1e-3]
         raise IdentificationError(
-            f"rank {rank} of {count}: {', '.join(hidden)} not determined by this run; excite them (plan a motion or "
-            "more poses) or choose a model without them"
+            problem=f"rank {rank} of {count}: {', '.join(hidden)} not determined by this run",
+            remedy="excite them (plan a motion or more poses) or choose a model without them",
+            code=Code.NO_EXCITATION,
         )
     return rank, float(singular[0] / singular[-1])
 
@@ -205,8 +207,9 @@ def degrees_of_freedom(rows: int, used: float, filtered: Filtered) -> float:
     independent = rows * filtered.gain * filtered.stride
     if independent <= used:
         raise IdentificationError(
-            f"{rows} forces, {independent:.0f} of them independent, for {used:.0f} unknowns; record longer or raise "
-            "filter_cutoff_Hz"
+            problem=f"{rows} forces, {independent:.0f} of them independent, for {used:.0f} unknowns",
+            remedy="record longer or raise filter_cutoff_Hz",
+            code=Code.TOO_FEW,
         )
     return independent - used
 
@@ -231,7 +234,11 @@ def gauss_markov(regression: Regression, weights: Array) -> Fit:
     remainders = np.abs(np.diag(root))  # of each column, what the columns before it do not explain
     unseen = np.flatnonzero(remainders <= rows * np.finfo(float).eps * np.linalg.norm(root, axis=0))
     if len(unseen):
-        raise IdentificationError(f"{names[unseen[0]]} is not determined: the forces do not change; check the channels")
+        raise IdentificationError(
+            problem=f"{names[unseen[0]]} is not determined: the forces do not change",
+            remedy="check the channels",
+            code=Code.NO_EXCITATION,
+        )
     half = inverse_root(root)
     values = np.asarray(solve_triangular(root, right))  # (24)
     residuals, stride = regression.residuals(values), regression.filtered.stride
@@ -246,5 +253,7 @@ def require_alive(forces: Array) -> None:
     stuck = np.flatnonzero(np.ptp(forces, axis=0) == 0.0)
     if len(stuck):
         raise IdentificationError(
-            f"channel {stuck[0] + 1} reads {forces[0, stuck[0]]:g} at every sample; check its cable and amplifier"
+            problem=f"channel {stuck[0] + 1} reads {forces[0, stuck[0]]:g} at every sample",
+            remedy="check its cable and amplifier",
+            code=Code.NO_EXCITATION,
         )

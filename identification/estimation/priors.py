@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases.base.errors import IdentificationError
+from cases.base.errors import Code, IdentificationError
 from cases.base.units import Array
 from identification.estimation.fit import (
     Fit,
@@ -46,11 +46,16 @@ def as_measurements(priors: Sequence[Prior], model: Model) -> Callable[[Array], 
     require_names(given, list(dict.fromkeys(names)))
     for k, prior in enumerate(priors):
         if prior.name in given[:k]:
-            raise IdentificationError(f"two priors on {prior.name}; combine them into one")
+            raise IdentificationError(
+                problem=f"two priors on {prior.name}", remedy="combine them into one", code=Code.CONTRADICTION
+            )
         if not (np.isfinite(prior.value) and np.isfinite(prior.std) and prior.std > 0.0):
             raise IdentificationError(
-                f"prior {prior.name} = {prior.value:g} +- {prior.std:g} needs finite numbers and a standard "
-                "deviation above 0; what is known exactly is fixed by a selection"
+                problem=f"prior {prior.name} = {prior.value:g} +- {prior.std:g} needs finite numbers and a "
+                "standard "
+                "deviation above 0",
+                remedy="what is known exactly is fixed by a selection",
+                code=Code.OUT_OF_RANGE,
             )
     picks = [names.index(name) for name in given]
 
@@ -109,7 +114,10 @@ def with_priors(regression: Regression, model: Model, weights: Array, priors: Se
     precise = {"xtol": 1e-14, "ftol": 1e-14, "gtol": 1e-14, "max_nfev": EVALUATIONS}
     found = least_squares(residual, start, slopes, method="lm", x_scale="jac", **precise)
     if not found.success or not np.isfinite(found.cost):
-        raise IdentificationError("no minimum was found with these priors: check them, or give more known values")
+        raise IdentificationError(
+            problem="no minimum was found with these priors: check them, or give more known values",
+            code=Code.NO_CONVERGENCE,
+        )
     values = np.asarray(found.x)
     jacobian = slopes(values)
     rank, condition = determined(jacobian, regression.names, rows, regression.nuisance)

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from cases.base.errors import IdentificationError
+from cases.base.errors import Code, IdentificationError
 from cases.schema import Case
 from identification.estimation.fit import Fit
 from identification.finding import Finding, Kind, note, warning
@@ -132,8 +132,11 @@ def _other_mass(mass: float, case: Case) -> list[Finding]:
     if low < mass / nominal < high or low < nominal / max(mass, GRAM) < high:
         unit = "kN" if mass < nominal else "mN"
         raise IdentificationError(
-            f"the mass comes out as {mass:.4g} kg where nominal.mass_kg makes {nominal:g}: forces seem to be "
-            f"in {unit}; set recording.units.forces = '{unit}' in the case"
+            problem=f"the mass comes out as {mass:.4g} kg where nominal.mass_kg makes {nominal:g}: forces "
+            "seem to be "
+            f"in {unit}",
+            remedy=f"set recording.units.forces = '{unit}' in the case",
+            code=Code.UNIT,
         )
     expected = min(masses, key=lambda body_mass: abs(mass - body_mass))
     if abs(mass - expected) <= OTHER_MASS * expected:

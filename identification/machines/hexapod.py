@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cases.base.errors import IdentificationError
+from cases.base.errors import Code, IdentificationError
 from cases.base.units import DEG, MM, Array, Flags, Indices
 from cases.schema import Case
 from identification.limits.limit import LimitKind
@@ -35,7 +35,12 @@ class StrutsDoNotClose(IdentificationError):
         self.sample, self.lengths = sample, lengths
         words = ", ".join(f"{v * 1e3:.3f}" for v in lengths)
         problem = f"no pose has the strut lengths {words} mm"
-        super().__init__(place or f"sample {sample + 1}", problem, "check unit, sign, order and offset of the struts")
+        super().__init__(
+            place=place or f"sample {sample + 1}",
+            problem=problem,
+            remedy="check unit, sign, order and offset of the struts",
+            code=Code.MISFIT,
+        )
         self.doubtful = True
 
 

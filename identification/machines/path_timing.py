@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cases.base.errors import HexciteError
+from cases.base.errors import Code, HexciteError
 from cases.base.units import Array
 from cases.schema import Case
 from identification.machines.of_case import machine_of
@@ -98,8 +98,9 @@ def retime(path: Trajectory, case: Case, hurry: float = 1.0, forces: Shares | No
         from toppra.algorithm import TOPPRA  # takes 0.7 s to import
     except ImportError as error:
         raise HexciteError(
-            "toppra, which times this path, is not installed; install it (pip install toppra; without a wheel for this "
-            "computer it wants a compiler), or plan moves"
+            problem="toppra, which times this path, is not installed; install it (pip install toppra",
+            remedy="without a wheel for this computer it wants a compiler), or plan moves",
+            code=Code.NOT_INSTALLED,
         ) from error
 
     steps = max(FEWEST_STEPS, int(np.ceil(path.duration * STEPS_PER_SECOND)))

@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cases.base.errors import IdentificationError
+from cases.base.errors import Code, IdentificationError
 from cases.base.units import Array
 from cases.schema import Case
 from cases.sensors import PoseField, Sensors
@@ -56,7 +56,11 @@ class Model:
     @property
     def _moved(self) -> Machine:
         if self.machine is None:
-            raise IdentificationError("motions are planned for machines only; the case has none that moves the sensors")
+            raise IdentificationError(
+                problem="motions are planned for machines only",
+                remedy="the case has none that moves the sensors",
+                code=Code.NOT_SUPPORTED,
+            )
         return self.machine
 
     @property
@@ -202,14 +206,17 @@ def identification_model(case: Case, number: int) -> Model:
     """
     if number not in MODELS:
         raise IdentificationError(
-            f"model {number} is not one of Table 2; choose {', '.join(map(str, MODELS))} (10: model 3 with inertia)"
+            problem=f"model {number} is not one of Table 2",
+            remedy=f"choose {', '.join(map(str, MODELS))} (10: model 3 with inertia)",
+            code=Code.UNKNOWN,
         )
     blocks = MODELS[number]
     if case.setup == "1a":
         if number != 0:
             raise IdentificationError(
-                "in setup 1a the sensor frame does not move: only its offsets f_q0 are identified, by model 0; weigh "
-                "what is put on it with hexcite payload, from a result without and one with it"
+                problem="in setup 1a the sensor frame does not move: only its offsets f_q0 are identified, by model 0",
+                remedy="weigh what is put on it with hexcite payload, from a result without and one with it",
+                code=Code.NOT_SUPPORTED,
             )
         blocks = (OFFSETS,)
     if case.sensor_frame.has_moments:
@@ -223,8 +230,9 @@ def identification_model(case: Case, number: int) -> Model:
     rigid = struts is not None or not (model.machine is None or model.machine.elastic)
     if rigid and set(model.blocks) & set(ERROR_TERMS):
         raise IdentificationError(
-            f"model {number} has error terms (K1 to K5) of sensors in a hexapod's platform; with other sensors choose "
-            f"model {RIGID}, or 0 for standstills"
+            problem=f"model {number} has error terms (K1 to K5) of sensors in a hexapod's platform",
+            remedy=f"with other sensors choose model {RIGID}, or 0 for standstills",
+            code=Code.NOT_SUPPORTED,
         )
     return model
 

@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cases.base.errors import IdentificationError, choice
+from cases.base.errors import Code, IdentificationError, choice, option
 from cases.base.units import Array, Flags
 from cases.sensors import RigidBody, Truth
 from identification.model.blocks import FIRST_MOMENT, INERTIA, MASS, OFFSETS, Parameter
@@ -117,7 +117,11 @@ def require_names(given: Iterable[str], valid: Sequence[str]) -> None:
     """Raises IdentificationError, listing the valid names, where a given name is not among them."""
     for name in given:
         if name not in valid:
-            raise IdentificationError(f"{name!r} is not a parameter here; {choice(name, valid, 'choose from')}")
+            raise IdentificationError(
+                problem=f"{name!r} is not a parameter here",
+                remedy=choice(name, valid, "choose from"),
+                code=Code.UNKNOWN,
+            )
 
 
 def select(model: "Model", known: Mapping[str, float], dropped: Iterable[str] = ()) -> Selection:
@@ -138,18 +142,30 @@ def select(model: "Model", known: Mapping[str, float], dropped: Iterable[str] = 
     for name, value in known.items():
         if not np.isfinite(value) or (name == "m" and value <= 0.0):
             raise IdentificationError(
-                f"{name} = {value:g} cannot be a known value; give a finite number, a mass above 0"
+                problem=f"{name} = {value:g} cannot be a known value",
+                remedy="give a finite number, a mass above 0",
+                code=Code.OUT_OF_RANGE,
             )
     constants = {**known, **dict.fromkeys(dropped, 0.0)}
     pairs = list(zip(model.names, form, strict=True))
     for linear, physical in pairs:
         if (linear in known) + (physical in known and physical != linear) + (linear in dropped) > 1:
-            raise IdentificationError(f"{linear} is given twice (as {physical}, or also left out); give it once")
+            raise IdentificationError(
+                problem=f"{linear} is given twice (as {physical}, or also left out)",
+                remedy="give it once",
+                code=Code.CONTRADICTION,
+            )
     names = tuple(linear for linear, physical in pairs if linear not in constants and physical not in constants)
     if not names:
-        raise IdentificationError("all parameters are known; leave at least one to estimate")
+        raise IdentificationError(
+            problem="all parameters are known", remedy="leave at least one to estimate", code=Code.CONTRADICTION
+        )
     if "m" in dropped:
-        raise IdentificationError("m cannot be left out: a body without mass has no centre of gravity; choose model 0")
+        raise IdentificationError(
+            problem="m cannot be left out: a body without mass has no centre of gravity",
+            remedy="choose model 0",
+            code=Code.CONTRADICTION,
+        )
     rows = _rows(pairs, constants, names)
     return Selection(names, rows[:, 0], rows[:, 1:])
 
@@ -198,7 +214,10 @@ def _rows(pairs: Sequence[tuple[str, str]], constants: Mapping[str, float], name
             rows[linear] = constants[physical] * rows["m"]
         else:
             raise IdentificationError(
-                f"{physical} about the centre of gravity cannot be fixed: the problem is not linear; fix {linear}, "
-                "about the origin of {P}, give it as a prior, or take the non-linear form (--estimator nonlinear)"
+                problem=f"{physical} about the centre of gravity cannot be fixed: the problem is not linear",
+                remedy=f"fix {linear}, "
+                f"about the origin of {{P}}, give it as a prior, or take the non-linear form "
+                f"({option('estimator')} nonlinear)",
+                code=Code.NOT_SUPPORTED,
             )
     return np.array(list(rows.values()))

@@ -6,7 +6,7 @@ from typing import Any, Self
 import numpy as np
 from pydantic import BaseModel, NonNegativeFloat, NonNegativeInt, ValidationError
 
-from cases.base.errors import FileProblem, HexciteError
+from cases.base.errors import Code, FileProblem, HexciteError
 from cases.base.files import json_text
 from cases.base.units import Array
 from cases.basis import recording_basis
@@ -103,7 +103,9 @@ class RunRecord(Entries):
             return cls.model_validate_json(json_text(own | parts))
         except ValidationError as error:
             place = [str(part) for part in error.errors()[0]["loc"] if part not in parts]
-            raise HexciteError(".".join(place), "is missing or damaged", AGAIN) from error
+            raise HexciteError(
+                place=".".join(place), problem="is missing or damaged", remedy=AGAIN, code=Code.DAMAGED
+            ) from error
 
     @classmethod
     def of_case(cls, case: Case, **entries: Any) -> Self:
@@ -131,5 +133,10 @@ class RunRecord(Entries):
         if not self.poses_m_rad:
             return None
         if {len(pose) for pose in self.poses_m_rad} != {coordinates}:
-            raise FileProblem("recording.json: poses_m_rad", f"are not poses of {coordinates} numbers", AGAIN)
+            raise FileProblem(
+                place="recording.json: poses_m_rad",
+                problem=f"are not poses of {coordinates} numbers",
+                remedy=AGAIN,
+                code=Code.DAMAGED,
+            )
         return np.array(self.poses_m_rad)

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from cases.base.doors import checks
-from cases.base.errors import FileProblem, HexciteError, RecordingError
+from cases.base.errors import Code, FileProblem, HexciteError, RecordingError, option
 from cases.base.files import RUN, atomic_folder, check_folder, json_text, read_json
 from cases.base.units import Array, Indices, as_html
 from cases.basis import CONTENT, case_of, content_of, recording_basis, require_unchanged
@@ -48,7 +48,12 @@ class Recording(Stream):
     def __post_init__(self) -> None:
         """Checks what is given, as of a stream; RecordingError names what is wrong."""
         if self.forces is None:
-            raise RecordingError("Recording: forces", "is None", "give numbers of shape (n, 6), one row a sample")
+            raise RecordingError(
+                place="Recording: forces",
+                problem="is None",
+                remedy="give numbers of shape (n, 6), one row a sample",
+                code=Code.MISSING,
+            )
         object.__setattr__(self, "paths", _paths(self.paths))
         for name, right, remedy in (
             ("case", isinstance(self.case, Case | None), "hx.load_case loads one"),
@@ -56,12 +61,22 @@ class Recording(Stream):
             ("averaged", isinstance(self.averaged, Real) and float(self.averaged) >= 1.0, "give 1 or more samples"),
         ):
             if not right:
-                raise RecordingError(f"Recording: {name}", f"is {told(getattr(self, name))}", remedy)
+                raise RecordingError(
+                    place=f"Recording: {name}",
+                    problem=f"is {told(getattr(self, name))}",
+                    remedy=remedy,
+                    code=Code.WRONG_KIND,
+                )
         if isinstance(self.record, Mapping):  # as in version 0.2
             object.__setattr__(self, "record", _record(self.record, "Recording: record") if self.record else None)
         others = tuple(self.others) if isinstance(self.others, list | tuple) else (self.others,)
         if odd := [told(other) for other in others if not isinstance(other, Stream)]:
-            raise RecordingError("Recording: others", f"holds {odd[0]}", "give streams of other clocks")
+            raise RecordingError(
+                place="Recording: others",
+                problem=f"holds {odd[0]}",
+                remedy="give streams of other clocks",
+                code=Code.WRONG_KIND,
+            )
         object.__setattr__(self, "others", others)
         Stream.__post_init__(self)
 
@@ -73,9 +88,19 @@ class Recording(Stream):
             FileProblem: the folder holds something else, or cannot be written.
         """
         if self.case is None:
-            raise RecordingError(self.source, "does not say which case it is of", "read it with its case")
+            raise RecordingError(
+                place=self.source,
+                problem="does not say which case it is of",
+                remedy="read it with its case",
+                code=Code.MISSING,
+            )
         if self.others:
-            raise RecordingError(self.source, "has several clocks, and one table has one", "keep its files")
+            raise RecordingError(
+                place=self.source,
+                problem="has several clocks, and one table has one",
+                remedy="keep its files",
+                code=Code.NOT_SUPPORTED,
+            )
         place = Path(folder)
         check_folder(place, RUN, self.paths, overwrite)
         record = (self.record or RunRecord.of_case(self.case, source=self.source)).to_json()
@@ -104,7 +129,10 @@ class Recording(Stream):
         record = record_of(place)
         if record is None:
             raise RecordingError(
-                place, "does not say which machine it is from", "name it with --case, or a folder of hexcite run"
+                place=place,
+                problem="does not say which machine it is from",
+                remedy=f"name it with {option('case')}, or a folder of hexcite run",
+                code=Code.MISSING,
             )
         file = place / "recording.json"
         entries = record.to_json()
@@ -132,7 +160,12 @@ class Recording(Stream):
             RecordingError: no controller of hexcite ran it.
         """
         if self.record is None or self.record.executed is None:
-            raise RecordingError(self.source, "is not a run of hexcite", "hexcite run makes one")
+            raise RecordingError(
+                place=self.source,
+                problem="is not a run of hexcite",
+                remedy="hexcite run makes one",
+                code=Code.WRONG_KIND,
+            )
         return self.record.executed
 
     @property
@@ -149,7 +182,12 @@ def _paths(paths: object) -> tuple[Path, ...]:
     """Paths of files; raises RecordingError where they are none."""
     given = paths if isinstance(paths, list | tuple) else (paths,)
     if not all(isinstance(path, str | PathLike) for path in given):
-        raise RecordingError("Recording: paths", f"is {told(paths)}", "give the paths of its files, or none")
+        raise RecordingError(
+            place="Recording: paths",
+            problem=f"is {told(paths)}",
+            remedy="give the paths of its files, or none",
+            code=Code.WRONG_KIND,
+        )
     return tuple(Path(path) for path in given)
 
 
@@ -208,7 +246,7 @@ def record_of(path: Path) -> RunRecord | None:
         return None
     record = read_json(file, "hexcite run")
     if record.pop(CONTENT, None) not in (None, content_of(record)):  # version 0.2 stated none
-        raise FileProblem(file, "was changed by hand", AGAIN)
+        raise FileProblem(place=file, problem="was changed by hand", remedy=AGAIN, code=Code.CHANGED)
     return _record(record, file) if record else None
 
 
@@ -216,7 +254,9 @@ def _record(entries: Mapping[str, Any], place: object) -> RunRecord:
     try:
         return RunRecord.of_json(entries)
     except HexciteError as error:
-        raise FileProblem(place, f"entry {error.place} {error.problem}", AGAIN) from error
+        raise FileProblem(
+            place=place, problem=f"entry {error.place} {error.problem}", remedy=AGAIN, code=Code.DAMAGED
+        ) from error
 
 
 def write_recording(file: Path, recording: Recording, case: Case) -> None:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from cases.base.errors import IdentificationError
+from cases.base.errors import Code, IdentificationError
 from cases.base.files import atomic_file, check_file
 from cases.base.units import Array, as_html
 from cases.recording_format import CLOCK, WRENCH
@@ -126,7 +126,9 @@ def force(recording: Recording, result: Result, whole: bool = True, frame: Frame
             poses = still.standing.load.pose
         elif not place.fixed:
             problem = "the frame of the sensors stands, and its case does not say how in {B}"
-            raise IdentificationError(recording.source, f"{problem}; choose frame sensor")
+            raise IdentificationError(
+                place=recording.source, problem=problem, remedy="choose frame sensor", code=Code.NOT_SUPPORTED
+            )
     else:
         run = moving_run(recording, case, model, whole)
         findings += run.window
@@ -197,15 +199,23 @@ def tare(recording: Recording, result: Result) -> Result:
     recording, case = without(on_one_clock(recording, result.case), result.case, result.sizes)
     count = int(np.sum(~recording.bad))
     if count < 2:
-        raise IdentificationError(recording.source, f"{count} sample; a tare needs a standstill of two or more")
+        raise IdentificationError(
+            place=recording.source,
+            problem=f"{count} sample",
+            remedy="a tare needs a standstill of two or more",
+            code=Code.TOO_FEW,
+        )
     travel = 0.0 if recording.struts is None else float(np.ptp(recording.struts[~recording.bad], axis=0).max())
     noise = 0.0 if recording.struts is None else float(white_noise(recording.struts).max())
     if travel > STILL + NOISY * noise:
         drives, unit = case.drive_words
         raise IdentificationError(
-            recording.source,
-            f"{drives} move by {travel * 1e3:.3g} {unit}, at most {(STILL + NOISY * noise) * 1e3:.3g} {unit} in a "
-            "standstill; cut the motion off",
+            place=recording.source,
+            problem=f"{drives} move by {travel * 1e3:.3g} {unit}, at most "
+            f"{(STILL + NOISY * noise) * 1e3:.3g} {unit} in a "
+            "standstill",
+            remedy="cut the motion off",
+            code=Code.MISFIT,
         )
     still = standstills(recording, case, model)
     residuals = still.recorded - still.matrices @ result.values

@@ -12,7 +12,7 @@ from typing import Any, Literal, NamedTuple, get_args
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from cases.base.errors import CaseError, HexciteError, IdentificationError, choice
+from cases.base.errors import CaseError, Code, HexciteError, IdentificationError, choice
 from cases.base.units import DEG, MM, Array, as_html
 from cases.schema import Case
 from cases.tolerances import KINDS
@@ -60,7 +60,7 @@ def frame_named(name: str) -> FrameName:
     """The frame of a name; raises HexciteError, with those that there are, where it is none."""
     known = next((frame for frame in FRAMES if frame == name), None)
     if known is None:
-        raise HexciteError(f"frame {name!r} is unknown; {choice(name, FRAMES)}")
+        raise HexciteError(problem=f"frame {name!r} is unknown", remedy=choice(name, FRAMES), code=Code.UNKNOWN)
     return known
 
 
@@ -85,8 +85,14 @@ def place_of(case: Case, frame: str, at_home: bool = True) -> Place:
         flange = _of_robot(case, name)
         if case.tcp is None:
             key = "machine.chain.tcp" if case.chain is not None else "sensor_frame.transducer.tcp"
-            problem = "is missing; frame tool is the robot's TCP: state where it lies in the flange"
-            raise CaseError(f"case {case.name}", key, f"{problem}, such as tcp = {{ origin_mm = [0.0, 0.0, 150.0] }}")
+            where = "frame tool is the robot's TCP: state where it lies in the flange"
+            raise CaseError(
+                file=f"case {case.name}",
+                key=key,
+                problem="is missing",
+                remedy=f"{where}, such as tcp = {{ origin_mm = [0.0, 0.0, 150.0] }}",
+                code=Code.MISSING,
+            )
         return Place(name, "the robot's tool (TCP)", np.asarray(np.linalg.solve(case.tcp.place, flange)))
     if at_home:
         return Place(name, "the axes of {B} at home, the origin of {P}", _at_home(case))
@@ -96,7 +102,13 @@ def place_of(case: Case, frame: str, at_home: bool = True) -> Place:
 def _of_robot(case: Case, name: FrameName) -> Array:
     if case.chain is None and case.sensor_frame.transducer is None:
         problem = f"is that of no robot: frame {name} is for a force/torque sensor at a flange"
-        raise CaseError(f"case {case.name}", "setup", f"{problem}; choose sensor, which is {{P}}, or base")
+        raise CaseError(
+            file=f"case {case.name}",
+            key="setup",
+            problem=problem,
+            remedy="choose sensor, which is {P}, or base",
+            code=Code.NOT_SUPPORTED,
+        )
     return case.need_flange(f"frame {name}")
 
 
@@ -104,13 +116,24 @@ def _at_home(case: Case) -> Array:
     """Axes of {P} in {B} at home, shape (4, 4), the origin left where it is."""
     if (case.hexapod is None and case.chain is None) or case.setup == "1a":
         problem = "has no machine that moves the sensor: how it stands in {B} follows from no home"
-        raise CaseError(f"case {case.name}", "machine", f"{problem}; choose sensor, flange or tool")
+        raise CaseError(
+            file=f"case {case.name}",
+            key="machine",
+            problem=problem,
+            remedy="choose sensor, flange or tool",
+            code=Code.NOT_SUPPORTED,
+        )
     home = case.hexapod.home.vector if case.hexapod is not None else None
     if home is None:
         assert case.chain is not None
         if not np.all(np.isfinite(case.chain.home)):
-            problem = "home is missing; frame base is meant at home: add home_deg of each joint"
-            raise CaseError(f"case {case.name}", "machine.chain.joints", f"{problem}, or choose another frame")
+            raise CaseError(
+                file=f"case {case.name}",
+                key="machine.chain.joints",
+                problem="home is missing",
+                remedy="frame base is meant at home: add home_deg of each joint, or choose another frame",
+                code=Code.MISSING,
+            )
         still = np.zeros((1, len(case.chain.home)))
         home = machine_of(case).kinematics(case.chain.home[None], still, still).pose[0]
     place = np.eye(4)
@@ -239,10 +262,17 @@ def body_alone(model: Model, source: str) -> tuple[Model, list[int]]:
         IdentificationError: it has none, or sensors in struts at the drive, whose body is the platform with the rods.
     """
     if MASS not in model.blocks:
-        raise IdentificationError(source, "has offsets alone, no body to state in a frame; identify a moving run")
+        raise IdentificationError(
+            place=source,
+            problem="has offsets alone, no body to state in a frame",
+            remedy="identify a moving run",
+            code=Code.NO_EXCITATION,
+        )
     if model.struts is not None and model.struts.sensors.at == "drive":
         problem = "its body is the platform with the rods of the struts, no load alone"
-        raise IdentificationError(source, f"{problem}; its parameters are in {{P}}")
+        raise IdentificationError(
+            place=source, problem=problem, remedy="its parameters are in {P}", code=Code.NOT_SUPPORTED
+        )
     blocks: tuple[Block, ...] = tuple(block for block in (MASS, FIRST_MOMENT, INERTIA) if block in model.blocks)
     body = Model(model.number, blocks, model.structure, model.gravity)
     return body, [model.names.index(name) for name in body.names]

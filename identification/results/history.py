@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from scipy.special import ndtri
 
-from cases.base.errors import FileProblem, HexciteError
+from cases.base.errors import Code, FileProblem, HexciteError
 from cases.base.units import Array
 from identification.model.parameters import physical_form
 from identification.results.result import PROMINENT, Result
@@ -194,9 +194,19 @@ def history(places: Sequence[Path | str] | Path | str, case: str | None = None) 
     loaded, left_out = _loaded(paths)
     names = sorted({result.record.case for result in loaded})
     if case is None and len(names) > 1:
-        raise HexciteError("case", f"results are of {len(names)} machines: {', '.join(names)}", "name one of them")
+        raise HexciteError(
+            place="case",
+            problem=f"results are of {len(names)} machines: {', '.join(names)}",
+            remedy="name one of them",
+            code=Code.OTHER_SOURCE,
+        )
     if case is not None and case not in names:
-        raise HexciteError("case", f"no result is of {case!r}", f"name one of {', '.join(names)}")
+        raise HexciteError(
+            place="case",
+            problem=f"no result is of {case!r}",
+            remedy=f"name one of {', '.join(names)}",
+            code=Code.OTHER_SOURCE,
+        )
     own = sorted(
         (_entry(result) for result in loaded if case in (None, result.record.case)), key=lambda entry: entry.when
     )
@@ -220,10 +230,17 @@ def _loaded(paths: Sequence[Path]) -> tuple[list[Result], list[str]]:
     files: dict[Path, None] = {}
     for path in paths:
         if not path.exists():
-            raise FileProblem(path, "no such folder", "name folders that hold results")
+            raise FileProblem(
+                place=path, problem="no such folder", remedy="name folders that hold results", code=Code.MISSING
+            )
         found = [path] if path.name == "result.json" else sorted(path.rglob("result.json"))
         if not found:
-            raise FileProblem(path, "holds no result", "name folders of hexcite identify, or what holds such")
+            raise FileProblem(
+                place=path,
+                problem="holds no result",
+                remedy="name folders of hexcite identify, or what holds such",
+                code=Code.MISSING,
+            )
         files |= dict.fromkeys(file.resolve() for file in found)
     results, left_out = list[Result](), list[str]()
     for file in files:
@@ -232,7 +249,12 @@ def _loaded(paths: Sequence[Path]) -> tuple[list[Result], list[str]]:
         except HexciteError as error:
             left_out.append(str(error))
     if not results:
-        raise FileProblem(paths[0], f"holds no result that can be read: {left_out[0]}", "identify again")
+        raise FileProblem(
+            place=paths[0],
+            problem=f"holds no result that can be read: {left_out[0]}",
+            remedy="identify again",
+            code=Code.DAMAGED,
+        )
     return results, left_out
 
 

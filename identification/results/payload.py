@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.special import chdtri
 
-from cases.base.errors import IdentificationError
+from cases.base.errors import Code, IdentificationError
 from cases.base.units import Array, as_html
 from cases.schema import Case
 from identification.estimation.fit import Value
@@ -56,7 +56,12 @@ class Payload(NamedTuple):
         if self.body is None:
             missing = ", ".join(name for name in ("xC", "yC", "zC") if name not in self.parameters)
             problem = f"{missing} of the payload not determined, so that it can be stated neither in another frame nor"
-            raise IdentificationError(self.source, f"{problem} as a load; weigh it in another orientation too")
+            raise IdentificationError(
+                place=self.source,
+                problem=f"{problem} as a load",
+                remedy="weigh it in another orientation too",
+                code=Code.NO_EXCITATION,
+            )
         return self.body
 
     @property
@@ -200,9 +205,10 @@ def require_two(before: Result, after: Result) -> None:
     """
     if before.source == after.source or (before.recordings and before.recordings == after.recordings):
         raise IdentificationError(
-            after.source,
-            f"is of the same recording as {before.source}; name the result of a run without the payload, then of one "
-            "with it",
+            place=after.source,
+            problem=f"is of the same recording as {before.source}",
+            remedy="name the result of a run without the payload, then of one with it",
+            code=Code.OTHER_SOURCE,
         )
 
 
@@ -211,9 +217,10 @@ def _about(before: Result, after: Result, mass: float, variance: float) -> list[
     std = float(np.sqrt(variance))
     if not abs(mass) > 3.0 * std:
         raise IdentificationError(
-            after.source,
-            f"mass differs from {before.source} by {mass:.4g} +- {std:.2g} kg, not by a payload; name the "
-            "results without and with payload, in this order",
+            place=after.source,
+            problem=f"mass differs from {before.source} by {mass:.4g} +- {std:.2g} kg, not by a payload",
+            remedy="name the results without and with payload, in this order",
+            code=Code.MISFIT,
         )
     findings = []
     if before.model.number != after.model.number:

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.linalg import block_diag
 from scipy.special import chdtrc
 
-from cases.base.errors import FileProblem, HexciteError
+from cases.base.errors import Code, FileProblem, HexciteError, option
 from cases.base.files import provenance
 from cases.base.units import Array
 from cases.tolerances import KINDS
@@ -46,7 +46,12 @@ def pool(results: Sequence[Result]) -> Result:
         FileProblem: two differ in machine, model, what was known or load, or are of the same recording.
     """
     if len(results) < 2:
-        raise HexciteError("pool", f"{len(results)} result", "name two results or more of the same machine and load")
+        raise HexciteError(
+            place="pool",
+            problem=f"{len(results)} result",
+            remedy="name two results or more of the same machine and load",
+            code=Code.TOO_FEW,
+        )
     require_alike(results)
     first = results[0]
     runs = _Runs.of(results)
@@ -115,38 +120,63 @@ def require_alike(results: Sequence[Result]) -> None:
     for result in results:
         if result.record.priors:
             raise FileProblem(
-                result.source,
-                f"counts a prior of {next(iter(result.record.priors))}, which a mean would count again",
-                "identify without --prior",
+                place=result.source,
+                problem=f"counts a prior of {next(iter(result.record.priors))}, which a mean would count again",
+                remedy=f"identify without {option('prior')}",
+                code=Code.CONTRADICTION,
             )
     for one, other in combinations(results, 2):
         if one.recordings & other.recordings:
-            raise FileProblem(other.source, f"is of the same recording as {one.source}", "name each run once")
+            raise FileProblem(
+                place=other.source,
+                problem=f"is of the same recording as {one.source}",
+                remedy="name each run once",
+                code=Code.OTHER_SOURCE,
+            )
     for result in rest:
         record, base = result.record, first.record
         if record.case != base.case:
-            raise FileProblem(result.source, f"is of case {record.case}, {first.source} of {base.case}", again)
+            raise FileProblem(
+                place=result.source,
+                problem=f"is of case {record.case}, {first.source} of {base.case}",
+                remedy=again,
+                code=Code.OTHER_SOURCE,
+            )
         then, now = base.computed_from or {}, record.computed_from or {}
         for key in dict.fromkeys((*then, *now)):
             if then.get(key) != now.get(key):
                 there, here = ("not stated" if of.get(key) is None else of[key] for of in (then, now))
-                raise FileProblem(result.source, f"{key} is {here}, that of {first.source} {there}", again)
+                raise FileProblem(
+                    place=result.source,
+                    problem=f"{key} is {here}, that of {first.source} {there}",
+                    remedy=again,
+                    code=Code.OTHER_SOURCE,
+                )
         for what in ("model", "known", "dropped", "weights"):
             there, here = getattr(base, what), getattr(record, what)
             if (there or None) != (here or None):
-                remedy = f"{again}, and with --model" if what == "model" else again
+                remedy = f"{again}, and with {option('model')}" if what == "model" else again
                 raise FileProblem(
-                    result.source, f"{what} is {here or 'none'}, that of {first.source} {there or 'none'}", remedy
+                    place=result.source,
+                    problem=f"{what} is {here or 'none'}, that of {first.source} {there or 'none'}",
+                    remedy=remedy,
+                    code=Code.OTHER_SOURCE,
                 )
         if result.mounted != first.mounted:
             raise FileProblem(
-                result.source,
-                f"a payload of {result.mounted:.4g} kg was mounted, {first.mounted:.4g} kg with {first.source}",
-                "pool runs of the same load; hexcite payload compares two loads",
+                place=result.source,
+                problem=f"a payload of {result.mounted:.4g} kg was mounted, {first.mounted:.4g} kg with {first.source}",
+                remedy="pool runs of the same load; hexcite payload compares two loads",
+                code=Code.OTHER_SOURCE,
             )
         if (base.delay_s is None) != (record.delay_s is None):
             kinds = ["standstills" if of.delay_s is None else "a motion" for of in (record, base)]
-            raise FileProblem(result.source, f"is of {kinds[0]}, {first.source} of {kinds[1]}", "pool runs of one kind")
+            raise FileProblem(
+                place=result.source,
+                problem=f"is of {kinds[0]}, {first.source} of {kinds[1]}",
+                remedy="pool runs of one kind",
+                code=Code.OTHER_SOURCE,
+            )
 
 
 class Estimated(Protocol):

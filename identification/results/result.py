@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from cases.base.doors import checks
-from cases.base.errors import FileProblem, HexciteError
+from cases.base.errors import Code, FileProblem, HexciteError
 from cases.base.files import RESULT, atomic_folder, check_folder, json_text, read_json, sha256_of
 from cases.base.units import Array, as_html
 from cases.basis import CONTENT, case_of, content_of, require_unchanged, result_basis
@@ -181,11 +181,13 @@ class Result:
         name = self.record.case
         if self.case.name != name:
             problem = f"parameters of case {name}, not {self.case.name}"
-            raise FileProblem(self.source, problem, f"identify them for {self.case.name}")
+            raise FileProblem(
+                place=self.source, problem=problem, remedy=f"identify them for {self.case.name}", code=Code.OTHER_SOURCE
+            )
         try:
             return identification_model(self.case_as_told, self.record.model)
         except HexciteError as error:
-            raise FileProblem(self.source, error.typed, AGAIN) from error
+            raise FileProblem(place=self.source, problem=error.message, remedy=AGAIN, code=Code.DAMAGED) from error
 
     @property
     def values(self) -> Array:
@@ -448,21 +450,33 @@ def _read(path: Path) -> tuple[Path, ResultEntries]:
     data = read_json(file, "hexcite identify")
     version = data.get("schema_version")
     if version != SCHEMA_VERSION:
-        raise FileProblem(file, f"schema_version {version!r}, expected {SCHEMA_VERSION}", AGAIN)
+        raise FileProblem(
+            place=file,
+            problem=f"schema_version {version!r}, expected {SCHEMA_VERSION}",
+            remedy=AGAIN,
+            code=Code.VERSION,
+        )
     if data.pop(CONTENT, None) not in (None, content_of(data)):  # version 0.2 stated none
-        raise FileProblem(file, "was changed by hand", AGAIN)
+        raise FileProblem(place=file, problem="was changed by hand", remedy=AGAIN, code=Code.CHANGED)
     try:
         return file, ResultEntries.model_validate_json(json_text(of_version_0_2(data)))
     except ValidationError as error:
         place = ".".join(map(str, error.errors()[0]["loc"]))
-        raise FileProblem(file, f"entry {place} is missing or damaged", AGAIN) from error
+        raise FileProblem(
+            place=file, problem=f"entry {place} is missing or damaged", remedy=AGAIN, code=Code.DAMAGED
+        ) from error
 
 
 def _require_agreement(result: Result) -> None:
     """Refuses physical parameters that do not follow from the linear ones: changed by hand, or of another model."""
     record, model = result.record, result.model
     lengths = {len(row) for square in (record.covariance, record.covariance_robust) for row in (square, *square)}
-    other = FileProblem(result.source, f"its parameters are not those of model {model.number}", AGAIN)
+    other = FileProblem(
+        place=result.source,
+        problem=f"its parameters are not those of model {model.number}",
+        remedy=AGAIN,
+        code=Code.CHANGED,
+    )
     if record.names != tuple(model.names) or lengths | {len(record.values)} != {len(model.names)}:
         raise other
     squares = result.covariance, result.covariance_robust
@@ -473,8 +487,18 @@ def _require_agreement(result: Result) -> None:
         stated, size = record.parameters[name], max(abs(computed.value), computed.reported)
         if stated.unit != computed.unit or not np.allclose(stated[:3], computed[:3], rtol=0.0, atol=ALIKE * size):
             problem = f"{name} is {stated.value:.6g} {stated.unit}, by the linear parameters {computed.value:.6g} "
-            raise FileProblem(result.source, f"{problem}{computed.unit}: value or deviation changed by hand", AGAIN)
+            raise FileProblem(
+                place=result.source,
+                problem=f"{problem}{computed.unit}: value or deviation changed by hand",
+                remedy=AGAIN,
+                code=Code.CHANGED,
+            )
     for square in squares:
         scale = np.sqrt(np.outer(np.diag(square), np.diag(square)).clip(0.0))
         if np.any(np.abs(square - square.T) > ALIKE * scale):
-            raise FileProblem(result.source, "a covariance is not symmetric: changed by hand", AGAIN)
+            raise FileProblem(
+                place=result.source,
+                problem="a covariance is not symmetric: changed by hand",
+                remedy=AGAIN,
+                code=Code.CHANGED,
+            )

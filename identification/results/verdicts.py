@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cases.acceptance import Acceptance, LargestDeviations, Reference
-from cases.base.errors import HexciteError
+from cases.base.errors import Code, HexciteError
 from cases.base.units import MM, as_html
 from cases.schema import Case
 from identification.estimation.fit import Value
@@ -117,7 +117,12 @@ def accept(result: Result, case: Case | None = None) -> Verdict:
     found = tuple(one for one in every if isinstance(one, Check))
     unjudged = tuple(one for one in every if isinstance(one, str))
     if not found:
-        raise HexciteError(result.source, f"cannot be judged: {'; '.join(unjudged)}", "state limits in [accept]")
+        raise HexciteError(
+            place=result.source,
+            problem=f"cannot be judged: {'; '.join(unjudged)}",
+            remedy="state limits in [accept]",
+            code=Code.MISSING,
+        )
     return Verdict(found, unjudged)
 
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from cases.base.errors import RecordingError
+from cases.base.errors import Code, RecordingError
 from cases.base.units import Array, Flags, Indices
 from cases.schema import Case
 from identification.recording.formats.table import Channel, Stream
@@ -35,7 +35,12 @@ def at_the_motion(recording: Recording, motion: Stream, interval: float, step: f
     room = half - ROUNDING * step
     inside = np.flatnonzero((motion.t - room >= t[0]) & (motion.t + room <= t[-1]))
     if len(inside) < 3:
-        raise RecordingError(recording.source, "its forces cover less than 3 samples of the motion", "record together")
+        raise RecordingError(
+            place=recording.source,
+            problem="its forces cover less than 3 samples of the motion",
+            remedy="record together",
+            code=Code.TOO_FEW,
+        )
     means = interval_means(t, forces, motion.t[inside], interval)
     curvature = means[2:] - 2.0 * means[1:-1] + means[:-2]
     means = means[1:-1] - (1.0 / 24.0 + (step / interval) ** 2 / 12.0) * curvature

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cases.base.errors import IdentificationError, RecordingError
+from cases.base.errors import Code, IdentificationError, RecordingError
 from cases.base.units import Array, Flags, Indices
 from cases.schema import Case
 from identification.finding import Finding, Kind, warning
@@ -76,9 +76,10 @@ def _released(recording: Recording) -> Stream | None:
         between = _rhythm_of(max(np.split(recording.struts, cuts), key=len)) if len(cuts) else None
         if between is not None:
             raise RecordingError(
-                f"{recording.source}, {recording.lines.place(int(cuts[0]))}",
-                f"the struts are held for {between[0]} rows each, and a gap breaks their rhythm",
-                "cut the run there, or export struts and forces as files of their own",
+                place=f"{recording.source}, {recording.lines.place(int(cuts[0]))}",
+                problem=f"the struts are held for {between[0]} rows each, and a gap breaks their rhythm",
+                remedy="cut the run there, or export struts and forces as files of their own",
+                code=Code.CLOCK,
             )
         return None
     ratio, phase = rhythm
@@ -117,9 +118,10 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
     require_position(recording, model)
     if recording.struts is None:
         raise RecordingError(
-            recording.source,
-            "has a clock and rotation matrices",
-            "moving runs are evaluated from struts only, remove t_s if each row is an averaged standstill",
+            place=recording.source,
+            problem="has a clock and rotation matrices",
+            remedy="moving runs are evaluated from struts only, remove t_s if each row is an averaged standstill",
+            code=Code.MISSING,
         )
     low_pass = checked_filter(recording, case)
     warnings: tuple[Finding, ...] = ()
@@ -140,9 +142,11 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
     rows = window[:: low_pass.stride]
     if len(rows) < 2:
         raise IdentificationError(
-            recording.source,
-            f"{len(window)} samples of motion are {len(rows)} independent ones behind a "
-            f"{low_pass.cutoff:g} Hz filter; record longer",
+            place=recording.source,
+            problem=f"{len(window)} samples of motion are {len(rows)} independent ones behind a "
+            f"{low_pass.cutoff:g} Hz filter",
+            remedy="record longer",
+            code=Code.TOO_FEW,
         )
     t, recorded, forces = signals_at(recording, low_pass, rows)
     return Run(
@@ -173,21 +177,31 @@ def checked_filter(recording: Recording, case: Case) -> Filter:
     cutoff = case.recording.filter_cutoff_Hz
     if cutoff is None:
         raise RecordingError(
-            recording.source, "a moving run needs a filter", "set recording.filter_cutoff_Hz in the case"
+            place=recording.source,
+            problem="a moving run needs a filter",
+            remedy="set recording.filter_cutoff_Hz in the case",
+            code=Code.MISSING,
         )
     if len(recording.forces) < 2:
-        raise RecordingError(recording.source, f"{len(recording.forces)} sample is not a run", "record longer")
+        raise RecordingError(
+            place=recording.source,
+            problem=f"{len(recording.forces)} sample is not a run",
+            remedy="record longer",
+            code=Code.TOO_FEW,
+        )
     step = recording.step
     if step >= SLOWEST and (other := _other_clock(step, cutoff)):
         raise RecordingError(
-            recording.source,
-            f"{1 / step:.4g} samples a second are too few for a motion{other}, and a cut-off of some ten Hz",
+            place=recording.source,
+            problem=f"{1 / step:.4g} samples a second are too few for a motion{other}, and a cut-off of some ten Hz",
+            code=Code.CLOCK,
         )
     if not cutoff <= 0.2 / step * (1.0 + 1e-3):  # what the message allows is taken, however stamps say the step
         raise RecordingError(
-            recording.source,
-            f"filter_cutoff_Hz = {cutoff:g} is too high for {1 / step:.4g} samples a second",
-            f"at most {0.2 / step:.4g}{_other_clock(step, cutoff)}",
+            place=recording.source,
+            problem=f"filter_cutoff_Hz = {cutoff:g} is too high for {1 / step:.4g} samples a second",
+            remedy=f"at most {0.2 / step:.4g}{_other_clock(step, cutoff)}",
+            code=Code.CLOCK,
         ).in_doubt()
     return Filter(cutoff, step, MOST_DELAY)
 
@@ -231,10 +245,12 @@ def about_left_out(source: str, share: float, low_pass: Filter) -> tuple[Finding
     reach = low_pass.margin * low_pass.step
     if share > MOST_LEFT_OUT:
         raise RecordingError(
-            source,
-            f"damage, with the filter's reach of {reach:.3g} s on either side, takes {100 * share:.3g} % of the "
+            place=source,
+            problem=f"damage, with the filter's reach of {reach:.3g} s on either side, takes "
+            f"{100 * share:.3g} % of the "
             f"motion, at most {100 * MOST_LEFT_OUT:g} % may be left out",
-            "record again",
+            remedy="record again",
+            code=Code.DAMAGED,
         )
     if share <= 0.0:
         return ()
@@ -246,9 +262,10 @@ def require_position(recording: Recording, model: Model) -> None:
     """Raises IdentificationError where a model needs the position and the recording has none."""
     if model.needs_position and recording.struts is None:
         raise IdentificationError(
-            recording.source,
-            f"model {model.number} needs the platform's position, the recording has orientations "
-            "only; choose model 0 or 6, or record the struts",
+            place=recording.source,
+            problem=f"model {model.number} needs the platform's position, the recording has orientations only",
+            remedy="choose model 0 or 6, or record the struts",
+            code=Code.NOT_SUPPORTED,
         )
 
 
@@ -262,7 +279,10 @@ def _window(recording: Recording, low_pass: Filter, drives: str, unit: str) -> t
         rows = np.flatnonzero(recording.trigger[margin:-margin])
         if not len(rows):
             raise RecordingError(
-                f"{recording.source}, trigger", "is never 1", "record with the trigger or leave it out"
+                place=f"{recording.source}, trigger",
+                problem="is never 1",
+                remedy="record with the trigger or leave it out",
+                code=Code.TRIGGER,
             )
     else:
         speed = low_pass.apply(recording.struts, 1)
@@ -278,9 +298,10 @@ def _window(recording: Recording, low_pass: Filter, drives: str, unit: str) -> t
     least_travel = LEAST_TRAVEL + NOISY * float(white_noise(recording.struts).max())
     if travel < least_travel:
         raise IdentificationError(
-            recording.source,
-            f"the pose is constant ({drives} move by {travel * 1e3:.3g} {unit}, at least "
-            f"{least_travel * 1e3:.3g} {unit} are needed); record the excitation, or remove t_s from averaged "
-            "standstills",
+            place=recording.source,
+            problem=f"the pose is constant ({drives} move by {travel * 1e3:.3g} {unit}, at least "
+            f"{least_travel * 1e3:.3g} {unit} are needed)",
+            remedy="record the excitation, or remove t_s from averaged standstills",
+            code=Code.NO_EXCITATION,
         ).in_doubt()
     return rows, warnings

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cases.base.errors import RecordingError
+from cases.base.errors import Code, RecordingError
 from cases.base.units import MM, Array, Flags, Indices
 from cases.machine import MotionLimits
 from cases.recording_format import CLOCK
@@ -79,10 +79,12 @@ def scan(recording: Recording, case: Case) -> tuple[tuple[Finding, ...], Recordi
     findings += _outside(recording, case)
     if bad.mean() > MOST_BAD:
         raise RecordingError(
-            recording.source,
-            f"{100 * bad.mean():.0f} % of the samples are unusable, at most {100 * MOST_BAD:.0f} % may "
+            place=recording.source,
+            problem=f"{100 * bad.mean():.0f} % of the samples are unusable, at most {100 * MOST_BAD:.0f} "
+            "% may "
             f"be: {next(f for f in findings if f.kind is Kind.DAMAGE)}",
-            "mend the sensor and record again, or name the case of the machine that was recorded",
+            remedy="mend the sensor and record again, or name the case of the machine that was recorded",
+            code=Code.DAMAGED,
         ).in_doubt()
     return tuple(findings), replace(recording, missing=bad)
 
@@ -316,8 +318,10 @@ def _require_standstills(recording: Recording, case: Case) -> None:
             clock = case.recording.columns.get(CLOCK)
             no_clock = "has no t_s column" if clock is None else f"has no column {clock!r} for t_s, as the case says"
             raise RecordingError(
-                recording.source,
-                f"{no_clock}, yet its {len(values)} rows are {distance} apart and smooth like samples of a "
+                place=recording.source,
+                problem=f"{no_clock}, yet its {len(values)} rows are {distance} apart and smooth like samples "
+                "of a "
                 "motion, not averaged standstills",
-                "add the time, map its name in [recording.columns] or give recording.clock.period_ms",
+                remedy="add the time, map its name in [recording.columns] or give recording.clock.period_ms",
+                code=Code.CLOCK,
             )

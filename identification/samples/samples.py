@@ -13,7 +13,7 @@ from typing import ClassVar, NamedTuple, Self
 import numpy as np
 from scipy.linalg import block_diag
 
-from cases.base.errors import IdentificationError
+from cases.base.errors import Code, IdentificationError
 from cases.base.units import Array, Flags, Indices
 from cases.sensors import Sensors
 from identification.estimation.estimators import (
@@ -358,8 +358,9 @@ def _converged(
         delay = float(np.clip(delay + step, -MOST_DELAY, MOST_DELAY))
     if abs(delay) >= MOST_DELAY:
         raise IdentificationError(
-            f"no delay up to {MOST_DELAY * 1e3:.0f} ms brings forces and motion together; record them in "
-            "one run, with one clock"
+            problem=f"no delay up to {MOST_DELAY * 1e3:.0f} ms brings forces and motion together",
+            remedy="record them in one run, with one clock",
+            code=Code.NO_CONVERGENCE,
         ).in_doubt()
     assert regression is not None
     return delay, values, regression, whitening
@@ -381,8 +382,9 @@ def require_sense(model: Model, fit: Fit) -> None:
     value, std = float(fit.values[mass]), float(np.sqrt(fit.covariance[mass, mass]))
     if std > 0.0 and value < -3.0 * std:
         error = IdentificationError(
-            f"the mass comes out as {value:.4g} +- {std:.2g} kg; check the sign of the forces, "
-            "sensor_frame.transducer.sense and gravity_m_s2 of the case"
+            problem=f"the mass comes out as {value:.4g} +- {std:.2g} kg",
+            remedy="check the sign of the forces, sensor_frame.transducer.sense and gravity_m_s2 of the case",
+            code=Code.MISFIT,
         )
         error.quantity = "m"
         raise error.in_doubt()

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from cases.base.errors import RecordingError
+from cases.base.errors import Code, RecordingError
 from cases.base.units import DEG, MM, Array, Flags
 from cases.schema import Case
 from identification.finding import Kind, note
@@ -43,7 +43,12 @@ def find_standstills(recording: Recording, settle: float) -> list[slice]:
         RecordingError: no struts, no clock, nothing stands still, or the machine moves with the trigger on.
     """
     if recording.struts is None or recording.t is None:
-        raise RecordingError(recording.source, "standstills are found from struts with a clock", "record both")
+        raise RecordingError(
+            place=recording.source,
+            problem="standstills are found from struts with a clock",
+            remedy="record both",
+            code=Code.MISSING,
+        )
     step = recording.step
     moving = _moving(recording.struts, step)
     trigger = recording.trigger
@@ -52,9 +57,10 @@ def find_standstills(recording: Recording, settle: float) -> list[slice]:
         for k, w in enumerate(windows, 1):
             if moving[w].mean() > 0.5:
                 raise RecordingError(
-                    f"{recording.source}, {recording.lines.place(w.start)}",
-                    f"the machine moves while the trigger is on (standstill {k})",
-                    "this is not a measurement at poses, identify it as a motion",
+                    place=f"{recording.source}, {recording.lines.place(w.start)}",
+                    problem=f"the machine moves while the trigger is on (standstill {k})",
+                    remedy="this is not a measurement at poses, identify it as a motion",
+                    code=Code.TRIGGER,
                 )
     else:
         settling = round(settle / step)
@@ -63,9 +69,10 @@ def find_standstills(recording: Recording, settle: float) -> list[slice]:
     windows = [w for w in windows if (w.stop - w.start) * step >= SHORTEST]
     if len(windows) < 2:
         raise RecordingError(
-            recording.source,
-            f"{len(windows)} standstills of at least {SHORTEST:g} s",
-            "record a program of hexcite poses, or identify the run as a motion",
+            place=recording.source,
+            problem=f"{len(windows)} standstills of at least {SHORTEST:g} s",
+            remedy="record a program of hexcite poses, or identify the run as a motion",
+            code=Code.TOO_FEW,
         )
     return windows
 
@@ -87,9 +94,11 @@ def average(recording: Recording, windows: Sequence[slice]) -> Recording:
     for w, measured in zip(windows, rows, strict=True):
         if len(measured) < BATCHES:
             raise RecordingError(
-                f"{recording.source}, {recording.lines.place(w.start)}",
-                f"the standstill that begins here has {len(measured)} samples with all values, {BATCHES} are needed",
-                "record again",
+                place=f"{recording.source}, {recording.lines.place(w.start)}",
+                problem=f"the standstill that begins here has {len(measured)} samples with all values, "
+                f"{BATCHES} are needed",
+                remedy="record again",
+                code=Code.TOO_FEW,
             )
     forces = np.array([recording.forces[r].mean(axis=0) for r in rows])
     struts = np.array([recording.struts[r].mean(axis=0) for r in rows])
@@ -179,9 +188,10 @@ def match(averages: Recording, case: Case, expected: Array, names: str) -> tuple
         if k >= min(len(expected), len(measured)) or not same(measured[k], expected[k]):
             found, wanted = (case.words(rows[k]) if k < len(rows) else "missing" for rows in (measured, expected))
             raise RecordingError(
-                names,
-                f"standstill {k + 1}: {found}; pose {k + 1} of the program's {len(expected)}: {wanted}",
-                "record the whole program and nothing else, or name the right plan",
+                place=names,
+                problem=f"standstill {k + 1}: {found}; pose {k + 1} of the program's {len(expected)}: {wanted}",
+                remedy="record the whole program and nothing else, or name the right plan",
+                code=Code.OTHER_SOURCE,
             ).in_doubt()
     part = slice(first, end)
     struts, forces, weights = averages.struts[part], averages.forces[part], averages.weights[part]

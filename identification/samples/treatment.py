@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cases.base.doors import checks_arguments
-from cases.base.errors import IdentificationError
+from cases.base.errors import Code, IdentificationError, option
 from cases.base.units import Array, Flags
 from cases.schema import Case
 from identification.machines.of_case import machine_of
@@ -37,14 +37,34 @@ class Treatment:
 
     def __post_init__(self) -> None:
         if self.accelerated is not None and not 0.0 < self.accelerated < 1.0:
-            raise IdentificationError(f"accelerated {self.accelerated:g}", "is not a share", "give one between 0 and 1")
+            raise IdentificationError(
+                place=f"accelerated {self.accelerated:g}",
+                problem="is not a share",
+                remedy="give one between 0 and 1",
+                code=Code.OUT_OF_RANGE,
+            )
         if self.period is not None and not (math.isfinite(self.period) and self.period > 0.0):
-            raise IdentificationError(f"period {self.period:g} s", "is not a duration", "give that of the motion")
+            raise IdentificationError(
+                place=f"period {self.period:g} s",
+                problem="is not a duration",
+                remedy="give that of the motion",
+                code=Code.OUT_OF_RANGE,
+            )
         if not 1 <= self.harmonics <= MOST_HARMONICS:
             problem = f"is outside 1 to {MOST_HARMONICS}"
-            raise IdentificationError(f"harmonics {self.harmonics}", problem, "give as many as the motion has")
+            raise IdentificationError(
+                place=f"harmonics {self.harmonics}",
+                problem=problem,
+                remedy="give as many as the motion has",
+                code=Code.OUT_OF_RANGE,
+            )
         if self.cutoff is not None and not self.cutoff > 0.0:
-            raise IdentificationError(f"cutoff {self.cutoff:g} Hz", "is not a frequency", "give one above 0")
+            raise IdentificationError(
+                place=f"cutoff {self.cutoff:g} Hz",
+                problem="is not a frequency",
+                remedy="give one above 0",
+                code=Code.OUT_OF_RANGE,
+            )
 
     @property
     def words(self) -> str:
@@ -68,7 +88,10 @@ class Treatment:
         """
         if recording.t is None or recording.struts is None:
             raise IdentificationError(
-                recording.source, "treatments are for runs that move, by drives or joints", "leave them out"
+                place=recording.source,
+                problem="treatments are for runs that move, by drives or joints",
+                remedy="leave them out",
+                code=Code.NOT_SUPPORTED,
             )
         if self.cutoff is not None:
             cutoff = min(self.cutoff, WIDEST / recording.step)
@@ -122,8 +145,11 @@ def _require_periodic(
         share = float(left[own].max() / max(float(np.ptp(coordinates[:, own], axis=0).max()), np.finfo(float).tiny))
         if share > NOT_PERIODIC and left[own].max() > 1e-5:
             raise IdentificationError(
-                recording.source,
-                f"a Fourier series of period {treatment.period:g} s with {treatment.harmonics} harmonics is off the "
-                f"motion by {100 * share:.2g} % of its range (rms), at most {100 * NOT_PERIODIC:g} % are a filter",
-                "give the period and the harmonics of the plan, or leave --period out",
+                place=recording.source,
+                problem=f"a Fourier series of period {treatment.period:g} s with {treatment.harmonics} "
+                "harmonics is off the "
+                f"motion by {100 * share:.2g} % of its range (rms), at most {100 * NOT_PERIODIC:g} % "
+                "are a filter",
+                remedy=f"give the period and the harmonics of the plan, or leave {option('period')} out",
+                code=Code.MISFIT,
             )

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
-from cases.base.errors import IdentificationError, RecordingError
+from cases.base.errors import Code, IdentificationError, RecordingError
 from cases.base.units import Array, Flags
 from cases.schema import Case
 from identification.estimation.fit import Robust
@@ -139,15 +139,24 @@ def wrist_run(
     turning, accelerometer = recording.stream_with("rotations"), recording.stream_with("specific_forces")
     if turning is None or accelerometer is None or turning.rotations is None or accelerometer.specific_forces is None:
         raise RecordingError(
-            recording.source,
-            "a moving run without struts needs rotation matrices and an accelerometer",
-            "add the file that has them, or remove t_s if each row is an averaged standstill",
+            place=recording.source,
+            problem="a moving run without struts needs rotation matrices and an accelerometer",
+            remedy="add the file that has them, or remove t_s if each row is an averaged standstill",
+            code=Code.MISSING,
         )
     if model.needs_position or MASS not in model.blocks:
-        raise IdentificationError(f"model {model.number} needs the platform's position; choose model 0 or 6")
+        raise IdentificationError(
+            problem=f"model {model.number} needs the platform's position",
+            remedy="choose model 0 or 6",
+            code=Code.NOT_SUPPORTED,
+        )
     cutoff = case.recording.filter_cutoff_Hz if cutoff is None else cutoff
     if cutoff is None:
-        raise RecordingError("a moving run needs a filter; set recording.filter_cutoff_Hz in the case")
+        raise RecordingError(
+            problem="a moving run needs a filter",
+            remedy="set recording.filter_cutoff_Hz in the case",
+            code=Code.MISSING,
+        )
     quaternions = Rotation.from_matrix(turning.rotations).as_quat()
     flips = np.cumprod(np.r_[1.0, np.sign(np.sum(quaternions[1:] * quaternions[:-1], axis=1))])
     # Without inertia, orientations only say where the sensor turns: their own band is enough for that.
@@ -164,7 +173,11 @@ def wrist_run(
     speed[invalid] = 0.0
     moving = np.flatnonzero(speed > TURNING)
     if not len(moving):
-        raise IdentificationError("the sensor does not turn; record a motion, or remove t_s from averaged standstills")
+        raise IdentificationError(
+            problem="the sensor does not turn",
+            remedy="record a motion, or remove t_s from averaged standstills",
+            code=Code.NO_EXCITATION,
+        )
     first, last = max(quaternion.x[0], specific.x[0]), min(quaternion.x[-1], specific.x[-1])
     inside = (t >= first + MOST_DELAY) & (t <= last - MOST_DELAY)
     inside[: moving[0]] = inside[moving[-1] + 1 :] = False
@@ -175,7 +188,11 @@ def wrist_run(
     warnings = about_left_out(recording.source, share / max(len(window) + int(missing), 1), low_pass)
     samples = rows[:: low_pass.stride]
     if len(samples) < LEAST_ROWS:
-        raise RecordingError("the streams overlap for too short a time behind the filter; record longer")
+        raise RecordingError(
+            problem="the streams overlap for too short a time behind the filter",
+            remedy="record longer",
+            code=Code.TOO_FEW,
+        )
     quiet = _quiet(turning, accelerometer, cutoff, model)
     return WristRun(
         model=model, filter=low_pass, calm=quiet, t=t[samples], forces=smooth[samples],
@@ -237,9 +254,10 @@ def _filter(stream: Stream, cutoff: float) -> tuple[Array, Filter]:
     t, step = _equal_steps(stream)
     if not 1.5 * cutoff < 0.5001 / step:
         raise RecordingError(
-            stream.source,
-            f"{1 / step:.4g} samples a second are too few for filter_cutoff_Hz = {cutoff:g}",
-            f"at most {1 / (3 * step):.3g}",
+            place=stream.source,
+            problem=f"{1 / step:.4g} samples a second are too few for filter_cutoff_Hz = {cutoff:g}",
+            remedy=f"at most {1 / (3 * step):.3g}",
+            code=Code.CLOCK,
         )
     return t, Filter(cutoff, step, MOST_DELAY)
 
@@ -256,7 +274,12 @@ def widest_band(*streams: Stream) -> float:
 def _equal_steps(stream: Stream) -> tuple[Array, float]:
     """Sampling instants of a stream, and their step [s]."""
     if stream.t is None or len(stream.t) < LEAST_ROWS:
-        raise RecordingError(stream.source, "has too few samples with time stamps for a moving run", "record longer")
+        raise RecordingError(
+            place=stream.source,
+            problem="has too few samples with time stamps for a moving run",
+            remedy="record longer",
+            code=Code.TOO_FEW,
+        )
     return stream.t, stream.step
 
 

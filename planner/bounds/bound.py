@@ -22,7 +22,7 @@ import numpy as np
 from platformdirs import user_cache_path
 from pydantic import TypeAdapter, ValidationError
 
-from cases.base.errors import FileProblem, HexciteError
+from cases.base.errors import Code, FileProblem, HexciteError, option
 from cases.base.files import json_text, write_text
 from cases.base.units import as_html
 from cases.basis import bound_hash
@@ -151,7 +151,11 @@ def bound(
             determine all parameters.
     """
     if not (isfinite(time_limit) and time_limit > 0.0):
-        raise HexciteError(f"--time-limit {time_limit:g} s is not a duration; give seconds above 0, such as 120")
+        raise HexciteError(
+            problem=f"{option('time_limit')} {time_limit:g} s is not a duration",
+            remedy="give seconds above 0, such as 120",
+            code=Code.OUT_OF_RANGE,
+        )
     case.need_motion("the information limit")
     effective_model = identification_model(case, full_model(case) if model is None else model)
     require_identifiable(case, effective_model)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from cases.base.errors import CaseError
+from cases.base.errors import CaseError, Code
 from cases.machine import POSE
 from cases.schema import Case
 from cases.tables import own_units
@@ -61,7 +61,13 @@ def proposed_box(case: Case, seed: int = 0) -> ProposedBox:
 
     stated = limits.pose
     if float(standing_ratios(case, home[None]).max()) > 1.0 + TOLERANCE or not fits(np.zeros_like(stated)):
-        raise CaseError(case.origin, "limits.motion", "home is out of reach, or at its edge; move home")
+        raise CaseError(
+            file=case.origin,
+            key="limits.motion",
+            problem="home is out of reach, or at its edge",
+            remedy="move home",
+            code=Code.INFEASIBLE,
+        )
     whole = fits(stated)
     box = stated if whole else stated * _largest(lambda share: fits(stated * share))
     for _ in range(0 if whole else PASSES):

@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from cases.base.errors import FileProblem, HexciteError, InfeasiblePlan
+from cases.base.errors import Code, FileProblem, HexciteError, InfeasiblePlan, option
 from cases.base.files import MOST_JSON, read_whole
 from cases.base.units import Array
 from cases.machine import POSE
@@ -77,10 +77,15 @@ def load_sequence(file: Path, columns: Sequence[str] = POSE) -> Steps:
         CaseError: it describes no sequence; the message names the step.
     """
     if tuple(columns) != POSE:
-        raise FileProblem(file, "holds steps of a platform", f"name a CSV of poses with {', '.join(columns)}")
+        raise FileProblem(
+            place=file,
+            problem="holds steps of a platform",
+            remedy=f"name a CSV of poses with {', '.join(columns)}",
+            code=Code.WRONG_KIND,
+        )
     if not file.is_file():
         reason = "Is a directory" if file.is_dir() else "No such file or directory"
-        raise FileProblem(file, f"cannot be read ({reason})", _WANTED)
+        raise FileProblem(place=file, problem=f"cannot be read ({reason})", remedy=_WANTED, code=Code.UNREADABLE)
     return read_tables(Steps, file)
 
 
@@ -95,16 +100,28 @@ def load_poses(file: Path, columns: Sequence[str] = POSE) -> Array:
     try:
         lines = read_whole(file, MOST_JSON).decode().splitlines()
     except FileProblem as error:
-        raise FileProblem(file, error.problem, _WANTED) from error
+        raise FileProblem(place=file, problem=error.problem, remedy=_WANTED, code=Code.UNREADABLE) from error
     except UnicodeDecodeError as error:
-        raise FileProblem(file, f"cannot be read ({error})", _WANTED) from error
+        raise FileProblem(
+            place=file, problem=f"cannot be read ({error})", remedy=_WANTED, code=Code.UNREADABLE
+        ) from error
     rows = [line.split(",") for line in lines if line.strip() and not line.startswith("#")]
     header = [cell.strip() for cell in rows[0]] if rows else []
     missing = [c for c in columns if c not in header]
     if missing:
-        raise FileProblem(file, f"column {missing[0]} is missing", f"the first line must name {', '.join(columns)}")
+        raise FileProblem(
+            place=file,
+            problem=f"column {missing[0]} is missing",
+            remedy=f"the first line must name {', '.join(columns)}",
+            code=Code.MISSING,
+        )
     if not 1 <= len(rows) - 1 <= MOST_STEPS:
-        raise FileProblem(file, f"holds {len(rows) - 1} poses", f"1 to {MOST_STEPS} make an excitation")
+        raise FileProblem(
+            place=file,
+            problem=f"holds {len(rows) - 1} poses",
+            remedy=f"1 to {MOST_STEPS} make an excitation",
+            code=Code.OUT_OF_RANGE,
+        )
     poses = []
     for number, row in enumerate(rows[1:], start=1):
         try:
@@ -112,7 +129,12 @@ def load_poses(file: Path, columns: Sequence[str] = POSE) -> Array:
         except (ValueError, IndexError):
             values = [float("nan")]
         if not np.isfinite(values).all():
-            raise FileProblem(file, f"pose {number} holds no {len(columns)} numbers", "mend that line")
+            raise FileProblem(
+                place=file,
+                problem=f"pose {number} holds no {len(columns)} numbers",
+                remedy="mend that line",
+                code=Code.WRONG_KIND,
+            )
         poses.append(values)
     return np.asarray(np.array(poses) * own_units(columns))
 
@@ -125,7 +147,12 @@ def sequence_file(case: Case) -> Path:
     """
     file = find_case(case.origin).parent / "manual.toml"
     if not file.is_file():
-        raise HexciteError(file, "is missing; describe the sequence there or name one with --sequence")
+        raise HexciteError(
+            place=file,
+            problem="is missing",
+            remedy=f"describe the sequence there or name one with {option('sequence')}",
+            code=Code.MISSING,
+        )
     return file
 
 
@@ -144,7 +171,9 @@ def manual_motion(case: Case, file: Path) -> Joined:
     remedy = "choose another pose or a smaller circle"
     parts = [fastest_within_limits(case, build, f"{file}: step {number}", remedy) for number, build in builds]
     if not any(not isinstance(p, Standstill) for p in parts):
-        raise FileProblem(file, "nothing moves; name poses away from home")
+        raise FileProblem(
+            place=file, problem="nothing moves", remedy="name poses away from home", code=Code.NO_EXCITATION
+        )
     return Joined(tuple(parts))
 
 
@@ -222,7 +251,7 @@ def fastest_within_limits(case: Case, build: Build, place: str, remedy: str) -> 
     if not satisfies(low):
         worst = prove(build(low), case, RATE).violations
         words = worst[0].sentence() if worst else "a limit is all but used up"
-        raise InfeasiblePlan(place, f"{words}; {remedy}")
+        raise InfeasiblePlan(place=place, problem=words, remedy=remedy, code=Code.INFEASIBLE)
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
         low, high = (middle, high) if satisfies(middle) else (low, middle)
@@ -236,4 +265,4 @@ def _require_reach(way: Trajectory, case: Case, place: str, remedy: str) -> None
         report = prove_at(StandingPoses(poses), case, np.arange(float(len(poses))), limited=limited)
         if not report.kept:
             worst = report.violations[0].sentence(timed=False)
-            raise InfeasiblePlan(place, f"{worst}; {remedy}")
+            raise InfeasiblePlan(place=place, problem=worst, remedy=remedy, code=Code.INFEASIBLE)

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from cases.base.doors import checks_arguments
-from cases.base.errors import HexciteError, choice
+from cases.base.errors import Code, HexciteError, choice, option
 from cases.controller import ControllerName
 from cases.schema import Case
 from identification.estimation.criteria import Criterion, box_middle
@@ -37,13 +37,19 @@ TIMED = "point-to-point moves in whole controller cycles"  # splines begin from 
 def _require(value: float | None, name: str, low: float, high: float, usual: str) -> None:
     """Raises HexciteError where a setting is outside its range; None is a default."""
     if value is not None and not low <= value <= high:
-        raise HexciteError(f"{name} {value:g} is outside {low:g} to {high:g}; choose {usual}")
+        raise HexciteError(
+            problem=f"{name} {value:g} is outside {low:g} to {high:g}", remedy=f"choose {usual}", code=Code.OUT_OF_RANGE
+        )
 
 
 def require_plannable_without(family: str | None) -> None:
     """Raises HexciteError unless a plan may leave a family of limits out; None for none."""
     if family is not None and family not in PLANNABLE_WITHOUT:
-        raise HexciteError(f"--without {family!r} names no limit that a plan may leave out; choose jerk")
+        raise HexciteError(
+            problem=f"{option('without')} {family!r} names no limit that a plan may leave out",
+            remedy="choose jerk",
+            code=Code.UNKNOWN,
+        )
 
 
 class FamilySettings:
@@ -61,7 +67,9 @@ class FamilySettings:
     def check(self, duration: float) -> None:
         """Raises HexciteError where a motion cannot last so long [s]."""
         if not duration > 0.0:
-            raise HexciteError(f"duration {duration:g} s is not positive; choose about 12 s")
+            raise HexciteError(
+                problem=f"duration {duration:g} s is not positive", remedy="choose about 12 s", code=Code.OUT_OF_RANGE
+            )
 
     def require_plannable(self, case: Case, duration: float) -> None:
         """Raises HexciteError where no search can succeed on this machine."""
@@ -146,13 +154,17 @@ class Fourier(FamilySettings):
         repeats = duration / self.period
         if not (repeats >= 1.0 - ROUNDING and abs(repeats - round(repeats)) < ROUNDING):
             raise HexciteError(
-                f"duration {duration:g} s is not a whole number of periods of {self.period:g} s; choose "
-                f"{max(self.fewest, round(repeats)) * self.period:g} s"
+                problem=f"duration {duration:g} s is not a whole number of periods of {self.period:g} s",
+                remedy=f"choose {max(self.fewest, round(repeats)) * self.period:g} s",
+                code=Code.OUT_OF_RANGE,
             )
         if round(repeats) < self.fewest:
             raise HexciteError(
-                f"duration {duration:g} s is one period of order 1, which needs two: one is spent on the ways in and "
-                f"out; choose --duration {self.fewest * self.period:g} or more"
+                problem=f"duration {duration:g} s is one period of order 1, which needs two: one is spent on "
+                "the ways in and "
+                "out",
+                remedy=f"choose {option('duration')} {self.fewest * self.period:g} or more",
+                code=Code.OUT_OF_RANGE,
             )
 
     @property
@@ -172,11 +184,14 @@ class Fourier(FamilySettings):
             order, period = family.order, family.period
             if order / period > limit * (1.0 + ROUNDING):
                 most = int(duration * limit / order * (1 + ROUNDING))  # whole periods that pass
-                option = "--period" if self.period or most >= self.fewest else "--duration"
+                longer = option("period" if self.period or most >= self.fewest else "duration")
                 raise HexciteError(
-                    f"period {period:g} s is too short: order {order} reaches {order / period:g} Hz, the evaluation "
-                    f"passes up to {limit:g} Hz (half of recording.filter_cutoff_Hz); choose {option} "
-                    f"{duration / most if most >= self.fewest else self.fewest * order / limit:g} or more"
+                    problem=f"period {period:g} s is too short: order {order} reaches {order / period:g} Hz, the "
+                    "evaluation "
+                    f"passes up to {limit:g} Hz (half of recording.filter_cutoff_Hz)",
+                    remedy=f"choose {longer} "
+                    f"{duration / most if most >= self.fewest else self.fewest * order / limit:g} or more",
+                    code=Code.OUT_OF_RANGE,
                 )
 
     def families(self, case: Case, duration: float) -> tuple[FourierFamily, ...]:
@@ -199,8 +214,9 @@ class Fourier(FamilySettings):
                 chosen.append(replace(family, equal_start=self.equal_start))
         if not chosen:
             raise HexciteError(
-                f"no period fits: {duration:g} s is too short or the filter of the evaluation too low; choose a longer "
-                "--duration, or fix --period"
+                problem=f"no period fits: {duration:g} s is too short or the filter of the evaluation too low",
+                remedy=f"choose a longer {option('duration')}, or fix {option('period')}",
+                code=Code.OUT_OF_RANGE,
             )
         return tuple(chosen)
 
@@ -262,7 +278,9 @@ class PointToPoint(FamilySettings):
         _require(self.moves, "moves", ptp.FEWEST, ptp.MOST, "about 40")
         if self.controller not in (None, *ControllerName):
             raise HexciteError(
-                f"controller {self.controller!r} is unknown; {choice(str(self.controller), ControllerName)}"
+                problem=f"controller {self.controller!r} is unknown",
+                remedy=choice(str(self.controller), ControllerName),
+                code=Code.UNKNOWN,
             )
         require_plannable_without(self.without)
 
@@ -299,9 +317,11 @@ class PointToPoint(FamilySettings):
         count, least = self.count(controlled(case, self.made_for(case))[0], duration), self._least_move(case)
         if duration < count * least * (1.0 - ROUNDING):
             raise HexciteError(
-                f"duration {duration:g} s is too short for {count} moves: by controller.cycle_ms and limits of jerk "
-                f"each takes {least:g} s; choose at least {count * least:g} s"
-                + (f", or fewer --moves ({ptp.FEWEST} or more)" if count > ptp.FEWEST else "")
+                problem=f"duration {duration:g} s is too short for {count} moves: by controller.cycle_ms and limits of "
+                f"jerk each takes {least:g} s",
+                remedy=f"choose at least {count * least:g} s"
+                + (f", or fewer {option('moves')} ({ptp.FEWEST} or more)" if count > ptp.FEWEST else ""),
+                code=Code.OUT_OF_RANGE,
             )
 
     def least(self, case: Case) -> float:
@@ -321,18 +341,26 @@ class PointToPoint(FamilySettings):
         if steps and self.without is None:
             named = "" if self.controller else f' (controller.plan_for = "{controller}")'
             raise HexciteError(
-                f"limits.motion of case {case.name} states jerk, which {controller}{named} does not limit: no program "
-                "can keep it there; plan with --without jerk if the machine bears steps of acceleration, or with "
-                "--for virtual, whose motion keeps it on controllers that limit jerk"
+                problem=f"limits.motion of case {case.name} states jerk, which {controller}{named} does not "
+                "limit: no program "
+                "can keep it there",
+                remedy=f"plan with {option('without')} jerk if the machine bears steps of acceleration, or "
+                "with "
+                f"{option('for')} virtual, whose motion keeps it on controllers that limit jerk",
+                code=Code.NOT_SUPPORTED,
             )
         if self.without is not None and not steps:
             if controller:
                 raise HexciteError(
-                    f"--without {self.without}: {controller} limits the jerk, and keeps it; leave it out"
+                    problem=f"{option('without')} {self.without}: {controller} limits the jerk, and keeps it",
+                    remedy="leave it out",
+                    code=Code.CONTRADICTION,
                 )
             raise HexciteError(
-                f"--without {self.without} leaves it out for a controller that does not limit it, and none is named; "
-                "name it (--for linuxcnc), or leave --without out"
+                problem=f"{option('without')} {self.without} leaves it out for a controller that does not "
+                "limit it, and none is named",
+                remedy=f"name it ({option('for')} linuxcnc), or leave {option('without')} out",
+                code=Code.CONTRADICTION,
             )
 
     def families(self, case: Case, duration: float) -> tuple[Family, ...]:
@@ -371,7 +399,11 @@ class Spline(FamilySettings):
     def check(self, duration: float) -> None:
         """Raises HexciteError where the duration has no room for the fewest knots."""
         if not duration >= SHORTEST:
-            raise HexciteError(f"duration {duration:g} s is too short for a spline; choose at least {SHORTEST:g} s")
+            raise HexciteError(
+                problem=f"duration {duration:g} s is too short for a spline",
+                remedy=f"choose at least {SHORTEST:g} s",
+                code=Code.OUT_OF_RANGE,
+            )
 
     def least(self, case: Case) -> float:
         """That of the fewest knots [s]."""
@@ -483,5 +515,5 @@ FAMILIES: Mapping[str, FamilyKind] = {kind.name: kind for kind in (Manual, Fouri
 def family_class(name: str) -> FamilyKind:
     """The family of a name, for the command line and for files; raises HexciteError where it is unknown."""
     if name not in FAMILIES:
-        raise HexciteError(f"family {name!r} is unknown; {choice(name, FAMILIES)}")
+        raise HexciteError(problem=f"family {name!r} is unknown", remedy=choice(name, FAMILIES), code=Code.UNKNOWN)
     return FAMILIES[name]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, Field, TypeAdapter, ValidationError
 
-from cases.base.errors import FileProblem, HexciteError
+from cases.base.errors import Code, FileProblem, HexciteError
 from cases.base.files import DAMAGED
 from cases.tables import LARGEST
 from identification.motion.curves import FourierMotion, PolynomialMotion
@@ -71,12 +71,14 @@ def refusing(file: Path) -> Iterator[None]:
     except FileProblem:
         raise
     except HexciteError as error:
-        raise FileProblem(file, error.typed, "plan again") from error
+        raise FileProblem(place=file, problem=error.message, remedy="plan again", code=Code.DAMAGED) from error
     except (ValidationError, *DAMAGED) as error:
-        place: object = error
+        place = str(error).strip()  # NumPy's own sentences end in a blank
         if isinstance(error, ValidationError):
             place = ".".join(map(str, error.errors()[0]["loc"]))
-        raise FileProblem(file, f"entry {place} is missing or damaged", "plan again") from error
+        raise FileProblem(
+            place=file, problem=f"entry {place} is missing or damaged", remedy="plan again", code=Code.DAMAGED
+        ) from error
 
 
 _FOURIER = {

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases.base.errors import HexciteError, IdentificationError, InfeasiblePlan, Interrupted, choice
+from cases.base.errors import Code, HexciteError, IdentificationError, InfeasiblePlan, Interrupted, choice
 from cases.base.units import Array
 from cases.schema import Case
 from identification.limits.limit import LimitKind
@@ -66,12 +66,26 @@ def require_targets(request: Request, case: Case) -> None:
     """Raises HexciteError where a target is not the positive deviation of a parameter [SI], or nothing is searched."""
     names = [p.name for p in physical_form(identification_model(case, request.model)).parameters]
     if request.target and not request.family.optimised:
-        raise HexciteError(f"a target does nothing with family {request.name}, whose duration is given; leave it out")
+        raise HexciteError(
+            problem=f"a target does nothing with family {request.name}, whose duration is given",
+            remedy="leave it out",
+            code=Code.CONTRADICTION,
+        )
     for name, value in request.target.items():
         if name not in names:
-            raise HexciteError(f"target {name}", f"is not a parameter of model {request.model}; {choice(name, names)}")
+            raise HexciteError(
+                place=f"target {name}",
+                problem=f"is not a parameter of model {request.model}",
+                remedy=choice(name, names),
+                code=Code.UNKNOWN,
+            )
         if not 0.0 < value < math.inf:
-            raise HexciteError(f"target {name}", f"{value:g} is not a deviation to reach; give one above 0")
+            raise HexciteError(
+                place=f"target {name}",
+                problem=f"{value:g} is not a deviation to reach",
+                remedy="give one above 0",
+                code=Code.OUT_OF_RANGE,
+            )
 
 
 def search(request: Request, case: Case, listener: Listener, run: Runner) -> PlannedMotion:
@@ -101,7 +115,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
     if not starts:
         if ended_early and not out_of_time:
             raise Interrupted
-        raise InfeasiblePlan(failed[0].reason)
+        raise InfeasiblePlan(problem=failed[0].reason, code=Code.INFEASIBLE)
     best = starts[0]
     motion = best.family.motion(keep_limits(rounds.case, best.family, best.unknowns, PROOF_RATE)[0])
     report = with_steps(prove(motion, case), step_time)
@@ -240,17 +254,24 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
     else:
         motion, file = by_hand
         if not motion.duration <= LONGEST:
-            raise InfeasiblePlan(file, f"takes {motion.duration:.0f} s, longer than {LONGEST:g} s; take steps out")
+            raise InfeasiblePlan(
+                place=file,
+                problem=f"takes {motion.duration:.0f} s, longer than {LONGEST:g} s",
+                remedy="take steps out",
+                code=Code.INFEASIBLE,
+            )
         result = PlannedMotion(motion, {"sequence": str(file)}, prove(motion, case))
     seconds = time.perf_counter() - start
     if not result.limits.kept:
         worst = result.limits.violations[0]
-        raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; {remedy(worst, case)}")
+        raise InfeasiblePlan(
+            problem=f"no feasible motion: {worst.sentence()}", remedy=remedy(worst, case), code=Code.INFEASIBLE
+        )
     try:
         return rated_plan(request, case, result, seconds)
     except IdentificationError as error:
         place = str(result.settings.get("sequence", f"no plan for model {request.model}"))
-        raise IdentificationError(place, f"{error.typed}") from error
+        raise IdentificationError(place=place, problem=error.message, code=Code.NO_EXCITATION) from error
 
 
 def make_until_ctrl_c(request: Request, case: Case, listener: Listener) -> Plan:

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from cases.base.doors import checks
-from cases.base.errors import FileProblem, HexciteError
+from cases.base.errors import Code, FileProblem, HexciteError
 from cases.base.files import PLAN, atomic_folder, check_folder, json_text, read_json
 from cases.base.units import DEG, MM, as_html
 from cases.basis import CONTENT, KEPT, case_of, content_of, plan_basis, require_unchanged
@@ -140,7 +140,12 @@ class Plan:
         """
         if isinstance(self.request, Request) and isinstance(self.worth, Worth):
             return self.request, self.worth
-        raise HexciteError(self.name, "is a plan of poses; here a plan of a motion is wanted")
+        raise HexciteError(
+            place=self.name,
+            problem="is a plan of poses",
+            remedy="here a plan of a motion is wanted",
+            code=Code.WRONG_KIND,
+        )
 
     @property
     def payloads(self) -> range:
@@ -185,19 +190,30 @@ class Plan:
         data = read_json(file, "hexcite plan")
         if data.get("schema_version") != SCHEMA_VERSION:
             raise FileProblem(
-                file, f"schema_version is {data.get('schema_version')!r}, not {SCHEMA_VERSION}", "plan again"
+                place=file,
+                problem=f"schema_version is {data.get('schema_version')!r}, not {SCHEMA_VERSION}",
+                remedy="plan again",
+                code=Code.VERSION,
             )
         with refusing(file):
             entries = Entries.model_validate(data)
             motion = motion_of_entries(data)
         of_poses = entries.family == PoseRequest.name
         if not 0.0 < motion.duration <= (LONGEST_OF_POSES if of_poses else LONGEST):
-            raise FileProblem(file, f"a motion of {motion.duration:g} s is not an excitation", "plan again")
+            raise FileProblem(
+                place=file,
+                problem=f"a motion of {motion.duration:g} s is not an excitation",
+                remedy="plan again",
+                code=Code.OUT_OF_RANGE,
+            )
         own = case_of(file, data, "plan again") if case is None else case
         count = len(own.need_motion("a plan")[0])
         with refusing(file):
             if motion.at([0.0]).pose.shape[1] != count:
-                raise HexciteError(f"its motion does not have the {count} coordinates of case {own.name}")
+                raise HexciteError(
+                    problem=f"its motion does not have the {count} coordinates of case {own.name}",
+                    code=Code.OTHER_SOURCE,
+                )
         now = plan_basis(own, entries.payload, of_poses)
         remarks = require_unchanged(file, data, now, own, stale, "plan again")
         with refusing(file):
@@ -213,7 +229,7 @@ class Plan:
                 Path(folder), fingerprint_of(file.read_bytes()), remarks, entries.gain,
             )  # fmt: skip
         if entries.content != content_of(data):
-            raise FileProblem(file, "was changed by hand", "plan again")
+            raise FileProblem(place=file, problem="was changed by hand", remedy="plan again", code=Code.CHANGED)
         return plan
 
     def to_json(self) -> dict[str, Any]:

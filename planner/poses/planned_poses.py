@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from cases.base.errors import HexciteError, IdentificationError, InfeasiblePlan
+from cases.base.errors import Code, HexciteError, IdentificationError, InfeasiblePlan, option
 from cases.base.units import DEG, MM
 from cases.schema import Case
 from identification.estimation.criteria import (
@@ -186,15 +186,21 @@ def sampled_candidates(case: Case, count: int, seed: int) -> Array:
 
 def _valid(case: Case, poses: Array) -> Array:
     if not len(poses):
-        raise InfeasiblePlan("no pose lies inside poses.radius_mm and the XY range; widen one of them")
+        raise InfeasiblePlan(
+            problem="no pose lies inside poses.radius_mm and the XY range",
+            remedy="widen one of them",
+            code=Code.INFEASIBLE,
+        )
     kept = standing_shares(case, poses) <= 1.0 + TOLERANCE
     valid = kept.all(axis=1)
     if not valid.any():
         most = int(np.argmin(kept.mean(axis=0)))
         worst, share = standing_report(case, poses).checks[most], 100 * (1 - kept[:, most].mean())
         raise InfeasiblePlan(
-            f"none of {len(poses)} poses is valid: {worst.sentence(timed=False)}, exceeded at {share:.0f} % of them; "
-            f"{remedy(worst, case)}, or narrow {'[poses]' if case.chain is None else 'limits.motion.joints'}"
+            problem=f"none of {len(poses)} poses is valid: {worst.sentence(timed=False)}, exceeded at "
+            f"{share:.0f} % of them",
+            remedy=f"{remedy(worst, case)}, or narrow {'[poses]' if case.chain is None else 'limits.motion.joints'}",
+            code=Code.INFEASIBLE,
         )
     return np.asarray(poses[valid])
 
@@ -202,7 +208,9 @@ def _valid(case: Case, poses: Array) -> Array:
 def _require_count(count: int) -> None:
     if not 1 <= count <= MOST:
         raise HexciteError(
-            f"{count} candidates; choose 1 to {MOST}: take other steps in [poses], or sample with --candidates 20000"
+            problem=f"{count} candidates",
+            remedy=f"choose 1 to {MOST}: take other steps in [poses], or sample with {option('candidates')} 20000",
+            code=Code.OUT_OF_RANGE,
         )
 
 
@@ -235,18 +243,26 @@ def _require_rank(model: Model, regressors: Array) -> None:
     try:
         singular_values(total_information(regressors), model.names)
     except IdentificationError as error:
-        raise IdentificationError(f"model {model.number}", error.typed) from error
+        raise IdentificationError(
+            place=f"model {model.number}", problem=error.message, code=Code.NO_EXCITATION
+        ) from error
 
 
 def _require_valid(case: Case, given: Array | None) -> Array:
     """The poses of a user; raises HexciteError without any, InfeasiblePlan where the machine cannot stand at one."""
     if given is None:
-        raise HexciteError("method given needs poses: name a CSV file of them with --at")
+        raise HexciteError(
+            problem=f"method given needs poses: name a CSV file of them with {option('at')}", code=Code.MISSING
+        )
     for number, valid in enumerate(valid_poses(case, given), 1):
         if not valid:
             place = case.words(given[number - 1])
             worst = standing_report(case, given[number - 1 : number]).violations[0].sentence(timed=False)
-            raise InfeasiblePlan(f"the machine cannot stand at pose {number} ({place}): {worst}; take another one")
+            raise InfeasiblePlan(
+                problem=f"the machine cannot stand at pose {number} ({place}): {worst}",
+                remedy="take another one",
+                code=Code.INFEASIBLE,
+            )
     return given
 
 
@@ -279,7 +295,11 @@ def _motion(case: Case, poses: Array) -> tuple[Joined, LimitReport]:
     report = worst_of(reports)
     if not report.kept:
         worst = report.violations[0]
-        raise InfeasiblePlan(f"a move between poses fails: {worst.sentence()}; {remedy(worst, case)}")
+        raise InfeasiblePlan(
+            problem=f"a move between poses fails: {worst.sentence()}",
+            remedy=remedy(worst, case),
+            code=Code.INFEASIBLE,
+        )
     return Joined(tuple(parts)), report
 
 
@@ -311,8 +331,11 @@ def _choose(
     indices, _ = reduce_best(regressors, criterion, count, done, change)
     if len(indices) > count:
         raise InfeasiblePlan(
-            f"{count} poses do not determine model {request.model}: Algorithm 1 ends at {len(indices)}, every further "
-            f"removal loses rank; ask for {len(indices)} or more"
+            problem=f"{count} poses do not determine model {request.model}: Algorithm 1 ends at "
+            f"{len(indices)}, every further "
+            "removal loses rank",
+            remedy=f"ask for {len(indices)} or more",
+            code=Code.NO_EXCITATION,
         )
     if request.method in ("backward", "backward-change"):
         return poses[indices], "as many as asked for"
@@ -324,6 +347,9 @@ def _require_few(poses: Array) -> None:
     """Raises HexciteError for more candidates than of which every removal can be evaluated."""
     if len(poses) > MOST_EXHAUSTIVE:
         raise HexciteError(
-            f"every removal is evaluated for method backward-change and criteria A, K and N, of {MOST_EXHAUSTIVE} "
-            f"candidates at most, here are {len(poses)}; choose backward for criterion D, or fewer --candidates"
+            problem="every removal is evaluated for method backward-change and criteria A, K and N, of "
+            f"{MOST_EXHAUSTIVE} "
+            f"candidates at most, here are {len(poses)}",
+            remedy=f"choose backward for criterion D, or fewer {option('candidates')}",
+            code=Code.OUT_OF_RANGE,
         )

@@ -9,7 +9,7 @@ from itertools import combinations, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.base.errors import InfeasiblePlan
+from cases.base.errors import Code, InfeasiblePlan
 from cases.schema import Case
 from identification.limits.proof import MARGIN, slowed_for_forces
 from identification.machines.of_case import machine_of
@@ -68,8 +68,9 @@ def require_ways(times: Array, order: NDArray[np.int64]) -> None:
     for a, b in pairwise(order):
         if not np.isfinite(times[a, b]):
             raise InfeasiblePlan(
-                f"there is no straight way from pose {a} to pose {b} inside the workspace (0 is home); choose other "
-                "poses or widen the workspace"
+                problem=f"there is no straight way from pose {a} to pose {b} inside the workspace (0 is home)",
+                remedy="choose other poses or widen the workspace",
+                code=Code.INFEASIBLE,
             )
 
 

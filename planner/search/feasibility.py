@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cases.base.errors import IdentificationError, InfeasiblePlan
+from cases.base.errors import Code, IdentificationError, InfeasiblePlan
 from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.criteria import box_middle, information, singular_values, uniform_states
@@ -41,7 +41,11 @@ def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> tup
     while not inside(report := report_at(share)):
         if share <= SMALLEST:
             worst = max(report.checks, key=lambda c: c.ratio)
-            raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; {remedy(worst, case)} or move home")
+            raise InfeasiblePlan(
+                problem=f"no feasible motion: {worst.sentence()}",
+                remedy=f"{remedy(worst, case)} or move home",
+                code=Code.INFEASIBLE,
+            )
         failed, share = share, share - step if step < share / 2 else share / 2
         step *= 2
     while failed - share > CLOSE_ENOUGH:
@@ -96,7 +100,11 @@ def require_rest(case: Case) -> None:
     report = prove(Standstill(box_middle(case)[0], 0.01), case, 100.0)
     if not report.kept:
         worst = report.violations[0]
-        raise InfeasiblePlan(f"no feasible motion: {worst.sentence(timed=False)}; {remedy(worst, case)} or move home")
+        raise InfeasiblePlan(
+            problem=f"no feasible motion: {worst.sentence(timed=False)}",
+            remedy=f"{remedy(worst, case)} or move home",
+            code=Code.INFEASIBLE,
+        )
 
 
 STATES, SEED = 400, 0  # states of the box at which the regressor is evaluated, and their seed
@@ -114,6 +122,9 @@ def require_identifiable(case: Case, model: Model) -> None:
         singular_values(information(model, 1.0 / np.where(scaling > 0.0, scaling, 1.0), states), model.names)
     except IdentificationError as error:
         raise IdentificationError(
-            f"case {case.name}, limits.motion: for any motion in this box {error.typed}: the machine does not turn or "
-            f"accelerate its load about enough axes; widen the box, or choose a smaller model than {model.number}"
+            problem=f"case {case.name}, limits.motion: for any motion in this box {error.message}: the "
+            "machine does not turn or "
+            "accelerate its load about enough axes",
+            remedy=f"widen the box, or choose a smaller model than {model.number}",
+            code=Code.NO_EXCITATION,
         ) from error

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cases.base.errors import HexciteError, IdentificationError, InfeasiblePlan
+from cases.base.errors import Code, HexciteError, IdentificationError, InfeasiblePlan, option
 from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.criteria import CRITERIA, Criterion, reference_scaling, singular_values
@@ -126,13 +126,15 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
             after, (inside, share) = value, candidate
     if inside is None or not np.isfinite(after):
         raise InfeasiblePlan(
-            f"start {task.seed} found no motion inside the limits that determines all parameters of model "
-            f"{task.model}; widen [limits.motion], allow a longer --duration or choose a smaller --model"
+            problem=f"start {task.seed} found no motion inside the limits that determines all parameters of model "
+            f"{task.model}",
+            remedy=f"widen [limits.motion], allow a longer {option('duration')} or choose a smaller {option('model')}"
             + (
                 ""
                 if task.solver in (None, Solver.IPOPT)
-                else f", or leave --solver {task.solver} out: {run.status.words}"
-            )
+                else f", or leave {option('solver')} {task.solver} out: {run.status.words}"
+            ),
+            code=Code.INFEASIBLE,
         )
     promise = run.rate(unknowns) if exploring else after
     record = StartRecord(
@@ -263,4 +265,4 @@ def run_safely(task: Task, watch: Watch) -> Start | Failed:
     try:
         return run_start(task, watch)
     except HexciteError as error:
-        return Failed(task.seed, error.typed)
+        return Failed(task.seed, error.message)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.base.errors import HexciteError
+from cases.base.errors import Code, HexciteError
 from identification.motion.motion import Array
 
 if TYPE_CHECKING:  # it imports SciPy, which the check of a program does not need
@@ -84,12 +84,14 @@ def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> tuple[
     """
     if len(run.trigger) != len(poses):
         problem = f"the trigger came on {len(run.trigger)} times for {len(poses)} poses on {run.controller}"
-        raise HexciteError(program, problem, "report this")
+        raise HexciteError(place=program, problem=problem, remedy="report this", code=Code.INTERNAL)
     for k, (start, end) in enumerate(run.trigger, 1):
         within = run.execution.struts(np.arange(start, end, 1e-3))
         if (way := float(np.ptp(within, axis=0).max())) > STANDS:
             problem = f"at pose {k} a drive moved by {way * 1e3:.3g} mm or mrad with the trigger on"
-            raise HexciteError(program, f"{problem}, on {run.controller}", "run again")
+            raise HexciteError(
+                place=program, problem=f"{problem}, on {run.controller}", remedy="run again", code=Code.RUN_FAILED
+            )
     actual = run.execution.kinematics(run.trigger.mean(axis=1)).pose
     t = np.arange(0.0, run.execution.duration, 1e-3)
     moving = np.flatnonzero(np.abs(np.diff(run.execution.struts(t), axis=0)).max(axis=1) > 1e-9)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cases.base.errors import HexciteError
+from cases.base.errors import Code, HexciteError
 from identification.machines.executed import Execution
 from identification.machines.of_case import machine_of
 from identification.machines.path_timing import keeps_pace, retime
@@ -58,7 +58,9 @@ def commanded(reading: Reading, guarantees: Guarantees) -> tuple[Joined, Array]:
             try:
                 part = retime(motion, case)
             except UntimedMotion as error:
-                raise HexciteError(reading.file, str(error), "look at hexcite check") from error
+                raise HexciteError(
+                    place=reading.file, problem=str(error), remedy="look at hexcite check", code=Code.NOT_PROVEN
+                ) from error
         on = on and stretch.trigger
         if at_poses and stretch.trigger:
             trigger.append((clock, clock + part.duration))
@@ -80,6 +82,10 @@ def by_ruckig(law: Law) -> Law:
         try:
             return ruckig_profile(velocity, acceleration, jerk if limits_jerk(law) else math.inf)
         except UntimedMotion as error:
-            raise HexciteError(f"ruckig cannot time a move ({error}); slow it down or make it longer") from error
+            raise HexciteError(
+                problem=f"ruckig cannot time a move ({error})",
+                remedy="slow it down or make it longer",
+                code=Code.RUN_FAILED,
+            ) from error
 
     return timed

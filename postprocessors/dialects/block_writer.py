@@ -11,7 +11,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from cases.base.errors import HexciteError
+from cases.base.errors import Code, HexciteError, option
 from cases.base.units import DEG, MINUTE, MM
 from cases.chain import Box
 from cases.schema import Case
@@ -145,7 +145,11 @@ class BlockWriter(ABC):
 
     def trace(self, on: bool) -> list[str]:
         """The blocks that start or stop the controller's own recorder; raises HexciteError where there is none."""
-        raise HexciteError(f"{self.name} programs start no recorder of the controller; leave it out")
+        raise HexciteError(
+            problem=f"{self.name} programs start no recorder of the controller",
+            remedy="leave it out",
+            code=Code.NOT_SUPPORTED,
+        )
 
     @abstractmethod
     def path(self, path: TimedPath) -> list[str]:
@@ -304,7 +308,11 @@ class BlockWriter(ABC):
             case Trigger():
                 return [self.trigger(block.on, isinstance(following, MOTION))]
             case CircularMove() | TimedPath() if self.own_axes:
-                raise HexciteError(f"{self.name} {self.no_paths}; plan with --family ptp")
+                raise HexciteError(
+                    problem=f"{self.name} {self.no_paths}",
+                    remedy=f"plan with {option('family')} ptp",
+                    code=Code.NOT_SUPPORTED,
+                )
             case CircularMove():
                 arc = f"{self.arcs[0] if block.angle > 0.0 else self.arcs[1]} {self.arc_words(block)}"
                 value = feed(self._feed_of(block, True), True)

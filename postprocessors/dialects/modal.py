@@ -8,7 +8,7 @@ from typing import ClassVar, NamedTuple, NoReturn
 
 import numpy as np
 
-from cases.base.errors import ProgramError
+from cases.base.errors import Code, ProgramError
 from cases.base.units import DEG, MINUTE, MM
 from identification.motion.motion import Array
 from identification.motion.moves import Plane
@@ -114,19 +114,27 @@ class ModalState(ABC):
             if match is None:
                 bad = text[ink.start() : ink.start() + 12].rstrip()
                 raise ProgramError(
-                    file, line, ink.start() + 1, f"cannot read {bad!r}; remove or replace it: {cls.reads}"
+                    file=file,
+                    line=line,
+                    column=ink.start() + 1,
+                    problem=f"cannot read {bad!r}",
+                    remedy=f"remove or replace it: {cls.reads}",
+                    code=Code.SYNTAX,
                 )
             if not match["comment"]:
                 words.append(cls.word_of(match, ink.start() + 1))
-            elif problem := cls.comment_problem(text, match):
-                raise ProgramError(file, line, ink.start() + 1, problem)
+            elif said := cls.comment_problem(text, match):
+                problem, remedy = said
+                raise ProgramError(
+                    file=file, line=line, column=ink.start() + 1, problem=problem, remedy=remedy, code=Code.SYNTAX
+                )
             position = match.end()
         return words
 
     @classmethod
-    def comment_problem(cls, text: str, match: re.Match[str]) -> str:
-        """What a comment of a line does that a comment must not, with the remedy; empty where it does nothing."""
-        return ""
+    def comment_problem(cls, text: str, match: re.Match[str]) -> tuple[str, str] | None:
+        """What a comment of a line does that a comment must not, and the remedy; None where it does nothing."""
+        return None
 
     @classmethod
     def word_of(cls, match: re.Match[str], column: int) -> Word:
@@ -149,12 +157,16 @@ class ModalState(ABC):
             elif words := self.words(text, number, self.file):
                 self.line = number
                 if self.ended:
-                    self.fail(words[0], f"a word after the end of the program; {self.last[0]} must be last")
+                    self.fail(words[0], "a word after the end of the program", f"{self.last[0]} must be last")
                 self.execute(self._block(words))
                 blocks += 1
         if not (self.ended or self.enclosed):
-            problem = f"no {self.last[0]} at the end; the file is truncated or not a {self.name} program"
-            raise ProgramError(self.file, 0, 0, problem)
+            raise ProgramError(
+                file=self.file,
+                problem=f"no {self.last[0]} at the end",
+                remedy=f"the file is truncated or not a {self.name} program",
+                code=Code.DAMAGED,
+            )
         return replace(self.motions.reading(blocks), stops=tuple(self.stopped))
 
     def statement(self, lines: list[str], number: int) -> int:
@@ -171,17 +183,19 @@ class ModalState(ABC):
         self.line, word, axis = number, Word(match["axis"], 1), match["axis"].upper()
         self.require_said(word)
         if self.asks_where and self.asks_where.partition(" [")[0] not in self.said:
-            self.fail(word, f"a check of a place before {self.asks_where}, which says where the machine is; add it")
+            self.fail(word, f"a check of a place before {self.asks_where}, which says where the machine is", "add it")
         names = self.axes_of_places()
         if self.confirms(match):
             if self.places.get(axis) != self._place(match):
-                self.fail(word, f"a second check of {axis}, of another place than the first one before it; correct it")
+                self.fail(
+                    word, f"a second check of {axis}, of another place than the first one before it", "correct it"
+                )
             return len(texts)
         if axis not in names or axis in self.places:
-            self.fail(word, f"a second check of {axis}, or {axis} is not an axis here; remove it")
+            self.fail(word, f"a second check of {axis}, or {axis} is not an axis here", "remove it")
         place, within = self._place(match)
         if not 0.0 < within <= LOOSEST_CHECK:
-            self.fail(word, f"a check within {within:g} mm or degrees is none; check within {LOOSEST_CHECK:g}")
+            self.fail(word, f"a check within {within:g} mm or degrees is none", f"check within {LOOSEST_CHECK:g}")
         self.places[axis] = place, within
         if len(self.places) == len(names):
             self.pose, self.unsure = np.array([self.places[name] for name in names]).T
@@ -205,7 +219,7 @@ class ModalState(ABC):
         if self.unsure.any():
             which = " ".join(np.array([*self.axes])[self.unsure > 0.0]).replace("=", "")
             problem = f"the machine stands near the checked place, but not there for certain in {which}"
-            self.fail(word, f"{problem}; first write G1 to it at a feed, those that slide first, alone")
+            self.fail(word, f"{problem}", "first write G1 to it at a feed, those that slide first, alone")
 
     def execute(self, block: dict[str, Word]) -> None:
         """Executes a block: here one in which the machine waits for its operator, which stands alone."""
@@ -218,13 +232,15 @@ class ModalState(ABC):
         self.stopped.append(self.line)
         self.flowing = False
 
-    def fail(self, word: Word, problem: str) -> NoReturn:
+    def fail(self, word: Word, problem: str, remedy: str = "") -> NoReturn:
         """Raises ProgramError at a word."""
-        raise ProgramError(self.file, self.line, word.column, problem)
+        raise ProgramError(
+            file=self.file, line=self.line, column=word.column, problem=problem, remedy=remedy, code=Code.SYNTAX
+        )
 
     def refuse(self, word: Word) -> NoReturn:
         """Refuses a word that has no meaning here."""
-        self.fail(word, f"{word.written} is not read here; remove or replace it: {self.reads}")
+        self.fail(word, f"{word.written} is not read here", f"remove or replace it: {self.reads}")
 
     def _block(self, words: Iterable[Word]) -> dict[str, Word]:
         """The words of a block by their names, each of which may stand in it once, and one of each group."""
@@ -232,9 +248,9 @@ class ModalState(ABC):
         for word in words:
             before = first.setdefault(self.group_of.get(word.name, word.name), word)
             if before is not word:
-                self.fail(word, f"{before.written} and {word.written} in one block exclude each other; remove one")
+                self.fail(word, f"{before.written} and {word.written} in one block exclude each other", "remove one")
             if word.value is not None and abs(word.value) > (LARGEST_FEED if word.name == "F" else LARGEST):
-                self.fail(word, f"{word.written} is not a number of a machine's size; correct it")
+                self.fail(word, f"{word.written} is not a number of a machine's size", "correct it")
         return {word.name: word for word in words}
 
     def activate(self, name: str) -> None:
@@ -252,44 +268,44 @@ class ModalState(ABC):
         if "F" in block:
             self.feed = block["F"].value
             if not self.feed or self.feed <= 0.0:
-                self.fail(block["F"], f"feed F{self.feed:g} is not positive; correct it")
+                self.fail(block["F"], f"feed F{self.feed:g} is not positive", "correct it")
             if self.active("G94") and self.feed < LEAST_FEED:
                 problem = f"feed F{self.feed:.3g} is below {LEAST_FEED:g} per minute, which a control rounds to nothing"
-                self.fail(block["F"], f"{problem}; leave this move out, or make it faster")
+                self.fail(block["F"], f"{problem}", "leave this move out, or make it faster")
 
     def require_said(self, word: Word) -> None:
         """Refuses a move before what it needs."""
         for text, words in self.needed.items():
             if self.said.isdisjoint(words) and not self.active(*words):
-                self.fail(word, f"a move before {text}; what it means is not known, add {text}")
+                self.fail(word, f"a move before {text}", f"what it means is not known, add {text}")
 
     def require_alone(self, word: Word, block: dict[str, Word], *others: str) -> None:
         """Refuses words beside one that needs its block for itself, but for others of some names."""
         if other := next((w for name, w in block.items() if name not in (word.name, *others)), None):
-            self.fail(other, f"{word.name} stands in a block of its own; move {other.written}")
+            self.fail(other, f"{word.name} stands in a block of its own", f"move {other.written}")
 
     def pause(self, word: Word, seconds: Word | None, usual: str, switches: bool = False) -> None:
         """Adds a dwell; `usual` is its form, for messages, `switches` as in `Grouping.pause`."""
         duration = None if seconds is None else seconds.value
         if duration is None or not 0.0 <= duration <= LARGEST:
-            self.fail(word, f"{word.name} needs a duration of 0 to {LARGEST:g} s; write {usual}")
+            self.fail(word, f"{word.name} needs a duration of 0 to {LARGEST:g} s", f"write {usual}")
         self.motions.pause(self.line, duration, switches)
         self.flowing = False
 
     def target(self, block: dict[str, Word], first: Word) -> tuple[Array, float | None, float | None]:
         """End of a straight move, shape (k,) as written, and its duration [s] or feed; neither of a rapid."""
         if not self.active("G0", "G1") or not {"I", "J", "K"}.isdisjoint(block):
-            self.fail(first, "coordinates need G0 or G1, and I, J or K need G2 or G3; correct the block")
+            self.fail(first, "coordinates need G0 or G1, and I, J or K need G2 or G3", "correct the block")
         end = self._end_of(block, first)
         if self.active("G0"):
             return end, None, None
         if self.active("G93"):
             if "F" not in block:
-                self.fail(first, f"G1 without F under G93; add {self.block_time}")
+                self.fail(first, "G1 without F under G93", f"add {self.block_time}")
             value = float(block["F"].value or 0.0)
             return end, MINUTE / value if self.inverse_time else value, None
         if self.feed is None or not self.active("G94"):
-            self.fail(first, "G1 without a feed; write G94 and F")
+            self.fail(first, "G1 without a feed", "write G94 and F")
         linear = self._moves_origin(end)
         self._require_counted(first, linear)
         return end, None, self.feed * (MM if linear else DEG) / MINUTE
@@ -297,7 +313,7 @@ class ModalState(ABC):
     def end(self, word: Word, transformation_off: str = "") -> None:
         """Ends the program."""
         if self.transformed:
-            self.fail(word, f"the transformation is still on; write {transformation_off} before")
+            self.fail(word, "the transformation is still on", f"write {transformation_off} before")
         self.ended = True
 
     def _end_of(self, block: dict[str, Word], first: Word) -> Array:
@@ -307,7 +323,7 @@ class ModalState(ABC):
         end = np.where(np.isnan(written), self.pose, written)
         if np.isnan(end).any():
             missing = self.axes[int(np.flatnonzero(np.isnan(end))[0])].rstrip("=")
-            self.fail(first, f"the first move leaves {missing} open; name all {len(end)} coordinates")
+            self.fail(first, f"the first move leaves {missing} open", f"name all {len(end)} coordinates")
         return end
 
     def _moves_origin(self, end: Array) -> bool:
@@ -327,7 +343,7 @@ class ModalState(ABC):
             axes = tuple(self.axes)
         if self.feed_group and set(self.feed_axes or ()) != set(axes):
             command = self.feed_group.format(",".join(axes))
-            self.fail(first, f"F counts {', '.join(axes)} in this move only after {command}; add it before")
+            self.fail(first, f"F counts {', '.join(axes)} in this move only after {command}", "add it before")
 
     def straight(self, end: Array, duration: float | None, feed: float | None, exact: bool) -> None:
         """Adds a straight move to coordinates, shape (k,) as written, and sets them as the pose."""
@@ -362,7 +378,7 @@ class ModalState(ABC):
         plane = next((plane for name, plane in PLANES.items() if self.active(name)), None)
         self.require_home(first)
         if np.isnan(self.pose).any() or plane is None or self.feed is None or not self.active("G94"):
-            self.fail(first, "an arc needs a known start, a plane (G17, G18, G19), G94 and F; add what is missing")
+            self.fail(first, "an arc needs a known start, a plane (G17, G18, G19), G94 and F", "add what is missing")
         self._require_counted(first, linear=True)
         axis, other, normal = plane.axes
         end = self._end_of(block, first)
@@ -374,7 +390,7 @@ class ModalState(ABC):
         if stray or radius <= 0.0 or abs(end_radius - radius) > ROUND:
             problem = f"the arc has radius {radius:g} mm at its start and {end_radius:g} mm at its end"
             remedy = f"write it in its plane, its centre from its start with {' and '.join(centre_words)}"
-            self.fail(first, f"{problem}; {remedy}")
+            self.fail(first, f"{problem}", f"{remedy}")
         angle, positive = 2 * np.pi, self.active("G3")  # counter-clockwise, seen from the positive end of the normal
         if float(np.hypot(*(target + offset))) > STILL:
             turned = float(np.arctan2(offset[1] * target[0] - offset[0] * target[1], -offset @ target)) % (2 * np.pi)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from cases.base.errors import FileProblem
+from cases.base.errors import WITH_OUTPUT, Code, FileProblem, option
 from cases.base.files import json_text
 from cases.schema import Case
 from identification.results.payload import Payload
@@ -26,13 +26,22 @@ def require_exportable(result: Carried, force: bool = False) -> None:
         require_added(result)
         doubts = list(result.doubts)
     elif not result.values[0] > 0.0:
-        raise FileProblem(result.source, f"mass {result.values[0]:.4g} kg is not positive", "identify from another run")
+        raise FileProblem(
+            place=result.source,
+            problem=f"mass {result.values[0]:.4g} kg is not positive",
+            remedy="identify from another run",
+            code=Code.MISFIT,
+        )
     else:
         doubts = [finding.sentence for finding in result.findings if finding.doubts_values]
     if doubts and not force:
         more = f" (and {len(doubts) - 1} more)" if len(doubts) > 1 else ""
-        remedy = "mend that and identify again, or export with --force, which writes the warning into the file"
-        raise FileProblem(result.source, f"carries a warning{more}: {doubts[0]}", remedy)
+        remedy = (
+            f"mend that and identify again, or export with {option('force')}, which writes the warning into the file"
+        )
+        raise FileProblem(
+            place=result.source, problem=f"carries a warning{more}: {doubts[0]}", remedy=remedy, code=Code.MISFIT
+        )
 
 
 def require_added(payload: Payload) -> None:
@@ -40,7 +49,12 @@ def require_added(payload: Payload) -> None:
     mass = payload.whole_body.values[0]
     if not mass > 0.0:
         remedy = "name the results without and with payload, in this order"
-        raise FileProblem(payload.source, f"the payload's mass {mass:.4g} kg is not positive", remedy)
+        raise FileProblem(
+            place=payload.source,
+            problem=f"the payload's mass {mass:.4g} kg is not positive",
+            remedy=remedy,
+            code=Code.MISFIT,
+        )
 
 
 def result_hash(result: Result) -> str:
@@ -151,7 +165,12 @@ def checked_name(stem: str, file: Path) -> str:
     """The name of a model or function from its file's name; raises FileProblem where no exported language takes it."""
     if not _NAME.fullmatch(stem) or stem.endswith("_"):
         problem = "becomes the name of the model, which is up to 31 small letters, digits and _, from a letter on"
-        raise FileProblem(file, f"{stem!r} {problem}", "choose another file name with -o")
+        raise FileProblem(
+            place=file,
+            problem=f"{stem!r} {problem}",
+            remedy=f"choose another file name{WITH_OUTPUT}",
+            code=Code.WRONG_KIND,
+        )
     return stem
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases.base.errors import CaseError, IdentificationError
+from cases.base.errors import CaseError, Code, IdentificationError, option
 from cases.base.units import DEG, MM, Array
 from cases.schema import Case
 from identification.model.blocks import INERTIA
@@ -48,7 +48,12 @@ def load_of(result: Carried, frame_from_sensor: Array) -> Load:
     """
     if isinstance(result, Result) and _carries_rods(result.model):
         problem = "its body is the platform with the rods of the struts, no load alone"
-        raise IdentificationError(result.source, f"{problem}; export --to c, linuxcnc, st or json")
+        raise IdentificationError(
+            place=result.source,
+            problem=problem,
+            remedy=f"export {option('to')} c, linuxcnc, st or json",
+            code=Code.NOT_SUPPORTED,
+        )
     rotation, value = frame_from_sensor[:3, :3], possible(result)
     centre = rotation @ [value["xC"], value["yC"], value["zC"]] + frame_from_sensor[:3, 3]
     if not (has_inertia(result.model) if isinstance(result, Result) else INERTIA in result.whole_body.model.blocks):
@@ -66,7 +71,9 @@ def possible(result: Carried) -> Mapping[str, float]:
     """
     if (nearest := result.physical) is None:
         problem = "no body that can exist has what was given beforehand and keeps [bounds] of the case"
-        raise IdentificationError(result.source, f"{problem}; correct them and identify again")
+        raise IdentificationError(
+            place=result.source, problem=problem, remedy="correct them and identify again", code=Code.MISFIT
+        )
     return nearest.parameters
 
 
@@ -101,7 +108,9 @@ def require_inertia(load: Load, result: Carried, receiver: str) -> Array:
     """The inertia; raises IdentificationError where the model has none."""
     if load.inertia is None:
         problem = f"{receiver} needs an inertia, which models 6 to 10 of a moving run determine"
-        raise IdentificationError(result.source, f"{problem}; identify from a moving run")
+        raise IdentificationError(
+            place=result.source, problem=problem, remedy="identify from a moving run", code=Code.NO_EXCITATION
+        )
     return load.inertia
 
 
@@ -163,5 +172,11 @@ def require_transducer(case: Case, receiver: str) -> str:
     transducer = case.sensor_frame.transducer
     if transducer is None:
         problem = f"is that of no robot: {receiver} is for setup R, a force/torque sensor at a flange"
-        raise CaseError(f"case {case.name}", "setup", f"{problem}; export --to c, linuxcnc, st or json")
+        raise CaseError(
+            file=f"case {case.name}",
+            key="setup",
+            problem=problem,
+            remedy=f"export {option('to')} c, linuxcnc, st or json",
+            code=Code.NOT_SUPPORTED,
+        )
     return transducer.sense

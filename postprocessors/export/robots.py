@@ -8,7 +8,7 @@ flange and sensor, and the sensor, come on top.
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from cases.base.errors import IdentificationError
+from cases.base.errors import Code, IdentificationError
 from cases.base.units import MM
 from identification.results.frames import FrameName, place_of
 from postprocessors.export.calibration import comment_lines
@@ -58,7 +58,12 @@ def urscript(result: Carried, name: str) -> str:
     inertia = require_inertia(load, result, "set_target_payload")
     if inertia.diagonal().max() > LARGEST:
         problem = f"an inertia of {inertia.diagonal().max():.4g} kg m^2, at most {LARGEST:g} is taken by the robot"
-        raise IdentificationError(result.source, f"{problem}; identify from a run that turns the machine more")
+        raise IdentificationError(
+            place=result.source,
+            problem=problem,
+            remedy="identify from a run that turns the machine more",
+            code=Code.NO_EXCITATION,
+        )
     elements = numbers(np.array([*inertia.diagonal(), inertia[0, 1], inertia[0, 2], inertia[1, 2]]), 6)
     lines = [
         *(f"# {line}" for line in _remarks(result, load)),

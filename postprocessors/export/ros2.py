@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cases.base.errors import CaseError
+from cases.base.errors import CaseError, Code
 from identification.results.result import Result
 from postprocessors.export.calibration import comment_lines
 from postprocessors.export.load import Load, deviations_words, load_in, numbers, possible, require_transducer
@@ -52,7 +52,9 @@ def ft_tools(result: Result, name: str) -> str:
     if require_transducer(result.case, "ft_tools") != "load_on_sensor":
         problem = "is sensor_on_load; ft_tools takes readings of the load on the sensor: turn them round in the driver"
         key = "sensor_frame.transducer.sense"
-        raise CaseError(f"case {result.case.name}", key, f"{problem}, and state load_on_sensor")
+        raise CaseError(
+            file=f"case {result.case.name}", key=key, problem=f"{problem}, and state load_on_sensor", code=Code.MISSING
+        )
     load: Load = load_in(result, "sensor")
     offsets = _offsets(result)
     lines = [

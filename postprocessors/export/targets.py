@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from cases.base.errors import FileProblem, HexciteError, choice
+from cases.base.errors import WITH_OUTPUT, Code, FileProblem, HexciteError, choice, option
 from cases.base.files import FolderKind, atomic_folder, check_file, check_folder, output_place, write_text
 from identification.results.frames import FrameName, frame_named
 from identification.results.payload import Payload
@@ -145,7 +145,7 @@ def preview(result: Carried, target: str, *, frame: str | None = None) -> Mappin
 def _target(target: str) -> Target | RobotTarget | LinkTarget | None:
     """The target of that name; None for `c`."""
     if target not in TARGETS:
-        raise HexciteError(f"target {target!r} is unknown; {choice(target, TARGETS)}")
+        raise HexciteError(problem=f"target {target!r} is unknown", remedy=choice(target, TARGETS), code=Code.UNKNOWN)
     return SINGLE_FILES.get(target)
 
 
@@ -171,20 +171,31 @@ def _whole(result: Carried, target: str) -> Result:
     if isinstance(result, Result):
         return result
     problem = f"target {target} states what a sensor reads, which no payload alone does"
-    raise HexciteError(f"{problem}; export the result with it, or choose {', '.join(LOADS)}")
+    raise HexciteError(
+        problem=problem, remedy=f"export the result with it, or choose {', '.join(LOADS)}", code=Code.NOT_SUPPORTED
+    )
 
 
 def _require_no_frame(target: str, frame: str | None) -> None:
     if frame is not None:
         links = [name for name, own in SINGLE_FILES.items() if isinstance(own, LinkTarget)]
-        raise HexciteError(f"target {target} has a frame of its own; leave frame out, or choose {', '.join(links)}")
+        raise HexciteError(
+            problem=f"target {target} has a frame of its own",
+            remedy=f"leave frame out, or choose {', '.join(links)}",
+            code=Code.CONTRADICTION,
+        )
 
 
 def _c_folder(result: Result, output: Path | None, overwrite: bool) -> list[Path]:
     name = default_name(result.case)
     folder = output_place(output, Path(f"{name}-c"), overwrite)
     if folder.suffix in (".c", ".h"):
-        raise FileProblem(folder, f"--to c writes a folder with {name}.h and {name}.c", "name a folder with -o")
+        raise FileProblem(
+            place=folder,
+            problem=f"{option('to')} c writes a folder with {name}.h and {name}.c",
+            remedy=f"name a folder{WITH_OUTPUT}",
+            code=Code.WRONG_KIND,
+        )
     names = [f"{name}.c", f"{name}.h"]
     compiled = frozenset({f"{name}.o"})  # files of a compiler there may be replaced too
     kind = FolderKind("a C model", frozenset(names) | compiled, f"{name}.h", compiled)

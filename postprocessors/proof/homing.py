@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cases.base.errors import HexciteError
+from cases.base.errors import Code, HexciteError
 from cases.base.units import DEG, MM
 from identification.limits.limit import Limit, LimitCheck, LimitKind, OwnMove, Status
 from identification.limits.proof import limited_machine, prove
@@ -68,7 +68,12 @@ def planned_excitation(reading: Reading, guarantees: Guarantees) -> Trajectory:
     while excited and isinstance(excited[-1], Standstill):
         excited.pop()
     if not excited:
-        raise HexciteError(reading.file, "nothing moves with the trigger on", "write it with hexcite post")
+        raise HexciteError(
+            place=reading.file,
+            problem="nothing moves with the trigger on",
+            remedy="write it with hexcite post",
+            code=Code.TRIGGER,
+        )
     return excited[0] if len(excited) == 1 else Joined(tuple(excited))
 
 

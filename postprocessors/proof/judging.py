@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.base.errors import ProgramError
+from cases.base.errors import Code, ProgramError
 from cases.chain import Box
 from cases.schema import Case
 from identification.limits.limit import Limit, LimitCheck, LimitKind, LimitReport, OwnMove, Status, worst_of
@@ -67,7 +67,9 @@ def require_timing(part: Timed, by: Guarantees, file: str) -> None:
         most = f"to {1e3 * longest:g} ms" if np.isfinite(longest) else "ms and more"
         times = f"{1e3 * shortest:g} {most}" + (" in whole cycles" if by.even_blocks else "")
         problem = f"the timed block takes {1e3 * steps[k]:.6g} ms; {by.controller} keeps times of {times}"
-        raise ProgramError(file, part.lines[k], 0, f"{problem}; {by.timing_remedy}")
+        raise ProgramError(
+            file=file, line=part.lines[k], problem=problem, remedy=by.timing_remedy, code=Code.NOT_PROVEN
+        )
 
 
 def _timed(part: Timed, by: Guarantees) -> Iterable[LimitCheck]:

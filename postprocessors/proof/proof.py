@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from cases.base.errors import NotProven, ProgramError, Violation, choice
+from cases.base.errors import Code, NotProven, ProgramError, Violation, choice, option
 from cases.base.units import DEG, MM
 from cases.chain import Box
 from cases.schema import Case
@@ -90,8 +90,12 @@ class ProgramProof:
         self.require()
         names = {name.strip().lower().replace("-", " ") for name in accepted}
         if unknown := sorted(names - set(KINETIC)):
-            problem = f"--accept {unknown[0]!r} names no such limit; {choice(unknown[0], KINETIC, 'choose from')}"
-            raise ProgramError(self.file, 0, 0, problem)
+            raise ProgramError(
+                file=self.file,
+                problem=f"{option('accept')} {unknown[0]!r} names no such limit",
+                remedy=choice(unknown[0], KINETIC, "choose from"),
+                code=Code.UNKNOWN,
+            )
         open_ = [name for name in self.relies_on if name not in names]
         if open_:
             exceeded = [words for name, words in self._exceeded.items() if name in open_]
@@ -99,13 +103,20 @@ class ProgramProof:
             predicted = (
                 f"EXCEEDED, as predicted: {', '.join(exceeded)}" if exceeded else "none is predicted to be exceeded"
             )
-            remedy = f"--accept {','.join(name.replace(' ', '-') for name in open_)} if the machine can bear it"
-            raise ProgramError(self.file, 0, 0, f"{problem}; {predicted}; {self._planned(open_)}{remedy}")
+            remedy = (
+                f"{option('accept')} {','.join(name.replace(' ', '-') for name in open_)} if the machine can bear it"
+            )
+            raise ProgramError(
+                file=self.file,
+                problem=f"{problem}; {predicted}",
+                remedy=f"{self._planned(open_)}{remedy}",
+                code=Code.NOT_PROVEN,
+            )
 
     def _planned(self, families: Collection[LimitKind]) -> str:
         """The remedy that needs no `--accept`: a plan that leaves the jerk out, or none where that is not enough."""
         return (
-            "plan moves or poses with --without jerk for it, or write this one with "
+            f"plan moves or poses with {option('without')} jerk for it, or write this one with "
             if LimitKind.JERK in families
             else "write it with "
         )
@@ -115,7 +126,11 @@ class ProgramProof:
         if self.violations:
             first = self.violations[0]
             faster = first.kind.kinetic or first.kind is LimitKind.FEED_TO_HOME
-            raise NotProven(self.file, self.exceeded, "slow down or change the move" if faster else "change the move")
+            raise NotProven(
+                file=self.file,
+                violations=self.exceeded,
+                remedy="slow down or change the move" if faster else "change the move",
+            )
 
     def lines_to_json(self) -> list[dict[str, Any]]:
         """What `of_lines` says, an object a line: number, limit, share that is used, and whether it is enforced."""
@@ -138,7 +153,9 @@ def prove_program(reading: Reading, guarantees: Guarantees) -> ProgramProof:
         ProgramError: the motion is not defined, or a timed block is shorter or longer than the controller can time.
     """
     if not any(isinstance(part, Timed | Untimed) for part in reading.stretches):
-        raise ProgramError(reading.file, 0, 0, "contains no motion; is this the right file?")
+        raise ProgramError(
+            file=reading.file, problem="contains no motion", remedy="is this the right file?", code=Code.WRONG_KIND
+        )
     clock, excitation = 0.0, 0.0
     reports: list[LimitReport] = []
     violations: list[LimitCheck] = []

@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import json
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -10,6 +11,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
+from cases.base.errors import Code
 from hexcite.cli import main
 from tests.hexcite.json_answer import one_json_object
 
@@ -71,9 +73,14 @@ def call(*arguments: object) -> Answer:
 
 
 def refused(*arguments: object) -> str:
-    """The one line with which a command is refused; nothing may stand on standard output."""
+    """The one line with which a command is refused; on standard output stands the error, where JSON is asked for."""
     answer = call(*arguments)
-    assert answer.out == ""
+    if "--json" in arguments:
+        error = json.loads(answer.out)["error"]
+        assert error["code"] in list(Code)
+        assert error["problem"] in answer.err
+    else:
+        assert answer.out == ""
     return answer.refusal()
 
 

@@ -111,7 +111,7 @@ def test_a_program_that_is_not_written_says_every_limit_that_it_exceeds(
     violations = [Violation(7, "jerk", "jerk (x) reaches 101"), Violation(9, "velocity", "velocity (x) reaches 7")]
 
     def written(*_: object, **__: object) -> None:
-        raise NotProven("p.ngc", violations, "slow down")
+        raise NotProven(file="p.ngc", violations=violations, remedy="slow down")
 
     monkeypatch.setattr(hexcite, "write", written)
     code, out, err = call("post", shared / "plan", "-o", tmp_path / "p.ngc", *options)
@@ -141,3 +141,12 @@ def test_without_json_a_command_tells_people_what_it_did(command: str, chain: Ch
         "identify": "result written",
     }
     assert said[command] in answer.out
+
+
+def test_an_error_is_a_json_object_where_one_is_asked_for() -> None:
+    """With the code by which programs know it; people read the same line on stderr as without."""
+    code, out, err = call("bound", "hexapod", "--time-limit", "0", "--json")
+    error = one_json_object(out)["error"]
+    assert (code, error["code"], error["remedy"]) == (1, "out_of_range", "give seconds above 0, such as 120")
+    assert err == call("bound", "hexapod", "--time-limit", "0").err
+    assert error["problem"].startswith("--time-limit 0 s")

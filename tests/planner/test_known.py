@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import hexcite as hx
-from cases.base.errors import FileProblem, HexciteError, InfeasiblePlan
+from cases.base.errors import Code, FileProblem, HexciteError, InfeasiblePlan
 from cases.schema import Case
 from hexcite._run import execute
 from hexcite._write import write
@@ -98,7 +98,7 @@ def test_few_durations_are_tried_and_none_in_which_no_motion_can_be_made(target:
     def plan_of(request: Request) -> Plan:
         asked.append(request.duration)
         if request.duration < 2.0:
-            raise InfeasiblePlan("no motion")
+            raise InfeasiblePlan(problem="no motion", code=Code.INFEASIBLE)
         own = 0.02 * request.duration**-0.5
         after = (own**-2 + 0.01**-2) ** -0.5
         gain = Gain(("earlier",), {"m": 0.01}, Promise({"m": after}, {}, {}))

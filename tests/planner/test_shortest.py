@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from cases.base.errors import HexciteError, InfeasiblePlan, Interrupted
+from cases.base.errors import Code, HexciteError, InfeasiblePlan, Interrupted
 from cases.schema import load_case
 from planner.families.settings import Fourier, Manual
 from planner.plans.making import make, require_plannable
@@ -39,7 +39,7 @@ def following_law(plan: Plan, std_of: Callable[[float], float], asked: list[floa
         asked.append(request.duration)
         std = std_of(request.duration)
         if std == float("inf"):
-            raise InfeasiblePlan("too short")
+            raise InfeasiblePlan(problem="too short", code=Code.TOO_FEW)
         return replace(plan, request=request, promise=Promise({**plan.predicted_std, "m": std}, {}, {}))
 
     return plan_of

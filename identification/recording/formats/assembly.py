@@ -11,7 +11,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from cases.base.errors import RecordingError
+from cases.base.errors import Code, RecordingError
 from cases.base.unit_names import LENGTHS
 from cases.base.units import MM, Array, Flags
 from cases.machine import POSE, turned
@@ -75,7 +75,9 @@ def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
         wanted = (STRUTS[0], POSE[0], ROTATION[0], case.sensor_frame.channels[0])
         unmounted = "has readings of an accelerometer; say in [recording.accelerometer] of the case how it is mounted"
         raise RecordingError(
-            table.source, unmounted if ACCELEROMETER[0] in table.values else without(table.names, table.form, wanted)
+            place=table.source,
+            problem=unmounted if ACCELEROMETER[0] in table.values else without(table.names, table.form, wanted),
+            code=Code.MISSING,
         )
     if STRUTS[0] in table.values and STRUTS[0] not in {**table.form.scale, **table.form.offset}:
         _require_reach(stream, case, table.factors[STRUTS[0]])
@@ -84,13 +86,23 @@ def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
         gravity = float(np.linalg.norm(case.gravity))
         if not 1.0 / _OTHER_UNIT <= read / gravity <= _OTHER_UNIT:
             problem = f"the accelerometer reads {read:.3g} m/s^2 where gravity is {gravity:.3g} m/s^2"
-            raise RecordingError(table.source, problem, "correct recording.accelerometer.scale_m_s2 in the case")
+            raise RecordingError(
+                place=table.source,
+                problem=problem,
+                remedy="correct recording.accelerometer.scale_m_s2 in the case",
+                code=Code.UNIT,
+            )
     sampled = on_equal_steps(stream, table.form.clock.period if table.stamped else None)
     if isinstance(sampled, Unsteady):
         assert table.stamps is not None
         value = table.stamps[sampled.row].item()
         stamp = dates.written(value) if table.tick == dates.TICK != table.form.tick else value
-        raise RecordingError(table.place(sampled.row, CLOCK), f"{stamp} {sampled.problem}", sampled.remedy)
+        raise RecordingError(
+            place=table.place(sampled.row, CLOCK),
+            problem=f"{stamp} {sampled.problem}",
+            remedy=sampled.remedy,
+            code=Code.CLOCK,
+        )
     return sampled
 
 
@@ -99,7 +111,9 @@ def _require(table: ColumnTable, ours: str, good: Flags, problem: str, remedy: s
     if not good.all():
         row = int(np.argmin(good))
         value = table.values[ours][row] if ours in table.values else table.stamps[row]  # type: ignore[index]
-        raise RecordingError(table.place(row, ours), f"{value.item()} {problem}", remedy)
+        raise RecordingError(
+            place=table.place(row, ours), problem=f"{value.item()} {problem}", remedy=remedy, code=Code.WRONG_KIND
+        )
 
 
 def start_of(table: ColumnTable) -> Fraction:
@@ -110,9 +124,10 @@ def start_of(table: ColumnTable) -> Fraction:
     }
     if len(shifts) > 1:
         raise RecordingError(
-            table.source,
-            "its columns share a clock, recording.clock.offset_s shifts them by different times",
-            "give them one offset",
+            place=table.source,
+            problem="its columns share a clock, recording.clock.offset_s shifts them by different times",
+            remedy="give them one offset",
+            code=Code.CLOCK,
         )
     # the tick is a decimal fraction of a second, which limit_denominator finds behind its binary rounding
     tick = Fraction(table.tick).limit_denominator(10**12)
@@ -137,9 +152,10 @@ def _group(table: ColumnTable, channels: tuple[str, ...]) -> Array | None:
 def _incomplete(table: ColumnTable, ours: str) -> RecordingError:
     """The error for a column that is missing beside others."""
     return RecordingError(
-        table.source,
-        f"column {table.form.file_name(ours)} is missing",
-        f"it has {listed(table.names)}: add it or map its name in [recording.columns] of the case",
+        place=table.source,
+        problem=f"column {table.form.file_name(ours)} is missing",
+        remedy=f"it has {listed(table.names)}: add it or map its name in [recording.columns] of the case",
+        code=Code.MISSING,
     )
 
 
@@ -194,7 +210,9 @@ def _orientation(table: ColumnTable) -> Array | None:
             first, other = (shown(table.form.file_name(c.columns[0])) for c in (present[0], convention))
             problem = f"orientations from {first} on and from {other} on differ"
             remedy = " or ".join(f"'{name}'" for name in (*names, convention.name))
-            raise RecordingError(table.source, problem, f"state recording.orientation = {remedy}")
+            raise RecordingError(
+                place=table.source, problem=problem, remedy=f"state recording.orientation = {remedy}", code=Code.UNIT
+            )
     return turns[0] if turns else None
 
 
@@ -261,11 +279,17 @@ def _struts(table: ColumnTable, case: Case) -> tuple[Array | None, list[Finding]
         return struts, []
     if struts is not None:
         raise RecordingError(
-            table.source, "has strut lengths and drive positions", "take one of them out of [recording.columns]"
+            place=table.source,
+            problem="has strut lengths and drive positions",
+            remedy="take one of them out of [recording.columns]",
+            code=Code.CONTRADICTION,
         )
     if (how := table.form.drives) is None:
         raise RecordingError(
-            table.source, "has drive positions", "say in [recording.drives] of the case how they move the struts"
+            place=table.source,
+            problem="has drive positions",
+            remedy="say in [recording.drives] of the case how they move the struts",
+            code=Code.MISSING,
         )
     return np.array(how.sign) * drives[:, how.index] + how.offset, []
 
@@ -301,7 +325,9 @@ def _require_reach(stream: Stream, case: Case, factor: float) -> None:
     if not low <= middle <= high and low <= middle / factor * LENGTHS[nearest] <= high:
         problem = f"struts of {middle / MM:.4g} mm where the machine has {low / MM:.4g} to {high / MM:.4g} mm"
         remedy = f"they seem to be in {nearest}: set recording.units.struts = '{nearest}'"
-        raise RecordingError(f"{stream.source}, {stream.lines.place(0)}", problem, remedy)
+        raise RecordingError(
+            place=f"{stream.source}, {stream.lines.place(0)}", problem=problem, remedy=remedy, code=Code.WRONG_KIND
+        )
 
 
 def _require_place(table: ColumnTable, positions: Array, case: Case) -> None:
@@ -317,7 +343,7 @@ def _require_place(table: ColumnTable, positions: Array, case: Case) -> None:
         place = ", ".join(f"{value / MM:.4g}" for value in middle)
         problem = f"positions about {place} mm, where home is at {', '.join(f'{v / MM:.4g}' for v in home)} mm"
         remedy = f"they seem to be in {nearest}: set recording.units.positions = '{nearest}'"
-        raise RecordingError(table.place(0, POSE[0]), problem, remedy)
+        raise RecordingError(place=table.place(0, POSE[0]), problem=problem, remedy=remedy, code=Code.WRONG_KIND)
 
 
 _AROUND_HOME = 2.5  # times the length at home that a strut may have where the case states no workspace

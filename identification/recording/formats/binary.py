@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from cases.base.errors import RecordingError
+from cases.base.errors import Code, RecordingError
 from cases.base.units import Array
 from cases.recording_format import CLOCK, TICKS, WRENCH, Clock, FileFormat
 from cases.schema import Case
@@ -57,14 +57,20 @@ def bag_tables(bag: Path, form: FileFormat) -> Iterator[ColumnTable]:
         positions = _positions(reader, joints, theirs, received)
         if (table := _table(f"{bag}, {joints}", theirs, positions, form)) is None:
             raise RecordingError(
-                f"{bag}, {joints}",
-                f"no message has all of {listed(theirs)}; its joints are {listed(joint_names(reader, joints))}",
-                "map their names in [recording.columns] of the case, such as q1_deg",
+                place=f"{bag}, {joints}",
+                problem=f"no message has all of {listed(theirs)}; its joints are {listed(joint_names(reader, joints))}",
+                remedy="map their names in [recording.columns] of the case, such as q1_deg",
+                code=Code.MISSING,
             )
         yield table
         if (table := _table(f"{bag}, {wrench}", AXES, _readings(bag, reader, wrench, form), form)) is None:
             problem = "holds none of the messages that the bag's index counts"
-            raise RecordingError(f"{bag}, {wrench}", problem, "copy it again, or run ros2 bag reindex")
+            raise RecordingError(
+                place=f"{bag}, {wrench}",
+                problem=problem,
+                remedy="copy it again, or run ros2 bag reindex",
+                code=Code.DAMAGED,
+            )
         yield table
 
 
@@ -78,7 +84,12 @@ def opened(bag: Path) -> "Iterator[AnyReader]":
         from rosbags.serde import SerdeError
         from rosbags.typesys import Stores, TypesysError, get_typestore
     except ModuleNotFoundError:
-        raise RecordingError(bag, "is a ROS bag, which rosbags reads", "pip install 'hexcite[ros]'") from None
+        raise RecordingError(
+            place=bag,
+            problem="is a ROS bag, which rosbags reads",
+            remedy="pip install 'hexcite[ros]'",
+            code=Code.NOT_INSTALLED,
+        ) from None
     import sqlite3
 
     damaged = (AnyReaderError, OSError, EOFError, ValueError, LookupError, AttributeError, TypeError, AssertionError)
@@ -90,7 +101,12 @@ def opened(bag: Path) -> "Iterator[AnyReader]":
         if isinstance(error, RecordingError):
             raise
         reason = shown(" ".join(str(error).split()) or type(error).__name__, 120)
-        raise RecordingError(bag, f"is a damaged bag ({reason})", "copy it again, or run ros2 bag reindex") from error
+        raise RecordingError(
+            place=bag,
+            problem=f"is a damaged bag ({reason})",
+            remedy="copy it again, or run ros2 bag reindex",
+            code=Code.DAMAGED,
+        ) from error
 
 
 def topics_of(reader: "AnyReader", what: Topic) -> list[str]:
@@ -106,9 +122,19 @@ def topic_of(bag: Path, reader: "AnyReader", what: Topic, stated: str | None) ->
     kind = KINDS[what].rpartition("/")[2]
     if not possible:
         every = listed(sorted({f"{c.topic} ({c.msgtype.rpartition('/')[2]})" for c in reader.connections}))
-        raise RecordingError(bag, f"has no messages {kind}; its topics are {every}", "record such a topic too")
+        raise RecordingError(
+            place=bag,
+            problem=f"has no messages {kind}; its topics are {every}",
+            remedy="record such a topic too",
+            code=Code.MISSING,
+        )
     reason = f"has no topic {stated} of {kind}" if stated else f"has several topics of {kind}: {listed(possible)}"
-    raise RecordingError(bag, reason, f'set recording.ros.{what} = "{shown(possible[0])}" in the case')
+    raise RecordingError(
+        place=bag,
+        problem=reason,
+        remedy=f'set recording.ros.{what} = "{shown(possible[0])}" in the case',
+        code=Code.CONTRADICTION,
+    )
 
 
 def _positions(
@@ -131,13 +157,20 @@ def _readings(bag: Path, reader: "AnyReader", topic: str, form: FileFormat) -> I
         if frame is None and message.header.frame_id.strip("/") in _FIXED and form.ros.get("frame") is None:
             own = shown(message.header.frame_id)
             raise RecordingError(
-                f"{bag}, {topic}",
-                f"its wrench is in the frame {own}, which does not move with the sensor",
-                f'record the raw topic, in the axes of the sensor; if they are, state recording.ros.frame = "{own}"',
+                place=f"{bag}, {topic}",
+                problem=f"its wrench is in the frame {own}, which does not move with the sensor",
+                remedy="record the raw topic, in the axes of the sensor; if they are, state "
+                f'recording.ros.frame = "{own}"',
+                code=Code.UNIT,
             )
         if (frame := frame or message.header.frame_id) != message.header.frame_id:
             names = f"{frame}, {message.header.frame_id}"
-            raise RecordingError(f"{bag}, {topic}", f"is in several frames: {names}", "record the sensor's own topic")
+            raise RecordingError(
+                place=f"{bag}, {topic}",
+                problem=f"is in several frames: {names}",
+                remedy="record the sensor's own topic",
+                code=Code.CONTRADICTION,
+            )
         vectors = message.wrench.force, message.wrench.torque
         yield stamp, [getattr(vector, axis) for vector in vectors for axis in "xyz"]
 
@@ -171,7 +204,7 @@ def _table(
     if len(stamps) > 1 and len(np.unique(stamps)) < len(stamps) / 2:
         problem = "its headers have no stamps of use: most of them are alike"
         remedy = 'take the time of receipt: state recording.ros.time = "receipt" in the case'
-        raise RecordingError(source, problem, remedy)
+        raise RecordingError(place=source, problem=problem, remedy=remedy, code=Code.WRONG_KIND)
     ours, lines = {form.file_name(column): column for column in form.columns}, Lines(1, word="message")
     columns = {ours[name]: np.ascontiguousarray(rows[:, k]) for k, name in enumerate(names)}
     return ColumnTable(source, form, (STAMP, *names), columns, stamps, form.tick, lines, True)
@@ -188,9 +221,11 @@ def parquet_tables(file: Path, form: FileFormat) -> list[ColumnTable]:
             chosen = select(file, [Field(name) for name in names], form)
             clock = [names[chosen.pop(CLOCK)]] if CLOCK in chosen else []
             if not chosen:
-                raise RecordingError(file, without(names, form))
+                raise RecordingError(place=file, problem=without(names, form), code=Code.MISSING)
             if not rows:
-                raise RecordingError(file, "has columns but no rows", "record again")
+                raise RecordingError(
+                    place=file, problem="has columns but no rows", remedy="record again", code=Code.TOO_FEW
+                )
             require_room(file, rows, len(chosen))
             table = parquet.read(columns=[*(names[k] for k in chosen.values()), *clock])
     except (pa.ArrowException, OSError, ValueError) as error:
@@ -199,7 +234,12 @@ def parquet_tables(file: Path, form: FileFormat) -> list[ColumnTable]:
         if isinstance(error, OSError) and error.errno is not None:
             raise unreadable(file, error) from error
         reason = shown(" ".join(str(error).split()) or type(error).__name__, 120)
-        raise RecordingError(file, f"is a damaged Parquet file ({reason})", "copy or export it again") from error
+        raise RecordingError(
+            place=file,
+            problem=f"is a damaged Parquet file ({reason})",
+            remedy="copy or export it again",
+            code=Code.DAMAGED,
+        ) from error
     values = {ours: _numbers(file, names[k], table) for ours, k in chosen.items()}
     stamps, tick = _stamps(file, clock[0], table, form.tick) if clock else (None, 0.0)
     if stamps is None and form.clock.period is not None:
@@ -213,7 +253,12 @@ def _numbers(file: Path, name: str, table: "pa.Table") -> Array:
     column = table.column(name)
     kind = column.type
     if not (pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_boolean(kind)):
-        raise RecordingError(f"{file}, {shown(name)}", f"holds {shown(str(kind))}, not numbers", "export it as double")
+        raise RecordingError(
+            place=f"{file}, {shown(name)}",
+            problem=f"holds {shown(str(kind))}, not numbers",
+            remedy="export it as double",
+            code=Code.WRONG_KIND,
+        )
     return np.asarray(column.cast(pa.float64(), safe=False).to_numpy())
 
 
@@ -225,7 +270,12 @@ def _stamps(file: Path, name: str, table: "pa.Table", tick: float) -> tuple[Stam
     kind = column.type
     if column.null_count:
         row = int(np.argmin(column.is_valid().to_numpy()))
-        raise RecordingError(f"{file}, {shown(name)}", f"has no value in row {row + 1}", "remove the row")
+        raise RecordingError(
+            place=f"{file}, {shown(name)}",
+            problem=f"has no value in row {row + 1}",
+            remedy="remove the row",
+            code=Code.MISSING,
+        )
     if pa.types.is_timestamp(kind) or pa.types.is_duration(kind):
         return column.cast(pa.int64()).to_numpy(), TICKS[kind.unit]
     if pa.types.is_integer(kind):

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
-from cases.base.errors import RecordingError
+from cases.base.errors import Code, RecordingError
 from identification.recording.formats.foreign import require_text
 from identification.recording.formats.table import free_memory, require_file, unreadable
 
@@ -42,7 +42,12 @@ class Content:
             raise unreadable(self.file, error) from error
         lines = data.split(b"\n")
         if not any(line.strip() for line in lines):
-            raise RecordingError(self.file, "is empty, it has blank lines only", "record again")
+            raise RecordingError(
+                place=self.file,
+                problem="is empty, it has blank lines only",
+                remedy="record again",
+                code=Code.TOO_FEW,
+            )
         if len(lines) > 1 and len(data) == LONGEST_LINE:
             lines.pop()  # what was read ends somewhere in this line
         return [line.removesuffix(b"\r") for line in lines]
@@ -82,7 +87,12 @@ def _within(file: Path, parts: Iterator[bytes]) -> bytes:
         data += part
         if len(data) > most:
             problem = f"holds more than {most / 1e9:.3g} GB of text, a quarter of the free memory"
-            raise RecordingError(file, problem, "cut the run, or save it as UTF-8 without compressing it")
+            raise RecordingError(
+                place=file,
+                problem=problem,
+                remedy="cut the run, or save it as UTF-8 without compressing it",
+                code=Code.UNREADABLE,
+            )
     return bytes(data)
 
 
@@ -94,7 +104,9 @@ def _decoded(file: Path, stream: BinaryIO, encoding: str) -> Iterator[bytes]:
             yield decoder.decode(part).encode()
         yield decoder.decode(b"", final=True).encode()
     except UnicodeError:
-        raise RecordingError(file, "is damaged text in UTF-16", "save it again, as UTF-8") from None
+        raise RecordingError(
+            place=file, problem="is damaged text in UTF-16", remedy="save it again, as UTF-8", code=Code.DAMAGED
+        ) from None
 
 
 def _decompressed(file: Path, stream: BinaryIO) -> Iterator[bytes]:
@@ -103,9 +115,13 @@ def _decompressed(file: Path, stream: BinaryIO) -> Iterator[bytes]:
         with gzip.GzipFile(fileobj=stream) as packed:
             yield from iter(lambda: packed.read(PART), b"")
     except EOFError:
-        raise RecordingError(file, "is a gzip file that is cut off", "copy it again") from None
+        raise RecordingError(
+            place=file, problem="is a gzip file that is cut off", remedy="copy it again", code=Code.DAMAGED
+        ) from None
     except (gzip.BadGzipFile, zlib.error):
-        raise RecordingError(file, "is a damaged gzip file", "copy it again") from None
+        raise RecordingError(
+            place=file, problem="is a damaged gzip file", remedy="copy it again", code=Code.DAMAGED
+        ) from None
 
 
 class Section(NamedTuple):
@@ -136,7 +152,12 @@ def section_of(content: Content, header_rows: int, trailing_rows: int, last_word
                 start = stream.tell()
                 if len(stream.readline(LONGEST_LINE)) == LONGEST_LINE:
                     place = f"{file}, line {number}"
-                    raise RecordingError(place, "is longer than a million characters", "not a CSV table")
+                    raise RecordingError(
+                        place=place,
+                        problem="is longer than a million characters",
+                        remedy="not a CSV table",
+                        code=Code.OUT_OF_RANGE,
+                    )
             stream.seek(start)
             breaks = sum(part.count(b"\n") for part in iter(lambda: stream.read(PART), b""))
             size, length, lines, tail = stream.tell(), LONGEST_LINE, b"", b""

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from cases.base.errors import RecordingError
+from cases.base.errors import Code, RecordingError
 
 
 class Kind(NamedTuple):
@@ -58,4 +58,4 @@ def require_text(file: object, data: bytes) -> None:
     start = data[:_LONGEST]
     kind = next((k for k in _KINDS if start[k.at :].startswith(k.marks)), None)
     if kind is not None:
-        raise RecordingError(str(file), f"is {kind.name}", kind.remedy)
+        raise RecordingError(place=str(file), problem=f"is {kind.name}", remedy=kind.remedy, code=Code.WRONG_KIND)

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
-from cases.base.errors import RecordingError
+from cases.base.errors import Code, RecordingError
 from cases.recording_format import CLOCK, COLUMNS, FileFormat
 from identification.recording.formats import text
 from identification.recording.formats.content import Content, blocks_of, section_of
@@ -83,9 +83,10 @@ def tables(
             lost = [number for number, line in lines if line == _OVERRUN and number > section.first]
             if lost:  # one at the top is not a loss
                 raise RecordingError(
-                    f"{content.file}, line {lost[-1]}",
-                    "LinuxCNC lost samples here and does not say how many",
-                    "record with halsampler -t and a longer queue (depth of the sampler)",
+                    place=f"{content.file}, line {lost[-1]}",
+                    problem="LinuxCNC lost samples here and does not say how many",
+                    remedy="record with halsampler -t and a longer queue (depth of the sampler)",
+                    code=Code.DAMAGED,
                 )
     for table in text.tables(content, layout, chosen, switches):
         yield replace(table, stamped=CLOCK in chosen)  # numbers of samples count periods

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from cases.base.errors import RecordingError
+from cases.base.errors import Code, RecordingError
 from cases.base.units import Array, Flags
 from identification.finding import Finding, Kind, note, warning
 from identification.recording.formats.table import Channel, Stream
@@ -63,7 +63,9 @@ def _with(joined: Sequence[Stream], stream: Stream) -> list[Stream]:
     if first.trigger is not None and stream.trigger is not None:
         if not np.array_equal(first.trigger, stream.trigger):
             reason = f"has another trigger than {first.source}, sample by sample"
-            raise RecordingError(stream.source, reason, "leave one of the triggers out")
+            raise RecordingError(
+                place=stream.source, problem=reason, remedy="leave one of the triggers out", code=Code.TRIGGER
+            )
         del more["trigger"]
     masks = [s.missing for s in (first, stream) if s.missing is not None]
     missing = np.any(masks, axis=0) if masks else None
@@ -140,14 +142,24 @@ def _joined_by_trigger(reference: Stream, stream: Stream, stated: bool) -> tuple
     """A stream on the clock of another one that has the trigger too, without its own, and what was done."""
     pair = f"{stream.source} and {reference.source}"
     if reference.t is None or stream.t is None:
-        raise RecordingError(pair, "have a trigger each, and not both have a clock", "state recording.clock.period_ms")
+        raise RecordingError(
+            place=pair,
+            problem="have a trigger each, and not both have a clock",
+            remedy="state recording.clock.period_ms",
+            code=Code.TRIGGER,
+        )
     ours, theirs = _edges(reference), _edges(stream)
     shifts = range(-len(ours.t) + 1, len(theirs.t))
     maps = [fit for shift in shifts if (fit := _fit(ours, theirs, shift)) is not None]
     most = max((fit.edges for fit in maps), default=0)
     best = [fit for fit in maps if fit.edges == most]
     if len(best) != 1:
-        raise RecordingError(pair, f"have triggers that {_differ(ours, theirs, len(best))}", _REMEDY)
+        raise RecordingError(
+            place=pair,
+            problem=f"have triggers that {_differ(ours, theirs, len(best))}",
+            remedy=_REMEDY,
+            code=Code.TRIGGER,
+        )
     (fit,) = best
     resolution = float(np.max(ours.half) + np.max(theirs.half))
     edges = f"{fit.edges} edge{'s' if fit.edges > 1 else ''} of the trigger"
@@ -195,13 +207,16 @@ def _require_overlap(streams: Sequence[Stream]) -> None:
     if any(stream.t is None for stream in streams):
         sources = ", ".join(stream.source for stream in streams)
         reason = "have no common rows, and not all of them have time stamps"
-        raise RecordingError(sources, reason, "give files of one run, recorded together")
+        raise RecordingError(
+            place=sources, problem=reason, remedy="give files of one run, recorded together", code=Code.OTHER_SOURCE
+        )
     spans = [(float(s.t[0]), float(s.t[-1]), s.source) for s in streams if s.t is not None]
     start, _, latest = max(spans)
     end, early = min((end, source) for _, end, source in spans)
     if start >= end:
         raise RecordingError(
-            latest,
-            f"starts {start - end:.6g} s after {early} ends",
-            "give the files of one run, or state how their clocks differ in recording.clock.offset_s",
+            place=latest,
+            problem=f"starts {start - end:.6g} s after {early} ends",
+            remedy="give the files of one run, or state how their clocks differ in recording.clock.offset_s",
+            code=Code.OTHER_SOURCE,
         )

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
-from cases.base.errors import RecordingError
+from cases.base.errors import Code, RecordingError
 from cases.recording_format import CLOCK, TRIGGER, FileFormat, FormatName
 from identification.recording.formats import halsampler, lvm, plain, scope, sinumerik, text
 from identification.recording.formats.content import Content, content_of
@@ -59,11 +59,12 @@ def read(file: Path, form: FileFormat) -> Iterator[ColumnTable]:
         if form.column_names is None and known.name == "csv" and plain.is_headless(layout.names):
             place = f"{file}, line {layout.names_row}"
             raise RecordingError(
-                place,
-                "holds numbers where names should be",
-                "list names in recording.column_names, as hexcite look does",
+                place=place,
+                problem="holds numbers where names should be",
+                remedy="list names in recording.column_names, as hexcite look does",
+                code=Code.WRONG_KIND,
             )
-        raise RecordingError(file, without(layout.names, layout.form))
+        raise RecordingError(place=file, problem=without(layout.names, layout.form), code=Code.MISSING)
     for table in known.tables(content, layout, chosen, (TRIGGER,)):
         _require_values(table)
         yield table
@@ -84,7 +85,9 @@ def _require_values(table: ColumnTable) -> None:
                     "'hold' if a value stands there only where it has changed"
                 )
                 remedy = f"{held}; else {remedy}"
-            raise RecordingError(table.place(int(np.argmax(missing)), ours), problem, remedy)
+            raise RecordingError(
+                place=table.place(int(np.argmax(missing)), ours), problem=problem, remedy=remedy, code=Code.MISSING
+            )
 
 
 def described(content: Content, form: FileFormat) -> tuple[TextFormat, Layout]:
@@ -137,4 +140,9 @@ def _require_complete(file: Path, form: FileFormat) -> None:
         type(form).model_validate(form.model_dump(exclude_none=True))
     except ValidationError as error:
         problem = str(error.errors()[0]["msg"]).removeprefix("Value error, ")
-        raise RecordingError(file, f"is a file of {form.format}; in [recording] of the case {problem}") from None
+        raise RecordingError(
+            place=file,
+            problem=f"is a file of {form.format}",
+            remedy=f"in [recording] of the case {problem}",
+            code=Code.WRONG_KIND,
+        ) from None

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from cases.base.errors import RecordingError
+from cases.base.errors import Code, RecordingError
 from cases.base.units import Array
 from cases.recording_format import CLOCK, TICKS, FileFormat
 from identification.recording.formats import dates, halsampler, plain
@@ -179,7 +179,9 @@ def _guessed(content: Content, head: Sequence[bytes]) -> dict[str, Any]:
     first = next((k for k, line in enumerate(lines) if _is_row(form, line, numeric, aligned)), None)
     if first is None:
         problem = "has columns of numbers, but no line with a number in each of them"
-        raise RecordingError(content.file, problem, "export it again, one row a sample")
+        raise RecordingError(
+            place=content.file, problem=problem, remedy="export it again, one row a sample", code=Code.WRONG_KIND
+        )
     sample = [line for line in lines[first : first + SAMPLE] if line.strip()]
     names_row = _names_row(lines[:first], sample, form, aligned, len(numeric))
     if not names_row:
@@ -205,7 +207,9 @@ def _decoded(file: Path, raw: Sequence[bytes]) -> tuple[str, list[str]]:
             continue
         if not any("\0" in line for line in lines):
             return encoding, lines
-    raise RecordingError(file, "is not text", "export the recording as CSV or Parquet")
+    raise RecordingError(
+        place=file, problem="is not text", remedy="export the recording as CSV or Parquet", code=Code.UNREADABLE
+    )
 
 
 def _table_lines(lines: Sequence[str]) -> list[str]:
@@ -231,7 +235,12 @@ def _dialect(file: Path, lines: Sequence[str], encoding: str) -> tuple[FileForma
                 best, numeric, most = form, numbers, (sum(numbers), often)
     if best is None:
         problem = "holds no table of numbers with a separator between two fields"
-        raise RecordingError(file, problem, "export it as CSV, with a comma or semicolon between the fields")
+        raise RecordingError(
+            place=file,
+            problem=problem,
+            remedy="export it as CSV, with a comma or semicolon between the fields",
+            code=Code.WRONG_KIND,
+        )
     return best, numeric
 
 
@@ -267,7 +276,12 @@ def _require_one_sign(file: Path, header: Sequence[str], form: FileFormat, width
     names = max((sum(bool(name) and not is_number(name) for name in cells(line, form)) for line in header), default=0)
     if form.separator == "," and 2 < names < width:
         problem = f"has rows of {width} fields below {names} names: commas stand in numbers and between them"
-        raise RecordingError(file, problem, "export it with semicolons between the fields, or with decimal points")
+        raise RecordingError(
+            place=file,
+            problem=problem,
+            remedy="export it with semicolons between the fields, or with decimal points",
+            code=Code.WRONG_KIND,
+        )
 
 
 def _rows_below(content: Content, first: int, form: FileFormat, numeric: Sequence[bool], aligned: bool) -> int:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from fractions import Fraction
 
-from cases.base.errors import RecordingError
+from cases.base.errors import Code, RecordingError
 from cases.recording_format import FileFormat
 from identification.recording.formats.content import Content, Section
 from identification.recording.formats.text import Field, Layout
@@ -32,13 +32,21 @@ def layout(content: Content, head: Sequence[bytes], form: FileFormat) -> Layout:
     segments = [*_segments(content, separator)]
     if not segments or not segments[0].names:
         problem = "has no line ***End_of_Header*** with names and rows below it, as LabVIEW measurement files have"
-        raise RecordingError(content.file, problem, "write it again with one header at least")
+        raise RecordingError(
+            place=content.file,
+            problem=problem,
+            remedy="write it again with one header at least",
+            code=Code.DAMAGED,
+        )
     first, names = segments[0], segments[0].names
     other = next((s for s in segments if s.names != names), None)
     if other is not None:
         place = f"{content.file}, line {other.names_row}"
         raise RecordingError(
-            place, "names other channels than the segment above", "give each segment as a file of its own"
+            place=place,
+            problem="names other channels than the segment above",
+            remedy="give each segment as a file of its own",
+            code=Code.WRONG_KIND,
         )
     general = {row[0]: row[1] for line in head for row in [_words(line, separator)] if len(row) > 1}
     columns = general.get("X_Columns", "One").lower()
@@ -165,7 +173,9 @@ def _starts(content: Content, segments: Sequence[_Segment], clock: int | None) -
             if date is None or origin is None or (later := float(date - origin)) + own[0] <= end:
                 place = f"{content.file}, line {segment.section.first}"
                 problem = "the times of this segment begin anew, and no date in its header says when"
-                raise RecordingError(place, problem, "give each segment as a file of its own")
+                raise RecordingError(
+                    place=place, problem=problem, remedy="give each segment as a file of its own", code=Code.WRONG_KIND
+                )
             start = later
         end = start + own[1]
         yield start + begin

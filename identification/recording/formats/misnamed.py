@@ -6,7 +6,7 @@ struts have lengths that the machine allows, a clock rises by equal steps.
 
 import numpy as np
 
-from cases.base.errors import RecordingError
+from cases.base.errors import Code, RecordingError
 from cases.base.units import MM, Array
 from cases.recording_format import CLOCK, OVERRIDE, STRUTS, TRIGGER
 from cases.schema import Case
@@ -31,7 +31,7 @@ def require_own_values(table: ColumnTable, case: Case, lengths: tuple[float, flo
     clocks = [ours for ours, values in table.values.items() if ours != CLOCK and _is_clock(values)]
     if table.stamps is not None and (clocks or table.form.column_names) and not _rises(table.stamps):
         problem = f"does not rise as a clock does{f', but {listed(clocks)} does' if clocks else ''}"
-        raise RecordingError(table.place(0, CLOCK), problem, remedy)
+        raise RecordingError(place=table.place(0, CLOCK), problem=problem, remedy=remedy, code=Code.CLOCK)
     struts = [ours for ours in STRUTS if ours in table.values]
     if lengths is None or not struts or {*struts} & {*table.form.scale, *table.form.offset}:
         return
@@ -46,7 +46,7 @@ def require_own_values(table: ColumnTable, case: Case, lengths: tuple[float, flo
             f"{middles[wrong[0]] / MM:.4g} mm is no length of a strut, {low / MM:.4g} to {high / MM:.4g} mm, "
             f"but columns that move smoothly within them are called {listed(strangers)}"
         )
-        raise RecordingError(table.place(0, wrong[0]), problem, remedy)
+        raise RecordingError(place=table.place(0, wrong[0]), problem=problem, remedy=remedy, code=Code.UNIT)
 
 
 def _rises(values: Stamps) -> bool:

@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Sequence
 from itertools import pairwise
 
-from cases.base.errors import RecordingError
+from cases.base.errors import Code, RecordingError
 from cases.recording_format import FileFormat
 from identification.recording.formats.content import Content, section_of
 from identification.recording.formats.labels import units_row
@@ -21,12 +21,21 @@ def layout(content: Content, head: Sequence[bytes], form: FileFormat) -> Layout:
     file = content.file
     rows = form.header_rows if form.header_rows is not None else int(form.column_names is None)
     if len(head) < rows:
-        raise RecordingError(file, f"has {len(head)} lines, no more than recording.header_rows = {rows}")
+        raise RecordingError(
+            place=file,
+            problem=f"has {len(head)} lines, no more than recording.header_rows = {rows}",
+            code=Code.TOO_FEW,
+        )
     header = decoded(file, head[:rows], form)
     sample = [line.decode(form.encoding, "replace") for line in head[rows : rows + SAMPLE] if line.strip()]
     names_row = 0 if form.column_names is not None else form.names_row or rows
     if form.column_names is None and not names_row:
-        raise RecordingError(file, "recording.header_rows = 0 leaves no names", "list them in recording.column_names")
+        raise RecordingError(
+            place=file,
+            problem="recording.header_rows = 0 leaves no names",
+            remedy="list them in recording.column_names",
+            code=Code.CONTRADICTION,
+        )
     aligned = is_aligned(sample, form.separator)
     if form.column_names is None:
         fields = named(header, names_row, sample, form, aligned)

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cases.base.errors import RecordingError
+from cases.base.errors import Code, RecordingError
 from cases.base.unit_names import is_unit
 from cases.base.units import Array
 from cases.recording_format import BAR_FORCES, CLOCK, COLUMNS, ROLE_OF, ROLE_UNITS, TICKS, WRENCH, Role
@@ -105,7 +105,7 @@ def _refusal(table: ColumnTable, unknown: Mapping[str, StatedUnit]) -> Recording
         problem = f"has units that differ, {shown(stated.text)}{others}"
     else:
         problem = f"{shown(stated.text)!r} is not a known unit of {role}{others}"
-    return RecordingError(f"{table.source}, {shown(label)}", problem, remedy)
+    return RecordingError(place=f"{table.source}, {shown(label)}", problem=problem, remedy=remedy, code=Code.UNIT)
 
 
 def _tick(table: ColumnTable) -> tuple[float, list[Finding]]:
@@ -129,9 +129,10 @@ def _tick(table: ColumnTable) -> tuple[float, list[Finding]]:
     if stated.symbol is None or stated.several:
         known = "is not a unit of time that is known" if not stated.several else "are units that differ"
         raise RecordingError(
-            f"{table.source}, {shown(label)}",
-            f"{shown(stated.text)!r} {known}",
-            f"state recording.clock.unit: {', '.join(TICKS)}; of counts recording.scale = {{ t_s = 0.001 }} [s]",
+            place=f"{table.source}, {shown(label)}",
+            problem=f"{shown(stated.text)!r} {known}",
+            remedy=f"state recording.clock.unit: {', '.join(TICKS)}; of counts recording.scale = {{ t_s = 0.001 }} [s]",
+            code=Code.UNIT,
         )
     if stated.symbol == TICKS.usual:
         return table.tick, []

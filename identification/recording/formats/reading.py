@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cases.base.errors import RecordingError
+from cases.base.errors import Code, RecordingError
 from cases.base.units import Array
 from cases.machine import POSE
 from cases.orientation import ROTATION
@@ -66,7 +66,7 @@ def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
     RecordingError for anything that prevents the use of the run.
     """
     if not paths:
-        raise RecordingError("no recording is named; give the files of one run")
+        raise RecordingError(problem="no recording is named", remedy="give the files of one run", code=Code.MISSING)
     tables: list[ColumnTable] = []
     for path in paths:
         file, ways = _file_of(path, case)
@@ -187,7 +187,10 @@ def _read_in_one_of(file: Path, ways: Sequence[FileFormat], case: Case) -> tuple
     reasons = "; ".join(f"{k}: {problem}" for k, problem in enumerate(problems, 1))
     remedy = f'give the table that is meant match = "{shown(file.name)}", then its mistake is named alone'
     raise RecordingError(
-        file, f"fits none of the {len(ways)} tables of [[recording.files]] and [recording]: {reasons}", remedy
+        place=file,
+        problem=f"fits none of the {len(ways)} tables of [[recording.files]] and [recording]: {reasons}",
+        remedy=remedy,
+        code=Code.WRONG_KIND,
     )
 
 
@@ -199,11 +202,18 @@ def _require_whole(streams: Sequence[Stream], case: Case, names: Sequence[str]) 
         for channel in stream.channels:
             if channel in owner and channel != "trigger":  # by which clocks are joined
                 reason = f"has {channel.replace('_', ' ')}, as {owner[channel]} does"
-                raise RecordingError(stream.source, reason, "give the files of one run, each once")
+                raise RecordingError(
+                    place=stream.source,
+                    problem=reason,
+                    remedy="give the files of one run, each once",
+                    code=Code.CONTRADICTION,
+                )
             owner[channel] = stream.source
     sources = ", ".join(dict.fromkeys(s.source for s in streams))
     if "forces" not in owner:
-        raise RecordingError(sources, f"no forces: {without(names, form, case.sensor_frame.channels)}")
+        raise RecordingError(
+            place=sources, problem=f"no forces: {without(names, form, case.sensor_frame.channels)}", code=Code.MISSING
+        )
     if case.setup != "1a" and not {"struts", "poses", "rotations"} & owner.keys():
         columns = case.drive_columns if case.machine is not None else (*ROTATION, *POSE)
-        raise RecordingError(sources, f"no pose: {without(names, form, columns)}")
+        raise RecordingError(place=sources, problem=f"no pose: {without(names, form, columns)}", code=Code.MISSING)

@@ -10,7 +10,7 @@ tables and trigger information (switch them off), other versions.
 import re
 from collections.abc import Sequence
 
-from cases.base.errors import RecordingError
+from cases.base.errors import Code, RecordingError
 from cases.recording_format import TICKS, FileFormat
 from identification.recording.formats.content import Content, section_of
 from identification.recording.formats.plain import SAMPLE
@@ -41,10 +41,12 @@ def layout(content: Content, head: Sequence[bytes], form: FileFormat) -> Layout:
     first = next((k for k, line in enumerate(lines) if k > top and _is_row(split(line, separator))), None)
     if first is None:
         raise RecordingError(
-            content.file,
-            "has no two lines that start with Name and a separator, and rows of numbers below, as exports of TwinCAT "
+            place=content.file,
+            problem="has no two lines that start with Name and a separator, and rows of numbers below, "
+            "as exports of TwinCAT "
             "Scope have",
-            "export it as CSV with its header, or set recording.format in the case",
+            remedy="export it as CSV with its header, or set recording.format in the case",
+            code=Code.WRONG_KIND,
         )
     rows = [split(line, separator) for line in lines[first : first + SAMPLE]]
     form = form.model_copy(update={"delimiter": separator, "decimal": form.decimal or _decimal(rows, separator)})
@@ -104,5 +106,10 @@ def _unit(content: Content, stamp: str, form: FileFormat) -> str:
     stated = form.clock.unit or ("filetime" if counted else "ms")
     if counted != (stated == "filetime"):
         problem = f"its time stamps, such as {stamp.strip()}, are not in {stated}"
-        raise RecordingError(content.file, problem, "set recording.clock.unit in the case: 'ms' or 'filetime'")
+        raise RecordingError(
+            place=content.file,
+            problem=problem,
+            remedy="set recording.clock.unit in the case: 'ms' or 'filetime'",
+            code=Code.UNIT,
+        )
     return stated

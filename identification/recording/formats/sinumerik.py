@@ -13,7 +13,7 @@ from xml.parsers import expat
 
 import numpy as np
 
-from cases.base.errors import RecordingError
+from cases.base.errors import Code, RecordingError
 from cases.recording_format import CLOCK, FileFormat
 from identification.recording.formats import plain
 from identification.recording.formats.content import PART, Content
@@ -58,7 +58,12 @@ def session_layout(content: Content, head: Sequence[bytes], form: FileFormat) ->
             break
     if not signals:
         problem = "is a trace session without data (no dataSignal in it)"
-        raise RecordingError(content.file, problem, "save it again with its measured values")
+        raise RecordingError(
+            place=content.file,
+            problem=problem,
+            remedy="save it again with its measured values",
+            code=Code.DAMAGED,
+        )
     often = Counter(description for _, description in signals)
     fields = [Field(name, (d,) if d and often[d] == 1 else (), clock=0) for name, d in signals]
     return Layout(form, (Field(_TIME), *fields), (), hold=True)
@@ -87,7 +92,10 @@ def session_tables(
                 require_room(content.file, len(times), len(positions) + 1)
     if not times:
         raise RecordingError(
-            content.file, "has signals but no records", "save the trace again with its measured values"
+            place=content.file,
+            problem="has signals but no records",
+            remedy="save the trace again with its measured values",
+            code=Code.TOO_FEW,
         )
     values = {ours: np.array(column) for ours, column in columns.items()}
     yield ColumnTable(
@@ -104,7 +112,12 @@ def _number(place: str, name: str, value: str) -> float:
             return float(value)
     except ValueError:
         pass
-    raise RecordingError(f"{place}, {shown(name)}", f"{shown(value)!r} is not a number", "save the trace again")
+    raise RecordingError(
+        place=f"{place}, {shown(name)}",
+        problem=f"{shown(value)!r} is not a number",
+        remedy="save the trace again",
+        code=Code.WRONG_KIND,
+    )
 
 
 def _elements(content: Content) -> Iterator[tuple[str, dict[str, str]]]:
@@ -123,7 +136,10 @@ def _elements(content: Content) -> Iterator[tuple[str, dict[str, str]]]:
     except (expat.ExpatError, _Refused) as error:
         cause = shown(str(error).partition(":")[0], 80)
         raise RecordingError(
-            f"{content.file}, line {parser.CurrentLineNumber}", f"is damaged XML ({cause})", "save the trace again"
+            place=f"{content.file}, line {parser.CurrentLineNumber}",
+            problem=f"is damaged XML ({cause})",
+            remedy="save the trace again",
+            code=Code.DAMAGED,
         ) from None
 
 

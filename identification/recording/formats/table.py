@@ -12,7 +12,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.base.errors import RecordingError, printable
+from cases.base.errors import Code, RecordingError, printable
 from cases.base.units import Array, Flags
 from cases.recording_format import FileFormat
 from identification.finding import Finding
@@ -117,7 +117,12 @@ class Stream:
         """Makes arrays of what is given as such, of floats or flags; RecordingError names what cannot be."""
         kind = type(self).__name__
         if not isinstance(self.source, str | PathLike):
-            raise RecordingError(f"{kind}: source", f"is {told(self.source)}", "name the file or place it is from")
+            raise RecordingError(
+                place=f"{kind}: source",
+                problem=f"is {told(self.source)}",
+                remedy="name the file or place it is from",
+                code=Code.WRONG_KIND,
+            )
         object.__setattr__(self, "source", printable(str(self.source)))
         for name, shape in SHAPES.items():
             if (value := getattr(self, name, None)) is not None:
@@ -131,7 +136,12 @@ class Stream:
         for name, array in own.items():
             if first is not None and len(array) != (rows := len(own[first])):
                 problem = f"has {len(array)} rows where {first} has {rows}"
-                raise RecordingError(f"{kind}: {name}", problem, "give one row a sample of one clock")
+                raise RecordingError(
+                    place=f"{kind}: {name}",
+                    problem=problem,
+                    remedy="give one row a sample of one clock",
+                    code=Code.CLOCK,
+                )
             if name in FLAGS or np.isfinite(array).all():
                 continue
             odd = ~np.isfinite(array.reshape(len(array), -1)).all(axis=1)
@@ -139,7 +149,7 @@ class Stream:
             if odd.any():
                 remedy = "leave the row out" if name == "t" else "mark such rows in missing, or leave them out"
                 problem = f"row {int(np.argmax(odd))} of {len(array)}, counted from 0, is not finite"
-                raise RecordingError(f"{kind}: {name}", problem, remedy)
+                raise RecordingError(place=f"{kind}: {name}", problem=problem, remedy=remedy, code=Code.WRONG_KIND)
 
     @property
     def channels(self) -> dict[Channel, Any]:
@@ -165,12 +175,24 @@ class Stream:
         not.
         """
         if self.t is None:
-            raise RecordingError(self.source, "has no t_s column", "its rows are standstills")
+            raise RecordingError(
+                place=self.source, problem="has no t_s column", remedy="its rows are standstills", code=Code.MISSING
+            )
         if len(self.t) < 2:
-            raise RecordingError(self.source, "has one row, which is not a motion", "record again")
+            raise RecordingError(
+                place=self.source,
+                problem="has one row, which is not a motion",
+                remedy="record again",
+                code=Code.TOO_FEW,
+            )
         even = evened(self.t)
         if isinstance(even, Unsteady):
-            raise RecordingError(f"{self.source}, {self.lines.place(even.row)}, t_s", even.problem, even.remedy)
+            raise RecordingError(
+                place=f"{self.source}, {self.lines.place(even.row)}, t_s",
+                problem=even.problem,
+                remedy=even.remedy,
+                code=Code.CLOCK,
+            )
         return even.step
 
 
@@ -195,24 +217,44 @@ def _array(value: Any, shape: tuple[int | None, ...], flags: bool, place: str) -
         if np.any(np.ma.getmaskarray(value)):
             count = int(np.count_nonzero(np.ma.getmaskarray(value)))
             problem = f"is a masked array that hides {count} of its {value.size} values"
-            raise RecordingError(place, problem, "give a plain array, and mark such rows in missing")
+            raise RecordingError(
+                place=place,
+                problem=problem,
+                remedy="give a plain array, and mark such rows in missing",
+                code=Code.MISSING,
+            )
         value = value.data
     try:
         array = np.asarray(value)
     except ValueError:  # rows of unequal length
         raise RecordingError(
-            place, "is not an array of equal rows", f"give {wanted} of shape {_shape(shape)}"
+            place=place,
+            problem="is not an array of equal rows",
+            remedy=f"give {wanted} of shape {_shape(shape)}",
+            code=Code.WRONG_KIND,
         ) from None
     if array.dtype.kind not in "bifu":
         kind = told(value) if array.ndim == 0 else f"an array of {array.dtype}"
-        raise RecordingError(place, f"is {kind}", f"give {wanted} of shape {_shape(shape)}")
+        raise RecordingError(
+            place=place, problem=f"is {kind}", remedy=f"give {wanted} of shape {_shape(shape)}", code=Code.WRONG_KIND
+        )
     if array.ndim != len(shape) or any(want not in (None, have) for want, have in zip(shape, array.shape, strict=True)):
         problem = f"has the shape {_shape(array.shape)}"
-        raise RecordingError(place, problem, f"give {wanted} of shape {_shape(shape)}, one row a sample")
+        raise RecordingError(
+            place=place,
+            problem=problem,
+            remedy=f"give {wanted} of shape {_shape(shape)}, one row a sample",
+            code=Code.WRONG_KIND,
+        )
     if not flags:
         return np.asarray(array, dtype=float)
     if array.dtype.kind != "b" and not np.isin(array, (0, 1)).all():
-        raise RecordingError(place, "holds more than 0 and 1", "give flags, such as trigger > 0.5")
+        raise RecordingError(
+            place=place,
+            problem="holds more than 0 and 1",
+            remedy="give flags, such as trigger > 0.5",
+            code=Code.TRIGGER,
+        )
     return np.asarray(array, dtype=bool)
 
 
@@ -230,9 +272,14 @@ def require_file(file: Path) -> None:
     except (OSError, ValueError) as error:
         raise unreadable(file, error) from error
     if not stat.S_ISREG(about.st_mode):
-        raise RecordingError(file, "cannot be read (it is not a regular file)", "give a recording's CSV or folder")
+        raise RecordingError(
+            place=file,
+            problem="cannot be read (it is not a regular file)",
+            remedy="give a recording's CSV or folder",
+            code=Code.UNREADABLE,
+        )
     if about.st_size == 0:
-        raise RecordingError(file, "is empty", "record again")
+        raise RecordingError(place=file, problem="is empty", remedy="record again", code=Code.TOO_FEW)
 
 
 MOST_MISSING = 0.3  # of a column's rows; one with more is sampled at another rate, or is broken
@@ -244,10 +291,12 @@ def require_room(file: Path, rows: int, columns: int, others: int = 0) -> None:
     most = free_memory() // (2 * BYTES)
     if others + rows * columns > most:
         raise RecordingError(
-            file,
-            f"{others + rows * columns:,} numbers in this run take more than half of the free memory to be evaluated "
+            place=file,
+            problem=f"{others + rows * columns:,} numbers in this run take more than half of the free "
+            "memory to be evaluated "
             f"({2e-09 * BYTES * most:.3g} GB)",
-            f"cut the run, at most {most // columns:,} rows of {columns} columns fit, or free memory",
+            remedy=f"cut the run, at most {most // columns:,} rows of {columns} columns fit, or free memory",
+            code=Code.OUT_OF_RANGE,
         )
 
 
@@ -263,7 +312,12 @@ def free_memory() -> int:
 def unreadable(file: Path, error: Exception) -> RecordingError:
     """The error for a file that the system cannot read."""
     reason = (error.strerror if isinstance(error, OSError) else None) or type(error).__name__
-    return RecordingError(file, f"cannot be read ({reason})", "give a recording's CSV or folder")
+    return RecordingError(
+        place=file,
+        problem=f"cannot be read ({reason})",
+        remedy="give a recording's CSV or folder",
+        code=Code.UNREADABLE,
+    )
 
 
 def shown(text: str, limit: int = _SHOWN_CHARACTERS) -> str:

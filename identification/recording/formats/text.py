@@ -14,7 +14,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.csv as pacsv
 
-from cases.base.errors import RecordingError
+from cases.base.errors import Code, RecordingError
 from cases.recording_format import CLOCK, COLUMNS, TRIGGER, FileFormat
 from identification.recording.formats import dates
 from identification.recording.formats.content import PART, Block, Content, Section, blocks_of, lines_of
@@ -111,7 +111,9 @@ def select(file: Path, fields: Sequence[Field], form: FileFormat) -> dict[str, i
             others = [name for k in places for name in fields[k].also[:1]]
             remedy = f"use their other names, such as {listed(others)}" if others else "rename or remove one"
             often = "twice" if len(places) == 2 else f"{len(places)} times"
-            raise RecordingError(file, f"column {shown(theirs)} is there {often}", remedy)
+            raise RecordingError(
+                place=file, problem=f"column {shown(theirs)} is there {often}", remedy=remedy, code=Code.WRONG_KIND
+            )
         if places:
             positions[ours] = places[0]
     return positions
@@ -147,11 +149,21 @@ def tables(
         _of_dates(content, layout, clocks),
     )
     if not wanted.positions:
-        raise RecordingError(content.file, "holds no columns of numbers", "export it again, one row a sample")
+        raise RecordingError(
+            place=content.file,
+            problem="holds no columns of numbers",
+            remedy="export it again, one row a sample",
+            code=Code.WRONG_KIND,
+        )
     parts = [_section(content, section, layout, wanted) for section in layout.sections]
     counts = [len(next(iter(part.values()))) for part in parts]
     if not sum(counts):
-        raise RecordingError(content.file, "has a header but no rows", "record or export it again")
+        raise RecordingError(
+            place=content.file,
+            problem="has a header but no rows",
+            remedy="record or export it again",
+            code=Code.TOO_FEW,
+        )
     lines = _lines(content, layout, counts)
     columns = {k: _concatenated([part[k] for part in parts]) for k in wanted.positions}
     stamps = {k: _stamps(content, layout, k, columns[k], counts, lines) for k in parts_of_stamps}
@@ -169,7 +181,12 @@ def tables(
             yield from _apart(table) if layout.apart else [table]
     if not recorded:
         empty = "has time stamps in no row" if clocks else "has values in no row"
-        raise RecordingError(content.file, empty, "record or export it again, with the time of each row")
+        raise RecordingError(
+            place=content.file,
+            problem=empty,
+            remedy="record or export it again, with the time of each row",
+            code=Code.WRONG_KIND,
+        )
 
 
 class _Wanted(NamedTuple):
@@ -251,9 +268,13 @@ def _stamps(
     if not valid[:count].all():
         place = f"{content.file}, {lines.place(int(np.argmin(valid)))}"
         if layout.uneven:
-            raise RecordingError(place, "a clock has no value but goes on below", "remove the row")
+            raise RecordingError(
+                place=place, problem="a clock has no value but goes on below", remedy="remove the row", code=Code.CLOCK
+            )
         place = f"{place}, {shown(layout.label(position))}"
-        raise RecordingError(place, "is empty where a time stamp is needed", "remove the row")
+        raise RecordingError(
+            place=place, problem="is empty where a time stamp is needed", remedy="remove the row", code=Code.CLOCK
+        )
     column = column.slice(0, count)
     if pa.types.is_string(column.type):
         if (dated := dates.stamps_of(column)) is not None:
@@ -261,7 +282,12 @@ def _stamps(
         row = dates.first_unread(column)
         place = f"{content.file}, {lines.place(row)}, {shown(layout.label(position))}"
         problem = f"{shown(str(column[row]))!r} is not a time stamp like those above it"
-        raise RecordingError(place, problem, "correct or remove the row, or state recording.clock.period_ms")
+        raise RecordingError(
+            place=place,
+            problem=problem,
+            remedy="correct or remove the row, or state recording.clock.period_ms",
+            code=Code.CLOCK,
+        )
     stamps = np.asarray(column.to_numpy())
     if any(layout.starts):
         stamps = stamps + np.repeat(layout.starts, counts)[:count] / layout.tick
@@ -283,7 +309,9 @@ def _nanoseconds(content: Content, layout: Layout, chosen: Mapping[str, int]) ->
     if len(places) != 1:
         problem = f"has no column {shown(name)}" if not places else f"has several columns {shown(name)}"
         remedy = "correct recording.clock.nanoseconds in the case"
-        raise RecordingError(content.file, f"{problem}; it has {listed(layout.names)}", remedy)
+        raise RecordingError(
+            place=content.file, problem=f"{problem}; it has {listed(layout.names)}", remedy=remedy, code=Code.WRONG_KIND
+        )
     return places
 
 
@@ -299,7 +327,9 @@ def _in_two_columns(content: Content, layout: Layout, parts: Sequence[_Clock], l
         if layout.form.tick != 1.0:
             problem = "adds nanoseconds to stamps that are not in seconds"
         place = f"{content.file}, {lines.place(row)}, {shown(str(column))}"
-        raise RecordingError(place, problem, "correct recording.clock in the case")
+        raise RecordingError(
+            place=place, problem=problem, remedy="correct recording.clock in the case", code=Code.CLOCK
+        )
     return whole.astype(np.int64) * _A_SECOND + part.astype(np.int64), 1.0 / _A_SECOND
 
 
@@ -452,7 +482,12 @@ def _rewritten(file: Path, block: Block, layout: Layout, wanted: _Wanted, last: 
             continue
         place = f"{file}, line {number}"
         if not line.rstrip(b"\r").strip(b"\0"):
-            raise RecordingError(place, "is binary zero, as after a crash while recording", "cut the file off there")
+            raise RecordingError(
+                place=place,
+                problem="is binary zero, as after a crash while recording",
+                remedy="cut the file off there",
+                code=Code.DAMAGED,
+            )
         try:
             fields = layout.split(line.rstrip(b"\r").decode(form.encoding, "replace" if layout.uneven else "strict"))
         except UnicodeDecodeError:
@@ -463,18 +498,27 @@ def _rewritten(file: Path, block: Block, layout: Layout, wanted: _Wanted, last: 
             remedy = "correct or remove the row, or state delimiter, decimal and trailing_rows in [recording]"
             if number == last and len(fields) < width and not data.endswith(b"\n"):
                 remedy = "the file is cut off in its last line: remove that line"
-            raise RecordingError(place, f"expected {width} columns, got {len(fields)}", remedy)
+            raise RecordingError(
+                place=place, problem=f"expected {width} columns, got {len(fields)}", remedy=remedy, code=Code.DAMAGED
+            )
         row = []
         for k in wanted.positions:
             value = fields[k] if k in wanted.dates else regular(fields[k], form, k in wanted.switches)
             if value is None:
                 problem = f"{shown(fields[k])!r} is not a number with a decimal {form.decimal or '.'!r}"
                 remedy = "correct or remove the row, or set recording.decimal in the case"
-                raise RecordingError(f"{place}, {shown(layout.label(k))}", problem, remedy)
+                raise RecordingError(
+                    place=f"{place}, {shown(layout.label(k))}", problem=problem, remedy=remedy, code=Code.WRONG_KIND
+                )
             row.append(value)
         rows.append(form.separator.join(row) if len(row) > 1 or row[0] else "nan")
     return "\n".join(rows).encode()
 
 
 def _not_text(place: Path | str, form: FileFormat) -> RecordingError:
-    return RecordingError(place, f"is not {form.encoding.upper()} text", "save the file as UTF-8")
+    return RecordingError(
+        place=place,
+        problem=f"is not {form.encoding.upper()} text",
+        remedy="save the file as UTF-8",
+        code=Code.UNREADABLE,
+    )

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cases.base.errors import RecordingError
+from cases.base.errors import Code, RecordingError
 from cases.base.units import Array, Flags
 from cases.recording_format import TRIGGER
 from identification.finding import Finding, Kind, note
@@ -47,7 +47,12 @@ def trigger_of(table: ColumnTable) -> tuple[Flags | None, list[Finding]]:
             remedy = (
                 f"if it is a bit field (bits {names} change), state which: recording.trigger = {{ bit = {bits[0]} }}"
             )
-        raise RecordingError(table.place(row, TRIGGER), f"{values[row].item()} is no level of a switch", remedy)
+        raise RecordingError(
+            place=table.place(row, TRIGGER),
+            problem=f"{values[row].item()} is no level of a switch",
+            remedy=remedy,
+            code=Code.TRIGGER,
+        )
     return flags, found
 
 
@@ -97,4 +102,9 @@ def _require_bits(table: ColumnTable, values: Array) -> None:
     if not good.all():
         row = int(np.argmin(good))
         remedy = "leave recording.trigger.bit out if the column is a switch"
-        raise RecordingError(table.place(row, TRIGGER), f"{values[row].item()} has no bits", remedy)
+        raise RecordingError(
+            place=table.place(row, TRIGGER),
+            problem=f"{values[row].item()} has no bits",
+            remedy=remedy,
+            code=Code.TRIGGER,
+        )

@@ -19,7 +19,7 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
-from cases.base.errors import HexciteError
+from cases.base.errors import Code, HexciteError
 
 SYSTEM_PATH = "/usr/bin:/bin:/usr/sbin:/sbin"  # of LinuxCNC and its Python, which get nothing of the user's environment
 NOBODY = 65534  # user of LinuxCNC's realtime process where hexcite runs as root: that process refuses to run as root
@@ -154,8 +154,9 @@ def _alone() -> Iterator[None]:
         for number, name in running().items():
             if name in PROCESSES:
                 raise HexciteError(
-                    f"another LinuxCNC is running on this computer ({name}, process {number}); end it first, or "
-                    "allow hexcite to make namespaces (unshare --user)"
+                    problem=f"another LinuxCNC is running on this computer ({name}, process {number})",
+                    remedy="end it first, or allow hexcite to make namespaces (unshare --user)",
+                    code=Code.RUN_FAILED,
                 )
         yield
     finally:

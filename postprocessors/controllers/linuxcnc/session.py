@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cases.base.errors import HexciteError
+from cases.base.errors import Code, HexciteError, option
 from cases.schema import Case
 from postprocessors.controllers.executed_run import ControllerLog
 from postprocessors.controllers.linuxcnc import configuration, timing
@@ -41,7 +41,7 @@ _log = logging.getLogger(__name__)
 def linuxcnc_missing() -> str | None:
     """Reason why LinuxCNC cannot be run on this computer, with the remedy; None if it can."""
     if not sys.platform.startswith("linux"):
-        return f"LinuxCNC runs on Linux only, this is {sys.platform}; run with --on virtual"
+        return f"LinuxCNC runs on Linux only, this is {sys.platform}; run with {option('on')} virtual"
     cnc, compiler = "linuxcnc-uspace", "gcc libc6-dev"
     for program, packages in {"linuxcnc": cnc, "halcmd": cnc, "python3": "python3", "gcc": compiler}.items():
         if shutil.which(program, path=SYSTEM_PATH) is None:
@@ -80,7 +80,7 @@ def run_linuxcnc(
     """
     path, reading = program.path, program.reading
     if (missing := linuxcnc_missing()) is not None:
-        raise HexciteError(path, f"cannot be run: {missing}")
+        raise HexciteError(place=path, problem=f"cannot be run: {missing}", code=Code.NOT_INSTALLED)
     lines = timing.with_dwells(path, program.content.decode("ascii").split("\n"), reading)
     timed = any(isinstance(part, Timed) for part in reading.stretches)
     headroom = acceleration_headroom(case, timed)
@@ -99,7 +99,7 @@ def run_linuxcnc(
         else:
             return timing.without_surplus(log, reading, window)
         _log.info("%s", problem)
-    raise HexciteError(problem)
+    raise HexciteError(problem=problem, code=Code.RUN_FAILED)
 
 
 def one_session(
@@ -124,7 +124,12 @@ def one_session(
         clock = {"HEXCITE_SPEEDUP": repr(speedup), "LD_PRELOAD": f"{{folder}}/{CLOCK_FILE}"}
         if run_session(folder, arguments, clock, time_limit + START_LIMIT) is None:
             problem = f"LinuxCNC did not end within {time_limit + START_LIMIT:g} s and was killed"
-            raise HexciteError(program, problem, "run again, and check its installation if that does not help")
+            raise HexciteError(
+                place=program,
+                problem=problem,
+                remedy="run again, and check its installation if that does not help",
+                code=Code.RUN_FAILED,
+            )
         report = read_report(program, folder)
         layout = AxisLayout.of(case)
         samples = np.fromfile(folder / SAMPLES_FILE).reshape(-1, 1 + len(layout.channels))
@@ -148,7 +153,11 @@ def _compile_clock(folder: Path) -> None:
         reason = next(
             (line for line in result.stderr.splitlines() if "error" in line), f"exit code {result.returncode}"
         )
-        raise HexciteError(f"gcc cannot compile LinuxCNC's clock ({reason}); install the packages gcc and libc6-dev")
+        raise HexciteError(
+            problem=f"gcc cannot compile LinuxCNC's clock ({reason})",
+            remedy="install the packages gcc and libc6-dev",
+            code=Code.NOT_INSTALLED,
+        )
 
 
 def read_report(program: Path, folder: Path) -> dict[str, Any]:
@@ -167,7 +176,7 @@ def read_report(program: Path, folder: Path) -> dict[str, Any]:
         last_line = " ".join(output[-1].split()) if output else "nothing"
         problem = f"LinuxCNC did not start, or broke down; it said last: {last_line}"
         remedy = "check the installation by running one of its sample configurations"
-        raise HexciteError(program, problem, remedy) from error
+        raise HexciteError(place=program, problem=problem, remedy=remedy, code=Code.RUN_FAILED) from error
     if report["outcome"] == "done":
         return report
     message = " ".join((report["errors"] or ["it gave no reason"])[0].split()).rstrip(".")
@@ -179,7 +188,7 @@ def read_report(program: Path, folder: Path) -> dict[str, Any]:
         "time limit": ("LinuxCNC was not through in time", "check the feeds, or allow more time"),
         "paused": ("LinuxCNC waits for its operator", "remove the pause from the program"),
     }.get(report["outcome"], (f"LinuxCNC stopped: {message}", remedy))
-    raise HexciteError(place, problem, remedy)
+    raise HexciteError(place=place, problem=problem, remedy=remedy, code=Code.RUN_FAILED)
 
 
 def lost_cycles(report: dict[str, Any], speedup: float) -> str | None:

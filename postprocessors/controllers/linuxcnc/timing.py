@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cases.base.errors import HexciteError
+from cases.base.errors import Code, HexciteError
 from postprocessors.controllers.executed_run import ControllerLog
 from postprocessors.reading import NUMBER, Reading, Still, Timed
 
@@ -40,7 +40,12 @@ def with_dwells(program: Path, lines: list[str], reading: Reading) -> list[str]:
             line = lines[part.line - 1]
             if not _DWELL.fullmatch(_COMMENT.sub("", line)):
                 place, remedy = f"{program}, line {part.line}", "write it as G4 P<seconds> on a line of its own"
-                raise HexciteError(place, f"dwell {line.strip()!r} cannot be timed", remedy)
+                raise HexciteError(
+                    place=place,
+                    problem=f"dwell {line.strip()!r} cannot be timed",
+                    remedy=remedy,
+                    code=Code.NOT_SUPPORTED,
+                )
             copy[part.line - 1] = f"o<dwell> call [{part.duration:.6f}]"
     return copy
 

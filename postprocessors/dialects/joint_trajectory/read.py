@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from cases.base.errors import ProgramError
+from cases.base.errors import Code, ProgramError
 from cases.base.files import ascii_text
 from cases.schema import Case
 from identification.motion.motion import Array
@@ -52,11 +52,22 @@ def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
     found: list[tuple[int, tuple[str, ...]]] = []
     for (line, code), (form, pattern) in zip(lines, itertools.chain(forms, itertools.cycle(of_a_point)), strict=False):
         if (match := pattern.fullmatch(code)) is None:
-            raise ProgramError(file, line, 0, f"{code.strip()[:SHOWN]!r} where `{form}` is expected; write it so")
+            raise ProgramError(
+                file=file,
+                line=line,
+                problem=f"{code.strip()[:SHOWN]!r} where `{form}` is expected",
+                remedy="write it so",
+                code=Code.SYNTAX,
+            )
         found.append((line, match.groups()))
     rows = found[len(forms) :]
     if not rows or len(rows) % len(of_a_point):
-        raise ProgramError(file, lines[-1][0] if lines else 0, 0, "no point, or the last is not complete: truncated")
+        raise ProgramError(
+            file=file,
+            line=lines[-1][0] if lines else 0,
+            problem="no point, or the last is not complete: truncated",
+            code=Code.DAMAGED,
+        )
     points: list[_Point] = []
     for k in range(0, len(rows), len(of_a_point)):
         *states, (_, (seconds, nanoseconds)) = rows[k : k + len(of_a_point)]
@@ -64,7 +75,13 @@ def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
         before, ends = points[-1][2] if points else 0.0, k == 0 or k + len(of_a_point) == len(rows)
         if np.abs(state).max() > LARGEST or not time > before or (ends and state[1:].any()):
             problem = f"the point at {time:g} s must come after {before:g} s, have numbers below {LARGEST:g}"
-            raise ProgramError(file, rows[k][0], 0, f"{problem}, and rest if it is the first or last; correct it")
+            raise ProgramError(
+                file=file,
+                line=rows[k][0],
+                problem=f"{problem}, and rest if it is the first or last",
+                remedy="correct it",
+                code=Code.SYNTAX,
+            )
         points.append((rows[k][0], state, time))
     home, _ = case.need_motion("a joint trajectory")
     return replace(_grouped(file, points, home).reading(len(points)), start_time=points[0][2])

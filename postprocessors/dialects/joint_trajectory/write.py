@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.base.errors import ProgramError
+from cases.base.errors import Code, ProgramError
 from cases.base.files import ascii_text
 from cases.schema import Case
 from identification.motion.motion import Array, Joined, Slowed, Standstill, Trajectory
@@ -56,10 +56,21 @@ def require_same_trajectory(program: Blocks, reading: Reading, case: Case) -> No
         t = np.sort(np.append(times, (times[1:] + times[:-1]) / 2))
         planned = motion.at(np.clip(t + clock, 0.0, motion.duration)).pose
         if not np.all(np.abs(part.points.at(t).pose - planned) <= SAME):
-            raise ProgramError(reading.file, part.lines[0], 0, "the motion reads back differently; report this")
+            raise ProgramError(
+                file=reading.file,
+                line=part.lines[0],
+                problem="the motion reads back differently",
+                remedy="report this",
+                code=Code.INTERNAL,
+            )
         clock += part.points.duration
     if abs(clock - motion.duration) > SAME:
-        raise ProgramError(reading.file, 0, 0, f"lasts {clock:.6f} s of {motion.duration:.6f} s; report this")
+        raise ProgramError(
+            file=reading.file,
+            problem=f"lasts {clock:.6f} s of {motion.duration:.6f} s",
+            remedy="report this",
+            code=Code.INTERNAL,
+        )
 
 
 def _motion(program: Blocks, case: Case) -> Joined:

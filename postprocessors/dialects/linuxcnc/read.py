@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cases.base.errors import ProgramError
+from cases.base.errors import Code, ProgramError
 from cases.base.units import Array
 from cases.schema import Case
 from postprocessors.dialects.modal import ROUND, STILL, ModalState, Word
@@ -72,7 +72,7 @@ class _LinuxCncInterpreter(ModalState):
         self.overridden = False  # whether it counts in a move
 
     @classmethod
-    def comment_problem(cls, text: str, match: re.Match[str]) -> str:
+    def comment_problem(cls, text: str, match: re.Match[str]) -> tuple[str, str] | None:
         """LinuxCNC executes what a comment says behind names such as LOGOPEN, PRINT and PY; (MSG,..) is only shown.
 
         Behind a semicolon it takes the text from the first one of the line on, be that within parentheses.
@@ -80,8 +80,8 @@ class _LinuxCncInterpreter(ModalState):
         comment = match["comment"]
         texts = [comment[1:-1]] if comment.startswith("(") else [comment[1:], text.partition(";")[2]]
         if not any(_EXECUTED.match(said) for said in texts):
-            return ""
-        return f"LinuxCNC may execute the comment {comment[:40]!r}; remove it, or begin it with a dash"
+            return None
+        return f"LinuxCNC may execute the comment {comment[:40]!r}", "remove it, or begin it with a dash"
 
     def read_program(self, lines: Iterable[str]) -> Reading:
         reading = super().read_program(self._within_percent_signs(list(lines)))
@@ -97,7 +97,7 @@ class _LinuxCncInterpreter(ModalState):
             return 0
         self.line = number
         if match["number"] in self.numbers:
-            self.fail(Word("o", 1), f"a second statement o{match['number']}; give each a number of its own")
+            self.fail(Word("o", 1), f"a second statement o{match['number']}", "give each a number of its own")
         self.numbers.add(match["number"])
         return self.home_check_lines if match.re is _ZERO_OFFSETS else super().statement(lines, number)
 
@@ -109,14 +109,20 @@ class _LinuxCncInterpreter(ModalState):
         below = next(iter(signs[1:]), None)
         self.enclosed = below is not None
         if below is not None and (more := next((k for k in range(below + 1, len(lines)) if lines[k].strip()), None)):
-            raise ProgramError(self.file, more + 1, 0, "text behind the % that ends the program; remove it")
+            raise ProgramError(
+                file=self.file,
+                line=more + 1,
+                problem="text behind the % that ends the program",
+                remedy="remove it",
+                code=Code.SYNTAX,
+            )
         return ["" if k in (signs[0], below) else text for k, text in enumerate(lines)]
 
     def read(self, block: dict[str, Word]) -> None:
         for word in block.values():
             self._word(word, block)
         if (arc := block.get("G2") or block.get("G3")) and "P" in block:
-            self.fail(block["P"], f"P counts turns beside {arc.name}; remove it, or move its own command away")
+            self.fail(block["P"], f"P counts turns beside {arc.name}", "remove it, or move its own command away")
         for letter, owners in (("P", {"G4", "G64", "M50", *_SWITCHES}), ("Q", {"G64"})):
             if letter in block and owners.isdisjoint(block):
                 self.refuse(block[letter])
@@ -125,7 +131,7 @@ class _LinuxCncInterpreter(ModalState):
         if first is not None:
             self._move(block, first)
         elif code := block.get("G2") or block.get("G3") or (block.get("G1") if self.active("G93") else None):
-            self.fail(code, f"{code.name} without a motion in its block; remove it")
+            self.fail(code, f"{code.name} without a motion in its block", "remove it")
         elif self.active("G93"):
             self.feed = None
         self.said |= set(block)
@@ -158,8 +164,14 @@ class _LinuxCncInterpreter(ModalState):
         cut, merge = (block[name].value if name in block else None for name in "PQ")
         if cut is not None and cut <= LOOSEST and (cut if merge is None else merge) <= 0.0:
             return None
-        remedy = f"G64 lets the controller leave the path; write G64 P{LOOSEST:g} Q0"
-        return ProgramError(self.file, self.line, word.column, remedy)
+        return ProgramError(
+            file=self.file,
+            line=self.line,
+            column=word.column,
+            problem="G64 lets the controller leave the path",
+            remedy=f"write G64 P{LOOSEST:g} Q0",
+            code=Code.SYNTAX,
+        )
 
     def execute(self, block: dict[str, Word]) -> None:
         super().execute(block)
@@ -170,7 +182,7 @@ class _LinuxCncInterpreter(ModalState):
         """Refuses a move before all that it needs was said in blocks before it."""
         if missing := [text for text in self.needed if text not in self.said]:
             problem = f"a move before a block with {' '.join(missing)}; an operator may have left something else"
-            self.fail(word, f"{problem}: write it first")
+            self.fail(word, problem, "write it first")
 
     def _move(self, block: dict[str, Word], first: Word) -> None:
         self.require_said(first)
@@ -178,11 +190,11 @@ class _LinuxCncInterpreter(ModalState):
         exact, before = self.active("G61", "G61.1"), self.pose
         if self.active("G2", "G3"):
             if "G91.1" not in self.said:
-                self.fail(first, "an arc before a block with G91.1; I, J, K may be absolute: write it first")
+                self.fail(first, "an arc before a block with G91.1; I, J, K may be absolute", "write it first")
             self._require_stop(first, None)
             end = self._end_of(block, first)
             if 0.0 < np.abs(end - before)[self.linear].max() < ROUND:
-                self.fail(first, "the arc ends next to where it begins; leave X, Y, Z out for a full circle")
+                self.fail(first, "the arc ends next to where it begins", "leave X, Y, Z out for a full circle")
             self.arc(block, first, exact)
             self.way = np.full(len(self.pose), np.nan)
             return
@@ -190,7 +202,7 @@ class _LinuxCncInterpreter(ModalState):
         if duration is not None and self.loose is not None and not np.isnan(self.pose).any():
             raise self.loose
         if duration is not None and np.all(np.abs(end - before) <= STILL):
-            self.fail(first, "a timed block in which nothing moves, which LinuxCNC leaves out; wait with G4 P0.1")
+            self.fail(first, "a timed block in which nothing moves, which LinuxCNC leaves out", "wait with G4 P0.1")
         if duration is None:
             self._require_stop(first, end - before)
         self.straight(end, duration, feed, exact)
@@ -209,7 +221,7 @@ class _LinuxCncInterpreter(ModalState):
             lengths = float(np.linalg.norm(one) * np.linalg.norm(other))
             if lengths > 0.0 and float(one @ other) < _NEARLY_STRAIGHT * lengths:
                 return
-        self.fail(first, "under G61 the move before may run into this one; write G61.1, or G4 P0.1 between them")
+        self.fail(first, "under G61 the move before may run into this one", "write G61.1, or G4 P0.1 between them")
 
 
 def read_linuxcnc(content: bytes, file: str, case: Case) -> Reading:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from cases.base.errors import ProgramError
+from cases.base.errors import Code, ProgramError
 from cases.base.units import MM
 from cases.controller import Setpoints
 from cases.recording_format import setpoint_columns
@@ -46,7 +46,9 @@ def read_setpoints(content: bytes, file: str, case: Case) -> Reading:
         if len(wrong):
             k, own = wrong[0].tolist()
             cell = f"{columns[column + own]} = {numbers[row + k, column + own]:.9g}"
-            raise ProgramError(file, first + row + k, 0, f"{cell} {problem}; correct it")
+            raise ProgramError(
+                file=file, line=first + row + k, problem=f"{cell} {problem}", remedy="correct it", code=Code.SYNTAX
+            )
 
     require(np.abs(numbers) <= LARGEST, 0, "is not a number of a machine's size")
     problem = f"where rows begin at 0 and follow each {1e3 * cycle:g} ms, the case's cycle"
@@ -87,22 +89,34 @@ def _read_table(content: bytes, file: str, most: int, columns: tuple[str, ...]) 
     number = next((k for k, line in enumerate(lines) if not line.startswith("#")), len(lines))
     if not re.fullmatch(rf"#\s*format: {FORMAT}\s*", lines[0]) or lines[number : number + 1] != [",".join(columns)]:
         problem = f"not '# format: {FORMAT}' and then the columns {columns[0]},{columns[1]},..,{columns[-1]}"
-        raise ProgramError(file, number + 1, 0, f"{problem}; is this a table of setpoints for this case?")
+        raise ProgramError(
+            file=file,
+            line=number + 1,
+            problem=problem,
+            remedy="is this a table of setpoints for this case?",
+            code=Code.SYNTAX,
+        )
     first, rows = number + 2, lines[number + 1 :]
     if rows[-1:] != [""] or len(rows) < 3:  # its two first ones and the end of the last
-        raise ProgramError(file, len(lines), 0, "the last line has no end, or is the only one; the file is truncated")
+        raise ProgramError(
+            file=file,
+            line=len(lines),
+            problem="the last line has no end, or is the only one",
+            remedy="the file is truncated",
+            code=Code.DAMAGED,
+        )
     rows.pop()
     if len(rows) > most:
-        problem = f"{len(rows)} rows, the controller's memory holds {most} (most_rows); plan a shorter motion"
-        raise ProgramError(file, 0, 0, problem)
+        problem = f"{len(rows)} rows, the controller's memory holds {most} (most_rows)"
+        raise ProgramError(file=file, problem=problem, remedy="plan a shorter motion", code=Code.OUT_OF_RANGE)
     plain = re.compile(",".join([f"(?>{NUMBER})"] * len(columns)))  # (?>..) tries no second way: there are too many
     values = np.empty((len(rows), len(columns)))
     for row, text in enumerate(rows):
         cells = text.split(",")
         if not plain.fullmatch(text):
             odd = next((cell for cell in cells if not re.fullmatch(NUMBER, cell)), f"{len(cells)} cells")
-            problem = f"{odd!r} where a row is {len(columns)} plain numbers with commas between them; correct it"
-            raise ProgramError(file, first + row, 0, problem)
+            problem = f"{odd!r} where a row is {len(columns)} plain numbers with commas between them"
+            raise ProgramError(file=file, line=first + row, problem=problem, remedy="correct it", code=Code.SYNTAX)
         values[row] = cells  # row by row: the words of all take seven times the memory of the file
     return first, values
 

@@ -10,7 +10,7 @@ from itertools import count, groupby
 
 import numpy as np
 
-from cases.base.errors import ProgramError
+from cases.base.errors import Code, ProgramError
 from cases.base.units import DEG, MM
 from cases.controller import Setpoints
 from cases.recording_format import setpoint_columns
@@ -108,10 +108,21 @@ def require_same_table(program: Blocks, reading: Reading, case: Case) -> None:
     read = [s for s in reading.stretches if isinstance(s, Timed)]
     written = [part for part in _parts(program, cycle) if part[0] is not None]
     if len(read) != len(written):
-        raise ProgramError(reading.file, 0, 0, f"{len(read)} paths where {len(written)} were written; report this")
+        raise ProgramError(
+            file=reading.file,
+            problem=f"{len(read)} paths where {len(written)} were written",
+            remedy="report this",
+            code=Code.INTERNAL,
+        )
     for (motion, cycles, on), stretch in zip(written, read, strict=True):
         assert motion is not None
         rows = motion.at(np.minimum(stretch.points.times, motion.duration)).pose
         near = len(stretch.points.times) == cycles + 1 and on == stretch.trigger
         if not (near and np.all(np.abs(stretch.points.at(stretch.points.times).pose - rows) <= SAME)):
-            raise ProgramError(reading.file, stretch.lines[0], 0, "a path reads back differently; report this")
+            raise ProgramError(
+                file=reading.file,
+                line=stretch.lines[0],
+                problem="a path reads back differently",
+                remedy="report this",
+                code=Code.INTERNAL,
+            )

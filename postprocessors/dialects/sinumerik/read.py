@@ -77,11 +77,11 @@ class SinumerikInterpreter(ModalState):
         return self.axes if self.of_pose is None else ("X", "Y", "Z", *self.of_pose.orientation_axes)
 
     @classmethod
-    def comment_problem(cls, text: str, match: re.Match[str]) -> str:
+    def comment_problem(cls, text: str, match: re.Match[str]) -> tuple[str, str] | None:
         """`;$PATH=` says into which folder a file is read: in that of cycles it would replace the builder's."""
         if _HARMLESS.match(match["comment"]):
-            return ""
-        return f"the control may act on {match['comment'][:40]!r}; write ;$PATH=/_N_MPF_DIR, or remove it"
+            return None
+        return f"the control may act on {match['comment'][:40]!r}", "write ;$PATH=/_N_MPF_DIR, or remove it"
 
     @classmethod
     def word_of(cls, match: re.Match[str], column: int) -> Word:
@@ -144,10 +144,10 @@ class SinumerikInterpreter(ModalState):
         """A trace begins and ends, and the control waits for what is before, where the machine stands."""
         self.require_alone(word, block)
         if word.value not in (None, 1.0, 2.0):
-            self.fail(word, f"{word.written} is neither the start nor the end of a trace; write =1 or =2")
+            self.fail(word, f"{word.written} is neither the start nor the end of a trace", "write =1 or =2")
         self.said.add(word.name)
         if self.flowing:
-            self.fail(word, f"{word.written} while the machine moves on; let it stop first, write G4 F0.1")
+            self.fail(word, f"{word.written} while the machine moves on", "let it stop first, write G4 F0.1")
 
     def _move(self, block: dict[str, Word]) -> None:
         self.take_feed(block)
@@ -165,7 +165,7 @@ class SinumerikInterpreter(ModalState):
         else:
             other = next((word for name, word in block.items() if name not in ("G1", "F", *self.axes)), None)
             if other is not None and self.active("COMPCAD"):
-                self.fail(other, "the compressor takes nothing but G1, coordinates and F; write COMPOF before")
+                self.fail(other, "the compressor takes nothing but G1, coordinates and F", "write COMPOF before")
             end, duration, feed = self.target(block, first)
             if duration is None:
                 self._require_standing(first)
@@ -174,7 +174,7 @@ class SinumerikInterpreter(ModalState):
 
     def _require_standing(self, first: Word) -> None:
         if self.flowing:
-            self.fail(first, "the path before runs into this move (G64); let the machine stop first, write G4 F0.1")
+            self.fail(first, "the path before runs into this move (G64)", "let the machine stop first, write G4 F0.1")
 
     def _polynomial(self, settings: Sinumerik, block: dict[str, Word], first: Word) -> TimedBlock:
         """Reads X = a0 + a1 p + .. + a5 p^5 for p from 0 to PL, a1 from the end; p is assumed to be linear in time.
@@ -194,7 +194,7 @@ class SinumerikInterpreter(ModalState):
             or any(len(items) > degree or np.abs(items).max() > LARGEST for items in pieces.values())
         ):
             form = f"up to {most} words PO[axis]=(end,a2,..) of degree {degree} at most for {', '.join(axes)}, and F"
-            self.fail(first, f"a POLY block under G64 and G93 takes POLY, {form} = 60 / seconds alone; write it so")
+            self.fail(first, f"a POLY block under G64 and G93 takes POLY, {form} = 60 / seconds alone", "write it so")
         coefficients = np.zeros((degree + 1, 6))
         coefficients[0], end = self.pose, self.pose.copy()
         for name, (own_end, *higher) in pieces.items():

@@ -7,7 +7,7 @@ machine's own axes no transformation is active, and FGREF states that a degree c
 
 import numpy as np
 
-from cases.base.errors import CaseError
+from cases.base.errors import CaseError, Code
 from cases.base.units import DEG, MINUTE, MM, MS
 from cases.controller import Sinumerik, SinumerikAxes
 from cases.schema import Case
@@ -88,17 +88,18 @@ class _SinumerikWriter(BlockWriter):
             tolerances = f"CTOL={s.contour_tolerance_mm:g} OTOL={s.orientation_tolerance_deg:g}"
             return self.dense(path, [f"G642 G93 COMPCAD {tolerances}"], ["COMPOF", "G94 G60"])
         if s.poly_axes < AXES_OF_A_POSE:
-            raise self.wrong("poly_axes", f"{s.poly_axes} cannot carry six coordinates; set path = 'lines'")
+            raise self.wrong("poly_axes", f"{s.poly_axes} cannot carry six coordinates", "set path = 'lines'")
         try:
             spline = pieces(motion, s.poly_degree, s.poly_block_ms * MS, s.poly_tolerance)
         except ValueError as error:
             raise self.wrong(
-                "poly_tolerance_mm", f"is not reached: {error}; loosen it or set path = 'lines'"
+                "poly_tolerance_mm", f"is not reached: {error}", "loosen it or set path = 'lines'"
             ) from error
         return [*self.stated(path.name, spline, motion), "G64 G93", *self.poly(spline), "G94 G60 G1"]
 
-    def wrong(self, key: str, problem: str) -> CaseError:
-        return CaseError(self.place, f"controller.sinumerik.{key}", problem)
+    def wrong(self, key: str, problem: str, remedy: str) -> CaseError:
+        place = f"controller.sinumerik.{key}"
+        return CaseError(file=self.place, key=place, problem=problem, remedy=remedy, code=Code.OUT_OF_RANGE)
 
     def stated(self, name: str, spline: PolynomialMotion, motion: Trajectory) -> list[str]:
         """Comment lines with the distance of the path from the plan: its time law is the controller's own."""

@@ -93,15 +93,17 @@ class TwinCatInterpreter(ModalState):
         return match["variable"].upper() == "ACT_POS"
 
     @classmethod
-    def comment_problem(cls, text: str, match: re.Match[str]) -> str:
+    def comment_problem(cls, text: str, match: re.Match[str]) -> tuple[str, str] | None:
         """The next line would belong to a comment that ends in a backslash."""
-        return "the backslash makes the next line a part of this one; remove it" if text.rstrip().endswith("\\") else ""
+        if text.rstrip().endswith("\\"):
+            return "the backslash makes the next line a part of this one", "remove it"
+        return None
 
     def execute(self, block: dict[str, Word]) -> None:
         """Executes a block, within a path of points one of its points or its end."""
         of_a_path = {"G93", "G1", "G60", "F", *self.axes, self.curve}
         if self.curve and (other := next((w for n, w in block.items() if n not in of_a_path), None)):
-            self.fail(other, f"{other.name} within a path of points; end it first with {self.curve}")
+            self.fail(other, f"{other.name} within a path of points", f"end it first with {self.curve}")
         super().execute(block)
 
     def read(self, block: dict[str, Word]) -> None:
@@ -124,9 +126,9 @@ class TwinCatInterpreter(ModalState):
             self.require_alone(word, block)
         self.messages += name == "#MSG"
         if self.messages > MOST_MESSAGES:
-            self.fail(word, f"the controller stops at {MOST_MESSAGES} messages that nobody reads; remove some")
+            self.fail(word, f"the controller stops at {MOST_MESSAGES} messages that nobody reads", "remove some")
         if name == "#MSG" and not _PLAIN.fullmatch(",".join(word.arguments)):
-            self.fail(word, 'a message is one text without formats; write #MSG ["TEXT"]')
+            self.fail(word, "a message is one text without formats", 'write #MSG ["TEXT"]')
         if name in ("%", "G4", "G60", "F", "#MSG", "", *self.last, *self.axes):
             return
         if name in (_OF_OWN_AXES if self.own_axes else self.group_of):
@@ -134,13 +136,15 @@ class TwinCatInterpreter(ModalState):
         elif name in self.trigger:
             self.require_alone(word, block)
             if self.flowing:
-                self.fail(word, f"{name} while the machine moves on; let it stop first, write G60 in the block before")
+                self.fail(
+                    word, f"{name} while the machine moves on", "let it stop first, write G60 in the block before"
+                )
             self.motions.switch(self.line, self.trigger[name], at_once=True)
         elif name in self.to_state:
             if " ".join(word.arguments) != self.to_state[name]:
-                self.fail(word, f"{name} is not what the case says; write {self._stated(name)}")
+                self.fail(word, f"{name} is not what the case says", f"write {self._stated(name)}")
             if name == "#KIN ID" and self.transformed:
-                self.fail(word, "the kinematics cannot change while the transformation is on; write #TRAFO OFF")
+                self.fail(word, "the kinematics cannot change while the transformation is on", "write #TRAFO OFF")
             if name.startswith("#TRAFO"):
                 self.transformed = name == "#TRAFO ON"
                 self.said -= {"#TRAFO ON", "#TRAFO OFF", "#CHANNEL INIT"}
@@ -153,7 +157,7 @@ class TwinCatInterpreter(ModalState):
             before, end = _CURVES[name]
             if before not in self.said or self.flowing or np.isnan(self.pose).any():
                 problem = f"{name} opens a path of points behind {before}, where the machine stands at a known pose"
-                self.fail(word, f"{problem}; write G60 in the block before")
+                self.fail(word, f"{problem}", "write G60 in the block before")
             self.curve, self.points = end, 1
         elif name == self.curve:
             if self.points < FEWEST_POINTS or self.flowing:
@@ -165,19 +169,19 @@ class TwinCatInterpreter(ModalState):
         first = next((word for word in block.values() if word.name in (*self.axes, "I", "J", "K")), None)
         if first is None:
             if "G60" in block:
-                self.fail(block["G60"], "G60 without a motion in its block (error 20003); move it to a motion")
+                self.fail(block["G60"], "G60 without a motion in its block (error 20003)", "move it to a motion")
             return
         self.require_said(first)
         exact = "G60" in block or self.active("G360")
         if self.active("G2", "G3"):
             if not self.active("G162"):
-                self.fail(first, "an arc needs relative centres; write G162")
+                self.fail(first, "an arc needs relative centres", "write G162")
             self.arc(block, first, exact)
         else:
             end, duration, feed = self.target(block, first)
             if (duration is not None) != bool(self.curve) or (self.points > 1 and self.curve and not self.flowing):
                 problem = "G93 and a time belong to the points of a path, between #SPLINE ON and OFF, and to no others"
-                self.fail(first, f"{problem}; write G60 in the last point alone")
+                self.fail(first, f"{problem}", "write G60 in the last point alone")
             self.points += 1
             # the exact stop at the end of a whole path is not a stop within it
             self.straight(end, duration, feed, exact and duration is None)

@@ -8,7 +8,7 @@ import re
 
 import numpy as np
 
-from cases.base.errors import ProgramError
+from cases.base.errors import Code, ProgramError
 from cases.controller import UrScript
 from cases.schema import Case
 from postprocessors.reading import FLOAT, PLAIN, Grouping, Reading, Untimed, program_lines
@@ -39,20 +39,25 @@ def read_urscript(content: bytes, file: str, case: Case) -> Reading:
     output = case.need_settings(UrScript, "a URScript program").trigger_output
     chain, limits = case.need_chain("a URScript program")
     if len(chain.joints) != JOINTS or not limits.turns.all():
-        problem = f"URScript moves {JOINTS} joints that turn; case {case.name} has others, choose another dialect"
-        raise ProgramError(file, 0, 0, problem)
+        problem = f"URScript moves {JOINTS} joints that turn; case {case.name} has others"
+        raise ProgramError(file=file, problem=problem, remedy="choose another dialect", code=Code.NOT_SUPPORTED)
     motions = Grouping(file)
     texts = (text.split("#", 1)[0].rstrip() for text in program_lines(content, file, LONGEST_LINE))
     lines = [(number, text, _BLANKS.sub(r"\1", text.strip())) for number, text in enumerate(texts, 1) if text]
     if not lines or not re.fullmatch(r"def [A-Za-z]\w*\(\):", lines[0][1]) or lines[-1][1] != "end":
-        raise ProgramError(file, 0, 0, f"truncated, or not begun and ended in the first column; {_READS}")
+        raise ProgramError(
+            file=file,
+            problem="truncated, or not begun and ended in the first column",
+            remedy=_READS,
+            code=Code.DAMAGED,
+        )
     for line, text, code in _without_check(lines[1:-1], motions):
         switch = {f"set_standard_digital_out({output},{on})": on for on in (True, False)}.get(code)
         match = _MOVE.fullmatch(code) or _SLEEP.fullmatch(code)
         values = np.array(match.groups() if match else [np.inf], dtype=float)
         positive = values[JOINTS:] > 0.0 if len(values) > 1 else values >= 0.0
         if not text[0].isspace() or (switch is None and not (positive.all() and np.abs(values).max() <= LARGEST)):
-            raise motions.error(line, f"{text.strip()[:SHOWN]!r} is not read here; remove or replace it: {_READS}")
+            raise motions.error(line, f"{text.strip()[:SHOWN]!r} is not read here", f"remove or replace it: {_READS}")
         if switch is not None:
             motions.switch(line, switch, at_once=True)
         elif len(values) == 1:
@@ -64,7 +69,7 @@ def read_urscript(content: bytes, file: str, case: Case) -> Reading:
             if motions.checked is not None and not any(isinstance(part, Untimed) for part in motions.stretches):
                 leading, within = range(JOINTS), motions.checked[1]
                 if np.any(np.abs(end - motions.checked[0]) > within):
-                    raise motions.error(line, "the first move does not go to the checked place; move there first")
+                    raise motions.error(line, "the first move does not go to the checked place", "move there first")
             motions.move(line, end, speed, False, True, None, (tuple(leading), acceleration), within)
     return motions.reading(len(lines))
 
@@ -85,9 +90,9 @@ def _without_check(lines: Lines, motions: Grouping) -> Lines:
         match = _CHECK.fullmatch("\n".join(code for _, _, code in statement))
         place = lines[min(first, len(lines) - 1)][0]
         if match is None or int(match["joint"]) != len(places):
-            raise motions.error(place, f"no check of joint {len(places)} as hexcite post writes it; correct it")
+            raise motions.error(place, f"no check of joint {len(places)} as hexcite post writes it", "correct it")
         if not 0.0 < (within := float(match["within"])) <= LOOSEST_CHECK:
-            raise motions.error(place, f"a check within {within:g} rad is none; check within {LOOSEST_CHECK:g}")
+            raise motions.error(place, f"a check within {within:g} rad is none", f"check within {LOOSEST_CHECK:g}")
         places.append((-float(match["place"]), within))
     motions.stand_near(*np.array(places).T)
     return lines[checked:]

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from cases.base.errors import HexciteError
+from cases.base.errors import Code, HexciteError, option
 from cases.base.units import DEG
 from cases.chain import Chain
 from cases.controller import UrScript
@@ -32,8 +32,10 @@ def write_urscript(program: Blocks, case: Case) -> bytes:
     settings = case.need_settings(UrScript, "a URScript program")
     if endless := next((joint.name for joint in chain.joints if joint.kind == "continuous"), None):
         raise HexciteError(
-            f"joint {endless} turns without end: movej counts turns, and nobody knows on which one the robot stands; "
-            'state it as kind = "revolute" with position_deg'
+            problem=f"joint {endless} turns without end: movej counts turns, and nobody knows on which "
+            "one the robot stands",
+            remedy='state it as kind = "revolute" with position_deg',
+            code=Code.NOT_SUPPORTED,
         )
     cycle = case.need_controller("a URScript program").cycle
     # of any joint: accelerations that step within a cycle, and reverse in the next, and a speed that is a crawl
@@ -68,8 +70,11 @@ def _statements(program: Blocks, chain: Chain, output: int, crawl: tuple[float, 
                 yield f"set_standard_digital_out({output}, {block.on})"
             case _:
                 raise HexciteError(
-                    "URScript programs are made of moves from rest to rest, for what servoj makes of a path cannot be "
-                    "proven; plan with --family ptp"
+                    problem="URScript programs are made of moves from rest to rest, for what servoj makes of a "
+                    "path cannot be "
+                    "proven",
+                    remedy=f"plan with {option('family')} ptp",
+                    code=Code.NOT_SUPPORTED,
                 )
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cases.base.errors import HexciteError
+from cases.base.errors import Code, HexciteError
 from cases.scaffold import readiness
 from cases.schema import load_case
 from cases.tables import built_in_cases
@@ -132,7 +132,7 @@ def _tried(tally: Tally, seed: int, place: str, *words: object) -> Answer | None
     def command() -> Answer:
         answer = call(*words)
         if answer.code == 1 and "internal error" not in answer.err and answer.err.count("\n") == 1:
-            raise HexciteError(answer.err.rstrip("\n"))
+            raise HexciteError(problem=answer.err.rstrip("\n"), code=Code.WRONG_KIND)
         if (answer.code, answer.err) != (0, ""):
             raise RuntimeError(f"{words}: {answer}")
         return answer

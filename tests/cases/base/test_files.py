@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from cases.base.errors import FileProblem
+from cases.base.errors import Code, FileProblem
 from cases.base.files import (
     MARKER,
     PLAN,
@@ -251,7 +251,7 @@ def test_a_disk_that_is_full_is_told_in_one_line(context: Callable, tmp_path: Pa
 @pytest.mark.parametrize("context", [atomic_file, plan_folder])
 def test_an_error_of_ours_passes_through_unchanged(context: Callable, tmp_path: Path) -> None:
     """What could not be read is not to be reported as a place that cannot be written."""
-    ours = FileProblem("in.json: cannot be read (gone)")
+    ours = FileProblem(problem="in.json: cannot be read (gone)", code=Code.UNREADABLE)
     with pytest.raises(FileProblem) as caught, context(tmp_path / "p"):
         raise ours
     assert caught.value is ours

@@ -1,5 +1,6 @@
 """What `hexcite case check` notices beside errors: what commands miss, values of other machines, mistaken units."""
 
+import json
 import re
 import tomllib
 from collections.abc import Callable
@@ -165,9 +166,15 @@ def test_every_command_lists_all_problems_each_in_a_line(command: tuple[str, ...
         tmp_path, ("mass_kg = ", "mass = "), ("settle_s = ", "settle = "), ("range_N = 5000.0", "range_N = -1.0")
     )
     answer = call(*command, file)
-    assert (answer.code, answer.out) == (1, "")
+    assert answer.code == 1
     lines = answer.err.splitlines()
     assert len(lines) == 3
+    if "--json" in command:
+        error = json.loads(answer.out)["error"]
+        assert (error["code"], error["place"]) == ("wrong_kind", f"{file}: nominal.mass")
+        assert [f"hexcite: {file}: {problem}" for problem in error["problems"]] == lines
+    else:
+        assert answer.out == ""
     assert all(line.startswith(f"hexcite: {file}: ") for line in lines)
     assert tells(answer.err, "nominal.mass", "mass_kg")
     assert tells(answer.err, "sensors.range_N", "-1.0", "greater than 0")

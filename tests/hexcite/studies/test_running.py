@@ -17,7 +17,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pytest
 
-from cases.base.errors import HexciteError
+from cases.base.errors import Code, HexciteError
 from cases.schema import Case
 from hexcite.studies import cluster, conduct
 from hexcite.studies.cell_rows import DONE, FAILED, PLANNED, file_of, read_rows, schema, work
@@ -52,7 +52,10 @@ class Pretended:
                 {"noise_seed": s, "status": DONE, "parameters": 20, "inside_95": 19, "seconds": 0.1}
                 for s in range(execute.noise_seeds if execute else 0)
             ]
-            yield key, HexciteError("no root") if request.family.order == 7 else [plan, *noise]
+            yield (
+                key,
+                HexciteError(problem="no root", code=Code.WRONG_KIND) if request.family.order == 7 else [plan, *noise],
+            )
 
 
 def run(spec: Spec, case: Case, folder: Path, monkeypatch: pytest.MonkeyPatch, stop_after: int = 10**9) -> Pretended:

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from cases.base.errors import HexciteError
+from cases.base.errors import Code, HexciteError
 from planner.plans import making as planning
 from tests.helpers import tells
 from tests.hexcite.command_line import ACCEPT, call, refused
@@ -63,7 +63,7 @@ def test_a_place_that_cannot_be_written_is_known_before_the_work_begins(
     """Half a minute of optimising would be lost otherwise."""
 
     def work(*_: object) -> None:
-        raise HexciteError("optimised before it was known where to write")
+        raise HexciteError(problem="optimised before it was known where to write", code=Code.WRONG_KIND)
 
     monkeypatch.setattr(planning, "make", work)
     (tmp_path / "file").write_text("no folder")

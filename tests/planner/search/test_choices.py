@@ -118,7 +118,8 @@ def test_options_of_another_family_are_refused_and_its_own_are_taken(option: str
     if family in BELONGS[option]:
         refuse_foreign([option], family)
         return
-    with pytest.raises(HexciteError, match=f"{OPTIONS.get(option, option)} .*family {family}") as told:
+    typed = OPTIONS.get(option, option.replace("_", "-"))
+    with pytest.raises(HexciteError, match=f"{typed} .*family {family}") as told:
         refuse_foreign([option], family)
     assert all(other in one_line(told.value) for other in BELONGS[option])
 

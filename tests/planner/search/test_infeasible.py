@@ -5,7 +5,7 @@ import pickle
 import numpy as np
 import pytest
 
-from cases.base.errors import CaseError, HexciteError, InfeasiblePlan, ProgramError
+from cases.base.errors import CaseError, Code, HexciteError, InfeasiblePlan, ProgramError
 from cases.schema import Case
 from identification.limits.proof import prove
 from identification.model.model import identification_model
@@ -65,9 +65,9 @@ def test_limits_a_billion_times_too_narrow_end_in_one_line(
 @pytest.mark.parametrize(
     "error",
     [
-        CaseError("case.toml", "machine.home", "is out of reach"),
-        ProgramError("p.ngc", 3, 7, "is wrong"),
-        InfeasiblePlan("no feasible motion"),
+        CaseError(file="case.toml", key="machine.home", problem="is out of reach", code=Code.INFEASIBLE),
+        ProgramError(file="p.ngc", line=3, column=7, problem="is wrong", code=Code.SYNTAX),
+        InfeasiblePlan(problem="no feasible motion", code=Code.INFEASIBLE),
     ],
 )
 def test_an_error_in_a_worker_reaches_the_user_as_it_was(error: HexciteError):
