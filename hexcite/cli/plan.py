@@ -86,7 +86,11 @@ def plan(
     ] = None,
     knots: Annotated[int | None, option("spline: intervals, 20 to 150; by default ten a second, 150 at most.")] = None,
     sequence: Annotated[
-        Path | None, option("manual: TOML file of steps or CSV of poses; by default the case's manual.toml.")
+        Path | None,
+        option(
+            "manual: TOML file of steps or CSV of poses; by default the case's manual.toml, else "
+            "each coordinate in turn, then all at once."
+        ),
     ] = None,
     model: Annotated[int | None, option("Identification model, 0 to 9; by default the largest of the machine.")] = None,
     payload: Annotated[

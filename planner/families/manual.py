@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from cases.base.errors import Code, FileProblem, HexciteError, InfeasiblePlan, option
+from cases.base.errors import Code, FileProblem, InfeasiblePlan
 from cases.base.files import MOST_JSON, read_whole
 from cases.base.units import Array
 from cases.machine import POSE
@@ -24,6 +24,7 @@ BISECTIONS = 12
 RATE = 2000.0  # [1/s]
 PLACES = 9  # places on the way of a step that are checked before it is timed
 MOST_STEPS = 1000
+SHARES = (1.0, 0.75, 0.5, 0.25, 0.1)  # of the way of a coordinate
 STILL = 1e-9  # [m, rad] distance below which poses are the same
 
 Build = Callable[[float], Trajectory]
@@ -139,21 +140,42 @@ def load_poses(file: Path, columns: Sequence[str] = POSE) -> Array:
     return np.asarray(np.array(poses) * own_units(columns))
 
 
-def sequence_file(case: Case) -> Path:
-    """The sequence that comes with a case.
+def sequence_file(case: Case) -> Path | None:
+    """The sequence that comes with a case; None where it has none."""
+    file = find_case(case.origin).parent / "manual.toml"
+    return file if file.is_file() else None
+
+
+def in_turn(case: Case) -> Joined:
+    """What people drive by hand where nobody wrote a sequence: each coordinate to both ends of its way, then all.
+
+    Of each way as much as the limits of the machine allow: all of it, or the largest of SHARES. A coordinate that
+    cannot move alone is left out.
 
     Raises:
-        HexciteError: the case has no such file.
+        InfeasiblePlan: nothing can move.
     """
-    file = find_case(case.origin).parent / "manual.toml"
-    if not file.is_file():
-        raise HexciteError(
-            place=file,
-            problem="is missing",
-            remedy=f"describe the sequence there or name one with {option('sequence')}",
-            code=Code.MISSING,
+    home, limits = case.need_motion("a hand-made sequence")
+    ends = np.array(limits.pose) * (1.0 - MARGIN)
+    parts: list[Trajectory] = []
+    for moved in (*np.eye(len(home)), np.ones(len(home))):
+        for share in SHARES:
+            low, high = home + share * moved * ends
+            try:
+                parts += [
+                    fastest_within_limits(case, build, "", "") for _, build in _through(home, [high, low, home], case)
+                ]
+            except InfeasiblePlan:
+                continue
+            break
+    if not parts:
+        raise InfeasiblePlan(
+            place="a hand-made sequence",
+            problem="no coordinate can move from home",
+            remedy="write manual.toml",
+            code=Code.INFEASIBLE,
         )
-    return file
+    return Joined(tuple(parts))
 
 
 def manual_motion(case: Case, file: Path) -> Joined:

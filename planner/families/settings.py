@@ -18,7 +18,7 @@ from planner.controller_limits import controlled, steps_of
 from planner.families import ptp, spline
 from planner.families.family import Family
 from planner.families.fourier import FourierFamily, FreePeriod
-from planner.families.manual import load_poses, load_sequence, manual_motion, sequence_file
+from planner.families.manual import in_turn, load_poses, load_sequence, manual_motion, sequence_file
 
 SHORTEST_PERIOD, LONGEST_PERIOD = 0.01, 600.0  # [s]
 USUAL_PERIOD = 2.0  # [s]; of order 5 as informative as 2.4 s, more than 3 s, and of all the best conditioned
@@ -91,8 +91,8 @@ class FamilySettings:
         """The sets of motions to search: several where a setting is free, none where nothing is optimised."""
         return ()
 
-    def motion(self, case: Case) -> tuple[Trajectory, Path] | None:
-        """The motion and the file that it is from, where nothing is optimised."""
+    def motion(self, case: Case) -> tuple[Trajectory, str] | None:
+        """The motion, and the file that it is from or what it is, where nothing is optimised."""
         return None
 
     def refinements(self, criterion: Criterion) -> int:
@@ -422,13 +422,18 @@ class Spline(FamilySettings):
         return 2
 
 
+IN_TURN = "each coordinate to both ends of its way, then all at once"
+"""What a hand-made motion is where nobody wrote one."""
+
+
 @checks_arguments
 @dataclass(frozen=True, slots=True)
 class Manual(FamilySettings):
     """The hand-made motion of a file, as fast as the limits allow.
 
     Args:
-        sequence: file of steps (TOML) or of poses (CSV); None for `manual.toml` beside the case.
+        sequence: file of steps (TOML) or of poses (CSV); None for `manual.toml` beside the case, and where there is
+            none each coordinate to both ends of its way, then all at once.
     """
 
     sequence: Path | str | None = None
@@ -436,8 +441,8 @@ class Manual(FamilySettings):
     name: ClassVar[str] = "manual"
     optimised: ClassVar[bool] = False
 
-    def file(self, case: Case) -> Path:
-        """The file of steps or poses."""
+    def file(self, case: Case) -> Path | None:
+        """The file of steps or poses; None where each coordinate moves in turn."""
         return sequence_file(case) if self.sequence is None else Path(self.sequence)
 
     def check(self, duration: float) -> None:
@@ -447,15 +452,17 @@ class Manual(FamilySettings):
         """Raises HexciteError unless such files suit the machine and the file can be read."""
         limits = case.need_motion("a hand-made sequence")[1]
         file = self.file(case)
+        if file is None:
+            return
         if file.suffix.lower() == ".csv":
             load_poses(file, limits.columns)
         else:
             load_sequence(file, limits.columns)
 
-    def motion(self, case: Case) -> tuple[Trajectory, Path]:
-        """The motion of the file."""
+    def motion(self, case: Case) -> tuple[Trajectory, str]:
+        """The motion, and the file that it is of, or what it is."""
         file = self.file(case)
-        return manual_motion(case, file), file
+        return (in_turn(case), IN_TURN) if file is None else (manual_motion(case, file), str(file))
 
 
 @dataclass(frozen=True, slots=True)

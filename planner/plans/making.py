@@ -260,7 +260,7 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
                 remedy="take steps out",
                 code=Code.INFEASIBLE,
             )
-        result = PlannedMotion(motion, {"sequence": str(file)}, prove(motion, case))
+        result = PlannedMotion(motion, {"sequence": file}, prove(motion, case))
     seconds = time.perf_counter() - start
     if not result.limits.kept:
         worst = result.limits.violations[0]

@@ -5,12 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import hexcite as hx
 from cases.base.errors import HexciteError
 from cases.schema import Case
 from identification.limits.proof import prove
 from identification.motion.motion import Standstill
 from identification.motion.moves import CircularMove, StraightMove
-from planner.families.manual import manual_motion, sequence_file
+from planner.families.manual import in_turn, manual_motion, sequence_file
+from planner.families.settings import IN_TURN
 from tests.helpers import one_line, tells
 from tests.hexcite.command_line import call, refused
 
@@ -140,3 +142,34 @@ def test_a_motion_that_does_not_excite_the_model_is_refused_and_nothing_is_writt
     assert f"{file}: rank " in line
     assert "I11" in line
     assert not (tmp_path / "plan").exists()
+
+
+def test_a_machine_without_a_sequence_moves_each_coordinate_to_both_ends(hexapod_case: Case):
+    """Each alone, up, down and back, then all at once, inside every limit; from home to home."""
+    motion = in_turn(hexapod_case)
+    ways = np.array([np.abs(part.end - part.start) > 0 for part in motion.parts])
+    alone = ways[ways.sum(axis=1) == 1]
+    assert (alone.sum(axis=0) == 3).all()
+    assert (ways.sum(axis=1) == 6).sum() == 3
+    assert prove(motion, hexapod_case).kept
+    assert motion.at([0.0, motion.duration]).pose == pytest.approx(np.tile(HOME, (2, 1)))
+
+
+@pytest.mark.parametrize("name", [pytest.param("ur10_wrist", marks=pytest.mark.slow), "five_axis_table"])
+def test_every_kind_of_machine_has_a_hand_made_motion_that_determines_its_parameters(name: str):
+    """So that an optimal excitation has something to be compared with, without a file."""
+    plan = hx.plan(hx.load_case(name), hx.Manual())
+    assert plan.limits.kept
+    assert plan.settings["sequence"] == IN_TURN
+    assert 0.0 < plan.worth.d_efficiency < 0.5
+
+
+def test_a_box_that_cannot_be_reached_is_moved_in_as_far_as_it_can(hexapod_case: Case):
+    """A way that ends outside the struts' strokes is shortened, the others stay as they are."""
+    motion = hexapod_case.limits.model_copy(
+        update={"motion": hexapod_case.limits.motion.model_copy(update={"z_mm": (-900.0, 900.0)})}
+    )
+    wide = hexapod_case.model_copy(update={"limits": motion})
+    heights = np.vstack([part.end for part in in_turn(wide).parts])[:, 2] - HOME[2]
+    assert 0.08 < heights.max() < 0.89
+    assert prove(in_turn(wide), wide).kept
