@@ -37,7 +37,7 @@ def remembering(recording: Recording, case: Case, fitted: Fitted) -> list[Findin
         return []
     sentence = (
         f"noise is not white: the deviation of {fitted.samples.model.names[worst]} is {ratio[worst]:.2g} times that of "
-        "(28); +- counts it"
+        "white noise; +- counts it"
     )
     return [note(Kind.NOISE, sentence, noise_memory=float(ratio[worst]))]
 

@@ -6,6 +6,7 @@ of all that is seen, each in the share by which it is likely: from what is merel
 silently below a threshold.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -27,7 +28,7 @@ from identification.samples.samples import Fitted, MotionOfSamples
 from identification.texts import parameter_words, with_deviation
 
 CERTAIN = 1e-7  # chance below which an alternative is seen: some seventy are tried in each run
-SUSPICIOUS = 2e-3  # chance from which on it counts in the deviations
+SUSPICIOUS = 5e-4  # chance from which on it counts in the deviations: one sound run in thirty has one
 PRIOR = 0.01  # odds of each alternative beforehand
 ROUNDS = 4  # alternatives that are taken in, at most
 
@@ -40,10 +41,18 @@ class Seen(NamedTuple):
     explained: Array  # rms of what it explains of the residuals of each channel, shape (6,) [N, or N and N m]
 
 
+class Suspected(NamedTuple):
+    """An effect that noise may make, but seldom does."""
+
+    effect: Effect
+    tried: int  # alternatives that were tried with it
+
+
 class Systematic(NamedTuple):
     """What a fit leaves that is not noise."""
 
     seen: tuple[Seen, ...]  # effects that are certain, each beside those before it
+    suspected: Suspected | None  # the likeliest of those for which deviations allow beside them
     drift: Drift | None  # of offsets
     bias: Array  # covariance of the values of the fit by all that is seen or likely, shape (v, v)
     drives: Array | None  # bias of the values of the fit by noise of the drives, shape (v,), where that is measured
@@ -79,6 +88,7 @@ def systematic_of(
         tolerances = tuple(estimated.get(share.key, share) for share in tolerances)
     rest = without_tolerances(rest, tolerances)
     drift, bias, seen = drift_of(whole), np.zeros((basis.shape[1],) * 2), list[Seen]()
+    suspected: Suspected | None = None
     if drift is not None:
         rest = rest.beside((drift.shape[part] * samples.scale)[:, None, None] * np.eye(6))
         bias += np.outer(drift.bias, drift.bias)
@@ -96,6 +106,7 @@ def systematic_of(
         for effect, share in zip(effects, likely / likely.sum(), strict=True):
             bias += odds / (1.0 + odds) * share * effect.bias
         if effects[0].chance > CERTAIN:
+            suspected = Suspected(effects[0], len(alternatives))
             break
         explained = np.sqrt(np.mean((effects[0].explained @ back) ** 2, axis=0))
         seen.append(Seen(effects[0], tuple(effects[1:]), explained))
@@ -114,7 +125,7 @@ def systematic_of(
         bias += np.outer(drives, drives)
     rms = np.sqrt(np.mean(residuals**2, axis=0))
     hidden = [of._replace(answer=basis @ of.answer) for of in unseen(alternatives, rest)]
-    return Systematic(tuple(seen), drift, bias, drives, rms, motion, tolerances, tuple(hidden))
+    return Systematic(tuple(seen), suspected, drift, bias, drives, rms, motion, tolerances, tuple(hidden))
 
 
 def _odds(chance: float) -> float:
@@ -209,13 +220,11 @@ def systematic_findings(case: Case, fitted: Fitted, systematic: Systematic | Non
     Args:
         fitted: the fit before its deviations allow for it.
     """
-    if systematic is None or not systematic.seen:
+    if systematic is None:
         return []
-    fit, names = fitted.fit, fitted.samples.model.names
-    white, robust, bias = (np.diag(c)[: len(names)] for c in (fit.covariance, fit.covariance_robust, systematic.bias))
-    free = white > 0.0
-    before, after = np.maximum(white, robust), np.maximum(white, robust + bias)
-    growth = np.sqrt(np.where(free, after, 1.0) / np.where(free, before, 1.0))
+    names, growth = fitted.samples.model.names, _growth(fitted, systematic)
+    if not systematic.seen:
+        return _suspicion(systematic.suspected, names, growth)
     first = systematic.seen[0]
     sentence = _follows(first, systematic, case)
     if len(systematic.seen) > 1:
@@ -243,6 +252,32 @@ def systematic_findings(case: Case, fitted: Fitted, systematic: Systematic | Non
     if not matters:
         return [note(Kind.MODEL, sentence, systematic=quantity)]
     return [warning(Kind.MODEL, sentence, counted=bool(growth[worst] <= BEARABLE), systematic=quantity)]
+
+
+def _growth(fitted: Fitted, systematic: Systematic) -> Array:
+    """How many times as large deviations are as those of noise alone, shape (u,)."""
+    fit, names = fitted.fit, fitted.samples.model.names
+    white, robust, bias = (np.diag(c)[: len(names)] for c in (fit.covariance, fit.covariance_robust, systematic.bias))
+    free = white > 0.0
+    before, after = np.maximum(white, robust), np.maximum(white, robust + bias)
+    return np.asarray(np.sqrt(np.where(free, after, 1.0) / np.where(free, before, 1.0)))
+
+
+def _suspicion(suspected: Suspected | None, names: Sequence[str], growth: Array) -> list[Finding]:
+    """For what that noise may make deviations allow, and how much wider they are for it."""
+    worst = int(np.argmax(growth))
+    if suspected is None or not growth[worst] > GROWN:
+        return []
+    effect = suspected.effect
+    runs = max(1.0 / (suspected.tried * effect.chance), 1.0)
+    seldom = f"one sound run in {runs:.0f} looks so" if runs >= 1.5 else "many a sound run looks so"
+    sentence = (
+        f"residuals may follow {effect.alternative.follow}, as with {_cause(effect)} ({seldom}, for {suspected.tried} "
+        f"such things are tried). Deviations allow for it: that of {names[worst]} is {growth[worst]:.2g} times that of "
+        "noise alone; a second run tells which it is"
+    )
+    entry = {"key": effect.alternative.key, "chance": effect.chance, "tried": suspected.tried}
+    return [note(Kind.MODEL, sentence, suspected=entry | {"growth": float(growth[worst])})]
 
 
 BEARABLE = 3.0  # times a deviation by noise alone, up to which one that allows for an effect is as good as any

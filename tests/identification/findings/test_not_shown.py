@@ -42,3 +42,15 @@ def test_what_is_not_shown_biases_the_parameter_by_as_much_as_is_told(
     k = sound.model.names.index(entry["parameter"])
     bias = damaged.fit.values[k] - sound.fit.values[k]
     assert bias == pytest.approx(entry["bias"] * in_si / entry["size"], rel=0.05)
+
+
+def test_what_noise_alone_may_be_widens_deviations_with_a_word() -> None:
+    of = machine("hexapod")
+    estimate = found(of, OF["clock scale"].change(of, 27_000.0))
+    (told,) = (finding for finding in estimate.findings if "suspected" in finding.quantity)
+    entry, mass = told.quantity["suspected"], estimate.physical["m"]
+    assert entry["key"] == "clock"
+    assert 1e-7 < entry["chance"] < 5e-4
+    assert entry["growth"] == pytest.approx(mass.std_robust / mass.std, rel=0.2)
+    assert tells(told.sentence, "time stamps", "that of m is", f"{entry['growth']:.2g} times")
+    assert abs(mass.value - of.truth["m"]) < 3.0 * mass.std_robust
