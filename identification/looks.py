@@ -5,7 +5,8 @@ here too.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from cases.orientation import QUATERNION, ROTATION
 from cases.recording_format import CLOCK, DRIVES, TICKS, FileFormat, RecordingFormat
 from cases.schema import Case
 from cases.tables import built_in_cases, find_case
+from identification.finding import Kind
 from identification.identify import require_fit
 from identification.recording.formats.binary import Topic
 from identification.recording.formats.families import words_of
@@ -57,6 +59,18 @@ class Column:
     guessed: bool  # whether meaning or unit follow from the values alone
     values: Array  # numbers, shape (n,); empty where the column holds text
     t: Array | None = None  # its own clock, shape (n,) [s]; None: that of the column `t_s`
+    reason: str = ""  # why it is taken for what it is; empty where nothing is
+    unit_reason: str = ""  # why it has this unit
+
+
+@dataclass(frozen=True, slots=True)
+class FileLook:
+    """What one of the files of a run is likely to be."""
+
+    file: Path
+    columns: tuple[Column, ...]  # in the order of the file
+    table: int | None  # position of its table in `files` of the settings; None: these are its table
+    reasons: Mapping[str, str]  # key of its settings -> why it has this value
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +87,8 @@ class Look:
     topics: tuple[BagTopic, ...] = ()  # of a bag
     rate: float | None = None  # rows per second; None where there is no clock
     others: tuple[Path, ...] = ()  # more files of the run
+    parts: tuple[FileLook, ...] = ()  # each file of the run, a bag apart
+    repairs: tuple[str, ...] = ()  # what the reader does with what is not as it should be, and leaves out
 
     @property
     def reads(self) -> bool:
@@ -131,7 +147,9 @@ class Look:
         doubts = self.odd if self.problem is None else self.odd[1:]
         listed_doubts = ["to be compared or completed:", *(f"  - {doubt}" for doubt in doubts)] if doubts else []
         problem = self.odd[:1] if self.problem is not None else ()
-        return (self.headline, *problem, *(f"  {printable(str(topic))}" for topic in self.topics), *listed_doubts)
+        mended = ["what the reader does with it:", *(f"  - {each}" for each in self.repairs)] if self.repairs else []
+        topics = (f"  {printable(str(topic))}" for topic in self.topics)
+        return (self.headline, *problem, *topics, *listed_doubts, *mended)
 
     __str__ = __repr__
 
@@ -180,7 +198,7 @@ def look(files: Path | str | Sequence[Path | str], case: Case | None = None) -> 
             remedy="look at it by itself",
             code=Code.NOT_SUPPORTED,
         )
-    own = None if case is None or not _says_how(case) else _refusal(places, case.recording, case)
+    own = None if case is None or not _says_how(case) else _refusal(places, case)
     return _tables(places, case, own)
 
 
@@ -199,7 +217,8 @@ def _tables(files: Sequence[Path], case: Case | None, own: str | None) -> Look:
     settings = proposal_of_run([(file.name, proposal) for file, _, proposal in proposals])
     if reads and case is not None and case.recording.files:
         settings = stated_of(case.recording)
-    problem, read_with, said = _trial(files, settings, case)
+    tried = _trial(files, settings, case)
+    problem = tried.problem
     whole = {ours for _, _, proposal in proposals for ours in proposal.places}
     doubts = [
         f"{file.name}: {doubt}" if len(files) > 1 else doubt
@@ -212,13 +231,30 @@ def _tables(files: Sequence[Path], case: Case | None, own: str | None) -> Look:
         prefix = f"{file.name}: " if len(files) > 1 else ""
         doubts += [f"{prefix}{said}" for said in _of_unnamed(table, proposal)]
     doubts += _of_another_file(files, whole, case)
-    unchanged = case is not None and read_with == case.recording
-    columns = [column for _, table, proposal in proposals for column in _columns(table, proposal)]
+    unchanged = case is not None and tried.form == case.recording
+    tables = settings.get("files", ())
+    parts = tuple(
+        FileLook(file, tuple(_columns(table, proposal)), _table_of(file, k, tables, proposal), proposal.setting_reasons)
+        for k, (file, table, proposal) in enumerate(proposals)
+    )
+    columns = [column for part in parts for column in part.columns]
     rows = max((len(column.values) for column in columns), default=0)
     rate = max((proposal for _, _, proposal in proposals), key=lambda proposal: proposal.has_forces).rate
     file = files[0]
-    odd = _sentences(problem, [*doubts, *said])
-    return Look(file, rows, tuple(columns), settings, odd, problem, unchanged, (), rate, tuple(files[1:]))
+    odd = _sentences(problem, [*doubts, *tried.doubts])
+    repairs = tuple(each for each in tried.repairs if each not in odd)
+    others = tuple(files[1:])
+    return Look(file, rows, tuple(columns), settings, odd, problem, unchanged, (), rate, others, parts, repairs)
+
+
+def _table_of(file: Path, k: int, tables: Sequence[Mapping[str, Any]], proposal: Proposal) -> int | None:
+    """Which of the tables of a run's files is that of a file: that whose pattern or columns it has, else the k-th."""
+    if not tables:
+        return None
+    named = [n for n, table in enumerate(tables) if "match" in table and fnmatch(file.name, table["match"])]
+    whole = [n for n, table in enumerate(tables) if {*table.get("columns", {}).values()} <= {*proposal.names}]
+    free = [n for n in whole if "match" not in tables[n]]
+    return next(iter(named or free), k if k < len(tables) else None)
 
 
 def _of_unnamed(table: TextColumns, proposal: Proposal) -> Iterator[str]:
@@ -274,7 +310,9 @@ def _columns(table: TextColumns, proposal: Proposal) -> Iterator[Column]:
         if name:
             ours, values = ours_of.get(k), table.numbers.get(k, np.zeros(0))
             own = clock if clock is not None and len(clock) == len(values) else None
-            yield Column(name, ours, proposal.units.get(ours or "", ""), ours in proposal.guessed, values, own)
+            unit, guessed = proposal.units.get(ours or "", ""), ours in proposal.guessed
+            why, why_unit = proposal.reasons.get(ours or "", ""), proposal.unit_reasons.get(ours or "", "")
+            yield Column(name, ours, unit, guessed, values, own, why, why_unit)
 
 
 def _table(file: Path, form: FileFormat | None = None) -> TextColumns:
@@ -373,11 +411,12 @@ def _bag(bag: Path, case: Case | None) -> Look:
         elif case.recording.columns:
             settings["columns"] = case.recording.columns
     columns = tuple(c for topic in chosen.values() for c in _channels(topic, case, settings))
-    problem, read_with, said = _trial([bag], settings, case)
-    doubts += said
-    unchanged = case is not None and read_with == case.recording
+    tried = _trial([bag], settings, case)
+    odd = _sentences(tried.problem, [*doubts, *tried.doubts])
+    unchanged = case is not None and tried.form == case.recording
     rows = sum(topic.messages for topic in chosen.values())
-    return Look(bag, rows, columns, settings, _sentences(problem, doubts), problem, unchanged, topics)
+    repairs = tuple(each for each in tried.repairs if each not in odd)
+    return Look(bag, rows, columns, settings, odd, tried.problem, unchanged, topics, repairs=repairs)
 
 
 def _rank_of_topic(topic: BagTopic) -> tuple[bool, bool, str]:
@@ -415,54 +454,65 @@ def _channels(topic: BagTopic, case: Case | None, settings: Mapping[str, Any]) -
         chain = None if case is None else case.chain
         names = {} if chain is None else dict(zip(chain.columns, chain.names, strict=True))
         ours = {theirs: column for column, theirs in (names | settings.get("columns", {})).items()}
+    what = "positions of joints" if topic.what == "joints" else "forces and moments"
     for name, values in zip(topic.channels, topic.values.T, strict=True):
         unit = "rad" if topic.what == "joints" else "N" if name.startswith("force") else "Nm"
         if topic.what == "joints" and ours.get(name, "").endswith("_mm"):
             unit = "m"
         there = np.isfinite(values)
-        yield Column(name, ours.get(name), unit, False, values[there], topic.t[there])
+        why = "" if name not in ours else f"{what} of {topic.name} by their names"
+        why_unit = "that of messages of this type" if why else ""
+        yield Column(name, ours.get(name), unit, False, values[there], topic.t[there], why, why_unit)
 
 
-def _trial(
-    files: Sequence[Path], settings: Mapping[str, Any], case: Case | None
-) -> tuple[str | None, RecordingFormat | None, list[str]]:
-    """Why a file is not read with some settings, None where it is; the settings, where they can be; warnings of it."""
+@dataclass(slots=True)
+class _Trial:
+    """What became of an attempt to read a file with some settings."""
+
+    problem: str | None = None  # why it is not read; None: it is
+    form: RecordingFormat | None = None  # the settings, where they can be
+    doubts: list[str] = field(default_factory=list)  # warnings of what was read, and why `identify` refuses it
+    repairs: list[str] = field(default_factory=list)  # what the reader made of it
+
+
+def _trial(files: Sequence[Path], settings: Mapping[str, Any], case: Case | None, fitted: bool = True) -> _Trial:
+    """An attempt to read files with some settings, as `identify` reads them; `fitted`: and to fit what was read."""
     try:
         form = RecordingFormat.model_validate(dict(settings))
     except ValidationError as error:
-        return "; ".join(str(problem["msg"]).removeprefix("Value error, ") for problem in error.errors()), None, []
-    said: list[str] = []
-    return _refusal(files, form, case, said), form, said
-
-
-def _refusal(
-    files: Sequence[Path], form: RecordingFormat, case: Case | None, said: list[str] | None = None
-) -> str | None:
-    """Why files that are written so are not read; None: they are.
-
-    `said` takes the warnings of what was read, and why `identify` refuses a run that is read: others may take it.
-    """
+        return _Trial("; ".join(str(problem["msg"]).removeprefix("Value error, ") for problem in error.errors()))
+    tried = _Trial(form=form)
     try:
         if case is None:
-            tables = [table for file in files for table in read_tables(file, form)]
-            findings = [finding for table in tables for finding in table.findings]
+            findings = [f for file in files for table in read_tables(file, form) for f in table.findings]
+            done = findings
         else:
             own = case.model_copy(update={"recording": form})
             read_run = read(files, own)
             findings = [*read_run.findings]
             whole = on_one_clock(read_run, own)
-            _, recording = scan(whole, own)
+            scanned, recording = scan(whole, own)
+            done = [*findings, *scanned]
             if recording.t is not None:
                 checked_filter(recording, own)
-            if said is not None:
-                said += _refused_by_identify(whole, own, files[0])
+            tried.doubts += _refused_by_identify(whole, own, files[0]) if fitted else []
     except HexciteError as error:
         if isinstance(error, CaseError):
             raise
-        return _without_file(error, files[0])
-    if said is not None:
-        said += [_without_file(finding, files[0]) for finding in findings if finding.severity == "warning"]
-    return None
+        return _Trial(_without_file(error, files[0]), form)
+    tried.doubts += [_without_file(f, files[0]) for f in findings if f.severity == "warning"]
+    said = (_without_file(f, files[0]) for f in done if f.sentence and f.kind in _ABOUT_READING)
+    tried.repairs += dict.fromkeys(said)
+    return tried
+
+
+def _refusal(files: Sequence[Path], case: Case) -> str | None:
+    """Why files are not read as a case says; None: they are."""
+    return _trial(files, stated_of(case.recording), case, False).problem
+
+
+_ABOUT_READING = (Kind.FORMAT, Kind.DAMAGE, Kind.CLOCK, Kind.WINDOW)
+"""Kinds of findings that say what the reader made of a file."""
 
 
 def _refused_by_identify(recording: Recording, case: Case, file: Path) -> list[str]:

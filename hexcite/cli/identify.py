@@ -278,7 +278,14 @@ def look(
         report = hx.look(recordings, None if named is None else hx.load_case(named))
         changes = () if write is None or not report.reads else report.write(write, overwrite)
         pictures = _draw(report, file, overwrite)
-    columns = [{"name": c.name, "meaning": c.ours, "unit": c.unit, "guessed": c.guessed} for c in report.columns]
+    columns = [
+        {"name": c.name, "meaning": c.ours, "unit": c.unit, "guessed": c.guessed, "reason": c.reason,
+         "unit_reason": c.unit_reason} for c in report.columns
+    ]  # fmt: skip
+    files = [
+        {"file": str(part.file), "columns": [c.name for c in part.columns], "table": part.table,
+         "reasons": dict(part.reasons)} for part in report.parts
+    ]  # fmt: skip
     answer = {
         "recording": str(report.file),
         "reads": report.reads,
@@ -286,6 +293,8 @@ def look(
         "rows": report.rows,
         "rate_Hz": report.rate,
         "columns": columns,
+        "files": files,
+        "repairs": list(report.repairs),
         "topics": [topic.to_json() for topic in report.topics],
         "settings": dict(report.settings),
         "odd": list(report.odd),

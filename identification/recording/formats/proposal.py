@@ -7,7 +7,7 @@ sentence.
 import math
 import re
 from collections.abc import Container, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import permutations
 from typing import Any
 
@@ -71,6 +71,9 @@ class Proposal:
     settings: Mapping[str, Any]  # `[recording]` by key
     doubts: tuple[str, ...]  # what a person should compare or complete, a sentence each
     rate: float | None = None  # rows per second; None where there is no clock
+    reasons: Mapping[str, str] = field(default_factory=dict)  # our name -> why the column is taken for it
+    unit_reasons: Mapping[str, str] = field(default_factory=dict)  # our name -> why it has this unit
+    setting_reasons: Mapping[str, str] = field(default_factory=dict)  # key of `settings` -> why it has this value
 
     @property
     def has_forces(self) -> bool:
@@ -104,6 +107,7 @@ def proposed(table: TextColumns, case: Case | None, as_stated: bool = False) -> 
     return Proposal(
         draft.places, draft.units, frozenset(draft.guessed), draft.names, settings,
         tuple(dict.fromkeys(draft.doubts)), rate_of(draft.places, draft.units, draft.numbers, settings),
+        draft.reasons, draft.unit_reasons, dict(draft.why(settings)),
     )  # fmt: skip
 
 
@@ -128,6 +132,8 @@ class _Draft:
         self.nanoseconds: str | None = None  # column that adds nanoseconds to the stamps
         self.clock_unit_stated = False  # whether the settings must state it, though it is the usual one
         self.doubts: list[str] = []
+        self.reasons: dict[str, str] = {}  # our name -> why the column is taken for it
+        self.unit_reasons: dict[str, str] = {}  # our name -> why it has this unit
 
     @property
     def _says_its_unit(self) -> bool:
@@ -161,6 +167,10 @@ class _Draft:
         taken = {*given.values()}
         self.places = {ours: k for ours, k in self.said.places.items() if k in self.numbers and k not in taken}
         self.places |= {ours: k for ours, k in given.items() if k in self.numbers or ours == CLOCK}
+        self.reasons = {
+            ours: "it has our name" if self.names[k] == ours else "its name" for ours, k in self.places.items()
+        }
+        self.reasons |= {ours: "the case names it" for ours in given if ours in self.places}
         if lacking:
             theirs = listed([own[ours] for ours in own if ours in lacking])
             self.doubts.append(f"recording.columns of the case names {theirs}, which the file does not have")
@@ -168,7 +178,7 @@ class _Draft:
     def choose_clock(self) -> None:
         """The clock: that of the format or of the case, else the first of its candidates that runs on."""
         if self.table.clock is not None:
-            self.places[CLOCK] = self.table.clock[0]
+            self.places[CLOCK], self.reasons[CLOCK] = self.table.clock[0], "the format of the file says so"
             return
         if CLOCK in self.places:
             return
@@ -176,10 +186,11 @@ class _Draft:
         if (parts := self._clock_in_two()) is not None:
             seconds, nanoseconds = parts
             self.places[CLOCK], self.nanoseconds = seconds, self.names[nanoseconds]
+            self.reasons[CLOCK] = f"its name; whole seconds that {self.nanoseconds} adds nanoseconds to"
             whole = self.numbers[seconds] - self.numbers[seconds][0]
             self.numbers = {**self.numbers, seconds: whole + 1e-9 * self.numbers[nanoseconds]}
         elif running:
-            self.places[CLOCK] = running[0]
+            self.places[CLOCK], self.reasons[CLOCK] = running[0], "its name, and its numbers run on with the rows"
             if others := [self.names[k] for k in running[1:]]:
                 self.doubts.append(f"{self.name(CLOCK)} is taken for the clock; {', '.join(others)} runs on too")
         elif self.said.clocks:
@@ -205,6 +216,8 @@ class _Draft:
             chosen = possible if len(possible) == 1 else changing
             if len(chosen) == 1:
                 self.places[ours] = chosen[0]
+                alone = "its name" if chosen is possible else "of those that may be it by their names it alone changes"
+                self.reasons[ours] = alone
                 if ours == TRIGGER and "trigger" not in self.stated:
                     self.choose_bit()
             elif possible:
@@ -230,9 +243,11 @@ class _Draft:
         if whole and _strut_unit(drives, self.case):
             for strut, drive in zip(STRUTS, DRIVES, strict=True):
                 self.places[strut] = self.places.pop(drive)
+                self.reasons[strut] = f"{self.reasons.pop(drive)}, and its values are lengths that the struts can have"
         if self.case.sensor_frame.channels == WRENCH and BAR_FORCES[0] in self.places and WRENCH[0] not in self.places:
             for channel, force in zip(WRENCH, BAR_FORCES, strict=True):
                 self.places[channel] = self.places.pop(force)
+                self.reasons[channel] = f"{self.reasons.pop(force)}, and the sensor of the case has forces and moments"
 
     def choose_orientation(self) -> None:
         """The convention of the orientation that the file has, where the case does not state it."""
@@ -261,17 +276,21 @@ class _Draft:
             role, usual = ROLE_OF.get(ours), _usual_unit(ours)
             label = _stated_unit(ours, self.names[k], self.table.units[k] if k < len(self.table.units) else "")
             if role is not None and str(role) in own:
-                self.units[ours] = str(own[str(role)])
+                self.units[ours], why = str(own[str(role)]), "the case states it"
             elif ours == CLOCK and k in self.table.dates:
-                self.units[ours] = "ns"
+                self.units[ours], why = "ns", "dates or times of day"
             elif ours == CLOCK and (clock is not None or self.table.clock is not None):
                 self.units[ours] = str(clock) if self.table.clock is None else self.table.clock[1]
+                why = "the case states it" if self.table.clock is None else "the format of the file says so"
             elif label is not None and (label.symbol is not None or ours != CLOCK):
-                self.units[ours] = label.symbol or label.text
+                self.units[ours], why = label.symbol or label.text, "its label or the row of units says it"
             elif ours in by_values and by_values[ours] != usual and self.names[k] != ours:
                 self.units[ours] = self.guessed[ours] = by_values[ours]
+                why = self._fits(ours)
             else:
-                self.units[ours] = usual
+                fits = ", which its values fit" if by_values.get(ours) == usual else ""
+                self.units[ours], why = usual, f"no unit is stated; that of our name{fits}" if usual else ""
+            self.unit_reasons[ours] = why
             if (
                 ours == CLOCK
                 and label is not None
@@ -306,6 +325,20 @@ class _Draft:
             f"second; they seem to be in {unit}, {1.0 / (step * TICKS[unit]):.4g} rows a second: recording.clock.unit"
         )
         self.units[CLOCK] = self.guessed[CLOCK] = unit
+        self.unit_reasons[CLOCK] = self._fits(CLOCK)
+
+    def _fits(self, ours: str) -> str:
+        """Why the unit of a column was taken from its values."""
+        if ours == CLOCK:
+            step = float(np.median(np.diff(self.values(CLOCK)))) * TICKS[self.units[CLOCK]]
+            return f"its steps are then {1.0 / step:.4g} rows a second, which recorders have"
+        if ours in STRUTS:
+            return "its values are then lengths that the struts can have"
+        return (
+            "its values are then within the joints' ends"
+            if ROLE_OF.get(ours) is Role.JOINTS
+            else "its values are small"
+        )
 
     def _check_motion_units(self, values: Mapping[str, Array]) -> None:
         """Says where joints, in the unit that is stated, are where the machine does not come."""
@@ -328,6 +361,7 @@ class _Draft:
             if counts or ROLE_UNITS[role].symbol(self.units[ours]) is None:
                 needed.append(ours)
                 self.units[ours] = "counts" if counts else self.units[ours]
+                self.unit_reasons[ours] = "no unit of this quantity; a scale has to say what a 1 is"
         if needed:
             keys = ", ".join(f"{ours} = .." for ours in needed)
             self.doubts.append(
@@ -364,6 +398,34 @@ class _Draft:
         result |= {key: value for key, value in self.stated.items() if key not in own}
         self._add_filter(result)
         return result
+
+    def why(self, settings: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+        """Of each key of the settings why it has its value."""
+        found = {
+            "format": "the first lines of the file say it",
+            "delimiter": "with it most columns are numbers in most rows",
+            "decimal": "with it most columns are numbers in most rows",
+            "header_rows": f"line {int(settings.get('header_rows', 0)) + 1} is the first row of numbers",
+            "names_row": "of the lines above the numbers the one whose names are known best",
+            "trailing_rows": "lines below the last row of numbers",
+            "column_names": "no line of the file names the columns",
+            "encoding": "the text is not UTF-8",
+            "empty": "rows of several clocks stand among each other"
+            if settings.get("empty") == "apart"
+            else "values stand only where they change",
+            "columns": "names that differ from ours",
+            "units": "units that differ from those of our names",
+            "clock": self.unit_reasons.get(CLOCK, ""),
+            "trigger": f"bit {self.bit} alone changes",
+            "orientation": f"{', '.join(self.said.orientations)} by the names; by the values this may be",
+            "filter_cutoff_Hz": "usual, and a fifth of the rows a second at most",
+            "rate_Hz": "by the clock of the file",
+        }
+        for key, value in settings.items():
+            stated = key in self.stated and self.stated[key] == value
+            why = "the case states it" if stated else found.get(key, "the case states it")
+            if why:
+                yield key, why
 
     def _differing_units(self, ordered: Sequence[str]) -> Iterator[tuple[str, str]]:
         """Units that are not those of our names, or that the case states, which labels may contradict; by role."""
