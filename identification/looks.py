@@ -210,14 +210,18 @@ def _says_how(case: Case) -> bool:
 def _tables(files: Sequence[Path], case: Case | None, own: str | None) -> Look:
     """The look at tables of text or Parquet; `own`: why the [recording] of the case does not read them."""
     reads = case is not None and _says_how(case) and own is None
-    found = [
-        (file, *(_as_stated(file, case) if reads and case is not None else (_table(file), case))) for file in files
-    ]
-    proposals = [(file, table, proposed(table, its_case, reads)) for file, table, its_case in found]
-    settings = proposal_of_run([(file.name, proposal) for file, _, proposal in proposals])
-    if reads and case is not None and case.recording.files:
-        settings = stated_of(case.recording)
-    tried = _trial(files, settings, case)
+    laid_out = None if reads or case is None else _as_laid_out(files, case)
+    if laid_out is not None:
+        proposals, settings, tried = laid_out
+    else:
+        found = [
+            (file, *(_as_stated(file, case) if reads and case is not None else (_table(file), case))) for file in files
+        ]
+        proposals = [(file, table, proposed(table, its_case, reads)) for file, table, its_case in found]
+        settings = proposal_of_run([(file.name, proposal) for file, _, proposal in proposals])
+        if reads and case is not None and case.recording.files:
+            settings = stated_of(case.recording)
+        tried = _trial(files, settings, case)
     problem = tried.problem
     whole = {ours for _, _, proposal in proposals for ours in proposal.places}
     doubts = [
@@ -245,6 +249,30 @@ def _tables(files: Sequence[Path], case: Case | None, own: str | None) -> Look:
     repairs = tuple(each for each in tried.repairs if each not in odd)
     others = tuple(files[1:])
     return Look(file, rows, tuple(columns), settings, odd, problem, unchanged, (), rate, others, parts, repairs)
+
+
+_Proposals = list[tuple[Path, TextColumns, Proposal]]
+
+
+def _as_laid_out(files: Sequence[Path], case: Case) -> "tuple[_Proposals, dict[str, Any], _Trial] | None":
+    """Proposals for files that are laid out as the case states; None where it states no layout, or they do not read.
+
+    What columns mean is proposed then, by the names that the files have in this layout.
+    """
+    layout = {key: value for key, value in stated_of(case.recording).items() if key in LAYOUT}
+    if not layout or case.recording.files:
+        return None
+    proposals: _Proposals = []
+    for file in files:
+        try:
+            form = FileFormat.model_validate(layout)
+            table = replace(_table(file, form), settings=layout)
+        except (RecordingError, ValidationError):  # of another layout, which is looked for
+            return None
+        proposals.append((file, table, proposed(table, case)))
+    settings = proposal_of_run([(file.name, proposal) for file, _, proposal in proposals])
+    tried = _trial(files, settings, case)
+    return (proposals, settings, tried) if tried.problem is None else None
 
 
 def _table_of(file: Path, k: int, tables: Sequence[Mapping[str, Any]], proposal: Proposal) -> int | None:

@@ -81,12 +81,12 @@ def run(machine: Machine, program: str, on: str, output: str) -> list[str]:
     return ["run", place(program), "--case", machine.argument, "--on", on, "-o", output]
 
 
-def look(machine: Machine, recording: str, picture: str, write: bool = False) -> list[str]:
+def look(machine: Machine, recording: Sequence[str], picture: str, write: bool = False) -> list[str]:
     """`hexcite look`, and with `--write` into the case."""
     to = "--write" if write else "--case"
-    return ["look", place(recording), to, machine.argument, "-o", picture, "--overwrite"]
+    return ["look", *map(place, recording), to, machine.argument, "-o", picture, "--overwrite"]
 
 
-def identify(machine: Machine, recording: str, output: str) -> list[str]:
+def identify(machine: Machine, recording: Sequence[str], output: str) -> list[str]:
     """`hexcite identify`."""
-    return ["identify", place(recording), "--case", machine.argument, "-o", output]
+    return ["identify", *map(place, recording), "--case", machine.argument, "-o", output]

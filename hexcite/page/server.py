@@ -3,10 +3,12 @@
 import asyncio
 import json
 import os
+import re
 import tempfile
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from importlib import resources
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -26,10 +28,13 @@ from hexcite.page.actions.common import Context
 from hexcite.page.forms import Unfit, field
 from hexcite.page.jobs import Job, Jobs
 from hexcite.page.security import MOST_UPLOAD, PICTURE, REPORT, Guard, Outside, file_name, form_of, inside
-from hexcite.page.stages import PROGRAMS, RECORDINGS, STAGES, machine_of
+from hexcite.page.stages import BAG_INDEX, PROGRAMS, RECORDINGS, STAGES, free, machine_of
 from hexcite.page.texts import LANGUAGES, Language, language_of, text
 from hexcite.page.values import Refused
 
+RUN = ".run-"
+"""How names of folders begin whose files are on their way."""
+_RUN = re.compile(re.escape(RUN) + r"[a-z0-9_]{8}")
 EVERY = 2.0  # [s] after which a stream shows the clock again
 DOWNLOADS = (
     RECORDINGS
@@ -66,6 +71,8 @@ def app_of(
         Route("/new", page.new, methods=["POST"]),
         Route("/language", page.switch, methods=["POST"]),
         Route("/upload/{name}", page.upload, methods=["PUT"]),
+        Route("/runs", page.begin_run, methods=["POST"]),
+        Route("/runs/{name}", page.end_run, methods=["POST"]),
         Route("/m/{key}", page.machine),
         Route("/m/{key}/{stage}", page.stage),
         Route("/m/{key}/do/{action}", page.act, methods=["POST"]),
@@ -187,8 +194,10 @@ class _Page:
 
     async def upload(self, request: Request) -> Response:
         """Takes a file as it comes, onto the disk, under a name that nothing has yet."""
-        name = file_name(request.path_params["name"])
-        if Path(name).suffix.lower() not in RECORDINGS | {".urdf", ".pdf"}:
+        name, run = file_name(request.path_params["name"]), request.query_params.get("into")
+        folder = self.root if run is None else self._run(run)
+        kinds = RECORDINGS | ({".urdf", ".pdf"} if run is None else set())
+        if Path(name).suffix.lower() not in kinds and not (run is not None and name == BAG_INDEX):
             return JSONResponse({"error": "suffix"}, 415)
         stated = request.headers.get("content-length", "")
         if stated.isdigit() and int(stated) > MOST_UPLOAD:
@@ -203,7 +212,7 @@ class _Page:
                         return JSONResponse({"error": "too_large"}, 413)
                     await run_in_threadpool(stream.write, chunk)
             for k in range(1, 1000):
-                target = self.root / (name if k == 1 else f"{Path(name).stem}-{k}{Path(name).suffix}")
+                target = folder / (name if k == 1 else f"{Path(name).stem}-{k}{Path(name).suffix}")
                 with suppress(FileExistsError):
                     os.link(part, target)  # never onto another file
                     return JSONResponse({"name": target.name})
@@ -212,6 +221,32 @@ class _Page:
             return Response(status_code=400)
         finally:
             os.unlink(part)
+
+    async def begin_run(self, request: Request) -> Response:
+        """Makes a folder that the files of one run come into; it appears when all of them are there."""
+        return JSONResponse({"name": Path(tempfile.mkdtemp(prefix=RUN, dir=self.root)).name})
+
+    async def end_run(self, request: Request) -> Response:
+        """Gives the folder of a run its name, that which its files have in common."""
+        folder = self._run(request.path_params["name"])
+        names = sorted(entry.name for entry in folder.iterdir())
+        if not names:
+            folder.rmdir()
+            return JSONResponse({"error": "name"}, 409)
+        stems = [Path(name).stem for name in names if name != BAG_INDEX] or names
+        alike = takewhile(lambda letters: len({*letters}) == 1, zip(*stems, strict=False))
+        common = "".join(letters[0] for letters in alike).strip("-_. ")
+        name = free(self.root, common if len(common) > 2 else "run", self.jobs.outputs)
+        folder.rename(self.root / name)
+        (self.root / name).chmod(0o755)  # a folder for one person alone until then
+        return JSONResponse({"name": name})
+
+    def _run(self, name: str) -> Path:
+        """The folder of a run that is on its way; raises Outside for any other name."""
+        folder = self.root / name
+        if not _RUN.fullmatch(name) or not folder.is_dir() or folder.is_symlink():
+            raise Outside(name)
+        return folder
 
     def _panels(self, request: Request, jobs: list[Job]) -> list[dict[str, Any]]:
         return [{"job": job, "html": self._panel(request, job)} for job in jobs]

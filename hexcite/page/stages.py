@@ -130,12 +130,18 @@ class Program:
 
 @dataclass(frozen=True)
 class Recording:
-    """A recorded run: a file, or a folder of a rehearsal."""
+    """A recorded run: a file, a folder of the files of one run, a bag, or a folder of a rehearsal."""
 
     name: str
     simulated: bool
     time: float
     changed: tuple[str, ...] = ()
+    parts: tuple[str, ...] = ()  # files of the run below the folder of this name; empty where it is one argument
+
+    @property
+    def arguments(self) -> tuple[str, ...]:
+        """What names it on a command line."""
+        return tuple(f"{self.name}/{part}" for part in self.parts) or (self.name,)
 
 
 @dataclass(frozen=True)
@@ -186,9 +192,12 @@ def workspace(root: Path, machine: Machine) -> Workspace:
         Recording(run.name, True, run.time, run.changed)
         for run in _made(root, "recording.json", case, lambda about, own: recording_basis(own))
     ]
-    programs, files = [], []
+    programs: list[Program] = []
+    files: list[Recording] = []
     for path in sorted(root.iterdir(), key=lambda path: path.name):
         suffix = path.suffix.lower()
+        if len(files) < MOST and (run := _run_of(root, path)) is not None:
+            files.append(run)
         if path.name.startswith(".") or not path.is_file() or suffix not in PROGRAMS | RECORDINGS:
             continue
         status = path.stat()
@@ -199,6 +208,23 @@ def workspace(root: Path, machine: Machine) -> Workspace:
         elif not found and suffix in RECORDINGS and not path.name.endswith("-force.csv"):
             files.append(Recording(path.name, False, status.st_mtime))
     return Workspace(machine, plans, _newest(programs[:MOST]), _newest([*runs, *files[:MOST]]), results)
+
+
+BAG_INDEX = "metadata.yaml"
+"""File beside the data of a ROS 2 bag."""
+
+
+def _run_of(root: Path, folder: Path) -> Recording | None:
+    """The run in a folder of nothing but recorded files, or of a bag; None where it is no such folder."""
+    if folder.name.startswith(".") or not folder.is_dir() or not folder.resolve().is_relative_to(root):
+        return None
+    entries = [entry for entry in sorted(folder.iterdir())[: MOST + 1] if not entry.name.startswith(".")]
+    bag = any(entry.name == BAG_INDEX for entry in entries)
+    recorded = [entry for entry in entries if entry.suffix.lower() in RECORDINGS and entry.is_file()]
+    if not recorded or len(entries) > MOST or len(recorded) + bag != len(entries):
+        return None
+    parts = () if bag else tuple(entry.name for entry in recorded)
+    return Recording(folder.name, False, folder.stat().st_mtime, (), parts)
 
 
 def _newest(items: Any) -> Any:

@@ -412,3 +412,59 @@ def test_columns_without_names_are_told_by_their_values_and_not_proposed(hexapod
     assert "switch" in told["column 14"]
     assert "7 all along" in told["column 15"]
     assert not any(column.ours for column in found.columns)
+
+
+def test_each_guess_has_its_reason(hexapod_case: Case, tmp_path: Path) -> None:
+    head = _named("stamp", "enc_#", "loadcell-#", "out", ";")
+    recorder = Written("guess.csv", ["", head], time=1e3, length=1e-3, separator=";", decimal=",")
+    found = look(recorder.write(run(hexapod_case), tmp_path), hexapod_case)
+    columns = {column.ours: column for column in found.columns}
+    assert "run on" in columns["t_s"].reason
+    assert "1000 rows a second" in columns["t_s"].unit_reason
+    assert columns["l3_mm"].guessed
+    assert "lengths that the struts can have" in columns["l3_mm"].unit_reason
+    assert "name" in columns["f2_N"].reason
+    assert all(column.reason for column in found.columns if column.ours)
+    assert not any(column.reason or column.unit_reason for column in found.columns if not column.ours)
+    (part,) = found.parts
+    assert part.table is None
+    assert {*found.settings} == {*part.reasons}
+    assert "line 3 " in part.reasons["header_rows"]
+    stated = RecordingFormat.model_validate(dict(found.settings))
+    again = look(found.file, hexapod_case.model_copy(update={"recording": stated}))
+    assert {again.parts[0].reasons[key] for key in ("delimiter", "columns", "units")} == {"the case states it"}
+    assert next(c for c in again.columns if c.ours == "l3_mm").reason == "the case names it"
+
+
+def test_what_the_reader_mends_is_listed(hexapod_case: Case, tmp_path: Path) -> None:
+    table = np.delete(run(hexapod_case), [500, 501], axis=0)
+    table[700, 8] = np.nan
+    found = look(RECORDERS[0].write(table, tmp_path), hexapod_case)
+    assert any("2 samples are missing" in each and "501" in each for each in found.repairs)
+    assert any("no measured value in f2_N" in each and "702" in each for each in found.repairs)
+    whole = look(RECORDERS[0].write(run(hexapod_case), tmp_path), hexapod_case)
+    assert not any("missing" in each or "no measured" in each for each in whole.repairs)
+
+
+def test_a_layout_that_the_case_states_is_used_where_it_reads(hexapod_case: Case, tmp_path: Path) -> None:
+    units = ",".join(["s", *["mm"] * 6, *["N"] * 6, "-"])
+    file = Written("two.csv", [_named("a", "b#", "c#", "d"), _named("time", "Leg#", "F#", "gate"), units]).write(
+        run(hexapod_case), tmp_path
+    )
+    usual = look(file, hexapod_case)
+    assert usual.settings["names_row"] == 2
+
+    def stating(**layout: int) -> Case:
+        form = hexapod_case.recording.model_copy(update=layout)
+        return hexapod_case.model_copy(
+            update={"recording": RecordingFormat.model_validate(form.model_dump(exclude_unset=True) | layout)}
+        )
+
+    short = look(file, stating(header_rows=5, names_row=2))  # two samples are left out, by the case's word
+    assert short.reads
+    assert short.settings["header_rows"] == 5
+    assert short.parts[0].reasons["header_rows"] == "the case states it"
+    assert short.rows == usual.rows - 2
+    wrong = look(file, stating(header_rows=1))
+    assert wrong.reads
+    assert wrong.settings["header_rows"] == usual.settings["header_rows"]

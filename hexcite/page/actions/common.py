@@ -8,7 +8,7 @@ from urllib.parse import quote
 
 from hexcite.page.forms import Fields, Unfit, chosen
 from hexcite.page.jobs import Job, Jobs
-from hexcite.page.stages import Machine, Workspace, free
+from hexcite.page.stages import Machine, Recording, Workspace, free
 
 
 @dataclass(frozen=True)
@@ -44,9 +44,10 @@ def job_of(context: Context, stage: str, command: list[str], **more: Any) -> Job
     return Job(context.machine.key, stage, tuple(command), **more)
 
 
-def recording_of(there: Workspace, fields: Fields) -> str:
+def recording_of(there: Workspace, fields: Fields) -> Recording:
     """The recording that a form chose; raises Unfit where there is none of this name."""
-    return chosen(fields, "recording", [recording.name for recording in there.recordings])
+    name = chosen(fields, "recording", [recording.name for recording in there.recordings])
+    return next(recording for recording in there.recordings if recording.name == name)
 
 
 def result_of(there: Workspace, fields: Fields, name: str = "result") -> str:

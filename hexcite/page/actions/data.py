@@ -8,7 +8,7 @@ from urllib.parse import quote
 from cases.base.errors import HexciteError, Remedy, Write
 from cases.base.files import toml_value
 from cases.editing import placed, write_keys, write_table
-from hexcite.page import forms
+from hexcite.page import forms, reading
 from hexcite.page.actions.common import Action, Context, job_of, recording_of, result_of
 from hexcite.page.forms import Fields, Unfit, chosen, field
 from hexcite.page.jobs import Job
@@ -28,61 +28,42 @@ def _rehearse(context: Context, there: Workspace, fields: Fields) -> Job:
 
 def _look(context: Context, there: Workspace, fields: Fields, write: bool = False) -> Job:
     recording = recording_of(there, fields)
-    query = f"?recording={quote(recording)}"
-    picture = f"{Path(recording).stem}-look.svg"
-    rehearsed = any(each.simulated for each in there.recordings if each.name == recording)
-    command = forms.look(context.machine, f"{recording}/{RUN_FILE}" if rehearsed else recording, picture, write)
+    query = f"?recording={quote(recording.name)}"
+    picture = f"{Path(recording.name).stem}-look.svg"
+    files = (f"{recording.name}/{RUN_FILE}",) if recording.simulated else recording.arguments
+    command = forms.look(context.machine, files, picture, write)
     goto = f"{context.address}/data{query}"
-    return job_of(context, "data", command, about=recording, query=query, goto=goto, writes=write)
+    return job_of(context, "data", command, about=recording.name, query=query, goto=goto, writes=write)
 
 
 def _take(context: Context, there: Workspace, fields: Fields) -> Job:
-    """`look --write`: the proposal becomes the case's."""
+    """`look --write`: the proposal becomes the case's; and with `identify` in the form what was written is used."""
     if not context.machine.own:
         raise Unfit("a built-in case is not changed")
-    return _look(context, there, fields, write=True)
+    writing = _look(context, there, fields, write=True)
+    if not field(fields, "identify"):
+        return writing
+    job, looked = _identify(context, there, fields), _looked(context, field(fields, "recording"))
+    write_table(context.machine.file, "recording", looked["settings"])
+    job.before = writing.command
+    return job
+
+
+def _looked(context: Context, recording: str) -> Mapping[str, Any]:
+    """What the latest look at a recording answered, by the case as it is now."""
+    looked = context.jobs.latest(context.machine.key, "look", recording)
+    if looked is None or looked.answer is None or looked.finished < context.machine.file.stat().st_mtime:
+        raise Unfit(f"{recording}: look at it first")
+    return looked.answer
 
 
 def _menus(context: Context, there: Workspace, fields: Fields) -> Job:
     """What menus say of the columns becomes the `[recording]` of the case, and the file is looked at again."""
-    recording, looked = (
-        recording_of(there, fields),
-        context.jobs.latest(context.machine.key, "look", field(fields, "recording")),
-    )
     if not context.machine.own:
         raise Unfit("a built-in case is not changed")
-    if looked is None or looked.answer is None:
-        raise Unfit(f"{recording}: look at it first")
-    write_table(context.machine.file, "recording", chosen_settings(looked.answer, fields))
+    settings = reading.chosen_settings(_looked(context, recording_of(there, fields).name), fields)
+    write_table(context.machine.file, "recording", settings)
     return _look(context, there, fields)
-
-
-def chosen_settings(answer: Mapping[str, Any], fields: Fields) -> dict[str, Any]:
-    """The table `[recording]` that `look` proposed, with the columns and units of the menus in it."""
-    names = {column["name"] for column in answer["columns"]}
-    settings: dict[str, Any] = dict(answer["settings"])
-    ours = [name.removeprefix("c.") for name in fields if name.startswith("c.")]
-    columns = dict(settings.get("columns", {}))
-    for own in ours:
-        theirs = field(fields, f"c.{own}")
-        if theirs and theirs not in names:
-            raise Unfit(f"{own}: {theirs!r} is not a column of the file")
-        columns.pop(own, None)
-        if theirs:
-            columns[own] = theirs
-    twice = [name for name in {*columns.values()} if list(columns.values()).count(name) > 1]
-    if twice:
-        raise Unfit(f"{twice[0]!r} is chosen twice; a column is one channel")
-    settings["columns"] = columns
-    units = dict(settings.get("units", {}))
-    for name in fields:
-        if name.startswith("u."):
-            unit = field(fields, name)
-            units.pop(name[2:], None)
-            if unit:
-                units[name[2:]] = unit
-    settings.pop("units", None)
-    return settings | ({"units": units} if units else {})
 
 
 def _apply(context: Context, there: Workspace, fields: Fields) -> Job:
@@ -118,7 +99,7 @@ def remedies(context: Context, there: Workspace, fields: Fields) -> list[Remedy]
         result = next(result for result in there.results if result.name == result_of(there, fields))
         stated = [each for finding in result.record.get("findings", ()) for each in remedies_of(finding)]
     else:
-        refused = context.jobs.latest(context.machine.key, "identify", recording_of(there, fields))
+        refused = context.jobs.latest(context.machine.key, "identify", recording_of(there, fields).name)
         stated = remedies_of(refused.answer) if refused is not None and refused.state == "failed" else []
     return stated
 
@@ -139,12 +120,11 @@ def _shown(value: Any) -> str:
 
 def _identify(context: Context, there: Workspace, fields: Fields) -> Job:
     recording = recording_of(there, fields)
-    output = context.free(f"{Path(recording).stem}-result")
+    output = context.free(f"{Path(recording.name).stem}-result")
     goto = f"{context.address}/result?result={quote(output)}"
-    command = forms.identify(context.machine, recording, output)
-    return job_of(
-        context, "data", command, output=output, about=recording, query=f"?recording={quote(recording)}", goto=goto
-    )
+    command = forms.identify(context.machine, recording.arguments, output)
+    query = f"?recording={quote(recording.name)}"
+    return job_of(context, "data", command, output=output, about=recording.name, query=query, goto=goto)
 
 
 ACTIONS: Mapping[str, Action] = {

@@ -18,7 +18,13 @@ REFERENCES: Mapping[str, tuple[str, float, float]] = {
 def _tare(context: Context, there: Workspace, fields: Fields) -> Job:
     result, recording = result_of(there, fields), recording_of(there, fields)
     output = context.free(f"{result}-tared")
-    names = [forms.place(recording), "--parameters", forms.place(result), "--case", context.machine.argument]
+    names = [
+        *map(forms.place, recording.arguments),
+        "--parameters",
+        forms.place(result),
+        "--case",
+        context.machine.argument,
+    ]
     goto = f"{context.address}/result?result={quote(output)}&other={quote(result)}"
     query = f"?result={quote(result)}"
     return job_of(

@@ -40,8 +40,14 @@ def suffix_of(target: str) -> str:
 
 def _force(context: Context, there: Workspace, fields: Fields) -> Job:
     result, recording = result_of(there, fields), recording_of(there, fields)
-    output = context.free(f"{Path(recording).stem}-force", ".csv")
-    names = [forms.place(recording), "--parameters", forms.place(result), "--case", context.machine.argument]
+    output = context.free(f"{Path(recording.name).stem}-force", ".csv")
+    names = [
+        *map(forms.place, recording.arguments),
+        "--parameters",
+        forms.place(result),
+        "--case",
+        context.machine.argument,
+    ]
     query = f"?result={quote(result)}"
     return job_of(
         context, "use", ["force", *names, "-o", output], output=output, about=result, query=query,

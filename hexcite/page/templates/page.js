@@ -35,33 +35,75 @@ if (document.querySelector("[data-job]:not([data-over])")) document.getElementBy
 
 for (const input of document.querySelectorAll(".here")) input.value = location.pathname + location.search;
 
-function upload(file, input) {
+function put(address, file, input, said) { // the answer to a file that is sent, which has the name that it got
+  return new Promise((good, bad) => {
+    const request = new XMLHttpRequest();
+    request.open("PUT", address);
+    request.upload.addEventListener("progress", (event) => {
+      said.textContent = input.dataset.busy + " " + file.name + " " + Math.round(100 * event.loaded / event.total) + " %";
+    });
+    request.addEventListener("load", () => {
+      if (request.status === 200) good(JSON.parse(request.responseText).name);
+      else if (request.status === 413) bad(input.dataset.large);
+      else if (request.status === 415 && input.dataset.unknown) bad(input.dataset.unknown.replace("{file}", file.name));
+      else bad(file.name + ": " + request.status);
+    });
+    request.addEventListener("error", () => { bad(""); lost(true); });
+    said.textContent = input.dataset.busy + " " + file.name;
+    request.send(file);
+  });
+}
+
+async function upload(files, input) { // several files are one run, in a folder that appears when all of them are there
   const said = input.parentElement.querySelector(".progress");
-  const request = new XMLHttpRequest();
-  request.open("PUT", "/upload/" + encodeURIComponent(file.name));
-  request.upload.addEventListener("progress", (event) => {
-    said.textContent = input.dataset.busy + " " + Math.round(100 * event.loaded / event.total) + " %";
-  });
-  request.addEventListener("load", () => {
-    if (request.status === 200) {
-      const name = JSON.parse(request.responseText).name;
-      go(input.dataset.to.endsWith("=") ? input.dataset.to + encodeURIComponent(name) : input.dataset.to);
-    } else said.textContent = request.status === 413 ? input.dataset.large : file.name + ": " + request.status;
-  });
-  request.addEventListener("error", () => { said.textContent = ""; lost(true); });
-  said.textContent = input.dataset.busy;
-  request.send(file);
+  const post = async (address) => (await (await fetch(address, { method: "POST" })).json()).name;
+  try {
+    const run = files.length > 1 && input.multiple ? await post("/runs") : "";
+    let name = "";
+    for (const file of run ? files : files.slice(0, 1)) {
+      name = await put("/upload/" + encodeURIComponent(file.name) + (run && "?into=" + run), file, input, said);
+    }
+    if (run) name = await post("/runs/" + run);
+    if (input.dataset.ask) ask(input.dataset.ask, name);
+    else go(input.dataset.to.endsWith("=") ? input.dataset.to + encodeURIComponent(name) : input.dataset.to);
+  } catch (reason) {
+    said.textContent = typeof reason === "string" ? reason : "";
+    if (typeof reason !== "string") lost(true);
+  }
+}
+
+function ask(address, recording) {
+  const form = document.createElement("form");
+  const field = document.createElement("input");
+  Object.assign(form, { method: "post", action: address, hidden: true });
+  Object.assign(field, { type: "hidden", name: "recording", value: recording });
+  form.append(field);
+  document.body.append(form);
+  form.submit();
+}
+
+async function dropped(transfer) { // files, and those in folders that were dropped
+  const entries = [...transfer.items].map((item) => item.webkitGetAsEntry?.()).filter(Boolean);
+  const plain = [...transfer.files];
+  const folders = entries.filter((entry) => entry.isDirectory);
+  const inside = await Promise.all(folders.map(async (folder) => {
+    const listed = await new Promise((good, bad) => folder.createReader().readEntries(good, bad));
+    return Promise.all(listed.filter((entry) => entry.isFile).map((entry) => new Promise((good, bad) => entry.file(good, bad))));
+  }));
+  return folders.length ? [...plain.filter((file) => !folders.some((folder) => folder.name === file.name)), ...inside.flat()] : plain;
 }
 
 for (const input of document.querySelectorAll("input.upload")) {
-  input.addEventListener("change", () => { if (input.files.length) upload(input.files[0], input); });
+  input.addEventListener("change", () => { if (input.files.length) upload([...input.files], input); });
   const place = input.closest(".drop");
   if (!place) continue;
   for (const kind of ["dragover", "dragleave", "drop"]) {
-    place.addEventListener(kind, (event) => {
+    place.addEventListener(kind, async (event) => {
       event.preventDefault();
       place.classList.toggle("over", kind === "dragover");
-      if (kind === "drop" && event.dataTransfer.files.length) upload(event.dataTransfer.files[0], input);
+      if (kind !== "drop") return;
+      const files = await dropped(event.dataTransfer);
+      if (files.length) upload(files, input);
     });
   }
 }

@@ -83,7 +83,7 @@ def test_from_the_machine_to_its_model(browser: Browser, address: str, root: Pat
     assert (root / download.value.suggested_filename).read_bytes() == Path(download.value.path()).read_bytes()
 
     page.get_by_role("link", name="Next: Data").click()
-    page.get_by_role("button", name="Rehearse").click()
+    page.get_by_role("button", name=re.compile("built-in virtual")).click()
     page.get_by_role("button", name="Identify the parameters").click()
     expect(page.locator(".verdict")).to_be_visible()
     expect(page.locator(".parameters")).to_contain_text("mass (m)")
@@ -152,8 +152,9 @@ def test_exchanged_struts_are_mended_by_menus(
     seen = begun(browser, address, "hexapod")
     page = seen.page
     page.locator("#f-file").set_input_files(str(damaged(run_of_hexapod, tmp_path / "trace.csv", "l1_mm", "l4_mm")))
-    page.get_by_role("button", name="How is it read?").click()
     expect(page.get_by_text("The file is read with these settings.")).to_be_visible()
+    why = page.locator(".channel", has=page.locator('[id="c.t_s"]')).locator(".why")
+    expect(why).to_contain_text("its numbers run on with the rows")
     seen.shot("mill-4-data")
     page.locator('[id="c.l1_mm"]').select_option("l4")
     page.locator('[id="c.l4_mm"]').select_option("l1")
@@ -172,9 +173,7 @@ def test_exchanged_struts_are_mended_by_one_button(
     page = seen.page
     before = (root / "mill" / "case.toml").read_bytes()
     page.locator("#f-file").set_input_files(str(damaged(run_of_hexapod, tmp_path / "trace.csv", "l1_mm", "l4_mm")))
-    page.get_by_role("button", name="How is it read?").click()
-    page.get_by_role("button", name="Take the proposal into the case").click()
-    page.get_by_role("button", name="Identify the parameters").click()
+    page.get_by_role("button", name="Take the proposal into the case, and identify").click()
     expect(page.locator(".job .error")).to_contain_text("struts 1 and 4 are exchanged")
     expect(page.locator(".remedy pre")).to_contain_text('recording.columns.l1_mm = "l4"')
     seen.shot("mill-5-remedy")
@@ -185,6 +184,30 @@ def test_exchanged_struts_are_mended_by_one_button(
     assert mass_of(page) == pytest.approx(31.83, abs=0.05)
     assert (root / "mill" / "case-1.toml").read_bytes() != before  # with [recording], before the struts were mended
     assert 'l4_mm = "l1"' in (root / "mill" / "case.toml").read_text()
+    assert seen.errors == []
+
+
+def test_files_of_one_run_are_dropped_together(
+    browser: Browser, address: str, root: Path, run_of_hexapod: list[list[str]], tmp_path: Path
+):
+    seen = begun(browser, address, "hexapod")
+    page = seen.page
+    head, *rows = run_of_hexapod
+    for file, letter, sign in (("struts.csv", "l", ","), ("forces.txt", "f", ";")):
+        ours = [k for k, name in enumerate(head) if name in ("t_s", "trigger") or name.startswith(letter)]
+        lines = [sign.join(row[k].rpartition("_")[0] or row[k] if row is head else row[k] for k in ours)
+                 for row in (head, *rows)]  # fmt: skip
+        (tmp_path / file).write_text("\n".join(lines))
+    page.locator("#f-file").set_input_files([str(tmp_path / "struts.csv"), str(tmp_path / "forces.txt")])
+    expect(page.get_by_text("The file is read with these settings.")).to_be_visible()
+    expect(page.locator(".reading legend")).to_have_text(["forces.txt", "struts.csv"])
+    assert sorted(file.name for file in (root / "run").iterdir()) == ["forces.txt", "struts.csv"]
+    assert not [*root.glob(".run-*")]
+    seen.shot("mill-4-run")
+    page.get_by_role("button", name="Take the proposal into the case, and identify").click()
+    expect(page.locator(".verdict.good")).to_be_visible()
+    assert mass_of(page) == pytest.approx(31.83, abs=0.05)
+    assert (root / "mill" / "case.toml").read_text().count("[[recording.files]]") == 2
     assert seen.errors == []
 
 

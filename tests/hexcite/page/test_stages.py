@@ -10,8 +10,8 @@ from cases.basis import KEPT, plan_basis, result_basis
 from cases.scaffold import new_case
 from cases.schema import Case, load_case
 from hexcite.page import forms
-from hexcite.page.actions.data import chosen_settings
 from hexcite.page.forms import Unfit
+from hexcite.page.reading import chosen_settings
 from hexcite.page.stages import Workspace, free, machine_of, own_machines, workspace
 
 
@@ -131,6 +131,87 @@ def test_menus_replace_columns_and_units_of_a_proposal():
         chosen_settings(answer, {"c.l1_mm": ["B"], "c.l2_mm": ["B"]})
     with pytest.raises(Unfit, match="not a column"):
         chosen_settings(answer, {"c.l1_mm": ["D"]})
+
+
+def menus(**chosen: str) -> dict[str, list[str]]:
+    return {name.replace("__", "."): [value] for name, value in chosen.items()}
+
+
+def test_menus_say_layout_clock_trigger_orientation_and_scale():
+    answer = {
+        "columns": [{"name": name} for name in ("T", "st", "Fx")],
+        "settings": {"delimiter": ";", "columns": {"t_s": "T", "trigger": "st", "fx_N": "Fx"}, "clock": {"unit": "ms"}},
+    }
+    form = menus(c__trigger="st", l__bit="3", s__fx_N="-0,5", l__unit="us", l__orientation="zyx intrinsic")
+    settings = chosen_settings(answer, form)
+    assert settings["trigger"] == {"column": "st", "bit": 3}
+    assert settings["columns"] == {"t_s": "T", "fx_N": "Fx"}
+    assert settings["scale"] == {"fx_N": -0.5}
+    assert settings["clock"] == {"unit": "us"}
+    assert settings["orientation"] == "zyx intrinsic"
+    back = chosen_settings({**answer, "settings": settings}, menus(c__trigger="st", l__bit="", s__fx_N="", l__unit=""))
+    assert back["columns"] == {"t_s": "T", "fx_N": "Fx", "trigger": "st"}
+    assert not {"trigger", "scale", "clock"} & {*back}
+    moved = chosen_settings(answer, menus(c__t_s="T", l__delimiter="tab", l__decimal=",", l__header_rows="7"))
+    assert (moved["delimiter"], moved["decimal"], moved["header_rows"]) == ("\t", ",", 7)
+    assert "columns" not in moved  # their names are of another line
+    assert "delimiter" not in chosen_settings(answer, menus(l__delimiter=""))
+    for wrong in (
+        menus(l__bit="1.5"), menus(l__bit="99"), menus(l__delimiter="x"), menus(l__unit="weeks"), menus(s__fx_N="0"),
+        menus(u__forces="volts"), menus(l__names_row="5"), menus(l__orientation="upside down"),
+    ):  # fmt: skip
+        with pytest.raises(Unfit):
+            chosen_settings(answer, wrong)
+
+
+def test_each_file_of_a_run_has_menus_of_its_own():
+    answer = {
+        "columns": [{"name": name} for name in ("t", "l1", "T", "f1")],
+        "files": [{"file": "s.csv", "columns": ["t", "l1"], "table": 0},
+                  {"file": "f.csv", "columns": ["T", "f1"], "table": 1}],
+        "settings": {"filter_cutoff_Hz": 40.0, "files": [
+            {"match": "s.csv", "columns": {"t_s": "t", "l1_mm": "l1"}},
+            {"match": "f.csv", "columns": {"t_s": "T", "f1_N": "f1"}, "clock": {"unit": "ms"}}]},
+    }  # fmt: skip
+    form = {"c.f1_N@1": ["f1"], "l.unit@1": ["us"], "c.t_s@0": ["t"], "s.l1_mm@0": ["2"]}
+    struts, forces = chosen_settings(answer, form)["files"]
+    assert struts == {"match": "s.csv", "columns": {"t_s": "t", "l1_mm": "l1"}, "scale": {"l1_mm": 2.0}}
+    assert forces["clock"] == {"unit": "us"}
+    with pytest.raises(Unfit, match="not a column"):
+        chosen_settings(answer, {"c.f1_N@1": ["l1"]})  # of the other file
+
+
+def test_folders_of_recorded_files_are_runs(root: Path, case: Case):
+    for folder, files in {
+        "two": ("a.csv", "b.txt"), "bag": ("metadata.yaml", "x.db3"), "mixed": ("a.csv", "notes.md"), "empty": (),
+        ".run-abcdefgh": ("a.csv",),
+    }.items():  # fmt: skip
+        (root / folder).mkdir()
+        for name in files:
+            (root / folder / name).write_text("t_s,f1_N\n0,1\n")
+    (root / "linked").symlink_to(root.parent)
+    found = {recording.name: recording.arguments for recording in there(root).recordings}
+    assert found == {"two": ("two/a.csv", "two/b.txt"), "bag": ("bag",)}
+
+
+def test_files_of_a_run_appear_together(root: Path, client: TestClient):
+    part = client.post("/runs").json()["name"]
+    for name in ("day_struts.csv", "day_forces.csv", "metadata.yaml"):
+        assert client.put(f"/upload/{name}?into={part}", content=b"t_s\n0\n").status_code == 200
+    assert client.put(f"/upload/a.exe?into={part}", content=b"").status_code == 415
+    assert client.put("/upload/metadata.yaml", content=b"").status_code == 415
+    assert not (root / "day").exists()
+    assert client.post(f"/runs/{part}").json() == {"name": "day"}
+    assert sorted(file.name for file in (root / "day").iterdir()) == [
+        "day_forces.csv",
+        "day_struts.csv",
+        "metadata.yaml",
+    ]
+    for stranger in ("day", "..", ".run-ABCDEFGH", ".run-abcdefgh", ".run-../../etc"):
+        assert client.post(f"/runs/{stranger}").status_code in (404, 405)
+        assert client.put(f"/upload/a.csv?into={stranger}", content=b"").status_code == 404
+    assert client.post(f"/runs/{client.post('/runs').json()['name']}").status_code == 409
+    assert not [*root.glob(".run-*")]
 
 
 def test_a_form_that_cannot_be_is_refused_with_words(client: TestClient):
