@@ -1,6 +1,7 @@
 """The page's server: routes, each a reading of folders or the start of a command."""
 
 import asyncio
+import hashlib
 import json
 import os
 import re
@@ -35,6 +36,7 @@ from hexcite.page.values import Refused
 RUN = ".run-"
 """How names of folders begin whose files are on their way."""
 _RUN = re.compile(re.escape(RUN) + r"[a-z0-9_]{8}")
+STATIC = {"page.css": "text/css", "page.js": "text/javascript"}
 EVERY = 2.0  # [s] after which a stream shows the clock again
 DOWNLOADS = (
     RECORDINGS
@@ -100,6 +102,9 @@ class _Page:
             trim_blocks=True,
             lstrip_blocks=True,
         )
+        content = {name: (resources.files(__package__) / "templates" / name).read_bytes() for name in STATIC}
+        self.static_files = {name: (data, hashlib.sha256(data).hexdigest()[:12]) for name, data in content.items()}
+        self.templates.globals["version"] = {name: version for name, (_, version) in self.static_files.items()}
         self.templates.filters["quoted"] = lambda name: quote(str(name), safe="")
 
     def _language(self, request: Request) -> Language:
@@ -319,12 +324,13 @@ class _Page:
 
     async def static(self, request: Request) -> Response:
         """The style sheet and the script."""
-        kinds = {"page.css": "text/css", "page.js": "text/javascript"}
         name = request.path_params["name"]
-        if name not in kinds:
+        if name not in STATIC:
             raise HTTPException(404)
-        content = (resources.files(__package__) / "templates" / name).read_bytes()
-        return Response(content, media_type=kinds[name], headers={"cache-control": "no-cache"})
+        content, version = self.static_files[name]
+        asked = request.query_params.get("v") == version
+        kept = "private, max-age=31536000, immutable" if asked else "no-cache"
+        return Response(content, media_type=STATIC[name], headers={"cache-control": kept})
 
     async def lost(self, request: Request, error: Exception) -> Response:
         """A place that there is not, or that a browser may not name."""

@@ -85,13 +85,14 @@ def built_in() -> list[Machine]:
 def _machine(key: str, argument: str, file: Path) -> Machine:
     status = file.stat()
     try:
-        return Machine(key, argument, file, _case(str(file), status.st_mtime_ns, status.st_size))
+        return Machine(key, argument, file, case_of(str(file), status.st_mtime_ns, status.st_size))
     except HexciteError as error:
         return Machine(key, argument, file, None, "; ".join(error.lines))
 
 
 @lru_cache(64)
-def _case(file: str, time_ns: int, size: int) -> Case:
+def case_of(file: str, time_ns: int, size: int) -> Case:
+    """The case of a file, read once for each time and size that it has."""
     built_in_names = {str(path): name for name, path in built_in_cases().items()}
     return load_case(built_in_names.get(file, file))
 

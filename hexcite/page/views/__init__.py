@@ -1,6 +1,7 @@
 """What each stage shows: plain values for its template, read from the folders."""
 
 from collections.abc import Callable, Mapping
+from importlib import import_module
 from typing import Any
 
 from markupsafe import Markup
@@ -28,9 +29,17 @@ def stage(context: Context, name: str, query: Query, language: Language) -> dict
     return {"machine": context.machine, "address": context.address, "states": states, "there": there, **shown}
 
 
+LATE = (
+    "identification.results.frames", "postprocessors.export.targets", "postprocessors.controllers.linuxcnc.session",
+    "postprocessors.program",
+)  # fmt: skip
+"""Modules that stages import when they are asked for."""
+
+
 def warm_up() -> None:
     """Imports and reads what stages take long for when they first need it."""
-
+    for name in LATE:
+        import_module(name)
     for each in built_in():
         values.sections(each.file.read_text(encoding="utf-8"), each.case)
         machine.drawn(each.case)

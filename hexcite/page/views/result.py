@@ -2,16 +2,16 @@
 
 import math
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 from cases.base.errors import HexciteError
-from cases.schema import Case
 from hexcite.page.actions.common import Context
 from hexcite.page.actions.data import remedies_of
 from hexcite.page.actions.result import REFERENCES
 from hexcite.page.actions.stated import LIMITS
-from hexcite.page.stages import Made, Workspace
+from hexcite.page.stages import Made, Workspace, case_of
 from hexcite.page.views.common import Query, chosen, parameter, remedies
 from identification.estimation.fit import COVERAGE_FACTOR
 from identification.finding import ABOUT_THE_RUN
@@ -44,11 +44,11 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     }
 
 
-def _verdict(folder: Path, case: Case | None) -> Verdict | None:
-    if case is None:
-        return None
+@lru_cache(64)
+def _verdict(folder: Path, fingerprint: str, file: Path, time_ns: int, size: int) -> Verdict | None:
+    """The verdict on a result by a case file, computed once for each content that they have."""
     try:
-        return accept(Result.load(folder, case, stale=True))
+        return accept(Result.load(folder, case_of(str(file), time_ns, size), stale=True))
     except HexciteError:
         return None  # there is nothing to judge, or the result is damaged: the command that uses it says so
 
@@ -56,7 +56,10 @@ def _verdict(folder: Path, case: Case | None) -> Verdict | None:
 def _judged(context: Context, result: Made) -> dict[str, Any]:
     """The limits of `[accept]` with what the result has, and the keys of the form that states them."""
     case = context.machine.case
-    verdict = _verdict(context.root / result.name, case)
+    file = context.machine.file
+    status = file.stat()
+    key = (file, status.st_mtime_ns, status.st_size)
+    verdict = None if case is None else _verdict(context.root / result.name, result.fingerprint, *key)
     limits = {} if case is None or case.accept is None else case.accept.model_dump(exclude_unset=True)
     return {
         "verdict": None if verdict is None else {"passed": verdict.passed, "unjudged": verdict.unjudged},
