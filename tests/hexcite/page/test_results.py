@@ -1,5 +1,7 @@
 """The stages Result and Use show what a result says, write limits and what certificates say, and ask commands."""
 
+import re
+import time
 from pathlib import Path
 
 import pytest
@@ -124,3 +126,32 @@ def test_a_result_beside_itself_and_another(client: TestClient, root: Path) -> N
     hx.tare(still, hx.Result.load(root / "res", case, stale=True)).save(root / "tared")
     page = client.get("/m/+mill/result?result=tared&other=res").text
     assert '<th scope="col">E_n</th>' in page
+
+
+def test_a_result_is_judged_once(client: TestClient, root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from hexcite.page.views import result
+
+    judged: list[str] = []
+    accept = result.accept
+    monkeypatch.setattr(result, "accept", lambda of: judged.append(of.source) or accept(of))
+    result._verdict.cache_clear()
+    for _ in range(3):
+        client.get("/m/+mill/result?result=res")
+    assert len(judged) == 1
+    begun = time.process_time()
+    assert client.get("/m/+mill/result?result=res").status_code == 200
+    assert time.process_time() - begun < 0.2
+    file = root / "mill" / "case.toml"
+    text = file.read_text()
+    file.write_text(text + "\n[accept]\nnoise_times = 1e-6\n")
+    assert "Acceptance: FAIL" in client.get("/m/+mill/result?result=res").text  # by the case as it is now
+    file.write_text(text)
+
+
+def test_style_and_script_are_kept_by_their_content(client: TestClient) -> None:
+    page = client.get("/").text
+    for name in ("page.css", "page.js"):
+        address = re.search(rf"/static/{name}\?v=\w+", page)
+        assert address is not None
+        assert "immutable" in client.get(address[0]).headers["cache-control"]
+        assert client.get(f"/static/{name}?v=other").headers["cache-control"] == "no-cache"
