@@ -214,7 +214,7 @@ class FileFormat(TextFile):
     ros: dict[Literal["joints", "wrench", "time", "frame"], str] = Field(default_factory=dict)
     """Topics of a bag of ROS that hold the run, `sensor_msgs/JointState` as `joints` and `geometry_msgs/WrenchStamped`,
     the raw one, as `wrench`; by default the only ones of their kind. `time = "receipt"`: the bag's own time counts, for
-    headers without one. `frame`: what headers call the axes of the sensor, where that is the name of another frame."""
+    headers without one. `frame`: what headers of wrenches call the axes of the sensor; others are refused."""
 
     @model_validator(mode="after")
     def _times(self) -> Self:
@@ -330,7 +330,7 @@ class RecordingFormat(FileFormat):
     def ways(self, name: str) -> tuple[FileFormat, ...]:
         """How a file of this name may be written: by the tables that name it, else those that name none, and this."""
         machine = {"drives": self.drives, "accelerometer": self.accelerometer}
-        tables = [form.model_copy(update=machine) for form in self.files]
+        tables = [form.model_copy(update=machine | {"ros": self.ros | form.ros}) for form in self.files]
         named = tuple(form for form in tables if form.match is not None and fnmatch(name, form.match))
         return named or (*(form for form in tables if form.match is None), self.model_copy(update={"files": ()}))
 

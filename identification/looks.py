@@ -26,6 +26,7 @@ from identification.finding import Kind
 from identification.identify import require_fit
 from identification.recording.formats.binary import Topic
 from identification.recording.formats.families import words_of
+from identification.recording.formats.frames import is_stated, problem_of
 from identification.recording.formats.layout import TextColumns, look_at_text
 from identification.recording.formats.meaning import meaning_of
 from identification.recording.formats.misnamed import ALIKE, SMOOTH
@@ -411,7 +412,7 @@ def _bag(bag: Path, case: Case | None) -> Look:
         named = next((topic for topic in possible if topic.name == ros.get(what)), None)
         if what in ros and named is None:
             doubts.append(f"recording.ros.{what} of the case is {ros.pop(what)}, which the bag does not have")
-        best = named or min(possible, key=_rank_of_topic, default=None)
+        best = named or min(possible, key=lambda topic: _rank_of_topic(topic, ros.get("frame")), default=None)
         if best is None:
             doubts.append(f"no topic of {meant}; record one")
             continue
@@ -425,7 +426,7 @@ def _bag(bag: Path, case: Case | None) -> Look:
     if ros:
         settings["ros"] = ros
     if "wrench" in chosen:
-        doubts += _about_frames(chosen["wrench"])
+        doubts += _about_frames(chosen["wrench"], ros.get("frame"))
     settings.pop("columns", None)
     if case is None:
         doubts.append("name the robot with --case, for the order of its joints")
@@ -447,25 +448,23 @@ def _bag(bag: Path, case: Case | None) -> Look:
     return Look(bag, rows, columns, settings, odd, tried.problem, unchanged, topics, repairs=repairs)
 
 
-def _rank_of_topic(topic: BagTopic) -> tuple[bool, bool, str]:
-    """Order in which topics are chosen: not those whose names say that they are filtered or compensated."""
+def _rank_of_topic(topic: BagTopic, frame: str | None) -> tuple[bool, bool, bool, str]:
+    """Order in which topics are chosen: those of the stated frame, and of names that say neither filtered nor
+    compensated.
+    """
     from identification.recording.formats import vocabulary as say
 
     words = words_of(topic.name)
-    return say.NOT_OF_A_SENSOR.among(words), say.FILTERED.among(words) or not say.RAW.among(words), topic.name
+    elsewhere = frame is not None and not all(is_stated(own, frame) for own in topic.frames)
+    plain = say.FILTERED.among(words) or not say.RAW.among(words)
+    return elsewhere, say.NOT_OF_A_SENSOR.among(words), plain, topic.name
 
 
-_FIXED_FRAMES = ("base", "world", "map", "odom")
-
-
-def _about_frames(topic: BagTopic) -> Iterator[str]:
-    """Sentences on the frames of a wrench."""
+def _about_frames(topic: BagTopic, stated: str | None) -> Iterator[str]:
+    """Sentences on the frames of a wrench, where the case states one or does not."""
     for frame in topic.frames:
-        if set(words_of(frame)) & set(_FIXED_FRAMES):
-            yield (
-                f"{topic.name}: frame_id is '{frame}', a frame that does not move with the sensor; the wrench must be "
-                "in the axes of the sensor: record the driver's own topic"
-            )
+        if problem := problem_of(frame, stated):
+            yield f"{topic.name}: {'; '.join(problem)}"
     if len(topic.frames) > 1:
         yield f"{topic.name}: its messages are in several frames, {listed(topic.frames)}"
 

@@ -21,6 +21,7 @@ from cases.base.errors import Code, RecordingError
 from cases.base.units import Array
 from cases.recording_format import CLOCK, TICKS, WRENCH, Clock, FileFormat
 from cases.schema import Case
+from identification.recording.formats.frames import require_frame
 from identification.recording.formats.table import ColumnTable, Lines, Stamps, listed, require_room, shown, unreadable
 from identification.recording.formats.text import Field, select, without
 
@@ -147,22 +148,14 @@ def _positions(
             yield stamp, [message.position[place[joint]] for joint in joints]
 
 
-_FIXED = ("base", "base_link", "base_footprint", "world", "map", "odom")  # frames that no sensor moves with
-
-
 def _readings(bag: Path, reader: "AnyReader", topic: str, form: FileFormat) -> Iterator[tuple[int, list[float]]]:
-    """Stamps [ns], and forces and moments [N, N m]; raises RecordingError where their frame changes or stands."""
+    """Stamps [ns], and forces and moments [N, N m]; raises RecordingError where their frame changes or is not the
+    sensor's.
+    """
     frame = None
     for stamp, message in _messages(reader, topic, form.ros.get("time") == "receipt"):
-        if frame is None and message.header.frame_id.strip("/") in _FIXED and form.ros.get("frame") is None:
-            own = shown(message.header.frame_id)
-            raise RecordingError(
-                place=f"{bag}, {topic}",
-                problem=f"its wrench is in the frame {own}, which does not move with the sensor",
-                remedy="record the raw topic, in the axes of the sensor; if they are, state "
-                f'recording.ros.frame = "{own}"',
-                code=Code.UNIT,
-            )
+        if frame is None:
+            require_frame(f"{bag}, {topic}", message.header.frame_id, form)
         if (frame := frame or message.header.frame_id) != message.header.frame_id:
             names = f"{frame}, {message.header.frame_id}"
             raise RecordingError(

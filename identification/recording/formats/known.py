@@ -11,9 +11,10 @@ import numpy as np
 from pydantic import ValidationError
 
 from cases.base.errors import Code, RecordingError
-from cases.recording_format import CLOCK, TRIGGER, FileFormat, FormatName
+from cases.recording_format import CLOCK, TRIGGER, WRENCH, FileFormat, FormatName
 from identification.recording.formats import halsampler, lvm, plain, scope, sinumerik, text
 from identification.recording.formats.content import Content, content_of
+from identification.recording.formats.frames import FRAME, require_frame
 from identification.recording.formats.table import MOST_MISSING, ColumnTable
 from identification.recording.formats.text import Layout, select, without
 
@@ -65,6 +66,10 @@ def read(file: Path, form: FileFormat) -> Iterator[ColumnTable]:
                 code=Code.WRONG_KIND,
             )
         raise RecordingError(place=file, problem=without(layout.names, layout.form), code=Code.MISSING)
+    if chosen.keys() & set(WRENCH):
+        for k, field in enumerate(layout.fields):
+            if field.name.endswith(FRAME):
+                require_frame(file, text.first_of(content, layout, k), form)
     for table in known.tables(content, layout, chosen, (TRIGGER,)):
         _require_values(table)
         yield table

@@ -462,6 +462,17 @@ def _of_dates(content: Content, layout: Layout, clocks: Iterable[int]) -> frozen
     return frozenset(k for k in fields if any(len(row) > k and dates.is_stamp(row[k]) for row in rows))
 
 
+def first_of(content: Content, layout: Layout, field: int) -> str:
+    """A field of the first row; empty where there is none."""
+    if not layout.sections:
+        return ""
+    with content.opened() as stream:
+        stream.seek(layout.sections[0].start)
+        line = stream.read(min(_PEEK, layout.sections[0].end - layout.sections[0].start)).split(b"\n", 1)[0]
+    row = layout.split(line.decode(layout.form.encoding, "replace"))
+    return row[field].strip() if field < len(row) else ""
+
+
 def squeezed(data: bytes) -> bytes:
     """Lines of aligned columns with one blank between two fields."""
     letters = np.frombuffer(data, dtype=np.uint8)

@@ -181,6 +181,23 @@ def test_a_wrench_in_a_frame_that_stands_is_named_and_read_only_where_the_case_s
     assert read(bag, with_recording(ros={"frame": "base"})).rows == 8500
 
 
+def test_a_wrench_in_another_frame_than_the_stated_one_is_named_with_both(bag: Path) -> None:
+    """The wrenches of the bag are in `ft_sensor`."""
+    other = with_recording(ros={"frame": "tool0"})
+    with pytest.raises(RecordingError, match=r"frame ft_sensor; that of the sensor is tool0") as caught:
+        read(bag, other)
+    assert one_line(caught.value).startswith(f"{bag}, {WRENCH}")
+    assert any("ft_sensor" in odd and "tool0" in odd for odd in look(bag, other).odd)
+    assert read(bag, with_recording(ros={"frame": "/ft_sensor"})).rows == read(bag, ROBOT).rows
+
+
+def test_of_several_wrenches_look_proposes_the_one_in_the_stated_frame(tmp_path: Path) -> None:
+    messages = [*run(), *(("/ft/raw", r, wrench(r, [0.0] * 6, "tool0")) for t, r, m in run() if t == WRENCH)]
+    bag = write(tmp_path / "bag", messages)
+    for frame, topic in (("ft_sensor", WRENCH), ("tool0", "/ft/raw")):
+        assert look(bag, with_recording(ros={"frame": frame})).settings["ros"]["wrench"] == topic
+
+
 def with_recording(**keys: Any) -> Case:
     data = ROBOT.model_dump(exclude_none=True)
     data["recording"] |= keys

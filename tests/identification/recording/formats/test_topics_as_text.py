@@ -61,6 +61,18 @@ def echoed(folder: Path) -> list[Path]:
     return [written(folder / "joints.csv", joints), written(folder / "wrench.csv", forces)]
 
 
+def test_frames_of_echoed_wrenches_are_those_of_the_case(tmp_path: Path) -> None:
+    case = proposed_for(files := echoed(tmp_path))
+    for frame, there in (("tool0", False), ("ft_sensor", True)):
+        stated = case.model_copy(update={"recording": case.recording.model_copy(update={"ros": {"frame": frame}})})
+        if there:
+            assert len(read(files, stated).forces)
+        else:
+            with pytest.raises(RecordingError, match="frame ft_sensor; that of the sensor is tool0") as caught:
+                read(files, stated)
+            assert one_line(caught.value).startswith(str(files[1]))
+
+
 def require_the_run(run: Recording) -> None:
     """Positions and forces at the instants when they were sampled."""
     at = run.t - run.t[0]
