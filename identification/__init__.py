@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from identification.recording.recording import Recording as Recording
     from identification.recording.recording import read as read
     from identification.results.force import force as force
-    from identification.results.force import tare as tare
     from identification.results.force import verify as verify
     from identification.results.history import History as History
     from identification.results.history import history as history
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
     from identification.results.payload import payload as payload
     from identification.results.pooling import pool as pool
     from identification.results.result import Result as Result
+    from identification.results.taring import tare as tare
     from identification.results.verdicts import Verdict as Verdict
     from identification.results.verdicts import accept as accept
     from identification.samples.treatment import Treatment as Treatment
@@ -40,7 +40,7 @@ PUBLIC = {
     "Recording": "identification.recording.recording",
     "read": "identification.recording.recording",
     "force": "identification.results.force",
-    "tare": "identification.results.force",
+    "tare": "identification.results.taring",
     "verify": "identification.results.force",
     "History": "identification.results.history",
     "history": "identification.results.history",

@@ -139,6 +139,7 @@ def _identified(
     noise = {
         "measured": noise_of_channels(estimate.evaluated, estimate.fit).tolist(),
         "stated": None if stated is None else stated.tolist(),
+        "evaluated": np.sqrt(np.mean(estimate.fit.residuals**2, axis=0)).tolist(),
     }
     effect = None if treatment is None else _effect(run, case, estimate, method, treatment)
     optional = {

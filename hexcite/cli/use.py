@@ -67,7 +67,7 @@ def force(
     overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
-    """Compute external force and moment over a recording.
+    """Compute external force and moment over a recording, with deviations.
 
     A table by the recorder's clock, and beside it a page with the curves.
     """
@@ -89,6 +89,9 @@ def force(
         "samples": len(result.t),
         "rms": {name: float(v) for name, v in zip(WRENCH, result.rms, strict=True)},
         "peak": {name: float(v) for name, v in zip(WRENCH, result.peak, strict=True)},
+        "expanded_k2": {name: float(v) for name, v in zip(WRENCH, result.typical_expanded, strict=True)},
+        "budget": result.budget,
+        "not_counted": list(result.not_counted),
         "warnings": list(result.warnings),
     }
     answered(answer, json, f"written: {file}, behind the filter of the case, and its page {page}", result)

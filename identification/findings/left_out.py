@@ -74,6 +74,14 @@ class LeftOut:
     larger: Model | None = None  # a model with more parameters that the machine could be identified by
     columns: Array | None = None  # of the fit in this motion, shape (n, 6, v); None where drives say it
     bars: tuple[Array, Array] | None = None  # lower and upper ends of bars in {P}, shapes (6, 3) [m]
+    beyond: Array | float = 0.0  # what channels read of a force from outside, beside the model's, shape (n, 6)
+
+    @classmethod
+    def in_use(cls, model: Model, motion: MotionOfSamples, values: Array, beyond: Array, case: Case) -> "LeftOut":
+        """A model with its parameters in another motion, at whose samples channels read more than it, shape (n, 6)."""
+        times, late = np.arange(float(len(beyond))), np.zeros_like(beyond) if motion.drives is not None else None
+        none = np.zeros(0, dtype=np.int64)
+        return cls(model, motion, values, times, late, 1.0, none, Names.of(case), bars=_ends(case), beyond=beyond)
 
     @classmethod
     def of(cls, fitted: Fitted, motion: MotionOfSamples, case: Case) -> "LeftOut":
@@ -85,8 +93,6 @@ class LeftOut:
             close = np.diff(samples.places) == 1
             even, step = 1 + np.flatnonzero(close[1:] & close[:-1]), samples.step
             late = fitted.regression.regressors[:, :, -1]
-        bars = case.sensor_frame.bars
-        ends = None if bars is None else (bars.lower.points, bars.upper.points)
         values = fitted.fit.values[: len(samples.model.names)]
         number = full_model(case) if isinstance(samples, Moving) else static_model(case)
         if motion.felt:  # larger models need positions
@@ -96,7 +102,7 @@ class LeftOut:
         more = None if set(larger.names) <= set(samples.model.names) else larger
         names = Names.of(case)
         return cls(
-            samples.model, motion, values, samples.t, late, step, even, names, samples.scale, more, columns, ends
+            samples.model, motion, values, samples.t, late, step, even, names, samples.scale, more, columns, _ends(case)
         )
 
     @property
@@ -447,13 +453,20 @@ class LeftOut:
         """
         assert self.by_drives is not None
         rings = {"base": machine.base, "platform": machine.platform}
-        before = self.strut_motion(**rings)
         after = self.strut_motion(**(rings | {ring: rings[ring] + STEP * ways}))
+        before = self.by_struts
         changes = (
             (by * ((old - new) / STEP)[:, None]).sum(axis=2, keepdims=True)
             for by, old, new in zip(self.by_drives, before, after, strict=True)
         )
         return np.asarray(sum(changes))
+
+    @cached_property
+    def by_struts(self) -> tuple[Array, Array, Array]:
+        """`strut_motion` of the joints of the machine."""
+        machine = self.motion.machine
+        assert isinstance(machine, Hexapod)
+        return self.strut_motion(machine.base, machine.platform)
 
     def strut_motion(self, base: Array, platform: Array) -> tuple[Array, Array, Array]:
         """Lengths, speeds and accelerations of struts between joints, shapes (6, 3), in the motion, shapes (n, 6)."""
@@ -506,6 +519,12 @@ class LeftOut:
         )
         for key, follow, each, values, cause in kinds:
             yield Alternative(key, follow, cause, in_channels(scaled(values)), each=self._each(each, ("x", "y", "z")))
+
+
+def _ends(case: Case) -> tuple[Array, Array] | None:
+    """Lower and upper ends of the bars of a sensor frame that has some."""
+    bars = case.sensor_frame.bars
+    return None if bars is None else (bars.lower.points, bars.upper.points)
 
 
 def gravity_axes(gravity: Array) -> Array:

@@ -10,6 +10,7 @@ Where this lowers no deviation by a twentieth, and no size is off, the estimate 
 no trust in what a case states.
 """
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -39,6 +40,47 @@ TELLING = 0.5  # of what is tolerated, to which the run has to tell a size for i
 UNLIKELY = 1e-4  # chance of all that the residuals tell of tolerated sizes, below which tolerances are understated
 
 
+class LeftOpen(NamedTuple):
+    """What a run leaves open of sizes that it told, in units of their stated deviations.
+
+    Sizes are off by (1 - K G) p - K n, and u by (B - B K G) p - B K n beside its own noise, where p are the sizes of
+    the machine and n is what noise makes of the scores.
+    """
+
+    counts: Mapping[str, int]  # sizes that each tolerance is of, by its key, in their order
+    gain: Array  # K, shape (k, scores)
+    through: Array  # G, shape (scores, k)
+    noise: Array  # covariance of n, by noise as residuals show it, shape (scores, scores)
+    white: float  # variance of each of n by white noise
+    of_values: Array  # B K, shape (u, scores)
+
+    @property
+    def remains(self) -> dict[str, Array]:
+        """What stays of all sizes by one deviation of each size of a tolerance, shapes (k, sizes), by its key."""
+        left = np.eye(len(self.gain)) - self.gain @ self.through
+        ends = np.cumsum(list(self.counts.values()))
+        return dict(zip(self.counts, np.split(left, ends[:-1], axis=1), strict=True))
+
+    def noise_of(self, robust: bool) -> Array:
+        """Covariance of n with memory or, where not `robust`, white, shape (scores, scores)."""
+        return self.noise if robust else self.white * np.eye(len(self.noise))
+
+    def of_keys(self, effects: Mapping[str, Array]) -> Array:
+        """Effects of each size, shapes (.., sizes) by keys, side by side in the order of the sizes, shape (.., k)."""
+        return np.concatenate([effects[key] for key in self.counts], axis=-1)
+
+    def to_json(self) -> dict[str, Any]:
+        """Entries of a result."""
+        arrays = {name: v.tolist() for name, v in self._asdict().items() if isinstance(v, np.ndarray)}
+        return {"counts": dict(self.counts), "white": self.white, **arrays}
+
+    @classmethod
+    def from_json(cls, entries: Mapping[str, Any]) -> "LeftOpen":
+        """The value of these entries."""
+        arrays = {name: np.array(entries[name], dtype=float) for name in ("gain", "through", "noise", "of_values")}
+        return cls(dict(entries["counts"]), white=float(entries["white"]), **arrays)
+
+
 class Told(NamedTuple):
     """Sizes by which a machine is off its case, in units of their stated deviations, as a run tells them."""
 
@@ -50,6 +92,8 @@ class Told(NamedTuple):
     left: Array  # how much of each size stays in that estimate, I - K G, shape (k, k)
     noise: Array  # what noise makes of the estimates, shape (k, k), and
     white: Array  # what scores make of them, K, shape (k, scores): white noise is the same in each of these
+    through: Array  # what the sizes make of the scores, G, shape (scores, k)
+    of_scores: Array  # covariance of the scores by noise as residuals show it, shape (scores, scores)
     chance: float  # probability of so much or more in the residuals by noise and tolerances as stated
     before: Array  # covariance of the values of the fit without tolerances, shape (v, v)
 
@@ -93,30 +137,17 @@ class Told(NamedTuple):
             begin = end
         return tuple(found)
 
-    def mounting(self, fitted: Fitted) -> dict[str, Any] | None:
-        """What it leaves open of the place of the sensor on its flange; None where that is not among the sizes.
-
-        Six sizes, the origin along the sensor's axes [m] and turns about them [rad]: `biases`, what is left of them of
-        one standard deviation of each size of a tolerance, by its key; and of `white` and `robust` noise the `square`,
-        their covariance, and `cross`, that of the parameters with them.
-        """
-        own, into, begin = slice(len(fitted.samples.model.names)), np.zeros((6, len(self.stated))), 0
-        biases: dict[str, Any] = {}
-        ends = np.cumsum([share.biases.shape[1] for share in self.shares])
-        for share, end in zip(self.shares, ends, strict=True):
-            if share.key in ("sensor_mm", "sensor_deg"):
-                into[3 * (share.key == "sensor_deg") :][:3, begin:end] = np.diag(self.stated[begin:end])
-            begin = end
-        if not into.any():
-            return None
-        for share, left in zip(self.shares, np.split(into @ self.left, ends[:-1], axis=1), strict=True):
-            biases[share.key] = left.tolist()
-        scale = fitted.fit.white_noise**2 / fitted.regression.filtered.stride
-        of_noise = {"white": scale * self.white @ self.white.T, "robust": self.noise}
-        return {"biases": biases} | {
-            kind: {"square": (into @ c @ into.T).tolist(), "cross": (self.biases[own] @ c @ into.T).tolist()}
-            for kind, c in of_noise.items()
-        }
+    def left_open(self, fitted: Fitted) -> "LeftOpen":
+        """What it leaves open of the sizes, beside the parameters of a fit."""
+        own = slice(len(fitted.samples.model.names))
+        return LeftOpen(
+            {share.key: share.biases.shape[1] for share in self.shares},
+            self.white,
+            self.through,
+            self.of_scores,
+            fitted.fit.white_noise**2 / fitted.regression.filtered.stride,
+            self.biases[own] @ self.white,
+        )
 
     def allowed_for(self, fitted: Fitted) -> Fitted:
         """A fit with deviations that count the noise in the estimates of the sizes."""
@@ -203,6 +234,8 @@ def told_by(fitted: Fitted, case: Case, sizes: Array | None = None) -> Told | No
         stays,
         gain @ noise @ gain.T,
         gain,
+        through,
+        noise,
         float(chdtrc(len(news), float(news @ cho_solve(factor, news)))),
         np.maximum(fitted.fit.covariance, fitted.fit.covariance_robust),
     )
@@ -249,10 +282,8 @@ def findings_of(told: Told, case: Case, fitted: Fitted) -> list[Finding]:
         if abs(values[k]) > CLEAR * stds[k]:
             clear.append((size, sentence, told.surprises[k]))
     exact = {key: sizes.tolist() for key, sizes in by_key.items()}
-    mounting = told.mounting(fitted)
-    found = [note(Kind.CASE, "", told=entries, told_sizes=exact)]
-    if mounting is not None:
-        found.append(note(Kind.CASE, "", told_mounting=mounting))
+    left_open = told.left_open(fitted).to_json()
+    found = [note(Kind.CASE, "", told=entries, told_sizes=exact), note(Kind.CASE, "", told_left_open=left_open)]
     for key in dict.fromkeys(size.key for size, _, _ in clear):
         words = "; ".join(sentence for size, sentence, _ in clear if size.key == key)
         first = next(size for size, _, _ in clear if size.key == key)

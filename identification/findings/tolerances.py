@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from cases.base.units import DEG, MM, Array
 from cases.schema import Case
@@ -59,7 +60,7 @@ def shares_of(left_out: LeftOut, rest: Remainder, basis: Array, tolerances: Tole
     shares = []
     for key, deviation in () if tolerances is None else tolerances.stated():
         size = deviation * UNITS[key.rpartition("_")[2]]
-        left, inside = rest.without_fit(rest.root @ left_out.weighted(_effects(left_out, key)))
+        left, inside = rest.without_fit(rest.root @ left_out.weighted(effects_of(left_out, key)))
         shares.append(Share(key, size * (basis @ (rest.half @ inside)), size * left))
     return tuple(shares)
 
@@ -85,13 +86,13 @@ def biases_of(left_out: LeftOut, rest: Remainder, basis: Array, key: str) -> Arr
 
     Arguments are those of `shares_of`; k is 0 where the machine has none of that kind.
     """
-    _, inside = rest.without_fit(rest.root @ left_out.weighted(_effects(left_out, key)))
+    _, inside = rest.without_fit(rest.root @ left_out.weighted(effects_of(left_out, key)))
     return np.asarray(basis @ (rest.half @ inside))
 
 
-def _effects(of: LeftOut, key: str) -> Array:
+def effects_of(of: LeftOut, key: str) -> Array:
     """How the forces change with each size that a tolerance is one of, shape (n, 6, k) [SI]; k is 0 where none is."""
-    none = np.zeros((len(of.t), 6, 0))
+    none, read = np.zeros((len(of.t), 6, 0)), of.expected + of.beyond
     found: Array | None = None
     if key == "joints_mm":
         found = np.concatenate([none, *_of_joints(of)], axis=2)
@@ -102,9 +103,9 @@ def _effects(of: LeftOut, key: str) -> Array:
     elif key.startswith("sensor") and of.bars is None:
         found = of.by_place if key.endswith("mm") else of.by_axes
     elif key == "gain_percent":
-        found = np.concatenate([in_channel(of.expected[:, k], k) for k in range(6)], axis=2)
+        found = np.concatenate([in_channel(read[:, k], k) for k in range(6)], axis=2)
     elif key == "common_gain_percent":
-        found = of.expected[:, :, None]
+        found = read[:, :, None]
     elif key.startswith("gravity"):
         found = of.by_gravity[1][:, :, 1:] if key.endswith("deg") else of.by_gravity[1][:, :, :1]
     elif key == "encoder_scale_ppm" and of.by_drives is not None:
@@ -112,6 +113,44 @@ def _effects(of: LeftOut, key: str) -> Array:
     elif key == "clock_ppm" and of.late is not None:
         found = of.by_clock[:, :, None]
     return none if found is None else found
+
+
+def turns_of(of: LeftOut, key: str) -> Array:
+    """By how much {P} is turned against where the case has it in {B}, about axes of {B}, by each of those sizes.
+
+    Shape (n, 3, k); k is 0 where a tolerance turns nothing.
+    """
+    count = len(of.t)
+    if key == "sensor_deg" and of.bars is None:
+        return of.turn
+    drives, machine = of.motion.drives, of.motion.machine
+    if drives is None or machine is None or key not in _TURNING or (of.motion.of_pose and key.startswith("joint_z")):
+        return np.zeros((count, 3, 0))
+    place, still = drives[0], np.zeros_like(drives[0])
+    near = of.load.pose if machine.of_pose else None
+
+    def turned(change: Array) -> Array:
+        pose = machine.kinematics(place + STEP * change, still, still, near).pose
+        after = Rotation.from_euler("xyz", pose[:, 3:])
+        return np.asarray((after * Rotation.from_matrix(of.turn).inv()).as_rotvec() / STEP)
+
+    each = np.stack([turned(np.broadcast_to(axis, place.shape)) for axis in np.eye(place.shape[1])], axis=2)
+    if key == "encoder_scale_ppm":
+        return np.asarray(each * (place - place.mean(axis=0))[:, None])
+    if key != "joints_mm":
+        return np.asarray(each[:, :, np.array(of.names.turns) == key.endswith("deg")])
+    assert isinstance(machine, Hexapod)
+    columns = []
+    for ring, joint, axis in itertools.product(("base", "platform"), range(6), range(3)):
+        rings = {"base": machine.base, "platform": machine.platform}
+        ways = np.zeros((6, 3))
+        ways[joint, axis] = STEP
+        longer = of.strut_motion(**(rings | {ring: rings[ring] + ways}))[0] - of.by_struts[0]
+        columns.append(-np.einsum("nik,nk->ni", each, longer / STEP))  # struts of these lengths seem shorter
+    return np.stack(columns, axis=2)
+
+
+_TURNING = frozenset({"joints_mm", "joint_zeros_deg", "joint_zeros_mm", "encoder_scale_ppm"})
 
 
 def _of_joints(of: LeftOut) -> Iterator[Array]:
@@ -132,7 +171,7 @@ def _of_bars(of: LeftOut, lower: Array, upper: Array) -> Array:
         moved = [lower.copy(), upper.copy()]
         moved[end][joint, axis] += STEP
         change = (structure_of(*moved) - structure_of(lower, upper)) / STEP
-        columns.append(-of.of_load @ (into @ change).T)
+        columns.append(-(of.of_load + of.beyond) @ (into @ change).T)
     return np.stack(columns, axis=2)
 
 

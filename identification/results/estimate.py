@@ -163,7 +163,9 @@ class Origin(BaseModel, strict=True, frozen=True, allow_inf_nan=False, populate_
     plan_hash: str | None = None
     run: RunOrigin | None = None
     recorded_at: str | None = None  # date of the first of the files that were read
-    channel_noise: Entries | None = None  # of each channel as white noise by its residuals, `measured` and `stated`
+    # of each channel as white noise by its residuals, `measured` and `stated`, and rms of these, `evaluated` behind the
+    # filter
+    channel_noise: Entries | None = None
     standstills: Entries | None = None
     models: Entries | None = None  # all models of the run, see `ModelChoice`, where this one was chosen among them
     treatment: Entries | None = None  # another treatment of the data, and what it changes beside the default

@@ -1,33 +1,32 @@
-"""The measurement model in use: external force and moment from sensor forces, (1) and (10)-(15), tare, and another run.
+"""The measurement model in use: external force and moment from sensor forces, (1) and (10)-(15), and another run.
 
 With f^ = A u the forces that the model expects without contact (18), (1) reads f_Ext = -J^-T (f_q - f^), in {P}.
 """
 
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from cases.base.errors import Code, IdentificationError
 from cases.base.files import atomic_file, check_file
 from cases.base.units import Array, as_html
 from cases.recording_format import CLOCK, WRENCH
 from cases.schema import Case
-from identification.finding import Finding, Kind, changed_cases, note, sentences, warning
+from identification.finding import Finding, Kind, changed_cases, sentences, warning
 from identification.findings.drift import WARM_UP
 from identification.findings.noise_level import channel_words
-from identification.findings.off_case import without
 from identification.model.parameters import offset_columns
 from identification.recording.recording import Recording
-from identification.results.estimate import entries_of_parameters, physical_values
 from identification.results.frames import FrameName, place_of
+from identification.results.in_use import used_samples
 from identification.results.result import Result
-from identification.samples.moving_window import NOISY, moving_run, on_one_clock
-from identification.samples.sample_checks import unmeasured
-from identification.samples.standstills import standstills, variance_of_mean
-from identification.signals import white_noise
+from identification.texts import aligned, budget_cells, std_text
+
+UNITS = ("N", "N", "N", "N m", "N m", "N m")  # of `WRENCH`
 
 
 class ExternalForce(NamedTuple):
@@ -42,6 +41,29 @@ class ExternalForce(NamedTuple):
     recording: str = ""  # where the run is from
     parameters: str = ""  # the result whose parameters were used
     frame: str = "{P}"  # what it is about and along, for people
+    variances: Mapping[str, Array] = MappingProxyType({})  # of the components by their causes, shapes (n, 6)
+    not_counted: Sequence[str] = ()  # kinds of tolerances that deviations do not count, for the case states none
+
+    @property
+    def std(self) -> Array:
+        """Standard deviation of each component, shape (n, 6) [N, N m]."""
+        return np.asarray(np.sqrt(sum(self.variances.values(), np.zeros_like(self.wrench))))
+
+    @property
+    def expanded(self) -> Array:
+        """Expanded uncertainty U (k = 2), shape (n, 6) [N, N m]."""
+        return 2.0 * self.std
+
+    @property
+    def typical_expanded(self) -> Array:
+        """Root mean square of U (k = 2) over the recording, of each component, shape (6,) [N, N m]."""
+        return np.asarray(np.sqrt(np.mean(self.expanded**2, axis=0)))
+
+    @property
+    def budget(self) -> dict[str, dict[str, float]]:
+        """Of each component the parts of its deviation by their causes, root mean squares over the recording [SI]."""
+        parts = {kind: np.sqrt(variance.mean(axis=0)) for kind, variance in self.variances.items()}
+        return {name: {kind: float(part[k]) for kind, part in parts.items()} for k, name in enumerate(WRENCH)}
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -63,7 +85,8 @@ class ExternalForce(NamedTuple):
 
         A comment says the frame, where that is not {P}.
 
-        Times are those of the recorder's own clock, to nanoseconds: other channels of the recording stand at them.
+        Standard deviations stand behind them. Times are those of the recorder's own clock, to nanoseconds: other
+        channels of the recording stand at them.
 
         Raises:
             FileProblem: it is there, or cannot be written.
@@ -75,6 +98,7 @@ class ExternalForce(NamedTuple):
         check_file(place, [".csv"], overwrite=overwrite)
         table: dict[str, Any] = {CLOCK: self.t if self.origin is None else on_clock(self.t, self.origin)}
         table |= {name: np.ascontiguousarray(self.wrench[:, k]) for k, name in enumerate(WRENCH)}
+        table |= {f"std_{name}": np.ascontiguousarray(self.std[:, k]) for k, name in enumerate(WRENCH)}
         with atomic_file(place) as part, part.open("wb") as out:
             comments = [f.sentence for f in self.findings if f.kind is Kind.CASE]
             if not self.frame.startswith("{P}"):
@@ -84,11 +108,22 @@ class ExternalForce(NamedTuple):
 
     def __repr__(self) -> str:
         """How long it is, and rms and peak of each component."""
-        components = zip(WRENCH, self.rms, self.peak, strict=True)
         size = f"{len(self.t)} samples from {self.t[0]:.6g} to {self.t[-1]:.6g}" if len(self.t) else "no samples"
         lines = [f"External force and moment, frame {self.frame}: {size}"]
-        lines += [f"{name}: rms {rms:.4g}, peak {peak:.4g}" for name, rms, peak in components]
+        lines += aligned(("component", "rms", "peak", "+-", "U (k=2)", "unit"), *self.rows)
+        if self.not_counted:
+            lines.append(f"+- counts no tolerances of {', '.join(self.not_counted)}: see [tolerances]")
+        lines += aligned(*budget_cells(dict(zip(WRENCH, UNITS, strict=True)), self.budget))
         return "\n".join([*lines, *(f"warning: {warning}" for warning in self.warnings)])
+
+    @property
+    def rows(self) -> list[tuple[str, ...]]:
+        """Cells for people, of each component: name, rms, peak, deviation and U as root mean squares, unit."""
+        columns = zip(WRENCH, self.rms, self.peak, self.typical_expanded, UNITS, strict=True)
+        return [
+            (name.rpartition("_")[0], f"{r:.4g}", f"{p:.4g}", std_text(float(u) / 2.0), std_text(float(u)), unit)
+            for name, r, p, u, unit in columns
+        ]
 
     def _repr_html_(self) -> str:
         return as_html(self)
@@ -104,6 +139,9 @@ def on_clock(t: Array, origin: Fraction) -> list[str]:
 def force(recording: Recording, result: Result, whole: bool = True, frame: FrameName = "sensor") -> ExternalForce:
     """External force and moment over a recording; of a moving run behind the filter of the case.
 
+    Deviations count noise at each instant, what the result's deviations count, and how the tolerances of the case act
+    on the forces of this motion; see `ExternalForce.budget`.
+
     Args:
         result: identified parameters of the same machine; their delay is compensated.
         whole: whether all samples are evaluated; else only the excitation.
@@ -116,32 +154,23 @@ def force(recording: Recording, result: Result, whole: bool = True, frame: Frame
         FileProblem: parameters of another case.
         RecordingError, IdentificationError: the recording cannot be evaluated.
     """
-    model, place = result.model, place_of(result.case_as_told, frame, at_home=False)
-    recording, case = without(on_one_clock(recording, result.case), result.case, result.sizes)
-    findings, poses = unmeasured(recording), None
-    if recording.t is None or case.setup == "1a":
-        still = standstills(recording, case, model)
-        t, forces, matrices = still.t, still.recorded, still.matrices
-        if still.standing is not None:
-            poses = still.standing.load.pose
-        elif not place.fixed:
-            problem = "the frame of the sensors stands, and its case does not say how in {B}"
-            raise IdentificationError(
-                place=recording.source, problem=problem, remedy="choose frame sensor", code=Code.NOT_SUPPORTED
-            )
-    else:
-        run = moving_run(recording, case, model, whole)
-        findings += run.window
-        t, forces, matrices = run.t, run.forces, run.regressors(result.delay)
-        poses = None if model.struts is None and place.fixed else run.kinematics(result.delay).pose
-    residuals = forces - matrices @ result.values
-    variance = np.diag(result.covariance_robust)[offset_columns(model)]
-    findings += (*shifted_all_along(residuals, variance, case), *changed_cases(recording.remarks + result.remarks))
-    origin = None if recording.t is None or case.setup == "1a" else recording.origin
-    turns = None if poses is None or place.fixed else Rotation.from_euler("xyz", poses[:, 3:]).as_matrix()
-    wrenches = place.wrenches(-model.wrenches(residuals, poses), turns)
-    told = case.name, recording.source, result.source, place.words
-    return ExternalForce(t, wrenches, residuals, findings, origin, *told)
+    place = place_of(result.case_as_told, frame, at_home=False)
+    used = used_samples(recording, result, whole)
+    if used.motion is None and not place.fixed:
+        problem = "the frame of the sensors stands, and its case does not say how in {B}"
+        raise IdentificationError(
+            place=recording.source, problem=problem, remedy="choose frame sensor", code=Code.NOT_SUPPORTED
+        )
+    residuals = used.residuals
+    variance = np.diag(result.covariance_robust)[offset_columns(result.model)]
+    findings = used.findings
+    findings += (*shifted_all_along(residuals, variance, used.case), *changed_cases(recording.remarks + result.remarks))
+    into = used.into(place)
+    wrenches = np.einsum("nij,nj->ni", into, residuals)
+    return ExternalForce(
+        used.t, wrenches, residuals, findings, used.origin, used.case.name, recording.source, result.source,
+        place.words, used.variances(place, into, wrenches), result.not_counted,
+    )  # fmt: skip
 
 
 STRETCHES = 10  # of a recording, in each of which a channel reads too much
@@ -166,92 +195,6 @@ def shifted_all_along(residuals: Array, variance: Array, case: Case) -> list[Fin
     channel, unit = channel_words(case, worst)
     sentence = f"{channel} reads {means[:, worst].mean():+.2g} {unit} more than the result expects all along: its "
     return [warning(Kind.OFFSETS, f"{sentence}offset has drifted, or something presses all along; {WARM_UP}")]
-
-
-def drifted_since(change: Array, std: Array, case: Case, source: str) -> list[Finding]:
-    """A note where a tare finds other offsets than a result, `source`.
-
-    By the change of the offsets, shape (6,) [N, or N and N m], and its standard deviation.
-    """
-    sure = np.abs(change) / np.maximum(std, np.finfo(float).tiny)
-    worst = int(np.argmax(sure))
-    if not sure[worst] > DRIFTED:
-        return []
-    channel, unit = channel_words(case, worst)
-    sentence = f"the offset of {channel} has drifted by {change[worst]:+.2g} {unit} ({sure[worst]:.0f} standard "
-    return [note(Kind.OFFSETS, f"{sentence}deviations) since {source}: what was computed with that is off by it")]
-
-
-STILL = 1e-4  # [m or rad] that drives may move in a standstill, beside the noise of their encoders
-
-
-def tare(recording: Recording, result: Result) -> Result:
-    """The result with sensor offsets f_q0 (11) identified anew from a standstill without contact; all else stays.
-
-    The uncertainty of all else at the pose of the standstill is part of that of the offsets. `record.tared` holds the
-    offset of each channel before and after; a note says which has drifted since the result.
-
-    Raises:
-        IdentificationError: the machine moves, or there are fewer than two samples.
-        FileProblem: parameters of another case.
-    """
-    model = result.model
-    recording, case = without(on_one_clock(recording, result.case), result.case, result.sizes)
-    count = int(np.sum(~recording.bad))
-    if count < 2:
-        raise IdentificationError(
-            place=recording.source,
-            problem=f"{count} sample",
-            remedy="a tare needs a standstill of two or more",
-            code=Code.TOO_FEW,
-        )
-    travel = 0.0 if recording.struts is None else float(np.ptp(recording.struts[~recording.bad], axis=0).max())
-    noise = 0.0 if recording.struts is None else float(white_noise(recording.struts).max())
-    if travel > STILL + NOISY * noise:
-        drives, unit = case.drive_words
-        raise IdentificationError(
-            place=recording.source,
-            problem=f"{drives} move by {travel * 1e3:.3g} {unit}, at most "
-            f"{(STILL + NOISY * noise) * 1e3:.3g} {unit} in a "
-            "standstill",
-            remedy="cut the motion off",
-            code=Code.MISFIT,
-        )
-    still = standstills(recording, case, model)
-    residuals = still.recorded - still.matrices @ result.values
-    change = residuals.mean(axis=0)
-    variance = np.maximum(residuals.var(axis=0, ddof=1) / count, variance_of_mean(residuals))
-    offsets = offset_columns(model)
-    values, covariance, robust = result.values.copy(), result.covariance.copy(), result.covariance_robust.copy()
-    std, before = np.sqrt(variance + np.diag(robust)[offsets]), values[offsets].copy()
-    drift = drifted_since(change, std, case, result.source)
-    values[offsets] += change
-    others = still.matrices.mean(axis=0)
-    others[:, offsets] = 0.0
-    for square in (covariance, robust):
-        together, own = -others @ square, others @ square @ others.T + np.diag(variance)
-        together[:, offsets] = own
-        square[offsets, :], square[:, offsets] = together, together.T
-    physical, stale = physical_values(model, values, covariance, robust), recording.remarks + result.remarks
-    parameters = entries_of_parameters(physical, values, covariance, robust)
-    record = result.record.replaced(
-        **parameters,
-        findings=(*result.findings, *drift, *changed_cases(stale)),
-        tared_with=str(recording.paths[0]) if recording.paths else recording.source,
-        tared={
-            channel_words(case, k)[0]: {
-                "before": float(before[k]),
-                "after": float(values[offsets][k]),
-                "change_std": float(std[k]),
-                "unit": channel_words(case, k)[1],
-            }
-            for k in range(len(std))
-        },
-        **({"stale": stale} if stale else {}),
-    )
-    tared = Result(case, record.replaced(physical=None))
-    moved = tared.physical  # the same body; what is correlated with it moves by other amounts
-    return Result(case, record.replaced(physical=moved if moved is not None and moved.moved else None))
 
 
 class Verification(NamedTuple):

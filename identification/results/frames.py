@@ -17,6 +17,7 @@ from cases.base.units import DEG, MM, Array, as_html
 from cases.schema import Case
 from cases.tolerances import KINDS
 from identification.estimation.fit import Value
+from identification.findings.told import LeftOpen
 from identification.machines.of_case import machine_of
 from identification.model.blocks import FIRST_MOMENT, INERTIA, MASS, Block
 from identification.model.model import Model
@@ -39,16 +40,12 @@ class Place(NamedTuple):
         """Whether the load stands still in it."""
         return self.name != "base"
 
-    def wrenches(self, wrenches: Array, turns: Array | None = None) -> Array:
-        """Forces and moments about its origin, of those about the origin of {P} and along its axes, shapes (n, 6).
-
-        Args:
-            wrenches: [N, N m].
-            turns: axes of {P} at each instant, shape (n, 3, 3); of {B} alone, which {P} turns in.
-        """
-        turn = np.broadcast_to(self.of_sensor[:3, :3], (len(wrenches), 3, 3)) if turns is None else turns
-        force, moment = (np.einsum("nij,nj->ni", turn, wrenches[:, half]) for half in (slice(0, 3), slice(3, 6)))
-        return np.hstack([force, moment + np.cross(self.of_sensor[:3, 3], force)])
+    @property
+    def map(self) -> Array:
+        """Force and moment about its origin of those about that of {P}, each along the axes, shape (6, 6)."""
+        turn, (x, y, z) = self.of_sensor[:3, :3], self.of_sensor[:3, 3]
+        across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        return np.block([[turn, np.zeros((3, 3))], [across @ turn, turn]])
 
     def to_json(self) -> dict[str, Any]:
         """Name, words, and where the sensor's frame is in it."""
@@ -278,6 +275,27 @@ def body_alone(model: Model, source: str) -> tuple[Model, list[int]]:
     return body, [model.names.index(name) for name in body.names]
 
 
+def mounting_by(place: Place, wrenches: Array) -> dict[str, Array]:
+    """How forces and moments in a frame that moves with the sensor change with its place on the flange.
+
+    Args:
+        place: the frame.
+        wrenches: forces and moments in it, shape (n, 6) [N, N m].
+
+    Returns:
+        By 1 m of its origin along its axes, and 1 rad about each, shapes (n, 6, 3), by keys of tolerances.
+    """
+    turn, none = place.of_sensor[:3, :3], np.zeros((len(wrenches), 3, 3))
+    along: Array = np.asarray(np.linalg.solve(place.map, wrenches.T).T, dtype=float)
+
+    def crossed(vectors: Array) -> Array:  # each axis of the sensor times a vector along them, shape (n, 3, 3)
+        return np.asarray(np.cross(np.eye(3)[None], vectors[:, None, :])).transpose(0, 2, 1)
+
+    arms = np.asarray(turn @ crossed(along[:, :3]))
+    turned = np.concatenate([crossed(along[:, :3]), crossed(along[:, 3:])], axis=1)
+    return {"sensor_mm": np.concatenate([none, arms], axis=1), "sensor_deg": place.map @ turned}
+
+
 def moved_body(place: Array, size: int = 10) -> Array:
     """Matrix from mass, first moments and inertia in {P} to those in a frame, shape (size, size).
 
@@ -322,21 +340,25 @@ def _by_mounting(values: Array, fixed: bool) -> Array:
     return columns
 
 
-def mounting_of(case: Case, counted: Collection[str], told: Mapping[str, Any] | None, own: Sequence[int]) -> Mounting:
+def mounting_of(case: Case, counted: Collection[str], left_open: LeftOpen | None, own: Sequence[int]) -> Mounting:
     """What is left open of the place of the sensor on its flange.
 
     Args:
         case: case of the result.
         counted: keys of tolerances that its deviations count.
-        told: what its run tells of the place, entry `told_mounting`; None where it tells nothing.
+        left_open: what its run leaves open of the sizes that it told; None where it told nothing.
         own: places of the parameters of the body in u.
     """
-    if told is not None:
-        biases = {key: np.array(rows, dtype=float) for key, rows in told["biases"].items()}
-        white, robust = (
-            (np.array(told[kind]["square"]), np.array(told[kind]["cross"])[list(own)]) for kind in ("white", "robust")
-        )
-        return Mounting(biases, white, robust)
     stated = {} if case.tolerances is None else dict(case.tolerances.stated())
-    rows = (("sensor_mm", MM, slice(0, 3)), ("sensor_deg", DEG, slice(3, 6)))
-    return Mounting({key: np.eye(6)[:, own] * stated[key] * unit for key, unit, own in rows if key in counted})
+    rows = {"sensor_mm": (MM, slice(0, 3)), "sensor_deg": (DEG, slice(3, 6))}
+    of_place = {k: np.eye(6)[:, own] * stated[k] * unit for k, (unit, own) in rows.items() if k in counted}
+    told = set() if left_open is None else of_place.keys() & left_open.counts.keys()
+    plain = {key: sizes for key, sizes in of_place.items() if key not in told}
+    if left_open is None or not told:
+        return Mounting(plain)
+    into = left_open.of_keys({k: of_place.get(k, np.zeros((6, count))) for k, count in left_open.counts.items()})
+    biases = plain | {key: into @ left for key, left in left_open.remains.items()}
+    noise = [left_open.noise_of(robust) for robust in (False, True)]
+    of_sizes, of_values = into @ left_open.gain, left_open.of_values[list(own)]
+    white, robust = ((of_sizes @ n @ of_sizes.T, of_values @ n @ of_sizes.T) for n in noise)
+    return Mounting(biases, white, robust)

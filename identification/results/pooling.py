@@ -17,13 +17,12 @@ from scipy.special import chdtrc
 from cases.base.errors import Code, FileProblem, HexciteError, option
 from cases.base.files import provenance
 from cases.base.units import Array
-from cases.tolerances import KINDS
 from identification.estimation.covariances import Free, larger_of
 from identification.estimation.fit import Value
 from identification.finding import Finding, Kind, note, warning
-from identification.findings.tolerances import MEMORY, NOISE
 from identification.model.model import Model
 from identification.model.parameters import physical_form
+from identification.results.budgets import budget_rows
 from identification.results.estimate import entries_of_parameters, physical_values, rows_of
 from identification.results.result import Result
 from identification.texts import parameter_words
@@ -356,19 +355,7 @@ def _budget(
     found = [note(Kind.NOISE, "", not_counted=list(first.not_counted))] if first.not_counted else []
     if not biases:
         return found
-    form = physical_form(model)
-
-    def variances(covariance: Array) -> Array:
-        return np.diag(form.of(u, covariance)[1]).clip(0.0)
-
-    parts = {NOISE: variances(white), MEMORY: np.maximum(variances(random) - variances(white), 0.0)}
-    for key, bias in biases.items():
-        parts[KINDS[key]] = parts.get(KINDS[key], 0.0) + variances(bias @ bias.T)
-    rows = {
-        p.name: {kind: float(np.sqrt(variance[k])) for kind, variance in parts.items()}
-        for k, p in enumerate(form.parameters)
-    }
-    return [*found, note(Kind.NOISE, "", budget=rows)]
+    return [*found, note(Kind.NOISE, "", budget=budget_rows(model, u, white, random, biases))]
 
 
 def _mean_delay(records: Sequence[Any]) -> Value | None:

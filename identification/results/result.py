@@ -20,6 +20,7 @@ from identification.estimation.fit import Value
 from identification.estimation.nearest_body import NearestBody, nearest_body
 from identification.finding import Finding, Kind, note, sentences, warning
 from identification.findings.off_case import edited
+from identification.findings.told import LeftOpen
 from identification.model.model import Model, identification_model
 from identification.model.parameters import INERTIA_INDEX
 from identification.results.estimate import SCHEMA_VERSION, Estimate, ResultEntries, of_version_0_2, physical_values
@@ -107,6 +108,12 @@ class Result:
         return {key: np.array(values, dtype=float) for key, values in (self._quantity("told_sizes") or {}).items()}
 
     @cached_property
+    def left_open(self) -> LeftOpen | None:
+        """What its run leaves open of `sizes`; None where it told none."""
+        entries = self._quantity("told_left_open")
+        return None if entries is None else LeftOpen.from_json(entries)
+
+    @cached_property
     def case_as_told(self) -> Case:
         """The case of the machine off by `sizes`: with it parameters were estimated, and forces are computed."""
         return edited(self.case, self.sizes)
@@ -127,7 +134,7 @@ class Result:
     def mounting_of_body(self, body: Model) -> Mounting:
         """What is not known of the place of the sensor on its flange, with its share in the errors of a body."""
         own = [self.model.names.index(name) for name in body.names]
-        return mounting_of(self.case, self.biases.keys(), self._quantity("told_mounting"), own)
+        return mounting_of(self.case, self.biases.keys(), self.left_open, own)
 
     def in_frame(self, frame: FrameName) -> Body:
         """The load in the frame of the sensor, of the robot's flange or tool, or along the axes of {B} at home.

@@ -58,6 +58,12 @@ class MotionOfSamples(NamedTuple):
         near = self.load.pose if self.machine.of_pose else None
         return self.machine.kinematics(place, speed, acceleration, near)
 
+    def at(self, rows: Indices | slice) -> "MotionOfSamples":
+        """The motion at some of the samples."""
+        load = Kinematics(*(of[rows] for of in (self.load.pose, self.load.twist, self.load.twist_rate)))
+        drives = None if self.drives is None else (self.drives[0][rows], self.drives[1][rows], self.drives[2][rows])
+        return self._replace(known=self.known[rows], load=load, drives=drives)
+
     @property
     def of_pose(self) -> bool:
         """Whether its machine is one whose coordinates are the pose."""

@@ -9,7 +9,7 @@ from hexcite.page.actions.common import Context
 from hexcite.page.stages import Made, Workspace
 from hexcite.page.views.common import Query, beginning, chosen, parameter
 from hexcite.page.views.result import outcome
-from identification.texts import parameter_words
+from identification.texts import parameter_words, std_text
 
 BODY = ("m", "xC", "yC", "zC")  # parameters of a history that are shown on the stage
 
@@ -61,7 +61,10 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "texts": shown,
         "files": export.get("files") or (),
         "force": force,
-        "force_rows": [(n, f"{v:.4g}", f"{force['peak'][n]:.4g}") for n, v in (force.get("rms") or {}).items()],
+        "force_rows": [
+            (n, f"{v:.4g}", f"{force['peak'][n]:.4g}", std_text(force["expanded_k2"][n]))
+            for n, v in (force.get("rms") or {}).items()
+        ],
         "frames": FRAMES,
         "links": LINKS,
         "certificate": (answers["certificate"] or {}).get("certificate", ""),

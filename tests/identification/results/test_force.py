@@ -22,9 +22,10 @@ from identification.machines.hexapod import Hexapod
 from identification.motion.motion import Standstill
 from identification.recording.recording import Recording
 from identification.results.estimate import entries_of
-from identification.results.force import force, tare
+from identification.results.force import force
 from identification.results.payload import payload_between, require_two
 from identification.results.result import Result
+from identification.results.taring import tare
 from identification.samples.moving_window import moving_run
 from identification.samples.standstills import standstills
 from identification.simulate import simulate_recording
@@ -64,7 +65,8 @@ def test_the_table_has_the_recorders_own_clock_to_a_nanosecond(origin: str, save
     rows = [line.split(",") for line in (tmp_path / "f.csv").read_text().splitlines()[1:]]
     back = [float(Fraction(row[0]) - Fraction(origin)) for row in rows]
     np.testing.assert_allclose(back, found.t, atol=0.51e-9)
-    np.testing.assert_allclose(np.array([row[1:] for row in rows], dtype=float), found.wrench, rtol=1e-12)
+    written = np.array([row[1:] for row in rows], dtype=float)
+    np.testing.assert_allclose(written, np.hstack([found.wrench, found.std]), rtol=1e-12)
 
 
 def test_stamps_of_an_epoch_are_those_of_the_table_of_forces(saved: Result, tmp_path: Path) -> None:
@@ -135,7 +137,7 @@ def test_a_tare_in_coloured_noise_is_less_certain(saved: Result) -> None:
     record = standing()
     slow = replace(record, forces=record.forces + 2.0 * np.sin(np.arange(400) / 40.0)[:, None])
     matrix = standstills(record, CASE, saved.model).matrices[0]
-    deviations = np.sqrt(np.diag(matrix @ tare(slow, saved).covariance @ matrix.T))
+    deviations = np.sqrt(np.diag(matrix @ tare(slow, saved).covariance_robust @ matrix.T))
     assert np.all(deviations > 3.0 / np.sqrt(400))
 
 
