@@ -74,7 +74,7 @@ def write_keys(file: Path, writes: Iterable[Write]) -> Rewritten:
     """
     text, before = _content(file)
     after = deepcopy(before)
-    for place, value in writes:
+    for place, value, *_ in writes:
         _set(file, after, tuple(place), value)
         if value is None:
             _without_empty(after, tuple(place[:-1]))

@@ -18,10 +18,11 @@ from cases.base.units import Array
 from cases.basis import changes_since, recording_basis, result_basis
 from cases.schema import Case
 from identification.estimation.estimators import Method
-from identification.estimation.fit import Fit, require_alive
+from identification.estimation.fit import require_alive
 from identification.finding import Finding, Kind, changed_cases, note, sentences, warning
 from identification.findings.as_planned import ANOTHER, Planned, as_planned, closest
 from identification.findings.causes.answer import Answer, answer
+from identification.findings.causes.deviations import Evaluate
 from identification.findings.clock import clock_findings, odd_clock
 from identification.findings.contact import Contact, contact_findings, free_of_contact, touched
 from identification.findings.drift import drift_findings, drift_of
@@ -227,7 +228,7 @@ def estimate_parameters(
     `identify`.
     """
     model = identification_model(case, default_model(recording, case) if number is None else number)
-    evaluate = _fits(model.number, how)
+    evaluate = fits(model.number, how)
     try:
         with threadpool_limits(limits=1, user_api="blas"):
             try:
@@ -289,9 +290,9 @@ def _settling(case: Case) -> float:
     return case.poses.settle_s if case.poses is not None else 0.5
 
 
-def _fits(number: int, how: Method) -> Callable[[Recording, Case], Fit]:
+def fits(number: int, how: Method) -> Evaluate:
     """What fits a model to a run with another case."""
-    return lambda run, case: fitted_run(run, case, identification_model(case, number), how).fitted.fit
+    return lambda run, case: fitted_run(run, case, identification_model(case, number), how).fitted
 
 
 def _cause_of_standstills(recording: Recording, case: Case) -> Answer | None:
@@ -299,7 +300,7 @@ def _cause_of_standstills(recording: Recording, case: Case) -> Answer | None:
     averages = average(recording, find_standstills(recording, _settling(case)))
     number = default_model(averages, case)
     with threadpool_limits(limits=1, user_api="blas"):
-        return answer(averages, case, identification_model(case, number), _fits(number, GAUSS_MARKOV))
+        return answer(averages, case, identification_model(case, number), fits(number, GAUSS_MARKOV))
 
 
 def _named(said: Answer) -> IdentificationError:

@@ -58,6 +58,11 @@ def with_deviation(value: float, std: float) -> str:
     return f"{value_text(value, std)} ± {std_text(std)}"
 
 
+def number(value: float, std: float | None, digits: int) -> str:
+    """A value with its standard deviation; where that is not known, with so many digits."""
+    return f"{value:.{digits}g}" if std is None else with_deviation(value, std)
+
+
 def legible(unit: str) -> tuple[float, str]:
     """Factor from an SI unit to the one for people, and that unit: mm for lengths, all else unchanged."""
     return (1e3, "mm") if unit == "m" else (1.0, unit)

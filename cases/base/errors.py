@@ -17,6 +17,8 @@ class Write(NamedTuple):
 
     place: tuple[str | int, ...]  # keys from the top of the file, and numbers from 0 in lists of tables
     value: Any  # as JSON has it; None: the key goes
+    # standard deviation of a value that was estimated, or of its numbers in the same form; None where it was not
+    deviation: Any = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +35,11 @@ class Remedy:
 
     def to_json(self) -> dict[str, Any]:
         """Entries for programs."""
-        return {"words": self.words, "keys": [[list(write.place), write.value] for write in self.keys]}
+        return {
+            "words": self.words,
+            "keys": [[list(write.place), write.value] for write in self.keys],
+            "deviations": [write.deviation for write in self.keys],
+        }
 
 
 class Code(StrEnum):

@@ -2,9 +2,10 @@
 
 For each machine every mistake is made alone, then a sample of pairs, then what is no cause that hexcite knows, then
 nothing. Recordings are made once for each seed, by plants that share no code with hexcite; mistakes change them or the
-case. A cause counts as named right where its words are in what is said; as one of several where others are said beside
-it, joined by "or"; as the same forces where only others are, that leave what the sound run leaves within a hundredth;
-as wrong where only others are, that leave anything else.
+case. A cause counts as named right where its words are in what is said, and its sizes are right within four of the
+deviations that are said with them; as one of several where others are said beside it, joined by "or"; as the same
+forces where only others are, that leave what the sound run leaves within a hundredth; as wrong where only others are,
+that leave anything else.
 
 Usage: python tests/bench/causes.py [--seeds 20] [--pairs 20] [--sound 170] [machine ..]
 """
@@ -22,10 +23,11 @@ from threadpoolctl import threadpool_limits
 
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is not an installed package
 
-from identification.findings.causes.answer import words_of
+from identification.findings.causes.answer import causes_of
 from identification.findings.causes.search import search
-from identification.identify import default_model
+from identification.identify import default_model, fits
 from identification.model.model import identification_model
+from identification.samples.samples import GAUSS_MARKOV
 from tests.mistaken.machines import NAMES, Run, run
 from tests.mistaken.mistakes import Mistake, mistakes_of, others_of
 
@@ -41,16 +43,18 @@ def named(run: Run, mistakes: Sequence[Mistake]) -> tuple[str, float, str]:
     for mistake in mistakes:
         recording, case = mistake.make(run, recording, case)
     began = process_time()
-    found = search(recording, case, identification_model(case, default_model(recording, case)))
-    seconds = process_time() - began
+    model = identification_model(case, default_model(recording, case))
+    found = search(recording, case, model)
     if found is None or found.sound:
-        return QUIET, seconds, ""
-    said = [words_of(entry.trial) for entry in found.explanations]
+        return QUIET, process_time() - began, ""
+    causes = causes_of(found, recording, case, model, fits(model.number, GAUSS_MARKOV))
+    seconds = process_time() - began
+    said = [cause.words for cause in causes]
     good = [bool(mistakes) and all(mistake.named_in(words) for mistake in mistakes) for words in said]
     kind = NONE if not said else RIGHT if all(good) else AMONG if any(good) else WRONG
     if kind == WRONG and mistakes and all(mistake.of != "other" for mistake in mistakes):
         left = sound(run)
-        if all(abs(entry.residuals / left - 1.0) < EQUAL for entry in found.explanations):
+        if all(abs(cause.entry.residuals / left - 1.0) < EQUAL for cause in causes):
             kind = SAME
     return kind, seconds, " OR ".join(said)
 

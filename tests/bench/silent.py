@@ -91,15 +91,17 @@ def way_of(of: Machine, seed: int, duration: float = 8.0) -> Waves | Moves:
     return way
 
 
-def table(names: Sequence[str], only: str, seeds: Sequence[int]) -> Iterator[tuple[str, Damage, float, int, Verdict]]:
-    """Verdicts of damages on machines."""
+def table(
+    names: Sequence[str], only: str, seeds: Sequence[int], times: float = 1.0
+) -> Iterator[tuple[str, Damage, float, int, Verdict]]:
+    """Verdicts of damages on machines; times: what the sizes of the damages are multiplied by."""
     for name in names:
         of = machine(name)
         for damage in damages_of(of):
             if only not in damage.name:
                 continue
             for seed in seeds:
-                for size in damage.sizes:
+                for size in (times * each for each in damage.sizes):
                     yield (
                         name,
                         damage,
@@ -159,6 +161,7 @@ def main() -> None:
     parser.add_argument("machines", nargs="*")
     parser.add_argument("--of", default="", help="damages whose name holds this")
     parser.add_argument("--seeds", type=int, nargs="*", default=[1, 2])
+    parser.add_argument("--times", type=float, default=1.0, help="what sizes of damages are multiplied by")
     parser.add_argument("--sound", type=int, default=0)
     parser.add_argument("--first", type=int, default=FRESH, help="seed of the first sound run and drawn machine")
     given = parser.parse_args()
@@ -173,7 +176,7 @@ def main() -> None:
                 print(dict(counts), flush=True)
         print(dict(counts))
         return
-    for name, damage, size, seed, found in table(given.machines or MACHINES, given.of, given.seeds):
+    for name, damage, size, seed, found in table(given.machines or MACHINES, given.of, given.seeds, given.times):
         word = word_of(damage, found)
         counts[word] += 1
         print(

@@ -1,9 +1,11 @@
 """Recorded runs of machines, sound or damaged, whose truth is known: what findings and deviations are judged by."""
 
 import copy
+import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,6 +23,13 @@ from tests.machines_in_numpy import Array, ChainPlant, HexapodPlant, Motion, Tab
 REST = 0.35  # [s] at both ends of a run
 BUILT_IN = {"hexapod": 500.0, "ur10_wrist": 500.0, "five_axis_table": 500.0}
 """Built-in machines, and how often their runs here are sampled [1/s]."""
+ROBOTS = Path(__file__).parents[1] / "bench" / "robots"
+GRIPPER = {
+    "mass_kg": 1.7,
+    "centre_of_gravity_mm": [6.0, -9.0, 63.0],
+    "inertia_kg_m2": [5e-3, 2e-4, -3e-4, 4.6e-3, 1e-4, 3e-3],
+}
+"""What robots carry here."""
 DRAWN = {"desktop": 500.0, "mill": 500.0, "flat": 500.0}
 
 
@@ -102,15 +111,29 @@ LENGTHS, LOADS, NOISES = (0.6, 1.5), (0.4, 2.5), (0.3, 3.0)  # of what a chain i
 
 @cache
 def machine(name: str) -> Machine:
-    """A built-in machine, one of the bench's hexapods, or a drawn one, by name: `hexapod_SEED`, `chain_SEED`."""
+    """A built-in machine, a hexapod or robot of the bench, or a drawn one, by name: `hexapod_SEED`, `chain_SEED`."""
     if name.startswith(HEXAPOD):
         tables = case_tables(name, drawn(int(name.removeprefix(HEXAPOD))))
     elif name.startswith(CHAIN):
         tables = _drawn_chain(int(name.removeprefix(CHAIN)))
+    elif (ROBOTS / name).is_dir():
+        tables = robot(name)
     else:
         tables = tables_of(name) if name in BUILT_IN else case_tables(name, DESIGNED[name])
     case = Case.model_validate(tables).found_at(name)
     return Machine(name, tables, case, plant_of(tables), (BUILT_IN | DRAWN).get(name, 500.0))
+
+
+def robot(name: str) -> Table:
+    """Tables of one of the bench's robots with a gripper, which can be simulated."""
+    tables = tomllib.loads((ROBOTS / name / "case.toml").read_text(encoding="utf-8"))
+    tables["simulation"] = {
+        "source": "assumed", "encoder_resolution_um": 0.0, "encoder_resolution_mdeg": 1.0, "encoder_rate_Hz": 500.0,
+        "force_noise_N": 0.5, "moment_noise_Nm": 0.02, "force_delay_ms": 3.0,
+        "parameters": {"offsets_N": [2.1, -4.0, 6.5, 0.2, -0.3, 0.1], "body": GRIPPER},
+    }  # fmt: skip
+    tables["nominal"] = {**tables.get("nominal", {}), "mass_kg": GRIPPER["mass_kg"]}
+    return tables
 
 
 def _drawn_chain(seed: int) -> Table:

@@ -1,11 +1,9 @@
 """Six kinds of machines and their runs, sound as recorded; made by plants that share no code with hexcite."""
 
 import copy
-import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,20 +14,14 @@ from cases.schema import Case
 from identification.recording.recording import Recording
 from tests.bench.machines.description import Hexapod
 from tests.bench.machines.description import case_tables as tables_of_hexapod
-from tests.damaged.runs import Machine, Waves
+from tests.damaged.runs import GRIPPER, Machine, Waves, robot
 from tests.machines_in_numpy import Motion, plant_of, tables_of
 
 Array = NDArray[np.float64]
-ROBOTS = Path(__file__).parents[1] / "bench" / "robots"
 RATE, DURATION, DELAY = 500.0, 6.0, 0.003  # [1/s], [s], [s]
 POSES = 36  # standstills of a sensor on a wrist
 
 
-GRIPPER = {
-    "mass_kg": 1.7,
-    "centre_of_gravity_mm": [6.0, -9.0, 63.0],
-    "inertia_kg_m2": [5e-3, 2e-4, -3e-4, 4.6e-3, 1e-4, 3e-3],
-}
 FOREIGN = Hexapod(
     title="Hexapod drawn by its maker, platform joints below the origin of its platform",
     base=(455.0, 13.0), platform=(185.0, 41.0), home=(0.0, 0.0, 585.0, 0.0, 0.0, 0.0), struts=(520.0, 760.0),
@@ -52,21 +44,11 @@ def _foreign() -> dict[str, Any]:
     return tables
 
 
-def _robot(name: str) -> dict[str, Any]:
-    tables = tomllib.loads((ROBOTS / name / "case.toml").read_text(encoding="utf-8"))
-    tables["simulation"] = {
-        "source": "assumed", "encoder_resolution_um": 0.0, "encoder_resolution_mdeg": 1.0, "encoder_rate_Hz": RATE,
-        "force_noise_N": 0.5, "moment_noise_Nm": 0.02, "force_delay_ms": 3.0,
-        "parameters": {"offsets_N": [2.1, -4.0, 6.5, 0.2, -0.3, 0.1], "body": GRIPPER},
-    }  # fmt: skip
-    return tables
-
-
 TABLES: Mapping[str, Callable[[], Mapping[str, Any]]] = {
     "hexapod": lambda: tables_of("hexapod"),
     "foreign": _foreign,
     "ur10_wrist": lambda: tables_of("ur10_wrist"),
-    "panda": lambda: _robot("panda"),
+    "panda": lambda: robot("panda"),
     "five_axis_table": lambda: tables_of("five_axis_table"),
 }
 WRIST = "ft_wrist"

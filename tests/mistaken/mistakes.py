@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from cases.machine import turned
 from cases.schema import Case
 from identification.recording.recording import Recording, read
 from tests.mistaken.machines import WRIST, Run, machine, run, wrist_case
@@ -27,16 +28,39 @@ class Mistake:
 
     Args:
         of: what it concerns; two mistakes of one kind are not made at once.
+        words: the pattern; # stands for a size, with or without its standard deviation.
+        sizes: the true sizes.
     """
 
     name: str
     of: str
     make: Callable[[Run, Recording, Case], Wrong]
     words: str
+    sizes: tuple[float, ...] = ()
 
     def named_in(self, text: str) -> bool:
-        """Whether a sentence names it."""
-        return re.search(self.words, text) is not None
+        """Whether a sentence names it, with sizes that are right by the deviations which it states, if it states any.
+
+        A size without a deviation is one of a convention, as 90 deg, and has to be the true one.
+        """
+        found = re.search(self.words.replace("#", SIZE), text)
+        if found is None:
+            return False
+        stated = zip(found.groups()[::2], found.groups()[1::2], strict=True)
+        return all(
+            value is None or _as_stated(float(value), float(std or 0.0), true)
+            for (value, std), true in zip(stated, self.sizes, strict=True)
+        )
+
+
+SIZE = r"(-?\d+(?:\.\d+)?)(?: ± (\d+(?:\.\d+)?))?"
+FAR = 4.0  # standard deviations from the truth, within which a size is right
+ROUNDED = 1e-6
+
+
+def _as_stated(value: float, std: float, true: float) -> bool:
+    away = (value - true + 180.0) % 360.0 - 180.0  # angles that differ by a turn are the same
+    return abs(away) <= max(FAR * std, ROUNDED)
 
 
 def mistakes_of(name: str) -> list[Mistake]:
@@ -118,17 +142,10 @@ def _channels(moments: bool) -> Iterator[Mistake]:
 def _sensor() -> Iterator[Mistake]:
     for axis, angle in (("z", 90.0), ("z", 180.0), ("z", 30.0), ("z", -72.0), ("x", 180.0), ("y", -90.0)):
         turn = np.kron(np.eye(2), Rotation.from_euler(axis, angle, degrees=True).as_matrix())
-        sign = "-" if angle < 0 else "-?" if angle == 180.0 else ""
-        close = rf"{sign}({_near(abs(angle))})"
         yield Mistake(
             f"sensor turned {angle:g} about {axis}", "sensor", _forces(lambda f, m=turn: f @ m),
-            rf"the sensor is turned by {close} deg about its {axis} axis",
+            rf"the sensor is turned by # deg about its {axis} axis", (angle,),
         )  # fmt: skip
-
-
-def _near(angle: float) -> str:
-    """A pattern of numbers within half a unit of an angle [deg]."""
-    return rf"{angle - 1:.0f}\.[5-9]\d*|{angle:.0f}(\.[0-4]\d*)?"
 
 
 def _surroundings(moments: bool) -> Iterator[Mistake]:
@@ -141,7 +158,7 @@ def _surroundings(moments: bool) -> Iterator[Mistake]:
     slope = (0.0, 9.81 * np.sin(np.radians(25.0)), -9.81 * np.cos(np.radians(25.0)))
     yield Mistake(
         "slope of 25 deg", "gravity", _in_case(lambda t: t.update(gravity_m_s2=list(slope))),
-        rf"gravity points (({_near(25.0)}) deg away|along -z of)",
+        r"gravity points (?:# deg away|along -z of)", (25.0,),
     )  # fmt: skip
     yield Mistake(
         "compensated", "gravity", lambda run, r, c: (replace(r, forces=r.forces - _weight_as(run, r)), c),
@@ -154,11 +171,11 @@ def _surroundings(moments: bool) -> Iterator[Mistake]:
         )  # fmt: skip
         yield Mistake(
             "40 % compensated", "gravity", lambda run, r, c: (replace(r, forces=r.forces - 0.4 * run.weight), c),
-            r"they lack (39|40)(\.\d)? % of the weight",
+            r"they lack # % of the weight", (40.0,),
         )  # fmt: skip
         yield Mistake(
             "moments about the tool", "point", _forces(lambda f: _about(f, np.array([0.02, -0.03, 0.14]))),
-            r"about a point \((1[6-9]|2[0-4])(\.\d)?, -(2[6-9]|3[0-4])(\.\d)?, 1(3[5-9]|4[0-5])(\.\d)?\) mm",
+            r"about a point \(#, #, #\) mm", (20.0, -30.0, 140.0),
         )  # fmt: skip
 
 
@@ -219,7 +236,8 @@ def _joints(case: Case) -> Iterator[Mistake]:
         "sensor 70 mm off",
         "point",
         _in_case(_moved_sensor),
-        r"about a point \(-?\d+(\.\d)?, -?\d+(\.\d)?, -?\d+(\.\d)?\) mm",
+        r"about a point \(#, #, #\) mm",
+        _from_moved(case),
     )
     count, turning = len(chain.joints), [k for k, joint in enumerate(chain.joints) if joint.turns]
     names = {k: rf"{k + 1} \({chain.joints[k].name}\)" for k in range(count)}
@@ -257,7 +275,7 @@ def _joints(case: Case) -> Iterator[Mistake]:
         # true = recorded + angle
         yield Mistake(
             f"joint {k + 1} off by {angle:g}", "offset of joints", _drives(lambda q, o=offset: q - o),
-            rf"joint {names[k]} stands at -?{angle:g} deg where it reads 0",
+            rf"joint {names[k]} stands at # deg where it reads 0", (angle,),
         )  # fmt: skip
 
 
@@ -350,7 +368,8 @@ def _clock() -> Iterator[Mistake]:
         "time twice too slow",
         "clock",
         lambda run, r, c: (replace(r, t=r.t * 2.0), c),
-        r"samples are (1\.9[5-9]\d*|2(\.0[0-5]\d*)?) ms apart",
+        r"samples are # ms apart",
+        (2.0,),
     )
 
 
@@ -447,7 +466,16 @@ def _longer_link(tables: dict[str, Any]) -> None:
     joint["origin_mm"] = [1.15 * v for v in joint.get("origin_mm", [0.0, 0.0, 0.0])]
 
 
+MOVED = np.array([60.0, 0.0, -40.0])  # of a sensor in its case [mm]
+
+
 def _moved_sensor(tables: dict[str, Any]) -> None:
     sensor = tables["machine"]["chain"].setdefault("sensor", {})
     x, y, z = sensor.get("origin_mm", [0.0, 0.0, 0.0])
-    sensor["origin_mm"] = [x + 60.0, y, z - 40.0]
+    sensor["origin_mm"] = (np.array([x, y, z]) + MOVED).tolist()
+
+
+def _from_moved(case: Case) -> tuple[float, ...]:
+    """Where moments are about, from the origin of a sensor that the case has elsewhere, in its axes [mm]."""
+    assert case.chain is not None
+    return tuple(-turned(case.chain.sensor.rpy).T @ MOVED)

@@ -82,7 +82,7 @@ def _apply(context: Context, there: Workspace, fields: Fields) -> Job:
         written = write_keys(context.machine.file, remedy.keys)
     except HexciteError as error:
         raise Unfit("; ".join(error.lines)) from error
-    arguments = [placed(place) + ("" if value is None else f"={toml_value(value)}") for place, value in remedy.keys]
+    arguments = [placed(place) + ("" if value is None else f"={toml_value(value)}") for place, value, _ in remedy.keys]
     job.before = ("case", "set", context.machine.argument, *arguments)
     notes = [f"{key}: {_shown(before)} → {_shown(after)}" for key, before, after in written.changes]
     job.notes = (
@@ -108,10 +108,14 @@ def remedies_of(answer: Any) -> list[Remedy]:
     """Remedies in an answer, or in a finding of a result file."""
     if not isinstance(answer, Mapping):
         return []
-    return [
-        Remedy(str(each["words"]), tuple(Write(tuple(place), value) for place, value in each["keys"]))
-        for each in answer.get("remedies") or ()
-    ]
+    return [Remedy(str(each["words"]), _writes(each)) for each in answer.get("remedies") or ()]
+
+
+def _writes(stated: Mapping[str, Any]) -> tuple[Write, ...]:
+    """Keys of a remedy, with deviations where results state them."""
+    deviations = stated.get("deviations") or [None] * len(stated["keys"])
+    both = zip(stated["keys"], deviations, strict=True)
+    return tuple(Write(tuple(place), value, deviation) for (place, value), deviation in both)
 
 
 def _shown(value: Any) -> str:

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from cases.base.errors import Remedy
+from cases.base.errors import Remedy, Write
 from cases.base.files import toml_value
 from cases.editing import placed
 from identification.estimation.fit import COVERAGE_FACTOR
@@ -54,7 +54,7 @@ def remedies(stated: Sequence[Remedy]) -> list[dict[str, Any]]:
     return [
         {
             "words": each.words,
-            "lines": [f"{placed(place)} = {'–' if value is None else toml_value(value)}" for place, value in each.keys],
+            "lines": [_line(write) for write in each.keys],
         }
         for each in stated
     ]
@@ -69,3 +69,14 @@ def parameter(name: str, value: Mapping[str, Any]) -> tuple[str, str, str, str, 
     shown = value_text(float(value["value"]) * scale, std * scale)
     expanded = std_text(COVERAGE_FACTOR * std * scale)
     return parameter_words(name), shown, std_text(std * scale), expanded, unit
+
+
+def _line(write: Write) -> str:
+    """A key with its value, and the standard deviation of an estimated one, as the page shows it."""
+    plus_minus = f" ± {toml_value(_rounded(write.deviation))}" if write.deviation is not None else ""
+    return f"{placed(write.place)} = {'–' if write.value is None else toml_value(write.value)}{plus_minus}"
+
+
+def _rounded(deviation: Any) -> Any:
+    """A standard deviation with two digits, or several in lists."""
+    return [_rounded(each) for each in deviation] if isinstance(deviation, list) else float(f"{deviation:.2g}")

@@ -3,7 +3,6 @@
 A cause is said only after its remedy was tried: the whole run is evaluated as it would be with it.
 """
 
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -13,6 +12,7 @@ from cases.base.errors import HexciteError, Remedy
 from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.fit import Fit
+from identification.findings.causes.deviations import Certainty, Evaluate, certain, deviations_of
 from identification.findings.causes.hypothesis import (
     RECORDED,
     SENSED,
@@ -24,20 +24,18 @@ from identification.findings.causes.hypothesis import (
     pace_of,
 )
 from identification.findings.causes.instants import instants_of
-from identification.findings.causes.remedies import keys_to_write, remedy
+from identification.findings.causes.remedies import Deviations, keys_to_write, numbers_of, remedy
 from identification.findings.causes.search import MODERATE, NEAR, Search, Tried, search
 from identification.machines.hexapod import Hexapod
 from identification.machines.of_case import machine_of
 from identification.model.model import Model, identification_model
 from identification.recording.recording import Recording
 from identification.samples.sample_checks import scan
+from identification.samples.samples import Fitted
 
 MOST_NAMED = 3  # explanations that a sentence names
 CONFIRMED = 2.0  # times the residuals at some instants that those of the whole run may have
 PIECE = 20_000  # rows whose orientation is computed at a time
-
-Evaluate = Callable[[Recording, Case], Fit]
-"""The fit to a run with another case."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +47,25 @@ class Answer:
     # whether residuals are so large that there is a mistake; smaller ones a machine makes itself, by its structure
     large: bool = True
     remedies: tuple[Remedy, ...] = ()  # keys of the case for each explanation that keys alone mend
+
+
+@dataclass(frozen=True, slots=True)
+class Cause:
+    """An explanation that the whole run confirms."""
+
+    entry: Tried
+    trial: Trial  # with sizes as the whole run shows them
+    certainty: Certainty | None  # of these sizes; None where it has none, or where they are not known
+
+    @property
+    def words(self) -> str:
+        """What is wrong, sizes with their standard deviations."""
+        return words_of(self.trial)
+
+    @property
+    def loose(self) -> str:
+        """Why its sizes are not to be written into the case; empty where they may be."""
+        return "" if self.certainty is None else self.certainty.loose
 
 
 def answer(recording: Recording, case: Case, model: Model, evaluate: Evaluate, fit: Fit | None = None) -> Answer | None:
@@ -67,14 +84,32 @@ def answer(recording: Recording, case: Case, model: Model, evaluate: Evaluate, f
     found = search(clean, case, model, fit)
     if found is None or found.sound:
         return None
-    confirmed = [entry for entry in found.explanations if _confirmed(entry, recording, case, model, evaluate)]
-    if confirmed:
-        trials = [entry.trial for entry in confirmed[:MOST_NAMED]]
-        return Answer(True, _cause(confirmed, found, case), remedies=tuple(r for t in trials for r in _keys(t, case)))
+    causes = causes_of(found, recording, case, model, evaluate)
+    if causes:
+        return Answer(True, _named(causes, found, case), remedies=tuple(r for c in causes for r in _keys(c, case)))
     if not found.families:
         return None
     large = found.recorded is None or found.recorded.residuals > MODERATE
     return Answer(False, _tried(found, case), large)
+
+
+def causes_of(found: Search, recording: Recording, case: Case, model: Model, evaluate: Evaluate) -> list[Cause]:
+    """The explanations of a search that the whole run confirms, the best first, with sizes as it shows them.
+
+    Args:
+        found: the search.
+        recording: as of `answer`, and so the others.
+        case: the case.
+        model: the model.
+        evaluate: the fit.
+    """
+    causes: list[Cause] = []
+    for entry in found.explanations:
+        fitted = _confirmed(entry, recording, case, model, evaluate)
+        if fitted is not None and len(causes) < MOST_NAMED:
+            sized = certain(entry.trial, fitted, lambda trial: mended(trial, recording, case), evaluate)
+            causes.append(Cause(entry, *sized))
+    return causes
 
 
 def mended(trial: Trial, recording: Recording, case: Case) -> tuple[Recording, Case]:
@@ -119,17 +154,17 @@ def _rotations(recording: Recording, case: Case) -> Array:
     return np.concatenate([Rotation.from_euler("xyz", pose[:, 3:]).as_matrix() for _, pose in still])
 
 
-def _confirmed(entry: Tried, recording: Recording, case: Case, model: Model, evaluate: Evaluate) -> bool:
-    """Whether the whole run, evaluated with the remedies, leaves no more than some instants did."""
+def _confirmed(entry: Tried, recording: Recording, case: Case, model: Model, evaluate: Evaluate) -> Fitted | None:
+    """The fit to the whole run with the remedies; None where it leaves more than some instants did."""
     run, edited = mended(entry.trial, recording, case)
     try:
-        fit, instants = evaluate(run, edited), instants_of(run, edited, identification_model(edited, model.number))
+        fitted, instants = evaluate(run, edited), instants_of(run, edited, identification_model(edited, model.number))
     except HexciteError:
-        return False
+        return None
     if instants is None:
-        return False
-    left = float(np.sqrt(np.mean((fit.residuals / instants.noise) ** 2)))
-    return left <= max(CONFIRMED * entry.residuals, NEAR)
+        return None
+    left = float(np.sqrt(np.mean((fitted.fit.residuals / instants.noise) ** 2)))
+    return fitted if left <= max(CONFIRMED * entry.residuals, NEAR) else None
 
 
 def words_of(trial: Trial) -> str:
@@ -137,29 +172,48 @@ def words_of(trial: Trial) -> str:
     return ", and ".join(hypothesis.words for hypothesis in trial)
 
 
-def remedy_of(trial: Trial, case: Case) -> str:
+def remedy_of(trial: Trial, case: Case, deviations: Deviations | None = None) -> str:
     """What to write into the case, or to do, where a trial is right."""
     keyed = tuple(hypothesis for hypothesis in trial if not hypothesis.remedy)
-    keys = keys_to_write(case, case_of(keyed, case))
+    keys = keys_to_write(case, case_of(keyed, case), deviations)
     return ", and ".join([*([keys] if keys else []), *(h.remedy for h in trial if h.remedy)])
 
 
-def _keys(trial: Trial, case: Case) -> tuple[Remedy, ...]:
-    """The keys that mend a trial; none where something beside them is to be done."""
-    return () if any(h.remedy for h in trial) else remedy(words_of(trial), case, case_of(trial, case))
+def _keys(cause: Cause, case: Case) -> tuple[Remedy, ...]:
+    """The keys that mend a cause; none where something beside them is to be done, or its sizes are not surely known."""
+    trial = cause.trial
+    if any(h.remedy for h in trial) or cause.loose:
+        return ()
+    return remedy(words_of(trial), case, case_of(trial, case), _deviations(cause, case))
 
 
-def _cause(confirmed: list[Tried], found: Search, case: Case) -> str:
-    named = confirmed[:MOST_NAMED]
+def _deviations(cause: Cause, case: Case) -> Deviations | None:
+    """Standard deviations of what the remedy of a cause writes; None where they are not known."""
+    certainty = cause.certainty
+    if certainty is None:
+        return None
+    return lambda places: deviations_of(lambda trial: numbers_of(case_of(trial, case), places), cause.trial, certainty)
+
+
+def _what_to_do(cause: Cause, case: Case) -> str:
+    """The remedy of a cause, or why its sizes are not to be written into the case."""
+    if not cause.loose:
+        return remedy_of(cause.trial, case, _deviations(cause, case))
+    why = f"too loosely known to be written into the case ({cause.loose})"
+    return f"{why}: measure it at the machine and write that"
+
+
+def _named(causes: list[Cause], found: Search, case: Case) -> str:
+    named = [cause.entry for cause in causes]
     left = named[0].left()
     before = None if found.recorded is None else found.recorded.left()
-    words = " or ".join(words_of(entry.trial) for entry in named)
+    words = " or ".join(cause.words for cause in causes)
     if before is None or found.recorded is None or not np.isfinite(found.recorded.residuals):
         smaller = "small"
     else:
         smaller = f"{found.recorded.residuals / max(named[0].residuals, 1e-9):.3g} times smaller"
     noise = f"{left.newtons:.2g} N, where noise makes {left.noise:.2g} N"
-    remedies = " or ".join(dict.fromkeys(remedy_of(entry.trial, case) for entry in named))
+    remedies = " or ".join(dict.fromkeys(_what_to_do(cause, case) for cause in causes))
     return f"{words}: then residuals are {smaller} ({noise}); {remedies}"
 
 

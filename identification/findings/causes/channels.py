@@ -12,6 +12,7 @@ from cases.recording_format import ROLE_OF, ROLE_UNITS, Role
 from cases.schema import Case
 from cases.sensors import Transducer
 from identification.findings.causes.hypothesis import Edit, Family, Hypothesis
+from identification.texts import number, with_deviation
 
 ORDER = tuple(range(6))
 AXES = ("x", "y", "z")
@@ -189,14 +190,21 @@ def _moment_units(case: Case) -> Iterator[Hypothesis]:
         )
 
 
-def of_gain(case: Case, channel: int, gain: float) -> Hypothesis:
-    """One channel is to be multiplied by a gain."""
+def excess_of(gain: float) -> float:
+    """What a channel reads too much that is to be multiplied by a gain [%]."""
+    return 100.0 * (1.0 / gain - 1.0)
+
+
+def of_gain(case: Case, channel: int, gain: float, std: float | None = None) -> Hypothesis:
+    """One channel is to be multiplied by a gain; std: standard deviation of what it reads too much [%]."""
     scale = np.ones(6)
     scale[channel] = gain
     ours = case.sensor_frame.channels[channel]
     name = case.recording.file_name(ours)
     return Hypothesis(
-        family=Family.GAINS, words=f"{name} is {'smaller' if gain > 1.0 else 'larger'} than the other channels say",
+        family=Family.GAINS,
+        words=f"{name} is {number(abs(excess_of(gain)), std, 3)} % {'smaller' if gain > 1.0 else 'larger'} than the "
+        "other channels say",
         channels=np.diag(scale), edit=scaled({ours: float(f"{gain:.4g}")}), mistakes=1.5,
     )  # fmt: skip
 
@@ -205,16 +213,36 @@ CUBE = tuple(turn for turn in Rotation.create_group("O") if np.degrees(turn.magn
 """Turns by right angles, about axes, diagonals of faces and of the cube."""
 
 
-def of_turn(case: Case, turn: Rotation, mistakes: float = 1.0, single: bool = False) -> Hypothesis:
-    """A force/torque sensor is turned: forces in the axes of the case are `turn` times the recorded ones."""
+def angle_and_axis(turn: Rotation) -> Array:
+    """Angle [deg] and axis of a turn, shape (4,)."""
     vector = np.degrees(turn.as_rotvec())
     angle = float(np.linalg.norm(vector))
-    axis = vector / angle
+    return np.append(angle, vector / angle)
+
+
+def of_turn(
+    case: Case, turn: Rotation, mistakes: float = 1.0, single: bool = False, stds: Sequence[float] | None = None
+) -> Hypothesis:
+    """A force/torque sensor is turned: forces in the axes of the case are `turn` times the recorded ones.
+
+    Args:
+        case: the case.
+        turn: as above.
+        mistakes: that it counts for.
+        single: whether it is tried alone only.
+        stds: standard deviations of `angle_and_axis`; None where they are not known.
+    """
+    angle, *axis = (float(value) for value in angle_and_axis(turn))
     main = int(np.argmax(np.abs(axis)))
+    known = (None,) * 4 if stds is None else tuple(stds)
     if abs(axis[main]) > 0.9999:
-        about = f"{np.sign(axis[main]) * angle:.4g} deg about its {AXES[main]} axis"
+        about = f"{number(np.sign(axis[main]) * angle, known[0], 4)} deg about its {AXES[main]} axis"
     else:
-        about = f"{angle:.4g} deg about ({', '.join(f'{value + 0.0:.2f}' for value in axis)})"
+        along = ", ".join(
+            f"{value + 0.0:.2f}" if std is None else with_deviation(value, std)
+            for value, std in zip(axis, known[1:], strict=True)
+        )
+        about = f"{number(angle, known[0], 4)} deg about ({along})"
     matrix = np.kron(np.eye(2), turn.as_matrix())
     edit: Edit | None = None
     remedy = f"turn forces and moments by {about.replace('its ', '')} in the recorder"
@@ -234,9 +262,19 @@ def _sensor_turned(turn: Rotation) -> Edit:
     return _with_sensor(turned_by)
 
 
-def of_point(case: Case, point: Array, mistakes: float) -> Hypothesis:
-    """Moments are about another point than the sensor's origin; point: from there, in the sensor's axes, (3,) [m]."""
-    x, y, z = (float(round(value, 1)) + 0.0 for value in np.asarray(point) * 1e3)
+def of_point(case: Case, point: Array, mistakes: float, stds: Sequence[float] | None = None) -> Hypothesis:
+    """Moments are about another point than the sensor's origin.
+
+    Args:
+        case: the case.
+        point: from the sensor's origin, in its axes, shape (3,) [m].
+        mistakes: that it counts for.
+        stds: standard deviations of the point [mm]; None where they are not known.
+    """
+    if stds is None:
+        place = ", ".join(f"{float(round(value, 1)) + 0.0:g}" for value in np.asarray(point) * 1e3)
+    else:
+        place = ", ".join(with_deviation(1e3 * value, std) for value, std in zip(point, stds, strict=True))
     matrix = np.eye(6)
     matrix[3:, :3] = np.cross(np.eye(3), point)  # M about the origin = M about the point + point x F
     edit: Edit | None = None
@@ -245,7 +283,7 @@ def of_point(case: Case, point: Array, mistakes: float) -> Hypothesis:
         edit, remedy = _sensor_moved(point), ""
     return Hypothesis(
         family=Family.POINT, channels=matrix, edit=edit, place="either" if edit is not None else "recording",
-        words=f"moments are about a point ({x:g}, {y:g}, {z:g}) mm from the sensor's origin, in its axes",
+        words=f"moments are about a point ({place}) mm from the sensor's origin, in its axes",
         remedy=remedy, mistakes=mistakes,
     )  # fmt: skip
 

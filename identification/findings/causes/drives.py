@@ -13,6 +13,7 @@ from cases.recording_format import STRUTS, Role
 from cases.schema import Case
 from identification.findings.causes.channels import in_unit, mapped, matrix_of, order_words, orders, other_units, rpy_of
 from identification.findings.causes.hypothesis import Affine, Edit, Family, Hypothesis
+from identification.texts import number
 
 RIGHT_ANGLES = (90.0, -90.0, 180.0)  # [deg] that zeros of joints are off by where conventions differ
 
@@ -166,12 +167,12 @@ def _other_axes(flipped: Sequence[int]) -> Edit:
     return edit
 
 
-def of_offset(chain: Chain, k: int, angle: float, mistakes: float = 1.0) -> Hypothesis:
-    """A joint stands at an angle where its reading is 0 [deg]."""
+def of_offset(chain: Chain, k: int, angle: float, mistakes: float = 1.0, std: float | None = None) -> Hypothesis:
+    """A joint stands at an angle where its reading is 0; std: standard deviation of the angle [deg]."""
     offset = np.zeros(len(chain.joints))
     offset[k] = angle * DEG
     return Hypothesis(
-        family=Family.OFFSETS, words=f"joint {_label(chain, k)} stands at {angle:.4g} deg where it reads 0",
+        family=Family.OFFSETS, words=f"joint {_label(chain, k)} stands at {number(angle, std, 4)} deg where it reads 0",
         drives=Affine(np.eye(len(offset)), offset), edit=_turned_joint(k, angle), place="either", mistakes=mistakes,
     )  # fmt: skip
 

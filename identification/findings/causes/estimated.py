@@ -8,12 +8,12 @@ from scipy.spatial.transform import Rotation
 
 from cases.base.units import DEG, Array
 from cases.schema import Case
-from identification.findings.causes.channels import of_gain, of_point, of_turn
+from identification.findings.causes.channels import angle_and_axis, excess_of, of_gain, of_point, of_turn
 from identification.findings.causes.drives import of_offset
 from identification.findings.causes.geometry import of_turned_bars
-from identification.findings.causes.hypothesis import AS_RECORDED, Family, Hypothesis, Trial, together
+from identification.findings.causes.hypothesis import AS_RECORDED, Family, Hypothesis, Size, Trial, together
 from identification.findings.causes.instants import Instants
-from identification.findings.causes.surroundings import of_gravity, of_pace, of_share
+from identification.findings.causes.surroundings import leaning_of, of_gravity, of_pace, of_share
 from identification.findings.causes.trials import moments_about, tried
 
 SIZED = 1.3  # mistakes that a hypothesis with a size counts for: round values are preferred to it
@@ -34,10 +34,21 @@ class Sized:
     """A family of hypotheses over sizes, shape (k,) each."""
 
     family: Family
-    make: Callable[[Array], Hypothesis | None]  # None for a size that is no mistake
+    # None for a size that is no mistake; with standard deviations of what words state of it, where they are known
+    of_size: Callable[[Array, Sequence[float] | None], Hypothesis | None]
     starts: tuple[tuple[float, ...], ...]
     steps: tuple[float, ...]  # by which sizes are changed at first
     of_channels: bool  # whether it changes forces alone
+    stated: Callable[[Array], Array]  # the numbers that words state of a size
+    nudge: float = 0.1  # share of a step by which residuals change in proportion
+
+    def make(self, size: Array) -> Hypothesis | None:
+        """The hypothesis of a size; None where that is no mistake."""
+        return self.of_size(size, None)
+
+    def found(self, size: Array) -> Size:
+        """A size that was found."""
+        return Size(size, self.nudge * np.array(self.steps), self.of_size, self.stated)
 
     def hypotheses(self, sizes: Sequence[Array]) -> list[tuple[Array, Hypothesis]]:
         """Those of some sizes that are mistakes."""
@@ -73,27 +84,46 @@ def sized_of(instants: Instants, prefix: Trial) -> Iterator[Sized]:
 def _turns(case: Case) -> Iterator[Sized]:
     """The sensor is turned by any angle about one of its axes, or about any."""
 
-    def of_turn_by(turn: Rotation, weight: float) -> Hypothesis | None:
-        return of_turn(case, turn, weight) if np.degrees(turn.magnitude()) > LEAST_ANGLE else None
+    def of_turn_by(turn: Rotation, weight: float, stds: Sequence[float] | None) -> Hypothesis | None:
+        return of_turn(case, turn, weight, stds=stds) if np.degrees(turn.magnitude()) > LEAST_ANGLE else None
 
-    def about(axis: Array) -> Callable[[Array], Hypothesis | None]:
-        return lambda size: of_turn_by(Rotation.from_rotvec(axis * size[0]), SIZED)
+    def about(axis: Array) -> Callable[[Array, Sequence[float] | None], Hypothesis | None]:
+        return lambda size, stds: of_turn_by(Rotation.from_rotvec(axis * size[0]), SIZED, stds)
+
+    def turned(axis: Array) -> Callable[[Array], Array]:
+        return lambda size: angle_and_axis(Rotation.from_rotvec(axis * size[0]))
 
     angles = tuple((float(angle),) for angle in np.arange(-165.0, 180.1, 15.0) * DEG)
     for axis in np.eye(3):
-        yield Sized(Family.SENSOR, about(axis), angles, (7.0 * DEG,), True)
+        yield Sized(Family.SENSOR, about(axis), angles, (7.0 * DEG,), True, turned(axis))
     starts = tuple(tuple(turn.as_rotvec()) for turn in Rotation.create_group("O"))
     yield Sized(
-        Family.SENSOR, lambda size: of_turn_by(Rotation.from_rotvec(size), FREE), starts, (12.0 * DEG,) * 3, True
+        Family.SENSOR,
+        lambda size, stds: of_turn_by(Rotation.from_rotvec(size), FREE, stds),
+        starts,
+        (12.0 * DEG,) * 3,
+        True,
+        lambda size: angle_and_axis(Rotation.from_rotvec(size)),
     )
 
 
-def _turned_bars() -> Sized:
-    def make(size: Array) -> Hypothesis | None:
-        angle = float((size[0] + 180.0) % 360.0 - 180.0)
-        return of_turned_bars(angle, SIZED) if abs(angle) > LEAST_ANGLE else None
+def _within_a_turn(size: Array) -> Array:
+    """An angle between -180 and 180 deg, shape (1,)."""
+    return np.asarray((size + 180.0) % 360.0 - 180.0)
 
-    return Sized(Family.BARS, make, tuple((float(a),) for a in np.arange(-165.0, 180.1, 15.0)), (7.0,), False)
+
+def _turned_bars() -> Sized:
+    def make(size: Array, stds: Sequence[float] | None) -> Hypothesis | None:
+        angle = float(_within_a_turn(size)[0])
+        return of_turned_bars(angle, SIZED, _only(stds)) if abs(angle) > LEAST_ANGLE else None
+
+    starts = tuple((float(a),) for a in np.arange(-165.0, 180.1, 15.0))
+    return Sized(Family.BARS, make, starts, (7.0,), False, _within_a_turn)
+
+
+def _only(stds: Sequence[float] | None) -> float | None:
+    """The standard deviation of the one number that words state."""
+    return None if stds is None else float(stds[0])
 
 
 def _slopes(case: Case) -> Sized:
@@ -102,22 +132,26 @@ def _slopes(case: Case) -> Sized:
     lean = np.tan(35.0 * DEG)
     starts = [(float(k), x, y) for k in range(6) for x in (-lean, 0.0, lean) for y in (-lean, 0.0, lean)]
 
-    def make(size: Array) -> Hypothesis | None:
-        direction = frames[round(float(size[0]))].apply([size[1], size[2], 1.0])
-        size_of = np.linalg.norm(direction) * np.linalg.norm(case.gravity)
-        away = np.degrees(np.arccos(np.clip(direction @ case.gravity / size_of, -1.0, 1.0)))
-        return of_gravity(case, direction, SIZED) if away > LEAST_ANGLE else None
+    def along(size: Array) -> Array:
+        return np.asarray(frames[round(float(size[0]))].apply([size[1], size[2], 1.0]))
 
-    return Sized(Family.GRAVITY, make, tuple(starts), (0.0, 0.2, 0.2), False)
+    def leaning(size: Array) -> Array:
+        return np.array([leaning_of(case, along(size))])
+
+    def make(size: Array, stds: Sequence[float] | None) -> Hypothesis | None:
+        return of_gravity(case, along(size), SIZED, std=_only(stds)) if leaning(size)[0] > LEAST_ANGLE else None
+
+    return Sized(Family.GRAVITY, make, tuple(starts), (0.0, 0.2, 0.2), False, leaning)
 
 
 def _share(case: Case) -> Sized:
-    def make(size: Array) -> Hypothesis | None:
+    def make(size: Array, stds: Sequence[float] | None) -> Hypothesis | None:
         share = float(size[0])
         known = min(abs(share), abs(share - 1.0)) < LEAST_SHARE  # raw, or without all of the weight
-        return None if known else of_share(case, share, SIZED)
+        return None if known else of_share(case, share, SIZED, _only(stds))
 
-    return Sized(Family.COMPENSATED, make, tuple((float(s),) for s in np.arange(-0.5, 2.0, 0.25)), (0.1,), False)
+    starts = tuple((float(s),) for s in np.arange(-0.5, 2.0, 0.25))
+    return Sized(Family.COMPENSATED, make, starts, (0.1,), False, lambda size: 100.0 * size)
 
 
 def _point(instants: Instants, prefix: Trial) -> Iterator[Sized]:
@@ -125,39 +159,41 @@ def _point(instants: Instants, prefix: Trial) -> Iterator[Sized]:
     if not about.residuals < np.inf or np.linalg.norm(about.point) > FARTHEST:
         return
 
-    def make(size: Array) -> Hypothesis | None:
-        return of_point(instants.case, size, SIZED) if np.linalg.norm(size) > LEAST_OFFSET else None
+    def make(size: Array, stds: Sequence[float] | None) -> Hypothesis | None:
+        return of_point(instants.case, size, SIZED, stds) if np.linalg.norm(size) > LEAST_OFFSET else None
 
-    yield Sized(Family.POINT, make, (tuple(about.point),), (2e-3,) * 3, True)
+    yield Sized(Family.POINT, make, (tuple(about.point),), (2e-3,) * 3, True, lambda size: 1e3 * size)
 
 
 def _gain(case: Case, channel: int) -> Sized:
-    def make(size: Array) -> Hypothesis | None:
+    def make(size: Array, stds: Sequence[float] | None) -> Hypothesis | None:
         gain = float(np.exp(size[0]))
-        return of_gain(case, channel, gain) if abs(gain - 1.0) > 0.01 else None
+        return of_gain(case, channel, gain, _only(stds)) if abs(gain - 1.0) > 0.01 else None
 
     starts = tuple((float(np.log(gain)),) for gain in (0.25, 0.5, 0.8, 0.95, 1.05, 1.25, 2.0, 4.0))
-    return Sized(Family.GAINS, make, starts, (0.1,), True)
+    return Sized(Family.GAINS, make, starts, (0.1,), True, lambda size: np.array([excess_of(float(np.exp(size[0])))]))
 
 
 def _offset(case: Case, k: int) -> Sized:
     chain = case.chain
     assert chain is not None
 
-    def make(size: Array) -> Hypothesis | None:
-        angle = float((size[0] + 180.0) % 360.0 - 180.0)
-        return of_offset(chain, k, angle, SIZED) if abs(angle) > LEAST_ANGLE else None
+    def make(size: Array, stds: Sequence[float] | None) -> Hypothesis | None:
+        angle = float(_within_a_turn(size)[0])
+        return of_offset(chain, k, angle, SIZED, _only(stds)) if abs(angle) > LEAST_ANGLE else None
 
-    return Sized(Family.OFFSETS, make, tuple((float(a),) for a in np.arange(-150.0, 181.0, 30.0)), (12.0,), False)
+    starts = tuple((float(a),) for a in np.arange(-150.0, 181.0, 30.0))
+    return Sized(Family.OFFSETS, make, starts, (12.0,), False, _within_a_turn)
 
 
 def _pace(step: float) -> Sized:
-    def make(size: Array) -> Hypothesis | None:
+    def make(size: Array, stds: Sequence[float] | None) -> Hypothesis | None:
         pace = float(np.exp(size[0]))
-        return of_pace(step, pace) if abs(pace - 1.0) > 0.01 and 1.0 / PACE < pace < PACE else None
+        return of_pace(step, pace, _only(stds)) if abs(pace - 1.0) > 0.01 and 1.0 / PACE < pace < PACE else None
 
     starts = tuple((float(value),) for value in np.linspace(-np.log(0.9 * PACE), np.log(0.9 * PACE), 19))
-    return Sized(Family.CLOCK, make, starts, (0.08,), False)
+    # small enough for as many samples to be evaluated
+    return Sized(Family.CLOCK, make, starts, (0.08,), False, lambda size: 1e3 * step * np.exp(size), nudge=2e-4)
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,14 +217,18 @@ def refined(instants: Instants, coarse: Instants, families: Sequence[Sized], pre
         points += [_Point(sized, starts[k][1], np.inf, starts[k][1]) for k in best]
     for k in range(ROUNDS):
         points = _stepped(coarse if k < COARSELY else instants, prefix, points, SHRINKING**k)
-    made = [point.sized.make(point.size) for point in points]
-    return [together(*prefix, replace(hypothesis, sized=True)) for hypothesis in made if hypothesis is not None]
+    made = [(point, point.sized.make(point.size)) for point in points]
+    return [
+        together(*prefix, replace(hypothesis, size=point.sized.found(point.size)))
+        for point, hypothesis in made
+        if hypothesis is not None
+    ]
 
 
 def settled(instants: Instants, coarse: Instants, trial: Trial) -> Trial:
     """A trial whose sizes are found once more, each beside the others: one was found before the other was known."""
     now = trial
-    for family in [hypothesis.family for hypothesis in trial if hypothesis.sized]:
+    for family in [hypothesis.family for hypothesis in trial if hypothesis.size is not None]:
         beside = tuple(hypothesis for hypothesis in now if hypothesis.family is not family)
         own = [sized for sized in sized_of(coarse, beside) if sized.family is family]
         possible = [now, *refined(instants, coarse, own, beside)]

@@ -11,6 +11,7 @@ from cases.machine import HexapodMachine, Joints, Ring
 from cases.schema import Case
 from cases.sensors import Bars
 from identification.findings.causes.hypothesis import Edit, Family, Hypothesis
+from identification.texts import number
 
 BETWEEN = 60.0  # [deg] between the centre of a pair of joints and the middle to the next pair
 TOLERANCE_MM = 1e-6  # by which points count as those of a ring
@@ -271,7 +272,7 @@ def _home_below(case: Case) -> Case:
     return case.model_copy(update={"machine": case.machine.model_copy(update={"home": home})})
 
 
-def of_turned_bars(angle: float, mistakes: float) -> Hypothesis:
-    """All bars are turned about z by an angle [deg]."""
-    words = f"the bars are turned by {angle:.4g} deg about z"
+def of_turned_bars(angle: float, mistakes: float, std: float | None = None) -> Hypothesis:
+    """All bars are turned about z by an angle; std: its standard deviation [deg]."""
+    words = f"the bars are turned by {number(angle, std, 4)} deg about z"
     return _hypothesis(_BARS, words, _changed(_BARS, _BARS.keys, _turned(angle)), mistakes)

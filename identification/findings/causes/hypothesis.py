@@ -60,6 +60,21 @@ class Affine(NamedTuple):
 Edit = Callable[[Case], Case]
 
 
+class Size(NamedTuple):
+    """The size of a hypothesis, as it was found."""
+
+    values: Array  # shape (k,)
+    nudges: Array  # changes that residuals show well and follow in proportion, shape (k,); 0 of what stays
+    # the hypothesis of another size; with standard deviations of the numbers that its words state, where they are known
+    make: "Callable[[Array, Sequence[float] | None], Hypothesis | None]"
+    stated: Callable[[Array], Array]  # the numbers that words state of a size, in the units that these have, shape (j,)
+
+    @property
+    def free(self) -> list[int]:
+        """Which of the values were found."""
+        return [int(k) for k in np.flatnonzero(self.nudges)]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Hypothesis:
     """One thing that may be wrong."""
@@ -68,7 +83,7 @@ class Hypothesis:
     words: str  # what is wrong, a clause
     # how many things are wrong then: of equal hypotheses of a family the one with the fewest is named
     mistakes: float = 1.0
-    sized: bool = False  # whether it has a size that was found where it leaves least
+    size: Size | None = None  # that was found where it leaves least
     single: bool = False  # whether it is tried alone only, as one of many that several mistakes at once would make
     # the keys that mend it, as another case; None where no key does
     edit: Edit | None = None

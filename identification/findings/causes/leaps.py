@@ -18,6 +18,7 @@ from identification.findings.causes.instants import Instants
 from identification.findings.causes.trials import regressors_of
 from identification.model.blocks import FIRST_MOMENT, INERTIA, MASS
 from identification.recording.recording import Recording
+from identification.texts import with_deviation
 
 FEWEST = 20  # instants on either side of a leap
 CLEAR = 5.0  # deviations by which an offset must leap to be named
@@ -69,7 +70,7 @@ def leaps_of(instants: Instants, delay: float, recording: Recording, case: Case)
         what = (
             _of_offsets(case, sizes[at], deviations[at] * max(residuals, 1.0))
             if kind == "offsets"
-            else f"the load changes by {sizes[at][0]:+.3g} kg"
+            else f"the load changes by {_signed(sizes[at][0], deviations[at][0] * max(residuals, 1.0))} kg"
         )
         if not what:
             continue
@@ -113,9 +114,14 @@ def _of_offsets(case: Case, sizes: Array, deviations: Array) -> str:
     for k in channels:
         name, _, unit = case.sensor_frame.channels[k].rpartition("_")
         parts.append(
-            f"{case.recording.file_name(f'{name}_{unit}')} by {sizes[k]:+.3g} {'N m' if unit == 'Nm' else unit}"
+            f"{case.recording.file_name(f'{name}_{unit}')} by {_signed(sizes[k], deviations[k])} "
+            f"{'N m' if unit == 'Nm' else unit}"
         )
     return f"offsets leap, of {', '.join(parts)},"
+
+
+def _signed(value: float, std: float) -> str:
+    return f"{'' if value < 0.0 else '+'}{with_deviation(value, std)}"
 
 
 def _longer(recording: Recording, row: int) -> slice:

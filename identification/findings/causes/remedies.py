@@ -1,10 +1,15 @@
 """What to write into a case file: the keys in which an edited case differs from it, with their values."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from typing import Any
 
+import numpy as np
+
 from cases.base.errors import Remedy, Write
+from cases.base.units import Array
 from cases.schema import Case
+from identification.texts import std_text
 
 DIGITS = 6  # of numbers that a remedy states
 MOST_KEYS = 12  # that a sentence lists
@@ -12,27 +17,62 @@ MOST_KEYS = 12  # that a sentence lists
 Path = tuple[str | int, ...]
 
 
-def keys_to_write(case: Case, edited: Case) -> str:
-    """The keys that lead from a case to another, by table, as they stand in a file; empty where none differs."""
+Deviations = Callable[[Sequence[Path]], Sequence[Array]]
+"""Standard deviations of what an edited case has at some places, shapes as there; 0 of what was not estimated."""
+
+
+def keys_to_write(case: Case, edited: Case, deviations: Deviations | None = None) -> str:
+    """The keys that lead from a case to another, by table, as they stand in a file; empty where none differs.
+
+    Args:
+        case: as it is.
+        edited: as it is mended.
+        deviations: of values that were estimated.
+    """
     tables: dict[str, list[str]] = {}
-    for path, value in _differences(case.model_dump(mode="json"), edited.model_dump(mode="json")):
+    written = list(_differences(case.model_dump(mode="json"), edited.model_dump(mode="json")))
+    stds = [np.zeros(())] * len(written) if deviations is None else deviations([path for path, _ in written])
+    for (path, value), std in zip(written, stds, strict=True):
         table, key = _place(path, case)
-        tables.setdefault(table, []).append(f"{key} = {_toml(value)}" if value is not None else f"no {key}")
+        entry = f"{key} = {_toml(value)}{_plus_minus(std)}" if value is not None else f"no {key}"
+        tables.setdefault(table, []).append(entry)
     parts = [_in_table(table, entries) for table, entries in tables.items()]
     return "write " + ", and ".join(parts) if parts else ""
 
 
-def remedy(words: str, case: Case, edited: Case) -> tuple[Remedy, ...]:
+def _plus_minus(std: Array) -> str:
+    """A standard deviation behind the value that it is of; empty where it was not estimated."""
+    return f" (± {', '.join(std_text(each) for each in np.ravel(std))})" if np.any(std > 0.0) else ""
+
+
+def numbers_of(case: Case, places: Sequence[Path]) -> list[Array]:
+    """The numbers that a case has at some places, shapes as there; 0 of what is not a number."""
+    values = case.model_dump(mode="json")
+    return [_numeric(_at(values, place)) for place in places]
+
+
+def _numeric(value: Any) -> Array:
+    with suppress(TypeError, ValueError):
+        return np.array(value, dtype=float)
+    return np.zeros(())
+
+
+def remedy(words: str, case: Case, edited: Case, deviations: Deviations | None = None) -> tuple[Remedy, ...]:
     """The keys that lead from a case to another, for programs that write them; none where no key differs.
 
     Args:
         words: what is wrong with the case, a clause.
         case: as it is.
         edited: as it is mended.
+        deviations: of values that were estimated.
     """
     before, after = case.model_dump(mode="json"), edited.model_dump(mode="json")
     places = dict.fromkeys(path[:-1] if isinstance(path[-1], int) else path for path, _ in _differences(before, after))
-    keys = tuple(Write(place, _rounded(_at(before, place), _at(after, place))) for place in places)
+    stds = [np.zeros(())] * len(places) if deviations is None else deviations(list(places))
+    keys = tuple(
+        Write(place, _rounded(_at(before, place), _at(after, place)), std.tolist() if np.any(std > 0.0) else None)
+        for place, std in zip(places, stds, strict=True)
+    )
     return (Remedy(words, keys),) if keys else ()
 
 

@@ -144,7 +144,7 @@ def search(recording: Recording, case: Case, model: Model, fit: Fit | None = Non
 
 def _with_sizes(found: Sequence[Tried]) -> list[Tried]:
     """Trials of several sizes that leave about as little as the best does, one of each kind, the best first."""
-    several = [entry for entry in found if sum(hypothesis.sized for hypothesis in entry.trial) > 1]
+    several = [entry for entry in found if sum(hypothesis.size is not None for hypothesis in entry.trial) > 1]
     several.sort(key=lambda entry: entry.residuals)
     first = {_families(entry): entry for entry in reversed(several)}
     least = min(entry.residuals for entry in found)

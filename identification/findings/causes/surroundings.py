@@ -7,6 +7,7 @@ import numpy as np
 from cases.base.units import Array
 from cases.schema import Case
 from identification.findings.causes.hypothesis import Edit, Family, Hypothesis
+from identification.texts import number, with_deviation
 
 DIRECTIONS = tuple(
     (axis, sign, word)
@@ -15,14 +16,30 @@ DIRECTIONS = tuple(
 )
 
 
-def of_gravity(case: Case, direction: Array, mistakes: float = 1.0, words: str = "") -> Hypothesis:
-    """Gravity along another direction of {B}, of the size that the case says; direction: shape (3,)."""
+def leaning_of(case: Case, direction: Array) -> float:
+    """Angle between a direction, shape (3,), and gravity as the case says it [deg]."""
+    size = float(np.linalg.norm(case.gravity) * np.linalg.norm(direction))
+    return float(np.degrees(np.arccos(np.clip(case.gravity @ direction / size, -1.0, 1.0))))
+
+
+def of_gravity(
+    case: Case, direction: Array, mistakes: float = 1.0, words: str = "", std: float | None = None
+) -> Hypothesis:
+    """Gravity along another direction of {B}, of the size that the case says.
+
+    Args:
+        case: the case.
+        direction: shape (3,).
+        mistakes: that it counts for.
+        words: what is wrong; None: the angle between both directions.
+        std: standard deviation of that angle [deg]; None where it is not known.
+    """
     size = float(np.linalg.norm(case.gravity))
     vector = np.asarray(direction) / np.linalg.norm(direction) * size
     entries = tuple(float(round(value, 4)) + 0.0 for value in vector)
     if not words:
-        away = float(np.degrees(np.arccos(np.clip(case.gravity @ vector / size**2, -1.0, 1.0))))
-        words = f"gravity points {away:.3g} deg away from gravity_m_s2: the machine stands on a slope"
+        away = number(leaning_of(case, vector), std, 3)
+        words = f"gravity points {away} deg away from gravity_m_s2: the machine stands on a slope"
     return Hypothesis(family=Family.GRAVITY, words=words, edit=_gravity(entries), place="case", mistakes=mistakes)
 
 
@@ -47,12 +64,20 @@ def of_compensation() -> Hypothesis:
     )  # fmt: skip
 
 
-def of_share(case: Case, share: float, mistakes: float) -> Hypothesis:
-    """A wrench without a share of the weight: compensated for a load of another mass, at the same centre of gravity."""
+def of_share(case: Case, share: float, mistakes: float, std: float | None = None) -> Hypothesis:
+    """A wrench without a share of the weight: compensated for a load of another mass, at the same centre of gravity.
+
+    Args:
+        case: the case.
+        share: as above.
+        mistakes: that it counts for.
+        std: standard deviation of the share [%]; None where it is not known.
+    """
     left = tuple(float(f"{(1.0 - share) * value:.5g}") for value in case.gravity)
+    lacking = f"{number(100.0 * share, std, 3)} % of the weight of what the sensor carries"
     return Hypothesis(
         family=Family.COMPENSATED, edit=_gravity(left), place="case", mistakes=mistakes,
-        words=f"the forces are compensated: they lack {100.0 * share:.3g} % of the weight of what the sensor carries",
+        words=f"the forces are compensated: they lack {lacking}",
         remedy="record them raw, with every compensation of the tool or payload switched off",
     )  # fmt: skip
 
@@ -65,19 +90,21 @@ def of_axes() -> Hypothesis:
     )  # fmt: skip
 
 
-def of_pace(step: float, pace: float) -> Hypothesis:
+def of_pace(step: float, pace: float, std: float | None = None) -> Hypothesis:
     """Seconds of the recording that are longer or shorter than true ones.
 
     Args:
         step: between two samples, as recorded [s].
         pace: true seconds in a second of the recording.
+        std: standard deviation of the true step [ms]; None where it is not known.
     """
 
-    period = float(f"{step * pace * 1e3:.4g}")
+    period = float(f"{step * pace * 1e3:.6g}")
 
     def edit(case: Case) -> Case:
         clock = case.recording.clock.model_copy(update={"period_ms": period})
         return case.model_copy(update={"recording": case.recording.model_copy(update={"clock": clock})})
 
-    words = f"samples are {period:g} ms apart, not {step * 1e3:.4g} ms"
+    apart = f"{period:.4g}" if std is None else with_deviation(1e3 * step * pace, std)
+    words = f"samples are {apart} ms apart, not {step * 1e3:.4g} ms"
     return Hypothesis(family=Family.CLOCK, words=words, pace=pace, edit=edit, mistakes=1.8)

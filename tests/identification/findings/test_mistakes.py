@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from cases.base.errors import IdentificationError
 from cases.editing import write_keys
 from cases.schema import Case, load_case
-from identification.findings.causes.answer import mended, words_of
+from identification.findings.causes.answer import causes_of, mended, words_of
 from identification.findings.causes.channels import of_point, of_turn
 from identification.findings.causes.drives import of_joints, of_offset
 from identification.findings.causes.hypothesis import (
@@ -28,9 +28,10 @@ from identification.findings.causes.instants import instants_of
 from identification.findings.causes.remedies import remedy
 from identification.findings.causes.search import Search, search
 from identification.findings.causes.trials import tried
-from identification.identify import default_model, estimate_parameters
+from identification.identify import default_model, estimate_parameters, fits
 from identification.model.model import identification_model
 from identification.recording.recording import Recording, read, write_recording
+from identification.samples.samples import GAUSS_MARKOV
 from tests.helpers import few, one_line
 from tests.machines_in_numpy import Body
 from tests.mistaken.machines import NAMES, WRIST, machine, run
@@ -84,7 +85,9 @@ def test_a_mistake_is_named(of: str, name: str) -> None:
         assert found.recorded is not None
         assert found.recorded.residuals < 3.0
         return
-    words = [words_of(entry.trial) for entry in found.explanations]
+    recording, case = mistake(of, name).make(sound, sound.recording, sound.case)
+    model = identification_model(case, default_model(recording, case))
+    words = [cause.words for cause in causes_of(found, recording, case, model, fits(model.number, GAUSS_MARKOV))]
     assert any(mistake(of, name).named_in(text) for text in words), words
     assert all(entry.residuals < 1.35 for entry in found.explanations)
 
@@ -296,3 +299,30 @@ def test_the_words_are_those_of_the_machine(of: str, foreign: str) -> None:
         text = str(error)
     assert "none of these" in text
     assert foreign not in text.split("none of these")[1]
+
+
+def test_keys_of_an_estimated_size_come_with_its_deviation() -> None:
+    error = refused("ur10_wrist", "sensor turned 30 about z")
+    (key,) = error.remedies[0].keys
+    assert key.place[-1] == "rpy_deg"
+    assert abs(key.value[2] - 30.0) < 4.0 * key.deviation[2]
+    assert 0.0 < key.deviation[2] < 0.2
+    assert key.deviation[:2] == pytest.approx([0.0, 0.0], abs=1e-3)
+    assert error.remedies[0].to_json()["deviations"] == [key.deviation]
+
+
+def test_a_size_that_would_make_wrong_numbers_is_not_for_the_case() -> None:
+    """The point is known from inertia alone: written into the case it would shift moments of inertia unnoticed."""
+    error = refused("ur10_wrist", "sensor 70 mm off")
+    assert error.remedies == ()
+    assert "too loosely known" in str(error)
+    assert "would be reported" in str(error)
+    assert mistake("ur10_wrist", "sensor 70 mm off").named_in(str(error))
+
+
+def refused(of: str, name: str) -> IdentificationError:
+    sound = run(of, 0)
+    recording, case = mistake(of, name).make(sound, sound.recording, sound.case)
+    with pytest.raises(IdentificationError) as caught:
+        estimate_parameters(recording, case)
+    return caught.value
