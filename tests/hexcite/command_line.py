@@ -5,14 +5,20 @@ import io
 import json
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Hashable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
+from unittest.mock import patch
 
 import pytest
+from hypothesis import settings
 
 from cases.base.errors import Code
 from hexcite.cli import main
+from hexcite.reports import page
+from hexcite.reports.chart import Chart
+from hexcite.reports.scene import Scene
+from tests.helpers import EXAMPLES
 from tests.hexcite.json_answer import one_json_object
 
 PROGRAM = Path(sys.executable).with_name("hexcite")
@@ -20,6 +26,30 @@ ACCEPT = (
     "--accept",
     "acceleration,jerk,strut-acceleration,sensor-force",
 )  # what LinuxCNC does not enforce on a timed path
+
+
+drawn: dict[Hashable, str] = {}  # by the kind of figure
+
+
+def _like_the_first(draw: Callable[[Any], str]) -> Callable[[Any], str]:
+    """Draws the first figure or machine of each kind; others of the kind get its picture."""
+
+    def picture(of: Chart | Scene) -> str:
+        kind = _kind(of) if isinstance(of, Chart) else (of.steps, len(of.parts))
+        if kind not in drawn:
+            drawn[kind] = draw(of)
+        return drawn[kind]
+
+    return picture
+
+
+def _kind(chart: Chart) -> Hashable:
+    """All of a figure but its numbers and names."""
+    looks = ("width", "dash", "dots", "hollow", "in_legend")
+    series = frozenset((type(each), *(getattr(each, look, None) for look in looks)) for each in chart.series)
+    axes = [(axis.logarithmic, axis.ends is None, bool(axis.names), axis.tilt) for axis in (chart.x, chart.y)]
+    rules = frozenset((rule.axis, rule.dash) for rule in chart.rules)
+    return series, *axes, rules, len(chart.bands), bool(chart.legend), chart.height, chart.half
 
 
 class Answer(NamedTuple):
@@ -60,10 +90,29 @@ def _arguments(arguments: tuple[object, ...]) -> Iterator[None]:
         sys.argv = before
 
 
+pictures = {"every": False}  # whether pages show every figure's own picture, as with the profile `full` they do
+
+
+@contextlib.contextmanager
+def _pictures() -> Iterator[None]:
+    """To draw the figures of a page takes as long as to identify."""
+    if pictures["every"] or settings.default.max_examples >= EXAMPLES:
+        yield
+    else:
+        with (
+            patch.object(page, "picture", _like_the_first(page.picture)),
+            patch.object(page, "machine_picture", _like_the_first(page.machine_picture)),
+        ):
+            yield
+
+
 def call(*arguments: object) -> Answer:
-    """Runs a command through its entry point in this process."""
+    """Runs a command through its entry point in this process.
+
+    Figures of a page that are alike show the picture of the first of them, but where the fixture `every_picture` is.
+    """
     out, err = io.StringIO(), io.StringIO()
-    with _arguments(arguments), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+    with _arguments(arguments), _pictures(), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         try:
             main()
             code = 0

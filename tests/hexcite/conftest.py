@@ -13,7 +13,7 @@ import pytest
 from cases.tables import built_in_cases
 from planner.plans.plan import Plan
 from tests.hexcite.browser import browser
-from tests.hexcite.command_line import ACCEPT, call, hexcite
+from tests.hexcite.command_line import ACCEPT, call, hexcite, pictures
 
 __all__ = ["browser"]
 
@@ -52,6 +52,14 @@ def once(shared: Path, cache: Path) -> Callable[[str, Callable[[], Any]], Any]:
         return json.loads(file.read_text(encoding="utf-8"))
 
     return once
+
+
+@pytest.fixture(scope="module")
+def every_picture() -> Iterator[None]:
+    """Pages show every figure's own picture."""
+    pictures["every"] = True
+    yield
+    pictures["every"] = False
 
 
 @pytest.fixture(scope="session")

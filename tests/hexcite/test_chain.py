@@ -54,6 +54,7 @@ def test_the_recording_knows_its_case_program_and_seed(chain: Chain, shared: Pat
     assert Path(about["program"]) == shared / "excitation.ngc"
 
 
+@pytest.mark.repeats
 def test_another_seed_is_other_noise_and_the_same_seed_the_same(chain: Chain, shared: Path, tmp_path: Path):
     first = (shared / "recording" / "recording.csv").read_bytes()
     for seed, same in ((0, True), (1, False)):

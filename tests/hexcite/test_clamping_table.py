@@ -41,6 +41,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     return folder / "empty", folder / "loaded"
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("clock", [True, False])
 def test_a_standstill_gives_the_offsets(clock: bool, tmp_path: Path) -> None:
     file = record(tmp_path / "empty.csv", bars(0.0, CENTRE, CASE.gravity), 0, clock)

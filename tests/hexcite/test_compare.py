@@ -121,6 +121,7 @@ def by_hand(shared: Path, once: Callable[[str, Callable[[], Any]], Any]) -> Path
     return Path(once("by-hand", lambda: call(*plan).json())["plan"])
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("dialect", few("linuxcnc", "setpoints", "sinumerik", "twincat", kept=2))
 def test_programs_of_every_dialect_carry_the_plans_hash(dialect: str, chain: Chain, shared: Path, tmp_path: Path):
     file = tmp_path / ("p" + DIALECTS[dialect].suffix)

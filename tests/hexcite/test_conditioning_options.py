@@ -16,6 +16,7 @@ CASE = load_case("hexapod")
 TRUTH = {"m": 31.83, "zC": 0.10505, "IC33": 0.91, "k3": 28.27}
 
 
+@pytest.mark.repeats
 def test_forces_and_struts_of_different_rates_are_one_run_of_several_files(tmp_path: Path) -> None:
     """Struts every 2 ms, forces ten times as often: the noise of 3 N falls to 0.95 N, and people are told."""
     execution = PoseExecution(Hexapod.of(CASE), Harmonic(duration=2.5))

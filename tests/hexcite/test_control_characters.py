@@ -16,6 +16,8 @@ from identification.recording.recording import Recording
 from tests.bench.reliability.recordings import HEADER, simulated
 from tests.hexcite.command_line import call
 
+pytestmark = pytest.mark.usefixtures("every_picture")
+
 EVIL = "\x1b[31m\x07\u202e<script>alert(1)</script>[b]&\"'\\\x85\u2028\n\r"
 STEERING = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069]")
 

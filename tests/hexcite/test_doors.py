@@ -65,6 +65,7 @@ def test_a_payload_is_the_same_from_both(made: Path):
     assert tells(repr(found), "mass (m)", "kg")
 
 
+@pytest.mark.repeats
 def test_a_second_run_is_predicted_the_same_by_both(made: Path, tmp_path: Path):
     options = ("identify", made / "empty", "--verify", made / "loaded", "-o", tmp_path / "result", "--json")
     result = hx.Result.load(made / "empty-result")

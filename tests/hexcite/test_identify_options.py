@@ -86,6 +86,7 @@ def test_priors_stand_in_the_result_and_a_wrong_one_is_warned_of(run: Path, tmp_
     assert any("prior m disagrees with the data" in warning for warning in wrong["warnings"])
 
 
+@pytest.mark.repeats
 def test_people_are_told_which_deviation_to_trust(run: Path, tmp_path: Path) -> None:
     shown = call("identify", run / "run.csv", "--case", "hexapod", "-o", tmp_path / "result", "--fix", "m=31.83kg").out
     assert "larger of std (28)" in shown
@@ -145,6 +146,7 @@ def test_weights_are_chosen_by_name_and_follow_from_the_noise_that_the_case_stat
     assert tells(refused(*plain, "mine"), "weights 'mine'", "choose equal, per_channel, per_unit, stated")
 
 
+@pytest.mark.repeats
 def test_all_models_are_compared_and_the_best_is_kept(run: Path, tmp_path: Path) -> None:
     answer = answer_of(run, tmp_path, "--model", "all")
     assert answer["model"] == answer["models"]["best"] == 9
@@ -168,13 +170,13 @@ def again(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_runs_are_identified_each_and_pooled_as_single_results_are(run: Path, again: Path, tmp_path: Path) -> None:
     files = [run / "run.csv", again / "run.csv"]
     folder = tmp_path / "together"
-    words = ("--case", "hexapod", "-o", folder, "--model", 3)
+    words = ("--case", "hexapod", "-o", folder)
     shown = call("identify", *files, "--runs", *words)
     assert shown.code == 0, shown.err
     assert sum("= " in line and str(folder / "runs") in line for line in shown.out.splitlines()) == 2
     assert tells(shown.out, "share of chi-square")
     together = Result.load(folder)
-    alone = [identify(Recording.load(file, CASE), model=3) for file in files]
+    alone = [identify(Recording.load(file, CASE)) for file in files]
     np.testing.assert_allclose(together.values, pool(alone).values, rtol=1e-12)
     np.testing.assert_allclose(together.covariance_robust, pool(alone).covariance_robust, rtol=1e-12)
     for name, of in zip(("run", "run-2"), alone, strict=True):

@@ -214,6 +214,7 @@ def test_a_result_comes_back_as_it_was_saved(folder: Path, tmp_path: Path):
     assert "centre of gravity" in (tmp_path / "page.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("workers", [None, 1, 3])
 def test_a_search_has_the_processes_that_it_is_given(
     workers: int | None, hexapod_case: Case, monkeypatch: pytest.MonkeyPatch

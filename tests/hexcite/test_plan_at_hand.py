@@ -30,6 +30,7 @@ def test_a_run_as_planned_says_so_in_figures_alone(chain: dict[str, dict[str, An
     assert not any("plan" in sentence for sentence in (*answer["warnings"], *answer["notes"]))
 
 
+@pytest.mark.repeats
 def test_the_plan_that_a_run_names_is_found_beside_it(slow: Path, tmp_path: Path) -> None:
     answer = call("identify", slow / "run", "-o", tmp_path / "r", "--json").json()
     (said,) = (warning for warning in answer["warnings"] if "plan" in warning)

@@ -47,6 +47,7 @@ def test_a_model_that_standstills_cannot_excite_is_refused(tmp_path: Path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.first(1)
 @skip_without(STATIC)
 @pytest.mark.parametrize("order", [("accel", "wrench", "orientations"), ("orientations", "accel", "wrench")])
 def test_a_moving_run_of_three_clocks_gives_the_mass_and_the_delay_of_the_accelerometer(

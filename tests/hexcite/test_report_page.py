@@ -32,6 +32,8 @@ from tests.hexcite.command_line import call
 from tests.postprocessors.changed_case import changed
 from tests.simulated_machine import PoseExecution
 
+pytestmark = pytest.mark.usefixtures("every_picture")
+
 FIGURES = 14  # of a result: forces, residuals, spectrum, order; 2 of accelerations, 5 of densities, 3 of correlations
 HEAD = Head("All is well.", True, "hexapod")
 HOSTILE = "<img src=x onerror=\"document.title='taken over'\"><b>column</b></script>"

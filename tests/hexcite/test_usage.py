@@ -58,9 +58,9 @@ def test_a_plan_loads_neither_identification_nor_most_of_scipy():
 def test_identify_imports_no_interactive_plots_no_planner_and_no_parts_of_scipy_for_single_functions(tmp_path: Path):
     """Each of them takes as long to import as an identification takes."""
     case = load_case("hexapod")
-    execution = PoseExecution(Hexapod.of(case), Harmonic(seed=3, duration=4.0))
+    execution = PoseExecution(Hexapod.of(case), Harmonic(seed=1, duration=2.0))
     file = tmp_path / "run.csv"
-    write_recording(file, simulate_recording(case, execution, np.array([[0.3, 3.7]]), seed=1), case)
+    write_recording(file, simulate_recording(case, execution, np.array([[0.2, 1.8]]), seed=1), case)
     needless = ("matplotlib.pyplot", "plotly.graph_objs", "scipy.signal", "scipy.stats", "cvxpy", "toppra", "ruckig")
     words = ("identify", str(file), "--case", "hexapod", "-o", str(tmp_path / "result"), "--json")
     watch = WATCH.replace(repr(HEAVY), repr((*needless, "planner.plans.making")))

@@ -137,6 +137,7 @@ def test_standstills_give_the_static_parameters(number: int) -> None:
     assert estimate.delay is None
 
 
+@pytest.mark.repeats
 def test_by_default_the_model_is_what_the_recording_can_carry() -> None:
     recording = run(CASE)
     assert estimate_parameters(recording, CASE).model.number == 9

@@ -50,6 +50,7 @@ def test_what_cannot_be_identified_is_said_and_left_out(standing: ModelChoice) -
     assert any("model 3" in sentence and "rank 26 of 30" in sentence for sentence in standing.sentences)
 
 
+@pytest.mark.repeats
 def test_s0_and_parameters_are_those_of_each_model_alone(standing: ModelChoice) -> None:
     for row in standing.rows:
         if row.parameters is not None:

@@ -50,6 +50,7 @@ def test_parameters_are_found_within_their_deviations(changes: dict[str, object]
     assert {"h", "k", "d"} <= {name.split("_")[0] for name in model.names}
 
 
+@pytest.mark.repeats
 def test_rods_that_the_sensors_carry_are_part_of_the_expected_mass() -> None:
     """Six rods of 6 kg weigh more than the platform, which is all that `nominal` describes."""
     case = CASE.model_copy(update={"payloads": None})

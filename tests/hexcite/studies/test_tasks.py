@@ -66,7 +66,9 @@ def test_no_tasks_are_no_work(client: Client) -> None:
         ("dies once", None),
         ("fails once", None),
         pytest.param("hangs once", None, marks=pytest.mark.slow),
-        ("dies", "its worker died twice: too little memory, or past its limit of 300 s"),
+        pytest.param(
+            "dies", "its worker died twice: too little memory, or past its limit of 300 s", marks=pytest.mark.repeats
+        ),
         ("fails", "ArithmeticError: no root"),
         pytest.param(
             "hangs", "its worker died twice: too little memory, or past its limit of 8 s", marks=pytest.mark.slow

@@ -117,6 +117,7 @@ def test_nothing_is_said_of_sound_runs(name: str, seed: int) -> None:
         assert said(case, plan, run) == [], what
 
 
+@pytest.mark.repeats
 def test_a_circle_is_a_move_and_no_stay_where_it_begins_and_ends() -> None:
     """The motion by hand has circles; a controller takes another time than planned for its corners."""
     case = load_case("hexapod")

@@ -286,6 +286,7 @@ def said_of(recording: Recording, case: Case) -> str:
     return one_line(caught.value)
 
 
+@pytest.mark.repeats
 @pytest.mark.parametrize(("of", "foreign"), few(("ur10_wrist", "strut"), ("foreign", "joints that turn")))
 def test_the_words_are_those_of_the_machine(of: str, foreign: str) -> None:
     """A robot has no struts, a hexapod no joints that turn."""

@@ -120,7 +120,7 @@ SOUNDS = {
 }
 
 
-@pytest.mark.first(2)
+@pytest.mark.first(1)
 @pytest.mark.parametrize("noise", few(*SOUNDS, kept=2))
 @pytest.mark.parametrize("name", ["hexapod", "ur10_wrist", "five_axis_table"])
 def test_a_sound_run_is_not_accused(name: str, noise: str) -> None:

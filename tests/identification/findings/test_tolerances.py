@@ -139,6 +139,7 @@ def test_deviations_count_what_the_case_tolerates_by_its_kinds() -> None:
     assert any(tells(text, "deviation of m", "gains") for text in counted.notes)
 
 
+@pytest.mark.repeats
 def test_what_residuals_show_of_a_stated_tolerance_is_counted_once() -> None:
     """A gain off by its tolerance is in the residuals: unstated they say so, stated they have nothing to add."""
     of, recording = run("hexapod")

@@ -95,6 +95,7 @@ DAMAGES: dict[str, tuple[Edit, float, tuple[str, ...]]] = {  # edit, seconds tha
 }
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("damage", few(*DAMAGES, kept=4))
 def test_damage_costs_itself_and_the_filters_reach(
     damage: str, lines: list[str], sound: Estimate, tmp_path: Path
@@ -131,6 +132,7 @@ def test_values_beyond_the_filters_reach_are_those_of_the_sound_run(lines: list[
         assert not np.any((run.t > 1.498 - MARGIN) & (run.t < 1.578 + MARGIN))
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(
     "edit", few(without(1500, 1503), emptied(1500, 1501, 1), without(1500, 1501), emptied(1500, 1503), kept=2)
 )

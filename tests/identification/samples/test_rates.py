@@ -105,6 +105,7 @@ def held(ratio: int) -> Recording:
     return Recording("run.csv", t, EXECUTION.struts(t[new]), None, true_forces(CASE, EXECUTION, t), t > 0.1)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("ratio", [2, 5])
 def test_held_struts_are_taken_when_they_are_new(ratio: int) -> None:
     recording = held(ratio)

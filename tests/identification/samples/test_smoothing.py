@@ -35,6 +35,7 @@ def errors(estimate: Estimate) -> np.ndarray:
     return np.array([(v.value - t) / v.reported for v, t in zip(estimate.physical.values(), TRUTH, strict=True)])
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(("offset", "share"), [(0.0, -1 / 12), (0.25, 1 / 96), (0.5, 1 / 24)])
 def test_pointwise_samples_of_leaping_forces_smooth_by_a_share_of_the_step_squared(offset: float, share: float) -> None:
     """Of straight lines between the ends of steps: trapezoids, midpoints, and B2(offset) / 2 between them."""

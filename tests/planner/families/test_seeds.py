@@ -34,7 +34,7 @@ def motions(machine: str, family: FamilySettings, seed: int) -> tuple[Array, ...
     return tuple(start.family.motion(start.unknowns).at(t).pose for start in found.starts)
 
 
-@pytest.mark.first(2)
+@pytest.mark.first(1)
 @pytest.mark.parametrize("machine", MACHINES)
 @pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family.name)
 def test_equal_seeds_begin_alike_and_other_seeds_elsewhere(machine: str, family: FamilySettings):

@@ -222,6 +222,7 @@ def test_moves_with_steps_are_no_program_of_a_controller_that_limits_jerk(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.repeats
 def test_retimed_they_have_limited_jerk_and_go_anywhere(folder: Path, tmp_path: Path):
     done = call("retime", folder, "-o", tmp_path / "smooth", "--json").json()
     assert done["after"]["duration_s"] > SECONDS

@@ -93,6 +93,7 @@ def test_no_valid_pose_says_which_limit_and_what_to_do(longest: list[float]) -> 
         grid_candidates(with_workspace(strut_length_mm=longest))
 
 
+@pytest.mark.repeats
 def test_poses_in_a_keep_out_box_are_left_out() -> None:
     box = {"name": "rack", "x_mm": [100.0, 900.0], "y_mm": [-900.0, 900.0], "z_mm": [870.0, 2000.0]}
     poses = grid_candidates(with_workspace(keep_out=[box]))

@@ -98,6 +98,7 @@ def test_identified_parameters_lie_within_their_error_bars(folder: Path, recorde
     assert answer["s0"] == pytest.approx(1.0 / np.sqrt(200), rel=0.5)
 
 
+@pytest.mark.repeats
 def test_without_a_trigger_standstills_are_found_from_the_motion(folder: Path, recorded: Path, quick: Path) -> None:
     with (recorded / "recording.csv").open(encoding="utf-8") as file:
         rows = list(csv.reader(file))

@@ -29,6 +29,7 @@ def exhaustive(regressors: NDArray[np.float64], letter: str, count: int) -> list
     return left
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("letter", LETTERS)
 def test_the_fast_algorithm_keeps_the_poses_of_the_slow_one(sample: Setting, letter: str) -> None:
     some = sample.regressors[:100]
@@ -76,6 +77,7 @@ def test_earlier_stages_of_a_reduction_are_kept(grid: Setting) -> None:
     np.testing.assert_array_equal(most[: len(removed)], removed)
 
 
+@pytest.mark.repeats
 def test_both_readings_of_k_reduce_and_differ(grid: Setting) -> None:
     best, _ = reduce_best(grid.regressors, POSE_CRITERIA["K"], 30)
     change, removed = reduce_best(grid.regressors, POSE_CRITERIA["K"], 30, smallest_change=True)

@@ -71,7 +71,7 @@ def test_from_beside_home_it_gets_there_within_the_limits_of_acceleration_and_je
         assert np.all(reached <= limit * 1.01), (order, reached / limit)
 
 
-@pytest.mark.first(2)
+@pytest.mark.first(1)
 @pytest.mark.parametrize(
     ("place", "said"), [("x_mm", "X is at 0.011"), ("z_mm", "Z is at 910"), ("c_deg", "C is at 0.011")]
 )
