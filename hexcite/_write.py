@@ -90,7 +90,7 @@ def _require_law(plan: Plan, dialect_name: str) -> None:
         place = str(plan.folder or plan.name)
         raise HexciteError(
             place=place,
-            problem=f"was made for {plan.settings.get('made_for') or 'a controller'}, which does not limit jerk",
+            problem=f"was made for {plan.settings.made_for or 'a controller'}, which does not limit jerk",
             remedy="moves for "
             f"{dialect_name} satisfy the limits of jerk and last longer: plan with "
             f"{option('for')} {dialect_name}, or re-time "
@@ -105,7 +105,7 @@ def language_of(plan: Plan, dialect: str | None, file: Path | str | None = None)
         return dialect_named(dialect)
     if file is not None:
         return dialect_of_file(str(file))
-    made_for, steps = plan.settings.get("made_for"), bool(plan.without)
+    made_for, steps = plan.settings.made_for, bool(plan.without)
     path = isinstance(plan.request, Request) and not plan.request.family.of_moves
     return DIALECTS[made_for] if made_for in DIALECTS else dialect_named(usual_dialect(plan.case, path, steps))
 

@@ -27,6 +27,7 @@ from identification.motion.motion import Array, Joined, Motion, Standstill, Traj
 from identification.motion.moves import CircularMove, StraightMove, UntimedMotion, limits_along, ruckig_profile
 from planner.controller_limits import with_steps
 from planner.families.manual import fastest_within_limits
+from planner.families.plan_settings import RetimedSettings
 from planner.families.settings import require_plannable_without
 from planner.plans.plan import Plan
 from planner.plans.rating import PlannedMotion, rated_plan
@@ -91,13 +92,12 @@ def retime(plan: Plan, method: str = Method.RUCKIG, without: str | None = None) 
         raise InfeasiblePlan(
             problem=f"the re-timed motion is not a plan: {violations[0].sentence()}", code=Code.NOT_PROVEN
         )
-    settings: dict[str, str | float] = {
-        "retimed_with": made_with,
-        "retimed_from": str((plan.folder or Path(plan.name)).resolve()),
-        "duration_before_s": plan.duration,
-    }
-    if step_time:
-        settings["without"] = LimitKind.JERK
+    settings = RetimedSettings(
+        retimed_with=made_with,
+        retimed_from=str((plan.folder or Path(plan.name)).resolve()),
+        duration_before_s=plan.duration,
+        without=LimitKind.JERK if step_time else None,
+    )
     rated = rated_plan(request, case, PlannedMotion(motion, settings, limits), perf_counter() - start)
     return replace(rated, stale=plan.stale)
 

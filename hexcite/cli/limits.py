@@ -72,6 +72,8 @@ def retime(
     limit. With toppra, any path runs as fast as all limits but jerk allow, for controllers that do not limit jerk.
     Prints figures before and after; without -o nothing is written.
     """
+    from planner.families.plan_settings import RetimedSettings
+
     if output is not None:
         check_folder(output, PLAN, [source], overwrite)
     plan = hx.Plan.load(source, None if case is None else hx.load_case(case), stale)
@@ -81,9 +83,10 @@ def retime(
             report("writing")
             console.save_with_page(result, PLAN, output, overwrite)
     before, after = _figures(plan), _figures(result)
+    assert isinstance(result.settings, RetimedSettings)
     answer = {
         "source": str(source),
-        "method": result.settings["retimed_with"],
+        "method": result.settings.retimed_with,
         "model": result.model,
         "before": before,
         "after": after,

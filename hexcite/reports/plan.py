@@ -19,7 +19,7 @@ DRAWN_RATE = 500.0  # [1/s]
 def plan_page(plan: Plan) -> str:
     """The page of `hexcite plan` and `hexcite poses`."""
     case = plan.case
-    entries = {"criterion": plan.request.criterion, "model": plan.model, **plan.settings}
+    entries = {"criterion": plan.request.criterion, "model": plan.model, **plan.settings.to_json()}
     inputs = [(name, str(value)) for name, value in entries.items() if not isinstance(value, list | dict)]
     notes = [f"{text[0].upper()}{text[1:]}." for text in plan.remarks]
     first, *each = plan.deviation_rows()

@@ -1,6 +1,6 @@
 """What every family of excitations offers to the optimiser: unknowns -> motion, with CasADi's exact derivatives."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Protocol, Self
 
@@ -9,11 +9,9 @@ import numpy as np
 from cases.base.units import Array, Flags
 from cases.schema import Case
 from identification.motion.motion import Trajectory
+from planner.families.plan_settings import PlanSettings
 from planner.families.rows import LinearRows, Rows
 from planner.families.states import States
-
-Settings = Mapping[str, float | str | Sequence[str]]
-"""What a motion was made with, by the keys of `settings` in `plan.json`."""
 
 
 @dataclass(frozen=True)
@@ -45,13 +43,13 @@ class Family(Protocol):
     half: Array  # half of its width, shape (n,) [m or rad]
 
     @property
-    def settings(self) -> Settings:
+    def settings(self) -> PlanSettings:
         """Settings that were chosen before the search."""
         ...
 
-    def found(self, unknowns: Array) -> Settings:
-        """Settings that the search found itself: they take the place of their first values."""
-        return {}
+    def found(self, unknowns: Array) -> PlanSettings:
+        """The same with what the search found itself in the place of first values."""
+        return self.settings
 
     def layout(self, case: Case, margin: float) -> Layout:
         """The motion as functions of the unknowns; margin: share of each limit that stays unused."""

@@ -19,7 +19,8 @@ import numpy as np
 from cases.base.units import Array
 from cases.schema import Case
 from identification.motion.curves import FourierMotion
-from planner.families.family import Family, Layout, Settings, linear_rows
+from planner.families.family import Family, Layout, linear_rows
+from planner.families.plan_settings import FourierSettings
 from planner.families.rows import PacedRows
 from planner.families.states import PacedStates, linear_states
 
@@ -95,19 +96,19 @@ class FourierFamily(Family):
     mending: ClassVar[int] = 60
 
     @property
-    def settings(self) -> Settings:
+    def settings(self) -> FourierSettings:
         """Order, first period and number of periods."""
-        own: dict[str, float | str] = {"order": self.order, "period_s": self.period, "repeats": self.repeats}
-        own |= {"run_in_s": self.run_in} if self.run_in else {}
-        return own | ({"centred": True} if self.centred else {})
+        return FourierSettings(
+            order=self.order, period_s=self.period, repeats=self.repeats, run_in_s=self.run_in, centred=self.centred
+        )
 
-    def found(self, unknowns: Array) -> Settings:
-        """The period that was found, where it was free."""
+    def found(self, unknowns: Array) -> FourierSettings:
+        """The same with the period that was found, where it was free."""
         if self.free is None:
-            return {}
+            return self.settings
         motion = self.motion(unknowns)
-        own = {"period_s": motion.period, "repeats": motion.repeats}
-        return own | ({"run_in_s": motion.run_in} if self.run_in else {})
+        own = {"period_s": motion.period, "repeats": motion.repeats, "run_in_s": motion.run_in}
+        return self.settings.model_copy(update=own)
 
     def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
         """Random unknowns well inside the limits, or those with all coefficients alike, in half widths."""

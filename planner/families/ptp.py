@@ -20,7 +20,8 @@ from cases.schema import Case
 from identification.estimation.criteria import box_middle
 from identification.motion.motion import Joined
 from identification.motion.moves import StraightMove, fastest_profile, unit_profile
-from planner.families.family import Family, Layout, Settings
+from planner.families.family import Family, Layout
+from planner.families.plan_settings import MoveSettings
 from planner.families.rows import LinearRows, StateRows
 from planner.families.states import Kernel, KernelStates, LinearStates, state_size
 
@@ -118,9 +119,9 @@ class PointToPointFamily(Family):
     mending: ClassVar[int] = 25  # with 10, a wider box gave 1.5 % less
 
     @property
-    def settings(self) -> Settings:
+    def settings(self) -> MoveSettings:
         """Number of moves and duration."""
-        return {"moves": self.moves, "duration_s": self.duration}
+        return MoveSettings(moves=self.moves, duration_s=self.duration)
 
     @property
     def steps(self) -> bool:

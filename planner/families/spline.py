@@ -18,7 +18,8 @@ from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.criteria import box_middle
 from identification.motion.curves import PolynomialMotion
-from planner.families.family import Family, Layout, Settings, linear_rows
+from planner.families.family import Family, Layout, linear_rows
+from planner.families.plan_settings import SplineSettings
 from planner.families.states import linear_states
 
 if TYPE_CHECKING:
@@ -55,9 +56,9 @@ class SplineFamily(Family):
     mending: ClassVar[int] = 40
 
     @property
-    def settings(self) -> Settings:
+    def settings(self) -> SplineSettings:
         """Number of intervals and duration."""
-        return {"knots": self.intervals, "duration_s": self.duration}
+        return SplineSettings(knots=self.intervals, duration_s=self.duration)
 
     @property
     def unknowns(self) -> int:

@@ -5,10 +5,10 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, Field, TypeAdapter, ValidationError
+from pydantic import BaseModel, BeforeValidator, Field, TypeAdapter, ValidationError
 
 from cases.base.errors import Code, FileProblem, HexciteError
 from cases.base.files import DAMAGED
@@ -16,6 +16,7 @@ from cases.tables import LARGEST
 from identification.motion.curves import FourierMotion, PolynomialMotion
 from identification.motion.motion import Joined, Standstill, Trajectory
 from identification.motion.moves import CircularMove, Plane, StraightMove, unit_profile
+from planner.families.plan_settings import PlanSettings, settings_of
 from planner.plans.prediction import Gain, Promise
 
 SCHEMA_VERSION = 1
@@ -43,7 +44,7 @@ class Entries(BaseModel, strict=True, frozen=True):
     predicted_least: dict[str, float] = Field(default_factory=dict)  # [SI]
     assumed_noise_N: float
     assumed_rate_Hz: float
-    settings: dict[str, bool | int | float | str | list[str]]
+    settings: Annotated[PlanSettings, BeforeValidator(settings_of)]
     solve_s: float
     known: dict[str, Any] | None = None
     interrupted: bool = False

@@ -18,6 +18,7 @@ from identification.model.model import identification_model
 from identification.model.parameters import physical_form
 from planner.controller_limits import controlled, with_steps
 from planner.families.family import Family
+from planner.families.plan_settings import SequenceSettings
 from planner.families.settings import Best
 from planner.plans.plan import Plan
 from planner.plans.rating import PlannedMotion, rated_plan
@@ -119,9 +120,8 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
     best = starts[0]
     motion = best.family.motion(keep_limits(rounds.case, best.family, best.unknowns, PROOF_RATE)[0])
     report = with_steps(prove(motion, case), step_time)
-    settings = {**best.family.settings, **best.family.found(best.unknowns)}
-    settings |= {} if made_for is None else {"made_for": made_for}
-    settings |= {} if not step_time else {"without": LimitKind.JERK}
+    without = LimitKind.JERK if step_time else None
+    settings = best.family.found(best.unknowns).model_copy(update={"made_for": made_for, "without": without})
     interrupted = ended_early and not out_of_time
     return PlannedMotion(motion, settings, report, tuple(starts), failed, interrupted, out_of_time)
 
@@ -260,7 +260,7 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
                 remedy="take steps out",
                 code=Code.INFEASIBLE,
             )
-        result = PlannedMotion(motion, {"sequence": file}, prove(motion, case))
+        result = PlannedMotion(motion, SequenceSettings(sequence=file), prove(motion, case))
     seconds = time.perf_counter() - start
     if not result.limits.kept:
         worst = result.limits.violations[0]
@@ -270,7 +270,7 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
     try:
         return rated_plan(request, case, result, seconds)
     except IdentificationError as error:
-        place = str(result.settings.get("sequence", f"no plan for model {request.model}"))
+        place = result.settings.source or f"no plan for model {request.model}"
         raise IdentificationError(place=place, problem=error.message, code=Code.NO_EXCITATION) from error
 
 

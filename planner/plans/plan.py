@@ -14,7 +14,7 @@ from cases.base.files import PLAN, atomic_folder, check_folder, json_text, read_
 from cases.base.units import DEG, MM, as_html
 from cases.basis import CONTENT, KEPT, case_of, content_of, plan_basis, require_unchanged
 from cases.schema import Case
-from identification.limits.limit import PLANNABLE_WITHOUT, LimitKind, LimitReport, Status
+from identification.limits.limit import LimitKind, LimitReport, Status
 from identification.model.model import identification_model
 from identification.model.parameters import physical_form
 from identification.motion.motion import Array, Joined, Motion, Standstill, Trajectory, sample
@@ -28,7 +28,7 @@ from identification.texts import (
     std_text,
     use_text,
 )
-from planner.families.family import Settings
+from planner.families.plan_settings import PlanSettings
 from planner.plans.figures import PoseWorth, Worth, bound_by
 from planner.plans.folder import (
     LONGEST_OF_POSES,
@@ -76,7 +76,7 @@ class Plan:
     assumed_noise: float
     assumed_rate: float
     worth: Worth | PoseWorth
-    settings: Settings
+    settings: PlanSettings
     solve_s: float
     interrupted: bool = False
     folder: Path | None = None
@@ -124,7 +124,7 @@ class Plan:
     @property
     def without(self) -> tuple[LimitKind, ...]:
         """Families of limits of the case that it leaves out, as was asked for."""
-        return tuple(kind for kind in PLANNABLE_WITHOUT if kind == self.settings.get("without"))
+        return () if self.settings.without is None else (self.settings.without,)
 
     @property
     def fingerprint(self) -> str:
@@ -261,7 +261,7 @@ class Plan:
             "status": "proven",
             "duration_s": self.duration,
             "solve_s": self.solve_s,
-            "settings": dict(self.settings),
+            "settings": self.settings.to_json(),
             **request.to_json(),
             **self.worth.to_json(),
             **own,

@@ -14,8 +14,8 @@ from identification.motion.curves import FourierMotion
 from identification.motion.motion import Joined, Trajectory
 from identification.motion.moves import StraightMove, fastest_profile, limits_along
 from planner.bounds.bound import information_limit
-from planner.families.family import Settings
 from planner.families.fourier import of_lower_order
+from planner.families.plan_settings import FourierSettings, MoveSettings, PlanSettings
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import Fourier, PointToPoint
 from planner.noise import mean_information
@@ -43,7 +43,7 @@ class PlannedMotion(NamedTuple):
     """The motion from a search, and the record of the search."""
 
     motion: Trajectory  # the best one, proven
-    settings: Settings  # settings of its family
+    settings: PlanSettings
     limits: LimitReport
     starts: tuple[Start, ...] = ()  # the best one first
     failed: tuple[Failed, ...] = ()  # starts without a feasible motion
@@ -68,7 +68,7 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
         values = request.known.values
         gain = Gain.of(prediction_of(case, model, scaling, motion, noise, request.payload, values), request.known)
     bound, smooth = information_limit(case, model).raised(figures["logdet"]), None
-    if planned.settings.get("without") == LimitKind.JERK and isinstance(motion, Joined):
+    if planned.settings.without == LimitKind.JERK and isinstance(motion, Joined):
         within = with_jerk_limited(motion, case)
         smooth = (
             within.duration,
@@ -233,7 +233,7 @@ def notes(planned: PlannedMotion, smooth: tuple[float, float] | None = None) -> 
     if steps := [c for c in planned.limits.checks if c.status is Status.LEFT_OUT]:
         limits = ", ".join(f"{abs(c.limit):.4g} {c.unit}" for c in steps)
         words.append(
-            f"made for {settings.get('made_for')}, which does not limit jerk: accelerations step, and the limits of "
+            f"made for {settings.made_for}, which does not limit jerk: accelerations step, and the limits of "
             f"jerk of the case ({limits}) are left out, as asked for"
         )
         if smooth is not None:
@@ -242,10 +242,11 @@ def notes(planned: PlannedMotion, smooth: tuple[float, float] | None = None) -> 
             )
     families = (start.family for start in planned.starts)
     counts = {family.moves for family in families if isinstance(family, PointToPointFamily)}
-    if len(counts) > 1 and "moves" in settings:
-        words.append(f"{settings['moves']} moves are the best of {', '.join(map(str, sorted(counts)))}")
-    tried = {(s["order"], s["period_s"]) for s in (start.family.settings for start in planned.starts) if "order" in s}
-    if len(tried) > 1:
-        chosen = f"order {settings['order']} with period {settings['period_s']:.4g} s"
+    if len(counts) > 1 and isinstance(settings, MoveSettings):
+        words.append(f"{settings.moves} moves are the best of {', '.join(map(str, sorted(counts)))}")
+    first = (start.family.settings for start in planned.starts)
+    tried = {(own.order, own.period_s) for own in first if isinstance(own, FourierSettings)}
+    if len(tried) > 1 and isinstance(settings, FourierSettings):
+        chosen = f"order {settings.order} with period {settings.period_s:.4g} s"
         words.append(f"{chosen} is the best of searches that began at {len(tried)} pairs of order and period")
     return tuple(words)

@@ -19,13 +19,13 @@ from identification.estimation.criteria import (
     singular_values,
     total_information,
 )
-from identification.limits.limit import TOLERANCE, LimitReport, worst_of
+from identification.limits.limit import TOLERANCE, LimitKind, LimitReport, worst_of
 from identification.limits.proof import prove
 from identification.model.model import Model
 from identification.motion.motion import Array, Joined, Standstill, Trajectory
 from planner.bounds.certificate import Maximum
 from planner.bounds.design import EXCHANGED, Design, directional, exchanged
-from planner.families.family import Settings
+from planner.families.plan_settings import AverageSettings
 from planner.noise import sensor_noise, standing_model
 from planner.plans.figures import PoseWorth, prediction_at_poses
 from planner.plans.plan import Plan
@@ -124,8 +124,11 @@ def poses_planned(
         efficiency=float(np.exp((logdet - bound) / len(scaling))),
         select_s=selected,
     )
-    settings: Settings = {"settle_s": setting.settle_s, "average_s": setting.average_s}
-    settings = settings if request.without is None else {**settings, "without": request.without}
+    settings = AverageSettings(
+        settle_s=setting.settle_s,
+        average_s=setting.average_s,
+        without=None if request.without is None else LimitKind.JERK,  # nothing else may be left out
+    )
     promise, gain = Promise.of([prediction_at_poses(case, model, scaling, selection, poses, noise)]), None
     if (known := request.known) is not None:
         gain = Gain.of(prediction_at_poses(case, model, scaling, selection, poses, noise, known.values), known)

@@ -140,8 +140,8 @@ def test_with_a_free_period_the_largest_whole_number_of_periods_fits(order: int,
     assert motion.duration <= 12.0 + 1e-9 < motion.duration + motion.period
     assert np.abs(motion.at([0.0, motion.duration]).rates).max() < 1e-12
     found = some.found(np.append(np.full(some.unknowns * 6, 0.1), pace))
-    assert found["period_s"] == motion.period
-    assert found["repeats"] == motion.repeats
+    assert found.period_s == motion.period
+    assert found.repeats == motion.repeats
     assert some.once.motion(np.append(np.full(some.unknowns * 6, 0.1), pace)).repeats == 1
 
 

@@ -160,7 +160,7 @@ def test_every_kind_of_machine_has_a_hand_made_motion_that_determines_its_parame
     """So that an optimal excitation has something to be compared with, without a file."""
     plan = hx.plan(hx.load_case(name), hx.Manual())
     assert plan.limits.kept
-    assert plan.settings["sequence"] == IN_TURN
+    assert plan.settings.source == IN_TURN
     assert 0.0 < plan.worth.d_efficiency < 0.5
 
 

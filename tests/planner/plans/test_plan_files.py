@@ -92,6 +92,12 @@ def test_a_plan_without_an_entry_that_is_needed_is_refused(key: str, copy: Path)
         (("payload",), None),
         (("payload",), "0"),
         (("payload_from",), "abc"),
+        (("settings",), None),
+        (("settings",), {"without": "jerk"}),
+        (("settings", "order"), "five"),
+        (("settings", "period_s"), None),
+        (("settings", "without"), "velocity"),
+        (("settings", "of_nothing"), 1.0),
         (("predicted_std", "xC"), None),
         (("predicted_std", "xC"), "abc"),
     ],
@@ -101,7 +107,7 @@ def test_a_plan_with_a_damaged_entry_is_refused(path: tuple[str, ...], value: An
     line = refused("post", copy, "-o", copy.parent / "p.ngc", "--json")
     assert str(copy / "plan.json") in line
     told_by_the_motion = path[0] in ("fourier", "limits")
-    assert told_by_the_motion or any(word in line for word in (".".join(path), "JSON"))
+    assert told_by_the_motion or any(word in line for word in (".".join(path), "entry settings is", "JSON"))
     assert not (copy.parent / "p.ngc").exists()
 
 

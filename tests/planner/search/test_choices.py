@@ -15,6 +15,7 @@ from hexcite.cli.compare import validate
 from hexcite.cli.plan import OPTIONS, SEARCHED, plan, refuse_foreign
 from hexcite.comparison.trials import ValidationSettings
 from planner.families import ptp, spline
+from planner.families.plan_settings import FourierSettings, PlanSettings
 from planner.families.settings import FAMILIES, Best, Fourier, PointToPoint, Spline
 from planner.plans.making import KEPT, search
 from planner.plans.rating import PlannedMotion, choice_notes, tried_families
@@ -78,9 +79,9 @@ def test_too_short_a_duration_is_refused_in_one_line(hexapod_case: Case):
 
 @pytest.mark.parametrize("what", ["order", "period"])
 def test_fixed_and_free_at_once_is_a_misunderstanding(what: str):
-    with pytest.raises(HexciteError, match=f"{what} does nothing with free_{what}"):
+    with pytest.raises(HexciteError, match=f"--{what} does nothing with --free-{what}"):
         refuse_foreign([f"free_{what}", what], "fourier")
-    with pytest.raises(HexciteError, match=f"free_{what} .*family ptp"):
+    with pytest.raises(HexciteError, match=f"free-{what} .*family ptp"):
         refuse_foreign([f"free_{what}"], "ptp")
 
 
@@ -124,9 +125,16 @@ def test_options_of_another_family_are_refused_and_its_own_are_taken(option: str
     assert all(other in one_line(told.value) for other in BELONGS[option])
 
 
+def period_of(settings: PlanSettings) -> float:
+    """The period of the motion, which is a Fourier series [s]."""
+    assert isinstance(settings, FourierSettings)
+    return settings.period_s
+
+
 def _made_up(task: Task) -> Start:
     """What a start would find: the shorter the period, the better."""
-    promise = -float(task.family.settings.get("period_s", 100.0))
+    own = task.family.settings
+    promise = -own.period_s if isinstance(own, FourierSettings) else -100.0
     refined = task.refine
     score = promise if refined else -100.0  # drawn back, a motion is worth as little as any
     unknowns = np.full(18, 0.01) if getattr(task.family, "free", None) is None else np.r_[np.full(18, 0.01), 1.0]
@@ -162,12 +170,12 @@ def test_each_choice_is_looked_at_and_the_best_get_all_other_starts(
     assert len(periods) > KEPT
     explored = [task for task in tried if not task.refine]
     assert len({task.seed for task in explored}) == len(explored) == request.starts
-    seen = [task.family.settings["period_s"] for task in explored]
+    seen = [period_of(task.family.settings) for task in explored]
     assert sorted(seen[: len(periods)]) == periods
     assert set(seen[len(periods) :]) <= set(periods[:KEPT])
     assert len([task for task in tried if task.refine]) == refinements
     assert all(start.family.name == "fourier" for start in found.starts)
-    assert found.settings["period_s"] == periods[0]
+    assert period_of(found.settings) == periods[0]
 
 
 def test_moves_are_as_many_as_there_is_room_for_and_fewer(hexapod_case: Case):
