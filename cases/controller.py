@@ -41,6 +41,34 @@ class UrScript(Part):
     """Standard digital output that is on while the excitation runs; RTDE records it with the robot's clock."""
 
 
+RosName = Annotated[str, spelled(r"/?[A-Za-z_][A-Za-z0-9_]*(?:/[A-Za-z_][A-Za-z0-9_]*)*", "a name of ROS")]
+
+
+class Ros2(Part):
+    """How `joint_trajectory_controller` is set up; a program for it needs none of this."""
+
+    table: ClassVar = "ros2"
+
+    controller: RosName = "joint_trajectory_controller"
+    """Name of the controller."""
+    joint_states: RosName = "/joint_states"
+    """Topic of the joints' positions."""
+    interpolation: Literal["splines", "none"] = "splines"
+    """Its `interpolation_method`: `splines` joins points with accelerations by polynomials of degree five, in all
+    releases that state accelerations; `none` (since Galactic) steps from point to point."""
+    path_tolerance_deg: Positive | None = None
+    """Its `constraints.<joint>.trajectory`: it stops where a joint is further off its path."""
+    path_tolerance_mm: Positive | None = None
+    goal_tolerance_deg: Positive | None = None
+    """Its `constraints.<joint>.goal`."""
+    goal_tolerance_mm: Positive | None = None
+    goal_time_s: Positive | None = None
+    """Its `constraints.goal_time`: how late the goal may be reached; not stated: it waits without end."""
+    controller_keeps: Promises = ()
+    """Limits that ros2_control enforces behind it (`enforce_command_limits`, limits of joints); by default none: the
+    controller itself enforces none."""
+
+
 class Setpoints(Part):
     """Settings of setpoint tables for external setpoint generation."""
 
@@ -193,7 +221,7 @@ class LinuxCnc(Part):
     ensures the limits."""
 
 
-Settings = TypeVar("Settings", LinuxCnc, SinumerikAxes, TwinCatAxes, Setpoints, UrScript)
+Settings = TypeVar("Settings", LinuxCnc, SinumerikAxes, TwinCatAxes, Setpoints, UrScript, Ros2)
 
 
 class Controller(Part):
@@ -227,6 +255,8 @@ class Controller(Part):
     """Settings of tables of set points."""
     urscript: UrScript | None = None
     """Settings of URScript programs."""
+    ros2: Ros2 | None = None
+    """How the controller of joint trajectories is set up; none of it is needed."""
 
     cycle: ClassVar = si_value("cycle_ms")  # interpolation cycle [s]
     block: ClassVar = si_value("block_ms")  # duration of a block on a timed path [s]

@@ -56,7 +56,7 @@ def proven_program(
     header = (*header, *leaving_out(without))
     resolution = dialect.guarantees(Reading(file=str(path), stretches=(), blocks=0), case).resolution
     program = _without_nothing(dialect.prepare(excitation_program(trajectory, case, speed), case), resolution, case)
-    text = dialect.write((*header, *program), case)
+    text = dialect.form(dialect.write((*header, *program), case), path.suffix.lower(), case)
     reading = dialect.read(text, str(path), case)
     guarantees = replace(dialect.guarantees(reading, case), without=left_out(text))
     proof = prove_program(reading, guarantees)
@@ -66,7 +66,7 @@ def proven_program(
     else:
         dialect.same(program, reading, case)
     findings = (*_findings(proof), *override_remarks(reading, guarantees))
-    content = dialect.write((*header, *findings, *program), case)
+    content = dialect.form(dialect.write((*header, *findings, *program), case), path.suffix.lower(), case)
     again = dialect.read(content, str(path), case)
     if not _same_stretches(again, reading):
         raise ProgramError(

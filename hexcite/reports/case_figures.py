@@ -65,7 +65,7 @@ def share_sentences(reach: Reach) -> str:
 _TABLES = (
     "machine", "workspace", "limits", "poses", "sensor_frame", "sensors", "recording", "nominal", "simulation",
     "payloads", "controller", "controller.linuxcnc", "controller.sinumerik", "controller.twincat",
-    "controller.setpoints", "controller.urscript",
+    "controller.setpoints", "controller.urscript", "controller.ros2",
 )  # fmt: skip
 
 

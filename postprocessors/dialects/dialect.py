@@ -14,6 +14,10 @@ def _as_it_is(program: Blocks, case: Case) -> Blocks:
     return program
 
 
+def _in_its_only_form(content: bytes, suffix: str, case: Case) -> bytes:
+    return content
+
+
 @dataclass(frozen=True, slots=True)
 class Dialect:
     """A controller's language, and the functions that write and read it."""
@@ -32,6 +36,8 @@ class Dialect:
     same: Callable[[Blocks, Reading, Case], None] | None = None
     # program and case -> the program in the blocks that this dialect is set up to use
     prepare: Callable[[Blocks, Case], Blocks] = _as_it_is
+    # content as it is written, suffix of a file in lower case and case -> content in the form of that suffix
+    form: Callable[[bytes, str, Case], bytes] = _in_its_only_form
     # first motion of the machine, for the program's header
     start: str = "the program stops unless the machine stands at home"
 

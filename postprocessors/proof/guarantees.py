@@ -61,6 +61,8 @@ class Guarantees:
     arc_along: float | None = ALONG
     # how an operator's feed override is kept at 100 % at most, for people; empty where it goes no further
     override_remedy: str = ""
+    # what it does by settings of its own, one sentence each, for people
+    own_rules: tuple[str, ...] = ()
     # allowed deviation of its polynomials from a motion that is none, beside rounding, shape (6,) or (1,) [m, rad]
     tolerance: Array = field(default_factory=lambda: np.zeros(1))
 

@@ -218,6 +218,7 @@ def remarks(reading: Reading, guarantees: Guarantees) -> Iterator[str]:
     if distance := _away(end, home, limits):
         yield f"the program does not end at home, {distance}"
     yield from override_remarks(reading, guarantees)
+    yield from guarantees.own_rules
     if reading.stops:
         lines = f"line{'s' if len(reading.stops) > 1 else ''} {', '.join(map(str, reading.stops))}"
         yield f"{lines}: the machine waits for its operator, who must not move it; the recording goes on meanwhile"

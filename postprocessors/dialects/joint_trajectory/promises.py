@@ -1,8 +1,13 @@
 """What a `joint_trajectory_controller` guarantees beyond its points."""
 
 import math
+from collections.abc import Iterator
 
+from cases.base.errors import CaseError, Code
+from cases.controller import Ros2
 from cases.schema import Case
+from identification.limits.limit import LimitKind
+from postprocessors.dialects.joint_trajectory.forms import settings_of
 from postprocessors.proof.guarantees import SEVEN_SEGMENTS, Guarantees
 from postprocessors.reading import Reading
 
@@ -10,9 +15,51 @@ SHORTEST_POINTS = 1e-3  # least distance of points of a joint trajectory [s]: ro
 
 
 def joint_trajectory_guarantees(reading: Reading, case: Case) -> Guarantees:
-    """Guarantees for quintic pieces through stated positions, rates and accelerations: all proven, nothing enforced."""
-    name = "joint_trajectory_controller"
+    """Guarantees for quintic pieces through stated positions, rates and accelerations: all proven, nothing enforced
+    unless the case says what is enforced behind the controller.
+
+    Raises:
+        CaseError: the controller steps from point to point.
+    """
+    settings = settings_of(case)
+    if settings.interpolation == "none":
+        raise CaseError(
+            file=f"case {case.name}",
+            key="controller.ros2.interpolation",
+            problem='"none" steps from point to point: no limit holds; set interpolation_method of the controller, and '
+            'this key, to "splines"',
+            code=Code.NOT_SUPPORTED,
+        )
     remedy = "leave out points that are closer to the one before"
     return Guarantees(
-        case, name, SHORTEST_POINTS, math.inf, SEVEN_SEGMENTS, follows_paths=True, resolution=0.0, timing_remedy=remedy
+        case,
+        settings.controller,
+        SHORTEST_POINTS,
+        math.inf,
+        SEVEN_SEGMENTS,
+        enforced=frozenset(map(LimitKind, settings.controller_keeps)),
+        follows_paths=True,
+        resolution=0.0,
+        timing_remedy=remedy,
+        own_rules=tuple(_own_rules(settings)),
     )
+
+
+def _own_rules(settings: Ros2) -> Iterator[str]:
+    """What the controller does by its own settings, one sentence each."""
+    for words, of, end in (
+        ("off its path", (settings.path_tolerance_deg, settings.path_tolerance_mm), "stops where a joint is"),
+        (
+            "off its goal",
+            (settings.goal_tolerance_deg, settings.goal_tolerance_mm),
+            "reports a failure where a joint ends",
+        ),
+    ):
+        sizes = [f"{size:g} {unit}" for size, unit in zip(of, ("deg", "mm"), strict=True) if size is not None]
+        if sizes:
+            yield f"{settings.controller} {end} more than {' or '.join(sizes)} {words}"
+    if settings.goal_time_s is not None:
+        yield f"{settings.controller} reports a failure where the goal is reached {settings.goal_time_s:g} s late"
+    if settings.controller_keeps:
+        kept = ", ".join(settings.controller_keeps)
+        yield f"ros2_control enforces {kept} behind {settings.controller}: what it cuts off is not the planned motion"

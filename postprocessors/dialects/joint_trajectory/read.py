@@ -1,4 +1,4 @@
-"""Reads a ROS 2 `trajectory_msgs/msg/JointTrajectory` in YAML, in the layout that `ros2 topic echo` and hexcite write.
+"""Reads a ROS 2 `trajectory_msgs/msg/JointTrajectory`: YAML as `ros2 topic echo` and hexcite write it, JSON, scripts.
 
 Between points with position, rate and acceleration `joint_trajectory_controller` interpolates with a quintic polynomial
 (ros2_controllers, trajectory.cpp), from where the machine stands to the first point, too: that must be home. Read is
@@ -7,8 +7,10 @@ what every reader of YAML takes alike: to some 010 is 8, 1e5 a text, and `no` a 
 
 import itertools
 import re
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -16,9 +18,11 @@ from cases.base.errors import Code, ProgramError
 from cases.base.files import ascii_text
 from cases.schema import Case
 from identification.motion.motion import Array
+from postprocessors.dialects.joint_trajectory.forms import Embedded, embedded, points_of
 from postprocessors.reading import STILL, Grouping, Reading, TimedBlock, program_lines
 
 LARGEST = 1e6  # rad, m and their derivatives: no machine has such numbers
+MOST_TIME = 10**9  # seconds, and nanoseconds, of a time
 LONGEST_LINE = 4096
 SHOWN = 120  # characters of a line that an error repeats: names of seven joints
 _WHOLE = r"(?:0|[1-9]\d{0,8})"
@@ -36,6 +40,77 @@ def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
 
     The recording has no trigger: the whole motion counts as the excitation.
     """
+    message = embedded(content, file, case)
+    stated = _of_yaml(content, file, case) if message is None else _of_json(message, file, case)
+    points = list(_in_order(stated, file))
+    home, _ = case.need_motion("a joint trajectory")
+    return replace(_grouped(file, points, home).reading(len(points)), start_time=points[0][2])
+
+
+def _in_order(stated: Sequence[_Point], file: str) -> Iterator[_Point]:
+    """The points; raises ProgramError where times do not increase, numbers are too large, or an end moves."""
+    before = 0.0
+    for k, (line, state, time) in enumerate(stated, 1):
+        ends = k in (1, len(stated))
+        if np.abs(state).max() > LARGEST or not time > before or (ends and state[1:].any()):
+            problem = f"the point at {time:g} s must come after {before:g} s, have numbers below {LARGEST:g}"
+            raise ProgramError(
+                file=file,
+                line=line,
+                problem=f"{problem}, and rest if it is the first or last",
+                remedy="correct it",
+                code=Code.SYNTAX,
+            )
+        yield line, state, time
+        before = time
+
+
+_PARTS = ("positions", "velocities", "accelerations")
+
+
+def _of_json(message: Embedded, file: str, case: Case) -> list[_Point]:
+    """Points of a message in JSON."""
+    chain, _ = case.need_chain("a joint trajectory")
+    count, points = len(chain.names), list[_Point]()
+    for line, entries in points_of(message, file, case):
+        if (found := _of_entries(entries, count)) is None:
+            raise ProgramError(
+                file=file,
+                line=line,
+                problem=f"a point that is not {', '.join(_PARTS)} of {count} numbers each and "
+                'time_from_start: {"sec": .., "nanosec": ..}, whole numbers',
+                remedy="write it so",
+                code=Code.SYNTAX,
+            )
+        points.append((line, *found))
+    if not points:
+        raise ProgramError(file=file, line=message.line, problem="no point: truncated", code=Code.DAMAGED)
+    return points
+
+
+def _of_entries(entries: Any, count: int) -> tuple[Array, float] | None:
+    """State, shape (3, joints), and time [s] of a point; None where it is no such point."""
+    if (
+        not isinstance(entries, dict)
+        or entries.keys() - {*_PARTS, "time_from_start", "effort"}
+        or entries.get("effort")
+    ):
+        return None
+    rows, time = [entries.get(key) for key in _PARTS], entries.get("time_from_start")
+    if not isinstance(time, dict) or time.keys() != {"sec", "nanosec"}:
+        return None
+    if not all(type(v) is int and 0 <= v < MOST_TIME for v in time.values()):
+        return None
+    for row in rows:
+        if not isinstance(row, list) or len(row) != count or not all(type(v) in (int, float) for v in row):
+            return None
+    if any(abs(v) > LARGEST for row in rows for v in row or ()):
+        return None
+    return np.array(rows, dtype=float), time["sec"] + time["nanosec"] * 1e-9
+
+
+def _of_yaml(content: bytes, file: str, case: Case) -> list[_Point]:
+    """Points of a message in YAML."""
     chain, _ = case.need_chain("a joint trajectory")
     names, row = r"\s*,\s*".join(map(_name, chain.names)), r",\s*".join([_NUMBER] * len(chain.names))
     forms = [
@@ -44,7 +119,7 @@ def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
     ]
     of_a_point = [
         (f"{mark} {key}: [{len(chain.names)} plain numbers]{_FORM}", re.compile(rf"{mark} {key}: \[\s*{row}\s*\]"))
-        for mark, key in zip("-  ", ("positions", "velocities", "accelerations"), strict=True)
+        for mark, key in zip("-  ", _PARTS, strict=True)
     ]
     of_a_point.append(("  time_from_start: {sec: .., nanosec: ..}, whole numbers without leading zeros", _TIME))
     texts = (text.split("#", 1)[0].rstrip() for text in program_lines(content, file, LONGEST_LINE))
@@ -71,20 +146,9 @@ def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
     points: list[_Point] = []
     for k in range(0, len(rows), len(of_a_point)):
         *states, (_, (seconds, nanoseconds)) = rows[k : k + len(of_a_point)]
-        state, time = np.array([words for _, words in states], dtype=float), int(seconds) + int(nanoseconds) * 1e-9
-        before, ends = points[-1][2] if points else 0.0, k == 0 or k + len(of_a_point) == len(rows)
-        if np.abs(state).max() > LARGEST or not time > before or (ends and state[1:].any()):
-            problem = f"the point at {time:g} s must come after {before:g} s, have numbers below {LARGEST:g}"
-            raise ProgramError(
-                file=file,
-                line=rows[k][0],
-                problem=f"{problem}, and rest if it is the first or last",
-                remedy="correct it",
-                code=Code.SYNTAX,
-            )
-        points.append((rows[k][0], state, time))
-    home, _ = case.need_motion("a joint trajectory")
-    return replace(_grouped(file, points, home).reading(len(points)), start_time=points[0][2])
+        state = np.array([words for _, words in states], dtype=float)
+        points.append((rows[k][0], state, int(seconds) + int(nanoseconds) * 1e-9))
+    return points
 
 
 def _name(name: str) -> str:
