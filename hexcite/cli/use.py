@@ -25,8 +25,8 @@ def export(
     frame: Annotated[
         str | None,
         option(
-            "Of urdf, mjcf, sdf and table: count from the sensor (default of links), the robot's flange (of the "
-            "table), its tool (TCP), or along the axes of the base.",
+            "Count the load, or the wrench of c, linuxcnc, st and python, from the sensor (default), the robot's "
+            "flange (default of table), its tool (TCP), or along the axes of the base; also of urdf, mjcf, sdf.",
             "--frame",
         ),
     ] = None,

@@ -122,7 +122,7 @@ def used_samples(recording: Recording, result: Result, whole: bool) -> Used:
     model = result.model
     recording, case = without(on_one_clock(recording, result.case), result.case, result.sizes)
     findings = unmeasured(recording)
-    measured, behind = _noise_left(result)
+    measured, behind = noise_left(result)
     white = white_noise(recording.forces[~recording.bad])
     if recording.t is None or case.setup == "1a":
         still = standstills(recording, case, model)
@@ -149,7 +149,7 @@ def motion_of(run: Run, delay: float) -> MotionOfSamples:
     return MotionOfSamples(known, run.kinematics(delay), (place, speed, acceleration), run.machine)
 
 
-def _noise_left(result: Result) -> tuple[Array, Array]:
+def noise_left(result: Result) -> tuple[Array, Array]:
     """What the run of a result left in each channel: as white noise of a sample, and as it was evaluated, shapes (6,).
 
     Zero where the result does not say; residuals of the forces as recorded where it does not say how it evaluated them.

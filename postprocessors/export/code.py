@@ -6,16 +6,19 @@ contain the text for people around it.
 """
 
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import casadi as ca
 
+from cases.base.errors import Code, HexciteError
 from cases.base.units import DEG
 from cases.schema import Case
 from identification.machines.hexapod import Hexapod
 from identification.machines.rotations import rotation, twist, twist_rate
 from identification.machines.serial_chain import SerialChain
 from identification.model.model import Model
+from identification.results.anywhere import anywhere
+from identification.results.frames import FrameName, Place, place_of
 from identification.results.result import Result
 from postprocessors.export.calibration import number, rendered
 
@@ -30,16 +33,16 @@ def half_window(case: Case) -> float:
     return 0.010 if cutoff is None else round(_HALF_GAIN / cutoff, 6)
 
 
-def c_sources(result: Result, name: str) -> tuple[str, str]:
-    """Header and source in C99 of a model called `name`."""
-    declarations, definitions = c_parts(result, name, "")
+def c_sources(result: Result, name: str, frame: FrameName = "sensor") -> tuple[str, str]:
+    """Header and source in C99 of a model called `name`, whose wrench is about and along a frame."""
+    declarations, definitions = c_parts(result, name, "", in_frame(result, frame))
     return (
         rendered("header.h.jinja", result, name, declarations=declarations),
         rendered("source.c.jinja", result, name, definitions=definitions),
     )
 
 
-def c_parts(result: Result, name: str, linkage: str) -> tuple[str, str]:
+def c_parts(result: Result, name: str, linkage: str, seen: "Seen") -> tuple[str, str]:
     """Declarations and definitions without their files; `linkage` is empty or `static `."""
     half = half_window(result.case)
     calls = {ca.OP_SQRT: "sqrt({0})", ca.OP_SIN: "sin({0})", ca.OP_COS: "cos({0})", ca.OP_ATAN2: "atan2({0}, {1})"}
@@ -58,7 +61,8 @@ def c_parts(result: Result, name: str, linkage: str) -> tuple[str, str]:
         "ring": RING,
         "half_window": number(half),
         "window_meaning": f"half gain at {_HALF_GAIN / half:.3g} Hz",
-        "functions": [spelled(f, spelling, result.model.names) for f in functions_of(result)],
+        **seen.texts,
+        "functions": [spelled(f, spelling, result.model.names) for f in functions_of(result, seen.place)],
     }
     return (
         rendered("declarations.c.jinja", result, name, **values),
@@ -69,9 +73,10 @@ def c_parts(result: Result, name: str, linkage: str) -> tuple[str, str]:
 AXES = (("fx", "[N]"), ("fy", "[N]"), ("fz", "[N]"), ("mx", "[N m]"), ("my", "[N m]"), ("mz", "[N m]"))
 
 
-def linuxcnc_component(result: Result, name: str) -> str:
-    """The text of a component called `name`."""
-    declarations, definitions = c_parts(result, name, "static ")
+def linuxcnc_component(result: Result, name: str, frame: FrameName = "sensor") -> str:
+    """The text of a component called `name`, whose wrench is about and along a frame."""
+    seen = in_frame(result, frame)
+    declarations, definitions = c_parts(result, name, "static ", seen)
     return rendered(
         "component.comp.jinja",
         result,
@@ -80,13 +85,14 @@ def linuxcnc_component(result: Result, name: str) -> str:
         wrench=AXES,
         half_window=number(half_window(result.case)),
         degree=number(DEG),
+        **seen.texts,
         declarations=declarations,
         definitions=definitions,
     )
 
 
-def python_module(result: Result, name: str) -> str:
-    """The text of a Python module called `name`, which needs NumPy alone."""
+def python_module(result: Result, name: str, frame: FrameName = "sensor") -> str:
+    """The text of a Python module called `name`, which needs NumPy alone, whose wrench is about and along a frame."""
     calls = {
         ca.OP_SQRT: "math.sqrt({0})",
         ca.OP_SIN: "math.sin({0})",
@@ -103,19 +109,23 @@ def python_module(result: Result, name: str) -> str:
         given="{0}",
         written="{0}",
     )
-    half = half_window(result.case)
+    half, seen = half_window(result.case), in_frame(result, frame)
     return rendered(
         "model.py.jinja",
         result,
         name,
         half_window=number(half),
         window_meaning=f"half gain at {_HALF_GAIN / half:.3g} Hz",
-        functions=[spelled(f, spelling, result.model.names) for f in functions_of(result)],
+        **seen.texts,
+        functions=[spelled(f, spelling, result.model.names) for f in functions_of(result, seen.place)],
     )
 
 
-def structured_text(result: Result, name: str) -> str:
-    """The text of a model called `name`: structure, constants, functions and function block."""
+def structured_text(result: Result, name: str, frame: FrameName = "sensor") -> str:
+    """The text of a model called `name`: structure, constants, functions and function block.
+
+    Its wrench is about and along a frame.
+    """
     camel = "".join(part.capitalize() for part in name.split("_"))
     calls = {ca.OP_SQRT: "SQRT({0})", ca.OP_SIN: "SIN({0})", ca.OP_COS: "COS({0})"}
     spelling = Spelling(
@@ -128,8 +138,57 @@ def structured_text(result: Result, name: str) -> str:
         given="{0} : ARRAY[0..{2}] OF LREAL;",
         written="{0} : ARRAY[0..{2}] OF LREAL;",
     )
-    functions = [spelled(f, spelling, result.model.names) for f in functions_of(result)]
-    return rendered("model.st.jinja", result, name, Name=camel, functions=functions)
+    seen = in_frame(result, frame)
+    functions = [spelled(f, spelling, result.model.names) for f in functions_of(result, seen.place)]
+    return rendered("model.st.jinja", result, name, Name=camel, functions=functions, **seen.texts)
+
+
+def _place(result: Result, frame: FrameName) -> Place:
+    place = place_of(result.case_as_told, frame, at_home=False)
+    if not place.fixed and result.case.setup == "1a":
+        raise HexciteError(
+            problem=f"case {result.case.name}: the frame of the sensors stands, and its case does not say how in {{B}}",
+            remedy="choose frame sensor",
+            code=Code.NOT_SUPPORTED,
+        )
+    return place
+
+
+class Seen(NamedTuple):
+    """The frame of an exported wrench, and what templates say of it: its words, and the uncertainty in it."""
+
+    place: Place
+    texts: Mapping[str, Any]
+
+
+def in_frame(result: Result, frame: FrameName) -> Seen:
+    """A frame with its words and the uncertainty of force and moment in it.
+
+    Raises:
+        HexciteError: no such frame, or the frame of the sensors stands and {B} is asked for.
+        CaseError: the case does not state where it is.
+    """
+    place = _place(result, frame)
+    promise = anywhere(result, place)
+    missing = f" Not stated by the case: {', '.join(promise.not_counted)}." if promise.not_counted else ""
+    if not result.biases:
+        missing = " It counts no tolerances of drawing, gains and alignment."
+    largest = f"the largest of {promise.states} states in the motion box" if promise.states > 1 else "at home"
+    texts = {
+        "about": about(place),
+        "expanded": [number(float(f"{v:.4g}")) for v in promise.expanded],
+        "shares": [[number(float(f"{v:.4g}")) for v in row] for row in promise.shares],
+        "counts": f"It counts {', '.join(promise.counts) or 'nothing'}; {largest}.{missing}",
+    }
+    return Seen(place, texts)
+
+
+def about(place: Place) -> str:
+    """What a wrench is about and along, in words."""
+    if not place.fixed:
+        return "about the origin of {P} and along the axes of {B}"
+    owner = "{P}" if place.name == "sensor" else place.words
+    return f"about the origin of {owner} and along its axes"
 
 
 INFIX = {
@@ -207,10 +266,10 @@ def _statements(function: ca.Function, spelling: Spelling, parameters: list[str]
             yield spelling.first.format(values[written[0]], expression)
 
 
-def measurement(model: Model) -> ca.Function:
+def measurement(model: Model, place: Place) -> ca.Function:
     """(pose, twist, twist_rate, u, forces) -> external (6,), residuals (6,): (1) with (10)-(15).
 
-    `external` is the force and moment that act on the platform, about the origin of {P} and along its axes [N, N m];
+    `external` is the force and moment that act on the platform, about and along the frame [N, N m];
     `residuals` are the sensor forces less those that the model expects without contact [N].
     """
     pose, motion, rate, forces = (ca.SX.sym(name, 6) for name in ("pose", "twist", "twist_rate", "forces"))
@@ -219,14 +278,21 @@ def measurement(model: Model) -> ca.Function:
     return ca.Function(
         "measurement",
         [pose, motion, rate, u, forces],
-        [ca.densify(-model.structure_at(pose) @ residuals), ca.densify(residuals)],
+        [ca.densify(-_seen(place, rotation(pose[3:]), model.structure_at(pose) @ residuals)), ca.densify(residuals)],
         ["pose", "twist", "twist_rate", "u", "forces"],
         ["external", "residuals"],
         {"cse": True},
     )
 
 
-def joint_measurement(model: Model, chain: SerialChain) -> ca.Function:
+def _seen(place: Place, turn: ca.SX, wrench: ca.SX) -> ca.SX:
+    """A wrench of {P}, whose axes in {B} are given, about and along a frame."""
+    if place.name == "sensor":
+        return wrench
+    return ca.DM(place.map) @ wrench if place.fixed else ca.vertcat(turn @ wrench[:3], turn @ wrench[3:])
+
+
+def joint_measurement(model: Model, chain: SerialChain, place: Place) -> ca.Function:
     """(joints, rates, accelerations, u, forces) -> external (6,), residuals (6,), pose (6,), as `measurement`.
 
     The model takes the chain's rotation itself; only the reported pose has angles, which say little where roll and yaw
@@ -242,7 +308,7 @@ def joint_measurement(model: Model, chain: SerialChain) -> ca.Function:
     return ca.Function(
         "joint_measurement",
         [joints, rates, accelerations, u, forces],
-        [ca.densify(v) for v in (-model.structure_at(pose) @ residuals, residuals, pose)],
+        [ca.densify(v) for v in (-_seen(place, turn, model.structure_at(pose) @ residuals), residuals, pose)],
         ["joints", "rates", "accelerations", "u", "forces"],
         ["external", "residuals", "pose"],
         {"cse": True},
@@ -281,10 +347,10 @@ def mechanics(hexapod: Hexapod) -> tuple[ca.Function, ...]:
     return struts, newton, drift
 
 
-def functions_of(result: Result) -> list[ca.Function]:
-    """All functions of a model; those of the mechanics where there is a hexapod or a chain."""
+def functions_of(result: Result, place: Place) -> list[ca.Function]:
+    """All functions of a model whose wrench is in a frame, with those of the mechanics of a hexapod or a chain."""
     case, model = result.case_as_told, result.model
     own: tuple[ca.Function, ...] = () if case.hexapod is None else mechanics(Hexapod.of(case))
     if case.chain is not None:
-        own = (joint_measurement(model, SerialChain.of(case)),)
-    return [measurement(model), coordinates(), *own]
+        own = (joint_measurement(model, SerialChain.of(case), place),)
+    return [measurement(model, place), coordinates(), *own]

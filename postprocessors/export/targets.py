@@ -37,6 +37,15 @@ class Target(NamedTuple):
     what: str
 
 
+class ChainTarget(NamedTuple):
+    """A signal chain in a language, whose wrench is about and along the frame that is chosen."""
+
+    suffix: str
+    text: Callable[[Result, str, FrameName], str]
+    named: bool
+    what: str
+
+
 class RobotTarget(NamedTuple):
     """A target that states the load, of a result or a payload, from the robot's flange."""
 
@@ -56,10 +65,12 @@ class LinkTarget(NamedTuple):
     usual: FrameName = "sensor"
 
 
-SINGLE_FILES: dict[str, Target | RobotTarget | LinkTarget] = {
-    "linuxcnc": Target(".comp", linuxcnc_component, True, "HAL component"),
-    "st": Target(".st", structured_text, True, "IEC 61131-3"),
-    "python": Target(".py", python_module, True, "a module that needs NumPy"),
+AnyTarget = Target | ChainTarget | RobotTarget | LinkTarget
+
+SINGLE_FILES: dict[str, AnyTarget] = {
+    "linuxcnc": ChainTarget(".comp", linuxcnc_component, True, "HAL component"),
+    "st": ChainTarget(".st", structured_text, True, "IEC 61131-3"),
+    "python": ChainTarget(".py", python_module, True, "a module that needs NumPy"),
     "json": Target(".json", lambda result, _: json_document(result), False, "the whole model"),
     "urscript": RobotTarget(".script", robots.urscript, False, "Universal Robots"),
     "kuka": RobotTarget(".dat", robots.kuka, False, "LOAD_DATA"),
@@ -74,8 +85,9 @@ SINGLE_FILES: dict[str, Target | RobotTarget | LinkTarget] = {
     "sdf": LinkTarget(".xml", simulators.sdf, False, "<inertial>"),
 }
 
-LINKS = tuple(name for name, target in SINGLE_FILES.items() if isinstance(target, LinkTarget))
-LOADS = tuple(name for name, target in SINGLE_FILES.items() if not isinstance(target, Target))
+LOADS = tuple(n for n, target in SINGLE_FILES.items() if not isinstance(target, Target | ChainTarget))
+FRAMED = ("c", *(n for n, target in SINGLE_FILES.items() if isinstance(target, ChainTarget | LinkTarget)))
+"""Targets that have a choice of frames."""
 TARGETS = ("c", *SINGLE_FILES)
 
 
@@ -95,7 +107,7 @@ def export(
         target: one of `TARGETS`.
         output: file, or folder for `c`; by default named after the case, in the current folder.
         frame: of a link and of the table, the frame that the load is counted in: "sensor" (the default of links),
-            "flange" (that of the table), "tool" or "base".
+            "flange" (that of the table), "tool" or "base"; of a signal chain, that of its wrench.
         force: whether to export in spite of warnings, which are written into the file.
         overwrite: whether to replace the files of an earlier export.
 
@@ -113,9 +125,8 @@ def export(
     place = None if output is None else Path(output)
     require_exportable(result, force)
     if own is None:
-        _require_no_frame(target, frame)
         result = _whole(result, target)
-        return _c_folder(result, place, overwrite)
+        return _c_folder(result, place, overwrite, frame_named(frame or "sensor"))
     usual = Path(f"{_usual_name(result)}{own.suffix}")
     file = output_place(place, usual, overwrite, "_" if own.named else "-")  # no name of a model holds "-"
     read = [result] if isinstance(result, Result) else [result.empty, result.loaded]
@@ -135,24 +146,24 @@ def preview(result: Carried, target: str, *, frame: str | None = None) -> Mappin
     """
     own, name = _target(target), _usual_name(result)
     if own is None:
-        _require_no_frame(target, frame)
-        result = _whole(result, target)
-        header, source = c_sources(result, name)
+        header, source = c_sources(_whole(result, target), name, frame_named(frame or "sensor"))
         return {f"{name}.h": header, f"{name}.c": source}
     return {f"{name}{own.suffix}": _text(result, target, own, name, frame)}
 
 
-def _target(target: str) -> Target | RobotTarget | LinkTarget | None:
+def _target(target: str) -> AnyTarget | None:
     """The target of that name; None for `c`."""
     if target not in TARGETS:
         raise HexciteError(problem=f"target {target!r} is unknown", remedy=choice(target, TARGETS), code=Code.UNKNOWN)
     return SINGLE_FILES.get(target)
 
 
-def _text(result: Carried, target: str, own: Target | RobotTarget | LinkTarget, name: str, frame: str | None) -> str:
+def _text(result: Carried, target: str, own: AnyTarget, name: str, frame: str | None) -> str:
     if isinstance(own, Target):
         _require_no_frame(target, frame)
         return own.text(_whole(result, target), name)
+    if isinstance(own, ChainTarget):
+        return own.text(_whole(result, target), name, frame_named(frame or "sensor"))
     if isinstance(result, Payload):
         require_added(result)
     if isinstance(own, RobotTarget):
@@ -178,15 +189,14 @@ def _whole(result: Carried, target: str) -> Result:
 
 def _require_no_frame(target: str, frame: str | None) -> None:
     if frame is not None:
-        links = [name for name, own in SINGLE_FILES.items() if isinstance(own, LinkTarget)]
         raise HexciteError(
             problem=f"target {target} has a frame of its own",
-            remedy=f"leave frame out, or choose {', '.join(links)}",
+            remedy=f"leave frame out, or choose {', '.join(FRAMED)}",
             code=Code.CONTRADICTION,
         )
 
 
-def _c_folder(result: Result, output: Path | None, overwrite: bool) -> list[Path]:
+def _c_folder(result: Result, output: Path | None, overwrite: bool, frame: FrameName) -> list[Path]:
     name = default_name(result.case)
     folder = output_place(output, Path(f"{name}-c"), overwrite)
     if folder.suffix in (".c", ".h"):
@@ -200,7 +210,7 @@ def _c_folder(result: Result, output: Path | None, overwrite: bool) -> list[Path
     compiled = frozenset({f"{name}.o"})  # files of a compiler there may be replaced too
     kind = FolderKind("a C model", frozenset(names) | compiled, f"{name}.h", compiled)
     check_folder(folder, kind, [Path(result.source)], overwrite)
-    header, source = c_sources(result, name)
+    header, source = c_sources(result, name, frame)
     with atomic_folder(folder, kind, overwrite) as part:
         (part / names[0]).write_text(source, encoding="ascii")
         (part / names[1]).write_text(header, encoding="ascii")

@@ -13,13 +13,13 @@ from hexcite.page.stages import Workspace
 
 def _export(context: Context, there: Workspace, fields: Fields) -> Job:
     from identification.results.frames import FRAMES
-    from postprocessors.export.targets import LINKS, TARGETS
+    from postprocessors.export.targets import FRAMED, TARGETS
 
     result, target = result_of(there, fields), chosen(fields, "to", TARGETS)
     query = f"?result={quote(result)}&to={quote(target)}"
     command = ["export", forms.place(result), "--to", target, "--case", context.machine.argument]
     frame = chosen(fields, "frame", ("", *FRAMES), "")
-    if frame and target in LINKS:
+    if frame and target in FRAMED:
         command += ["--frame", frame]
     if field(fields, "preview"):
         return job_of(

@@ -33,7 +33,7 @@ def _history(answer: Mapping[str, Any]) -> dict[str, Any]:
 def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     """What the stage Use shows of a machine, for its template."""
     from identification.results.frames import FRAMES
-    from postprocessors.export.targets import LINKS, SINGLE_FILES, TARGETS
+    from postprocessors.export.targets import FRAMED, SINGLE_FILES, TARGETS
 
     result: Made | None = chosen(there.results, query.get("result"))
     latest = {
@@ -66,7 +66,7 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
             for n, v in (force.get("rms") or {}).items()
         ],
         "frames": FRAMES,
-        "links": LINKS,
+        "links": FRAMED,
         "certificate": (answers["certificate"] or {}).get("certificate", ""),
         "certificates": sorted(file.name for file in context.root.glob("*.pdf") if file.is_file()),
         "pdf": pdf,

@@ -11,7 +11,7 @@ from identification.machines.hexapod import Hexapod
 from identification.machines.machine import Kinematics
 from identification.model.model import expected_forces
 from identification.motion.motion import Standstill
-from identification.results.force import tare
+from identification.results.taring import tare
 from identification.simulate import simulate_recording
 from postprocessors.export.calibration import MOST_STEPS, result_hash
 from postprocessors.export.code import RING, c_sources, half_window

@@ -25,7 +25,7 @@ from identification.results.payload import payload
 from identification.results.result import Result
 from postprocessors.export import export, preview
 from postprocessors.export.load import principal_axes
-from postprocessors.export.targets import SINGLE_FILES
+from postprocessors.export.targets import FRAMED, SINGLE_FILES
 from tests.helpers import examples, one_line
 from tests.postprocessors.export.calibrations import calibration, plausible
 
@@ -357,8 +357,8 @@ def test_a_standing_run_gives_mass_and_centre_and_says_that_it_is_a_point(target
 
 
 @pytest.mark.first(6)
-@pytest.mark.parametrize("target", [name for name in SINGLE_FILES if name not in ("table", "urdf", "mjcf", "sdf")])
-def test_a_frame_is_chosen_of_links_alone(target: str, turned_sensor: Result) -> None:
+@pytest.mark.parametrize("target", [name for name in SINGLE_FILES if name not in FRAMED])
+def test_a_frame_is_chosen_of_links_and_signal_chains_alone(target: str, turned_sensor: Result) -> None:
     with pytest.raises(HexciteError, match=target) as caught:
         text_of(target, turned_sensor, frame="flange")
     assert "urdf" in one_line(caught.value)

@@ -10,8 +10,8 @@ import pytest
 from cases.schema import load_case
 from identification.machines.hexapod import Hexapod
 from identification.motion.motion import Standstill
-from identification.results.force import tare
 from identification.results.result import Result
+from identification.results.taring import tare
 from identification.simulate import simulate_recording
 from postprocessors.export.calibration import MOST_STEPS, result_hash
 from postprocessors.export.code import structured_text
