@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from cases.base.errors import Code, HexciteError, IdentificationError
 from cases.base.units import Array
@@ -47,7 +48,8 @@ def identifiability_of_models(
 ) -> tuple[Identifiability, ...]:
     """The same of all models that the sensors can have, by number; errors as of `identifiability`."""
     own, _, evaluate, known = _looked_at(thing, case)
-    return of_models({number: model for number, model in models_of(own).items() if known(model)}, evaluate)
+    with threadpool_limits(limits=1, user_api="blas"):  # small matrices: a second thread would wait for the first
+        return of_models({number: model for number, model in models_of(own).items() if known(model)}, evaluate)
 
 
 def _looked_at(

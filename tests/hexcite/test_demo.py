@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,12 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser
 
+from cases.schema import Case
+from hexcite import _demo
 from identification.texts import value_text
+from planner import plan
+from planner.families.settings import FamilySettings, Manual, PointToPoint
+from planner.plans.plan import Plan
 from tests.helpers import tells
 from tests.hexcite.browser import opened
 from tests.hexcite.command_line import call
@@ -52,11 +58,23 @@ class Page(HTMLParser):
             self.text += data
 
 
-@pytest.fixture(scope="module")
-def demo(shared: Path, once: Callable[[str, Callable[[], Any]], Any]) -> dict[str, Any]:
+def short(case: Case, family: FamilySettings, **settings: Any) -> Plan:
+    """A plan of two thirds of a demo's duration, of half the moves."""
+    if isinstance(family, Manual):
+        return plan(case, family, **settings)
+    own = replace(family, moves=20) if isinstance(family, PointToPoint) else family
+    return plan(case, own, 8.0, **settings)
+
+
+@pytest.fixture(scope="module", params=["short", pytest.param("whole", marks=pytest.mark.repeats)])
+def demo(request: pytest.FixtureRequest, shared: Path, once: Callable[[str, Callable[[], Any]], Any]) -> dict[str, Any]:
     """The answer of a demo on the virtual controller."""
-    command = ("demo", "--on", "virtual", "-o", shared / "demo", "--json")
-    return once("demo", lambda: call(*command).json())
+    name = f"{request.param}-demo"
+    command = ("demo", "--on", "virtual", "-o", shared / name, "--json")
+    with pytest.MonkeyPatch.context() as patch:
+        if request.param == "short":
+            patch.setattr(_demo, "motion", short)
+        return once(name, lambda: call(*command).json())
 
 
 @pytest.fixture(scope="module")
