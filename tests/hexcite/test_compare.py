@@ -79,9 +79,15 @@ def test_what_one_does_not_determine_is_said_and_not_compared(hexapod_case: Case
     assert any("static does not determine IC33" in s for s in advice.sentences)
 
 
-def test_a_chain_is_one_excitation(chain: Chain, shared: Path):
+@pytest.fixture(scope="module")
+def entries(chain: Chain, shared: Path) -> dict[str, Entry]:
+    """A plan, its run, which is identified for that, and the result of the run."""
+    return {name: read_entry(shared / name) for name in ("result", "plan", "recording")}
+
+
+def test_a_chain_is_one_excitation(chain: Chain, entries: dict[str, Entry]):
     """The run is known by the fingerprint of its plan, the result by the hash of its recording."""
-    found = groups([read_entry(shared / name) for name in ("result", "plan", "recording")])
+    found = groups(list(entries.values()))
     assert [[e.level for e in g] for g in found] == [["planned", "identified", "identified"]]
     plan, result, run = found[0]
     assert result.duration == run.duration == pytest.approx(plan.duration, abs=0.01)
@@ -129,14 +135,14 @@ def test_programs_of_every_dialect_carry_the_plans_hash(dialect: str, chain: Cha
     assert plan_of_program(file.read_bytes()) == fingerprint_of((shared / "plan" / "plan.json").read_bytes())
 
 
-def test_criteria_of_a_plan_are_those_that_it_was_chosen_by(chain: Chain, shared: Path):
-    plan = read_entry(shared / "plan")
+def test_criteria_of_a_plan_are_those_that_it_was_chosen_by(chain: Chain, entries: dict[str, Entry]):
+    plan = entries["plan"]
     assert plan.criteria["D"] == pytest.approx(chain["plan"]["logdet"], abs=1e-6)
     assert plan.criteria["condition"] == pytest.approx(chain["plan"]["condition"], rel=1e-6)
 
 
-def test_another_plan_is_not_taken_for_the_runs_own(chain: Chain, shared: Path, by_hand: Path):
-    found = groups([read_entry(p) for p in (by_hand, shared / "recording")])
+def test_another_plan_is_not_taken_for_the_runs_own(entries: dict[str, Entry], by_hand: Path):
+    found = groups([read_entry(by_hand), entries["recording"]])
     assert [len(g) for g in found] == [1, 1]
 
 
@@ -286,8 +292,8 @@ def test_a_result_of_ones_own_machine_is_compared_by_its_file(chain: Chain, shar
     )
 
 
-def test_what_belongs_together_has_one_colour(chain: Chain, shared: Path):
-    found = groups([read_entry(shared / name) for name in ("result", "plan", "recording")])
+def test_what_belongs_together_has_one_colour(entries: dict[str, Entry]):
+    found = groups(list(entries.values()))
     other = replace(found[0][0], name="another")
     colours = [points.colour for points in std_chart([*found, [other]]).series]
     assert len(set(colours[:3])) == 1
