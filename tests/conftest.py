@@ -2,6 +2,7 @@
 
 import os
 from collections import Counter
+from importlib import import_module
 
 # Small matrices: BLAS threads only wait for each other, all the more so when several tests run side by side.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -53,6 +54,16 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
         if os.environ.get("HEXCITE_REQUIRE_LINUXCNC") == "1":
             pytest.fail(f"HEXCITE_REQUIRE_LINUXCNC=1, but {missing}")
         pytest.skip(missing)
+
+
+@pytest.fixture(params=["causes aside", pytest.param("causes sought", marks=pytest.mark.repeats)])
+def causes_aside(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Estimates that speak against themselves without the search for their cause, which a test does not ask for.
+
+    It takes several times as long as the estimate; `make full` runs such tests with it too.
+    """
+    if request.param == "causes aside":
+        monkeypatch.setattr(import_module("identification.identify"), "answer", lambda *_: None)
 
 
 @pytest.fixture(scope="session")

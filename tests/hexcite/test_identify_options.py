@@ -78,6 +78,7 @@ def test_known_values_are_kept_and_left_out_ones_are_zero(run: Path, tmp_path: P
     assert p["k3"]["std"] > 0.0
 
 
+@pytest.mark.usefixtures("causes_aside")
 def test_priors_stand_in_the_result_and_a_wrong_one_is_warned_of(run: Path, tmp_path: Path) -> None:
     answer = answer_of(run, tmp_path, "--prior", "m=33+-0.5kg", "--prior", "zC=0.105+-0.001m")
     assert answer["priors"]["m"] == {"value": 33.0, "std": 0.5}

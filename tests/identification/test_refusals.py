@@ -145,6 +145,7 @@ def place(error: BaseException) -> int:
 
 @pytest.mark.first(1)
 @pytest.mark.parametrize(("recording", "reach"), [(RUN, 110), (STILL, 0)], ids=["moving", "standstills"])
+@pytest.mark.usefixtures("causes_aside")
 def test_struts_that_cannot_close_are_named_by_their_place_in_the_recording(recording: Recording, reach: int) -> None:
     """Rows from 1000 on are impossible; in a moving run the filter smears them by its own length."""
     with pytest.raises(IdentificationError, match=r"no pose.*strut lengths") as caught:

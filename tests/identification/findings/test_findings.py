@@ -321,6 +321,7 @@ def test_forces_in_another_unit_are_told_by_the_mass(unit: str, factor: float) -
     one_line(caught.value)
 
 
+@pytest.mark.usefixtures("causes_aside")
 def test_a_model_without_inertia_is_warned_of_in_a_motion() -> None:
     motion = PoseExecution(Hexapod.of(CASE), Harmonic(seed=1, duration=4.0))
     found = estimate_parameters(simulate_recording(CASE, motion, np.array([[0.2, 3.8]]), 1), CASE, 3)

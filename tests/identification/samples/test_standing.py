@@ -145,6 +145,7 @@ def test_inertia_that_is_known_or_left_out_is_not_asked_of_standstills() -> None
         estimate_parameters(averages, CASE, 9, Method(dropped=tuple(inertia[1:])))
 
 
+@pytest.mark.usefixtures("causes_aside")
 def test_a_restless_standstill_counts_less() -> None:
     many = measured(poses(20))
     windows = find_standstills(many, SETTLE)

@@ -25,6 +25,7 @@ def test_sound_runs_are_not_accused_and_are_right(seed: int, memory: float | Non
     assert np.abs(errors).max() < 5.0
 
 
+@pytest.mark.usefixtures("causes_aside")
 def test_inertia_that_a_model_leaves_out_is_said_with_the_model_to_choose() -> None:
     estimate = estimate_parameters(wrist_recording(0), CASE, 0)
     (said,) = [w for w in estimate.warnings if "choose model 6" in w]
