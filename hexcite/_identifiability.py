@@ -85,7 +85,7 @@ def _looked_at(
                     code=Code.MISSING,
                 )
             own = thing.case if case is None else case
-            return own, thing.record.model, *_at_samples(thing.estimate.evaluated, thing.estimate.at)
+            return own, thing.record.model, *_at_samples(thing.estimate.samples, thing.estimate.at)
         case _:
             if case is None:
                 raise HexciteError(

@@ -134,11 +134,11 @@ def _identified(
     estimate = replace(estimate, findings=(*changed, *differences, *estimate.findings))
     seconds = None if about.executed is None else about.executed.executed_s  # the time that it took
     if seconds is None and run.t is not None:
-        seconds = estimate.evaluated.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter
+        seconds = estimate.samples.recorded_count * float(np.median(np.diff(run.t)))  # stamps of a host jitter
     files = files_of(run.paths)
-    stated = stated_noise(estimate.evaluated, estimate.fit, case)
+    stated = stated_noise(estimate.samples, estimate.fit, case)
     noise = {
-        "measured": noise_of_channels(estimate.evaluated, estimate.fit).tolist(),
+        "measured": noise_of_channels(estimate.samples, estimate.fit).tolist(),
         "stated": None if stated is None else stated.tolist(),
         "evaluated": np.sqrt(np.mean(estimate.fit.residuals**2, axis=0)).tolist(),
     }
@@ -237,7 +237,7 @@ def estimate_parameters(
                 if not error.doubtful:
                     raise
                 raise _explained(error, answer(recording, case, model, evaluate)) from error
-            if not doubtful(estimate.evaluated, estimate.fit, case, estimate.findings):
+            if not doubtful(estimate.samples, estimate.fit, case, estimate.findings):
                 return estimate
             said = answer(recording, case, model, evaluate, estimate.fit)
             if said is None:
@@ -259,7 +259,7 @@ def _effect(run: Recording, case: Case, estimate: Estimate, how: Method, treatme
     figures = {
         "s0": {key: e.s0 for key, e in both.items()},
         "white_noise": {key: e.fit.white_noise for key, e in both.items()},
-        "samples": {key: e.evaluated.samples for key, e in both.items()},
+        "samples": {key: e.samples.recorded_count for key, e in both.items()},
     }
     parameters = {
         name: {

@@ -87,7 +87,7 @@ class Trial:
             "load_kg": self.load,
             "duration_s": self.duration,
             "model": self.estimate.model.number,
-            "samples": self.estimate.evaluated.samples,
+            "samples": self.estimate.samples.recorded_count,
             "s0_N": self.s0,
             "parameters": {name: value._asdict() for name, value in self.estimate.physical.items()},
             "relative_deviation": {n: self.deviation(n) for n in SHOWN if self.deviation(n) is not None},

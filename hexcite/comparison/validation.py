@@ -98,7 +98,7 @@ def _entry(case: Case, trial: Trial) -> Entry:
     estimate = trial.estimate
     return Entry(
         trial.method, "identified", Conditions(case), estimate.model.number, METHODS[trial.method].family,
-        trial.duration, estimate.evaluated.samples, {}, estimate.physical, estimate.s0, {}, estimate.warnings,
+        trial.duration, estimate.samples.recorded_count, {}, estimate.physical, estimate.s0, {}, estimate.warnings,
         estimate.fit.white_noise, residual=estimate.s0_N,
     )  # fmt: skip
 

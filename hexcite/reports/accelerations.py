@@ -30,7 +30,7 @@ def planned_accelerations(case: Case, motion: Trajectory, begins: float = 0.0) -
 
 def measured_accelerations(estimate: Estimate) -> Accelerations | None:
     """Those of a run by its drives, behind the evaluation's filter; None where nothing moves, or it is not known."""
-    samples, at = estimate.evaluated, estimate.at
+    samples, at = estimate.samples, estimate.at
     if isinstance(samples, Run):
         return samples.t, samples.kinematics(at).twist_rate
     motion = samples.motion(at)

@@ -257,9 +257,9 @@ def misfit_blocks(result: Result) -> tuple[Block, ...]:
             rows = [(e["follows"], e["as_with"], f"{100 * e['share']:.2g} %", f"{e['chance']:.0e}") for e in effects]
             blocks.append(table(("residuals follow", "as with", "share of their power", "chance of it by noise"), rows))
     made = result.estimate
-    stated = None if made is None else stated_noise(made.evaluated, made.fit, result.case)
+    stated = None if made is None else stated_noise(made.samples, made.fit, result.case)
     if made is not None and stated is not None:
-        noise = noise_of_channels(made.evaluated, made.fit)
+        noise = noise_of_channels(made.samples, made.fit)
         rows = [
             (name, f"{n:.3g}", f"{s:.3g}", f"{n / s:.2g}") for name, n, s in zip(channels, noise, stated, strict=True)
         ]

@@ -33,15 +33,15 @@ from identification.samples.samples import Fitted, Samples
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """The result of an identification."""
+    """The result of an identification: a fit without its regression, which is large, and what was found about it."""
 
     case: Case
     source: str  # the recording
-    how: Method
+    method: Method
     # u alone, without nuisances; `residuals`, not saved, are those behind the filter; `weights` are ones where only
     # ratios count
     fit: Fit
-    evaluated: Samples  # samples that it was made from
+    samples: Samples  # samples that were evaluated
     residuals: Array  # recorded forces less the model, shape (n, 6) [N, or N and N m]
     s0: float  # (27), of the recorded forces; dimensionless where weights are given, else [N]
     delay: Value | None  # delay of the forces [s], where it was estimated
@@ -54,7 +54,7 @@ class Estimate:
     @property
     def model(self) -> Model:
         """The model that was identified."""
-        return self.evaluated.model
+        return self.samples.model
 
     @property
     def at(self) -> float:
@@ -125,10 +125,10 @@ def _s0(fitted: Fitted) -> float:
     Where only some of the samples of a run are evaluated, their mean square stands for that of all.
     """
     samples, residuals = fitted.samples, fitted.residuals * np.reshape(fitted.samples.scale, (-1, 1))
-    forces = residuals.shape[1] * samples.samples
+    forces = residuals.shape[1] * samples.recorded_count
     freedom = forces - len(fitted.method.selection(samples.model).names)
     power = float(np.mean(np.einsum("nk,kl,nl->n", residuals, fitted.w, residuals)))
-    return float(np.sqrt(power * samples.samples / freedom))
+    return float(np.sqrt(power * samples.recorded_count / freedom))
 
 
 SCHEMA_VERSION = 1
@@ -149,9 +149,10 @@ Delay = Annotated[
 Input = Annotated[Mapping[Literal["file", "sha256"], str], Field(min_length=2)]
 
 
-class Origin(BaseModel, strict=True, frozen=True, allow_inf_nan=False, populate_by_name=True):
-    """What a result was made of; entries with a default may be absent."""
+class ResultEntries(BaseModel, strict=True, frozen=True, allow_inf_nan=False, populate_by_name=True):
+    """Entries of `result.json`; those with a default may be absent."""
 
+    # what it was made of
     case: str
     case_hash: str
     case_file: str | None = None
@@ -174,10 +175,7 @@ class Origin(BaseModel, strict=True, frozen=True, allow_inf_nan=False, populate_
     tared: Mapping[str, Entries] | None = None  # of each channel its offset `before` and `after`, with `change_std`
     stale: tuple[str, ...] = ()
 
-
-class Parameters(Origin):
-    """Parameters in both forms [SI], and what was known of them."""
-
+    # parameters in both forms [SI], and what was known of them
     model: int
     known: Entries | None = None
     dropped: tuple[str, ...] = ()
@@ -193,10 +191,7 @@ class Parameters(Origin):
     physical: NearestBody | None = None  # nearest body that can exist, where that is not the estimate
     delay_s: Delay | None
 
-
-class ResultEntries(Parameters):
-    """Entries of `result.json`."""
-
+    # how well the model fits
     weights: str
     s0: NonNegativeFloat  # (27)
     white_noise: NonNegativeFloat
@@ -247,11 +242,11 @@ def entries_of(estimate: Estimate, files: Sequence[Path] = (), **origin: Any) ->
 
     Args:
         files: files that were read.
-        origin: what else it was made of, by field of `Origin`.
+        origin: what else it was made of, by field of `ResultEntries`.
     """
     about = provenance(files)
     common: dict[str, Any] = {"tolerance_biases": rows_of(estimate.biases)} if estimate.biases else {}
-    fit, how, model, case = estimate.fit, estimate.how, estimate.model, estimate.case
+    fit, method, model, case = estimate.fit, estimate.method, estimate.model, estimate.case
     return ResultEntries(
         case=case.name,
         case_hash=case.hash,
@@ -259,19 +254,19 @@ def entries_of(estimate: Estimate, files: Sequence[Path] = (), **origin: Any) ->
         inputs=tuple(about["inputs"]),
         versions=about["versions"],
         model=model.number,
-        known=how.known,
-        dropped=tuple(how.dropped),
-        priors={p.name: {"value": p.value, "std": p.std} for p in how.priors},
+        known=method.known,
+        dropped=tuple(method.dropped),
+        priors={p.name: {"value": p.value, "std": p.std} for p in method.priors},
         **entries_of_parameters(estimate.physical, fit.values, fit.covariance, fit.covariance_robust),
         names=tuple(model.names),
         **common,
         delay_s=estimate.delay,
-        weights=how.weights or case.sensors.weights,
+        weights=method.weights or case.sensors.weights,
         s0=estimate.s0,
         white_noise=fit.white_noise,
         s0_N=estimate.s0_N,
         residual_rms=tuple(estimate.residual_rms.tolist()),
-        samples=estimate.evaluated.samples,
+        samples=estimate.samples.recorded_count,
         degrees_of_freedom=fit.freedom,
         rank=fit.rank,
         condition=fit.condition,

@@ -81,7 +81,7 @@ class Result:
     def residuals(self) -> Residuals | None:
         """Residuals of the recorded forces; None where it was loaded."""
         made = self.estimate
-        return None if made is None else made.evaluated.series(made.at, made.fit.values)
+        return None if made is None else made.samples.series(made.at, made.fit.values)
 
     @property
     def findings(self) -> tuple[Finding, ...]:

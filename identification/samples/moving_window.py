@@ -150,8 +150,8 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
         )
     t, recorded, forces = signals_at(recording, low_pass, rows)
     return Run(
-        model=model, t=t, recorded=recorded, forces=forces, samples=len(window), window=warnings, filter=low_pass,
-        recording=recording, machine=machine_of(case), rows=rows, spoilt=invalid,
+        model=model, t=t, recorded=recorded, forces=forces, recorded_count=len(window), window=warnings,
+        filter=low_pass, recording=recording, machine=machine_of(case), rows=rows, spoilt=invalid,
     )  # fmt: skip
 
 

@@ -78,7 +78,7 @@ class Samples(ABC):
     t: Array  # times, shape (n,) [s]; of standstills without a clock their numbers from 1
     recorded: Array  # forces as recorded, shape (n, 6) [N, or N and N m]
     forces: Array  # forces as the estimator uses them, shape (n, 6)
-    samples: int  # number of recorded samples that they stand for
+    recorded_count: int  # number of recorded samples that they stand for
     window: tuple[Finding, ...] = ()  # findings about the part of the recording that they are from
     scale: Array | float = 1.0  # what forces and A are multiplied by in a fit, shape (n,)
     # names of what is estimated beside the model, the delay last; none where nothing moves
@@ -136,7 +136,7 @@ class Samples(ABC):
         """The same without the samples that are marked, shape (n,)."""
         mask = ~left_out
         entries = {name: getattr(self, name)[mask] for name in self.each}
-        return replace(self, samples=round(self.samples * float(mask.mean())), **entries)
+        return replace(self, recorded_count=round(self.recorded_count * float(mask.mean())), **entries)
 
     def excerpt(self, times: int = 1) -> Self:
         """A part of a long run that stands for all of it, `fair_part`; the samples themselves where that is all."""

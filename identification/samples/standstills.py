@@ -228,7 +228,7 @@ def standstills(recording: Recording, case: Case, model: Model) -> Standstills:
     scale = np.ones(len(valid)) if recording.weights is None else recording.weights
     forces, scale = recording.forces[valid], scale[valid]
     return Standstills(
-        model=model, t=t[valid], recorded=forces, forces=forces * scale[:, None], samples=len(forces),
+        model=model, t=t[valid], recorded=forces, forces=forces * scale[:, None], recorded_count=len(forces),
         matrices=matrices, scale=scale, clocked=recording.t is not None, standing=standing,
     )  # fmt: skip
 

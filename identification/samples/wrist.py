@@ -196,7 +196,7 @@ def wrist_run(
     quiet = _quiet(turning, accelerometer, cutoff, model)
     return WristRun(
         model=model, filter=low_pass, calm=quiet, t=t[samples], forces=smooth[samples],
-        recorded=recorded[inner][samples], quaternion=quaternion, specific_force=specific, samples=len(rows),
+        recorded=recorded[inner][samples], quaternion=quaternion, specific_force=specific, recorded_count=len(rows),
         window=warnings,
     )  # fmt: skip
 

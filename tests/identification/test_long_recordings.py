@@ -55,8 +55,8 @@ def test_parameters_and_delay_are_those_of_the_whole_run(monkeypatch: pytest.Mon
     assert whole.delay is not None
     assert begun.delay is not None
     assert abs(begun.delay.value - whole.delay.value) < 0.01 * whole.delay.std
-    assert (begun.evaluated.samples, begun.fit.freedom) == (
-        whole.evaluated.samples,
+    assert (begun.samples.recorded_count, begun.fit.freedom) == (
+        whole.samples.recorded_count,
         whole.fit.freedom,
     )
     assert begun.s0_N == pytest.approx(whole.s0_N, rel=1e-6)
@@ -92,4 +92,4 @@ def test_a_contact_is_found_wherever_it_is(start: float, monkeypatch: pytest.Mon
     places = [[w.split(", up to")[0] for w in e.warnings if "external contact" in w] for e in (whole, begun)]
     assert places[0] == places[1]
     assert f"from {start:.1f}" in places[1][0]
-    assert begun.evaluated.samples == whole.evaluated.samples
+    assert begun.samples.recorded_count == whole.samples.recorded_count

@@ -137,7 +137,7 @@ def test_clipped_forces_are_left_out_with_their_rows() -> None:
     assert any(re.match(r"lines? \d+", w) for w in found.warnings)
     rows = [k for k, name in enumerate(found.model.names) if not name.startswith("f_q0")]
     assert np.abs((found.fit.values - TRUTH) / np.sqrt(np.diag(found.fit.covariance)))[rows].max() < 4.5
-    assert ignored.evaluated.samples > found.evaluated.samples
+    assert ignored.samples.recorded_count > found.samples.recorded_count
 
 
 def test_a_channel_that_sticks_for_a_while_is_left_out_with_its_rows() -> None:
@@ -268,7 +268,7 @@ def test_a_motion_slower_than_anything_that_counts_as_moving_is_still_evaluated(
     recording = replace(simulate_recording(case, slow, np.array([[0.0, 1.0]]), 0, "run.csv"), trigger=None)
     estimate = estimate_parameters(recording, case, 5)
     assert any("1 mm/s" in w for w in estimate.warnings)
-    assert estimate.evaluated.samples > 0.99 * 2000 * 20 - 200
+    assert estimate.samples.recorded_count > 0.99 * 2000 * 20 - 200
     assert estimate.physical["m"].value == pytest.approx(31.83, abs=0.2)
 
 

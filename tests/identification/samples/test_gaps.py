@@ -103,7 +103,7 @@ def test_damage_costs_itself_and_the_filters_reach(
     edit, lost, says = DAMAGES[damage]
     estimate = identified(damaged(lines, tmp_path, edit))
     expected = 3600 - (1e3 if "pause" not in damage else 0.0) * lost - 2e3 * MARGIN
-    assert estimate.evaluated.samples == pytest.approx(expected, abs=4)
+    assert estimate.samples.recorded_count == pytest.approx(expected, abs=4)
     apart = np.abs(estimate.fit.values - sound.fit.values) / np.sqrt(np.diag(sound.fit.covariance))
     assert apart.max() < 3.0
     assert all(any(w.startswith(text) for w in estimate.warnings) for text in says)
@@ -138,7 +138,7 @@ def test_values_beyond_the_filters_reach_are_those_of_the_sound_run(lines: list[
 )
 def test_a_few_samples_are_bridged(edit: Edit, lines: list[str], sound: Estimate, tmp_path: Path) -> None:
     estimate = identified(damaged(lines, tmp_path, edit))
-    assert estimate.evaluated.samples == sound.evaluated.samples
+    assert estimate.samples.recorded_count == sound.samples.recorded_count
     assert len(estimate.warnings) == len(sound.warnings) + 1
     apart = np.abs(estimate.fit.values - sound.fit.values) / np.sqrt(np.diag(sound.fit.covariance))
     assert 0.0 < apart.max() < 1.0
