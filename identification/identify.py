@@ -40,7 +40,7 @@ from identification.recording.recording import Recording
 from identification.results.estimate import Estimate, entries_of, estimate_of
 from identification.results.result import Result
 from identification.samples.moving_window import delimited, moving_run, on_one_clock, stands_only
-from identification.samples.sample_checks import scan
+from identification.samples.sample_checks import CleanRun, scan
 from identification.samples.samples import GAUSS_MARKOV, Fitted, Samples, fit_samples
 from identification.samples.standstills import among, average, find_standstills, match, standstills
 from identification.samples.treatment import Treatment
@@ -336,11 +336,12 @@ def samples_of(recording: Recording, case: Case, model: Model) -> Samples:
         RecordingError: the run cannot be evaluated.
     """
     run, _ = standing_of(on_one_clock(recording, case), case)
-    return evaluated_samples(scan(run, case)[1], case, model)
+    return evaluated_samples(scan(run, case), case, model)
 
 
-def evaluated_samples(recording: Recording, case: Case, model: Model, treatment: Treatment | None = None) -> Samples:
-    """Samples of a recording on one clock without what no estimate may use, ready to be evaluated."""
+def evaluated_samples(clean: CleanRun, case: Case, model: Model, treatment: Treatment | None = None) -> Samples:
+    """The samples of a run, ready to be evaluated."""
+    recording = clean.recording
     if treatment is not None:
         return treatment.run(recording, case, model)
     if recording.t is None or case.setup == "1a":
@@ -355,10 +356,9 @@ def evaluated_samples(recording: Recording, case: Case, model: Model, treatment:
 class FittedRun(NamedTuple):
     """A fit, with what was seen on the way to it."""
 
-    recording: Recording  # without the samples that no estimate may use
+    clean: CleanRun
     fitted: Fitted
     contacts: tuple[Contact, ...]
-    findings: tuple[Finding, ...]  # about the recording
 
 
 def fitted_run(
@@ -375,15 +375,15 @@ def fitted_run(
             remedy="choose a model from 0 to 5, or record a motion",
             code=Code.NO_EXCITATION,
         )
-    scanned, recording = scan(recording, case)
+    clean = scan(recording, case)
     plain = Method(weights=method.weights_for(case.sensors))
-    samples = evaluated_samples(recording, case, model, treatment)
+    samples = evaluated_samples(clean, case, model, treatment)
     delay = None if samples.wide is None else fit_samples(samples.wide, plain, case.sensors).delay
-    fitted, contacts = free_of_contact(recording, fit_samples(samples, method, case.sensors, fixed_delay=delay))
+    fitted, contacts = free_of_contact(clean.recording, fit_samples(samples, method, case.sensors, fixed_delay=delay))
     if contacts and samples.wide is not None:
         delay = fit_samples(samples.wide.without(touched(samples.wide.t, contacts)), plain, case.sensors).delay
         fitted = fit_samples(fitted.samples, method, case.sensors, fixed_delay=delay)
-    return FittedRun(recording, refined(fitted), contacts, scanned)
+    return FittedRun(clean, refined(fitted), contacts)
 
 
 def refined(fitted: Fitted) -> Fitted:
@@ -440,9 +440,8 @@ def _estimated(
     recording: Recording, case: Case, model: Model, method: Method, treatment: Treatment | None = None
 ) -> Estimate:
     """The estimate with all that its residuals say; errors as of `identify`."""
-    (recording, fitted, contacts, scanned), used, told, told_of = fitted_with_sizes(
-        recording, case, method, model.number, treatment
-    )
+    (clean, fitted, contacts), used, told, told_of = fitted_with_sizes(recording, case, method, model.number, treatment)
+    recording = clean.recording
     odd = odd_clock(recording, case) if fitted.samples.nuisances else None
     systematic = systematic_of(fitted, used, odd, told)
     drift = drift_of(fitted) if systematic is None else systematic.drift
@@ -451,7 +450,7 @@ def _estimated(
     findings += noisy_drives(case, fitted, systematic)
     findings += clock_findings(odd)
     findings += drift_findings(recording, case, fitted, drift)
-    findings += [*scanned, *fitted.samples.findings(fitted.fit)]
+    findings += [*clean.findings, *fitted.samples.findings(fitted.fit)]
     findings += contact_findings(recording, contacts)
     findings += [*fit_findings(recording, case, fitted), *told_of]
     allowed = allowed_for(fitted, systematic)

@@ -518,10 +518,10 @@ def _trial(files: Sequence[Path], settings: Mapping[str, Any], case: Case | None
             read_run = read(files, own)
             findings = [*read_run.findings]
             whole = on_one_clock(read_run, own)
-            scanned, recording = scan(whole, own)
-            done = [*findings, *scanned]
-            if recording.t is not None:
-                checked_filter(recording, own)
+            clean = scan(whole, own)
+            done = [*findings, *clean.findings]
+            if clean.recording.t is not None:
+                checked_filter(clean.recording, own)
             tried.doubts += _refused_by_identify(whole, own, files[0]) if fitted else []
     except HexciteError as error:
         if isinstance(error, CaseError):

@@ -18,7 +18,7 @@ from cases.base.units import Array, as_html
 from cases.schema import Case
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Value, column_scale, triangle
-from identification.identify import default_model, evaluated_samples, fitted_run, refined, standing_of
+from identification.identify import FittedRun, default_model, evaluated_samples, fitted_run, refined, standing_of
 from identification.model.model import Model
 from identification.recording.recording import Recording
 from identification.results.estimate import estimate_of
@@ -168,11 +168,11 @@ def identify_models(
         fits = _fits(run, case, models, how)
         made = {number: fit for number, fit in fits.items() if isinstance(fit, Fitted)}
         if not made:
-            first = next(iter(fits.values()))
+            first = next(fit for fit in fits.values() if isinstance(fit, HexciteError))
             raise IdentificationError(
                 place=recording.source,
-                problem="no model can be identified",
-                remedy=f"the largest: {first}",
+                problem=f"no model can be identified; the largest: {first.said.problem}",
+                remedy=first.said.remedy,
                 code=Code.NO_EXCITATION,
             )
         weights = made[max(made, key=lambda n: len(models[n].names))].w
@@ -185,7 +185,7 @@ def identify_models(
     for number, model in models.items():
         fit = fits[number]
         if not isinstance(fit, Fitted):
-            rows.append(ModelRow(number, len(model.names), fit))
+            rows.append(ModelRow(number, len(model.names), fit.problem))
             continue
         estimate = estimate_of(fit, recording.source, case, ())
         rms = float(np.sqrt(errors[number].mean() / 6.0))
@@ -204,27 +204,26 @@ def carried(run: Recording, case: Case) -> dict[int, Model]:
 
 def _fits(
     run: Recording, case: Case, models: Mapping[int, Model], how: Method | Callable[[Model], Method]
-) -> dict[int, Fitted | str]:
+) -> dict[int, Fitted | HexciteError]:
     """The fit of each model to the same samples, or why there is none.
 
     Contact is looked for with the largest model: to a smaller one all that it lacks may look like a push.
     """
-    fits: dict[int, Fitted | str] = {}
-    clean, instants, delay = run, None, None
+    fits: dict[int, Fitted | HexciteError] = {}
+    first: FittedRun | None = None
     for number, model in sorted(models.items(), key=lambda item: -len(item[1].names)):
         try:
             method = how if isinstance(how, Method) else how(model)
-            if instants is None:
-                clean, fits[number], contacts, _ = first = fitted_run(run, case, model, method)
-                del contacts
-                instants = first.fitted.samples.t
-                delay = None if first.fitted.samples.wide is None else first.fitted.delay
+            if first is None:
+                first = fitted_run(run, case, model, method)
+                fits[number] = first.fitted
                 continue
-            samples = evaluated_samples(clean, case, model)
-            samples = samples.without(~np.isin(samples.t, instants))
+            samples = evaluated_samples(first.clean, case, model)
+            samples = samples.without(~np.isin(samples.t, first.fitted.samples.t))
+            delay = None if first.fitted.samples.wide is None else first.fitted.delay
             fits[number] = refined(fit_samples(samples, method, case.sensors, fixed_delay=delay))
         except HexciteError as error:  # also of a known value that this model does not have
-            fits[number] = error.problem
+            fits[number] = error
     return {number: fits[number] for number in models}
 
 

@@ -5,6 +5,7 @@ Samples that no estimate may use are marked and named with their place; what mak
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -55,8 +56,15 @@ def places(lines: Lines, rows: Flags) -> str:
     return f"{lines.word}{plural} {', '.join(ranges)}{more}"
 
 
-def scan(recording: Recording, case: Case) -> tuple[tuple[Finding, ...], Recording]:
-    """Findings about a recording, and the recording with all samples marked missing that no estimate may use.
+class CleanRun(NamedTuple):
+    """A run on one clock that was looked through by `scan`."""
+
+    recording: Recording  # all samples that no estimate may use are marked missing
+    findings: tuple[Finding, ...]  # about the recording
+
+
+def scan(recording: Recording, case: Case) -> CleanRun:
+    """The run of a recording on one clock, its standstills averaged where it has any, without unusable samples.
 
     Args:
         case: range of the sensors, workspace and limits of the machine.
@@ -86,7 +94,7 @@ def scan(recording: Recording, case: Case) -> tuple[tuple[Finding, ...], Recordi
             remedy="mend the sensor and record again, or name the case of the machine that was recorded",
             code=Code.DAMAGED,
         ).in_doubt()
-    return tuple(findings), replace(recording, missing=bad)
+    return CleanRun(replace(recording, missing=bad), tuple(findings))
 
 
 def unmeasured(recording: Recording) -> tuple[Finding, ...]:

@@ -80,7 +80,7 @@ def answer(recording: Recording, case: Case, model: Model, evaluate: Evaluate, f
     """
     clean = recording
     with suppress(HexciteError):
-        _, clean = scan(recording, case)
+        clean = scan(recording, case).recording
     found = search(clean, case, model, fit)
     if found is None or found.sound:
         return None

@@ -148,7 +148,7 @@ def test_a_channel_that_sticks_for_a_while_is_left_out_with_its_rows() -> None:
 
 def test_what_befalls_several_channels_alike_is_one_finding() -> None:
     stuck = with_forces(lambda f: f.__setitem__((slice(800, 1000), [1, 4]), f[800, [1, 4]]), run(1))
-    (warning,) = [w for w in map(str, scan(stuck, CASE)[0]) if "stuck" in w]
+    (warning,) = [w for w in map(str, scan(stuck, CASE).findings) if "stuck" in w]
     assert re.search(r"channel \d .*stuck.*likewise channel \d.*left out", warning)
 
 
@@ -177,7 +177,7 @@ def test_an_acceleration_that_steps_is_no_glitch() -> None:
         for row in (600, 900, 1500, 2100):
             forces[row:] += np.array([200.0, -150.0, 100.0, 80.0, -60.0, 120.0]) * (1 if row < 1000 else -1)
 
-    assert scan(with_forces(steps, run(0)), CASE)[0] == ()
+    assert scan(with_forces(steps, run(0)), CASE).findings == ()
 
 
 def test_a_jerk_that_changes_its_sign_is_no_glitch() -> None:
@@ -191,8 +191,8 @@ def test_a_jerk_that_changes_its_sign_is_no_glitch() -> None:
     recording = simulate_recording(quiet, execution, np.array([[0.0, moves.duration]]), 0, "run.csv")
     away = recording.forces[1:-1] - (recording.forces[:-2] + recording.forces[2:]) / 2
     assert np.abs(away).max() > 40.0 * np.median(np.abs(away))
-    assert scan(recording, quiet)[0] == ()
-    (told,) = map(str, scan(with_forces(lambda f: f.__setitem__((500, 2), f[500, 2] + 5.0), recording), quiet)[0])
+    assert scan(recording, quiet).findings == ()
+    (told,) = map(str, scan(with_forces(lambda f: f.__setitem__((500, 2), f[500, 2] + 5.0), recording), quiet).findings)
     size = re.search(r"line 502: channel 3 jumps by up to ([\d.]+) N", told)
     assert size is not None
     assert float(size[1]) == pytest.approx(5.0, abs=0.5)
@@ -220,7 +220,7 @@ def test_what_accelerations_leap_by_between_moves_is_the_motion_s(seed: int) -> 
     recording = simulate_recording(CASE, execution, np.array([[0.25, execution.duration - 0.25]]), seed, "run.csv")
     away = recording.forces[1:-1] - (recording.forces[:-2] + recording.forces[2:]) / 2
     assert np.abs(away).max() > 20.0
-    assert scan(recording, CASE)[0] == ()
+    assert scan(recording, CASE).findings == ()
     assert not [w for w in estimate_parameters(recording, CASE).warnings if "contact" in w or "jumps" in w]
 
 

@@ -120,7 +120,7 @@ def test_values_beyond_the_filters_reach_are_those_of_the_sound_run(lines: list[
     whole = whole.at(np.arange(0, 3700, 5))
     for edit in (without(1500, 1580), emptied(1500, 1580, 3, "1e30"), emptied(1500, 1580, 10)):
         broken = read(damaged(lines, tmp_path, edit), CASE)
-        run = moving_run(scan(broken, CASE)[1], CASE, model)
+        run = moving_run(scan(broken, CASE).recording, CASE, model)
         assert run.spoilt is not None
         run = run.at(np.flatnonzero(~run.spoilt))
         every = np.flatnonzero(np.isin(whole.t.round(6), run.t.round(6)))

@@ -34,14 +34,14 @@ def test_forces_beyond_twice_the_range_are_at_its_end_whatever_their_constant() 
 @pytest.mark.parametrize("digit", [2.0, 10.0])
 def test_a_sensor_of_coarse_digits_is_not_stuck(digit: float) -> None:
     coarse = digit * np.rint(RUN.forces / digit)
-    findings, scanned = scan(recording(coarse), CASE)
+    scanned, findings = scan(recording(coarse), CASE)
     assert not scanned.bad.any(), [str(f) for f in findings]
 
 
 def test_a_sensor_that_is_stuck_is_found_among_coarse_ones() -> None:
     coarse = 2.0 * np.rint(RUN.forces / 2.0)
     coarse[1500:2500, 2] = coarse[1500, 2]
-    findings, scanned = scan(recording(coarse), CASE)
+    scanned, findings = scan(recording(coarse), CASE)
     assert scanned.bad[1500:2500].mean() > 0.9
     assert "stuck" in str(findings[0])
 

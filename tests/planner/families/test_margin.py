@@ -106,5 +106,5 @@ def test_a_noisy_run_of_a_plan_that_keeps_the_margin_gets_no_word_about_the_work
     ends = 1e3 * run.struts.min() - left, 1e3 * run.struts.max() + left
     for table in (data["limits"]["motion"], data["workspace"]):
         table["strut_length_mm"] = ends
-    findings, _ = scan(replace(run, struts=struts), Case.model_validate(data))
+    _, findings = scan(replace(run, struts=struts), Case.model_validate(data))
     assert any("outside the workspace" in f.sentence for f in findings) is told
