@@ -146,7 +146,9 @@ def payload(
         ),
     ] = None,
     force: Annotated[bool, option("Export it with warnings; they are written into the file.", "--force")] = False,
-    output: Annotated[Path | None, out("JSON file to write; with --to the file of the target.")] = None,
+    output: Annotated[
+        Path | None, out("JSON file to write, with a page beside it; with --to the file of the target.")
+    ] = None,
     stale: Stale = False,
     overwrite: Overwrite = False,
     json: Json = False,
@@ -154,15 +156,18 @@ def payload(
     """Compute a payload from runs without and with it.
 
     Mass, centre of gravity and inertia, as far as both results determine them. With -o they are written, with the
-    fingerprints of both results, or with --to for the robot or simulator that has to know them. With --reference: E_n
-    of each, the difference over the root of both squared U (k = 2); exit code 1 where one is above 1.
+    fingerprints of both results and a page beside them, or with --to for the robot or simulator that has to know them.
+    With --reference: E_n of each, the difference over the root of both squared U (k = 2); exit code 1 where one is
+    above 1.
     """
     if to is None and output is not None:
         check_file(output, [".json"], [before, after], overwrite)
+        check_file(output.with_suffix(".html"), [".html"], [before, after], overwrite)
     old = hx.Result.load(before, None if case is None else hx.load_case(case), stale)
     found = hx.payload(old, hx.Result.load(after, old.case, stale))
     answer = found.to_json()
     texts: list[object] = [found]
+    body = None
     if frame is not None:
         from identification.results.frames import frame_named
 
@@ -181,8 +186,12 @@ def payload(
         answer["file"] = str(files[0])
         texts.append(f"payload written: {files[0]}")
     elif output is not None:
+        from hexcite.reports.payload import payload_page
+
         write_text(output, json_text(answer))
-        texts.append(f"payload written: {output}")
+        write_text(page := output.with_suffix(".html"), payload_page(found, body, verdict))
+        answer |= {"file": str(output), "report": str(page)}
+        texts.append(f"payload written: {output}, and its page {page}")
     answered(answer, json, *texts)
     if verdict is not None and not verdict.passed:
         raise typer.Exit(1)

@@ -10,11 +10,14 @@ if TYPE_CHECKING:
     from hexcite.comparison.validation import Validation
     from identification.results.force import ExternalForce
     from identification.results.history import History
+    from identification.results.payload import Payload
     from identification.results.result import Result
     from planner.plans.plan import Plan
 
 
-def report(value: "Plan | Result | Comparison | Validation | ExternalForce | History", file: Path | str) -> None:
+def report(
+    value: "Plan | Result | Comparison | Validation | ExternalForce | History | Payload", file: Path | str
+) -> None:
     """Writes the page of a value, one HTML file that needs no network."""
     write_text(Path(file), page_of(value))
 
@@ -42,6 +45,10 @@ def page_of(value: Any) -> str:
             from hexcite.reports.force import force_page
 
             return force_page(value)
+        case "Payload":
+            from hexcite.reports.payload import payload_page
+
+            return payload_page(value)
         case _:
             from hexcite.reports.validation import validation_page
 

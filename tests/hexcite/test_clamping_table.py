@@ -66,7 +66,11 @@ def test_two_standstills_weigh_the_payload_and_refuse_its_height_by_name(results
 def test_a_payload_is_written_with_what_it_was_computed_from(results: tuple[Path, Path], tmp_path: Path) -> None:
     file = tmp_path / "payload.json"
     answer = call("payload", *results, "--case", "clamping_table", "-o", file, "--json").json()
+    assert (answer.pop("file"), answer.pop("report")) == (str(file), str(file.with_suffix(".html")))
     assert json.loads(file.read_text()) == answer
+    page = file.with_suffix(".html").read_text()
+    assert "zC not determined" in page
+    assert answer["computed_from"]["with"]["sha256"] in page
     for name, folder in zip(("without", "with"), results, strict=True):
         content = (folder / "result.json").read_bytes()
         assert answer["computed_from"][name]["sha256"] == hashlib.sha256(content).hexdigest()

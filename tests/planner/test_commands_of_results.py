@@ -49,6 +49,11 @@ def test_a_reference_of_a_payload_needs_an_uncertainty(folder: Path) -> None:
     assert "m=2kg" in call("payload", *runs, "--reference", "m=2kg").refusal()
     agrees = call("payload", *runs, "--reference", "m=5+-0.02kg", "--json").json()
     assert agrees["reference"]["passed"]
-    differs = call("payload", *runs, "--reference", "m=5.5+-0.02kg")
+    tool = folder / "tool.json"
+    differs = call("payload", *runs, "--reference", "m=5.5+-0.02kg", "--frame", "sensor", "-o", tool)
+    page = tool.with_suffix(".html").read_text()
+    assert "FAIL: E_n beside the reference" in page
+    assert ">5.00" in page
+    assert "frame: sensor" in page
     assert (differs.code, differs.err) == (1, "")
     assert "FAIL" in differs.out

@@ -5,7 +5,7 @@ from urllib.parse import quote
 
 from hexcite.page import forms
 from hexcite.page.actions.common import Action, Context, case_name, job_of, recording_of, result_of
-from hexcite.page.forms import Fields, Unfit, field
+from hexcite.page.forms import Fields, Unfit, chosen, field
 from hexcite.page.jobs import Job
 from hexcite.page.stages import Workspace
 
@@ -33,14 +33,25 @@ def _tare(context: Context, there: Workspace, fields: Fields) -> Job:
 
 
 def _payload(context: Context, there: Workspace, fields: Fields) -> Job:
+    """`payload`: a table and its page, or a file for a robot or simulator."""
+    from identification.results.frames import FRAMES
+    from postprocessors.export.targets import FRAMED, LOADS, SINGLE_FILES
+
     before, after = result_of(there, fields, "before"), result_of(there, fields, "after")
     command = ["payload", forms.place(before), forms.place(after), "--case", context.machine.argument]
     for name, (unit, low, high) in REFERENCES.items():
         if field(fields, f"r.{name}"):
             value, expanded = forms.number(fields, f"r.{name}", low, high), forms.number(fields, f"U.{name}", 0, high)
             command.append(f"--reference={name}={value}+-{expanded}{unit}")
+    to, frame = chosen(fields, "to", ("", *LOADS), ""), chosen(fields, "frame", ("", *FRAMES), "")
+    output = context.free(f"{after}-payload{f'-{to}' if to else ''}", SINGLE_FILES[to].suffix if to else ".json")
+    if frame and (not to or to in FRAMED):
+        command += ["--frame", frame]
+    if to:
+        command += ["--to", to, *(["--force"] if field(fields, "force") else [])]
     query = f"?result={quote(after)}"
-    return job_of(context, "result", command, about=after, query=query, goto=f"{context.address}/result{query}#payload")
+    goto = f"{context.address}/result{query}#payload"
+    return job_of(context, "result", [*command, "-o", output], output=output, about=after, query=query, goto=goto)
 
 
 def _pool(context: Context, there: Workspace, fields: Fields) -> Job:

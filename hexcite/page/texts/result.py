@@ -90,5 +90,28 @@ TEXTS: dict[str, tuple[str, str]] = {
         "E_n ist der Unterschied durch die Wurzel beider quadrierter U (k=2); über 1 widersprechen sie sich. "
         "Toleranzen derselben Maschine zählen in beiden, E_n ist also eher zu klein.",
     ),
+    "pooled": ("The runs, and which of them differs", "Die Läufe, und welcher abweicht"),
+    "pooled_agree": (
+        "The runs agree: chi-square {chi2} for {freedom} degrees of freedom, p = {p}.",
+        "Die Läufe stimmen überein: Chi-Quadrat {chi2} bei {freedom} Freiheitsgraden, p = {p}.",
+    ),
+    "pooled_apart": (
+        "The runs differ by more than their deviations say: chi-square {chi2} for {freedom} degrees of freedom, "
+        "p = {p}. Look at the run with the largest share.",
+        "Die Läufe weichen stärker ab, als ihre Abweichungen sagen: Chi-Quadrat {chi2} bei {freedom} Freiheitsgraden, "
+        "p = {p}. Den Lauf mit dem größten Anteil ansehen.",
+    ),
+    "chi2_share": ("share of chi-square", "Anteil am Chi-Quadrat"),
+    "without_it": ("the others without it: scatter / promised", "die anderen ohne ihn: Streuung / erwartet"),
+    "scatter": ("How far each parameter scatters", "Wie weit jeder Parameter streut"),
+    "scatter_promised": ("scatter / promised", "Streuung / erwartet"),
+    "payload_to": ("Write it as", "Schreiben als"),
+    "payload_table": ("a table and a page", "Tabelle und Seite"),
+    "payload_frame": (
+        "Frame, of the table, links and robots' tables; empty: the sensor's, or as usual for the target",
+        "Koordinatensystem, für Tabelle und Glieder; leer: das des Sensors, oder wie für das Ziel üblich",
+    ),
+    "payload_in": ("In the frame: {what}", "Im Koordinatensystem: {what}"),
+    "payload_page": ("The page of the payload", "Die Seite der Nutzlast"),
     "reference_of": ("What {what} should be, {unit} (if known)", "Sollwert von {what}, {unit} (falls bekannt)"),
 }

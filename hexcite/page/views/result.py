@@ -12,10 +12,11 @@ from hexcite.page.actions.data import remedies_of
 from hexcite.page.actions.result import REFERENCES
 from hexcite.page.actions.stated import LIMITS
 from hexcite.page.stages import Made, Workspace, case_of
-from hexcite.page.views.common import Query, chosen, parameter, remedies
+from hexcite.page.views.common import Query, beginning, chosen, parameter, remedies
 from identification.estimation.fit import COVERAGE_FACTOR
 from identification.finding import ABOUT_THE_RUN
-from identification.results.result import Result
+from identification.results.pooling import UNLIKELY
+from identification.results.result import Result, pooled_rows, scatter_rows
 from identification.results.verdicts import Check, Verdict, accept
 from identification.texts import legible, parameter_words, std_text
 
@@ -36,6 +37,7 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "stated": query.get("stated") == "1",
         **_judged(context, result),
         "budget": _budget(result.record),
+        "pooled": _pooled(result.record),
         "channels": _channels(context, result.record),
         "other": _beside(result, next((each for each in there.results if each.name == query.get("other")), None)),
         "recordings": there.recordings,
@@ -111,6 +113,25 @@ def _budget(record: Mapping[str, Any]) -> dict[str, Any] | None:
     return {"kinds": kinds, "rows": rows}
 
 
+def _pooled(record: Mapping[str, Any]) -> dict[str, Any] | None:
+    """The runs that a result is the mean of, each with its share of chi-square; None of a single run."""
+    pooled = record.get("pooled")
+    if not isinstance(pooled, Mapping):
+        return None
+    runs = [(Path(str(file)).parent.name, *cells) for file, *cells in pooled_rows(pooled)[1:]]
+    agree, without = float(pooled["p"]) >= UNLIKELY, pooled["without"] or [{"p": 0.0}] * len(runs)
+    odd = [not agree and float(of["p"]) >= UNLIKELY for of in without]  # the others agree without it
+    shares = [100.0 * float(of["chi2_share"]) for of in pooled["results"]]
+    return {
+        "p": f"{float(pooled['p']):.2g}",
+        "agree": agree,
+        "chi2": f"{float(pooled['chi2']):.3g}",
+        "freedom": pooled["degrees_of_freedom"],
+        "runs": [(differs, f"{share:.0f}", *row) for differs, share, row in zip(odd, shares, runs, strict=True)],
+        "scatter": scatter_rows(pooled)[1:],
+    }
+
+
 def _channels(context: Context, record: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
     """Of each channel: rms residual, noise by the residuals, stated noise."""
     case, rms = context.machine.case, record.get("residual_rms")
@@ -147,15 +168,26 @@ def _beside(result: Made, other: Made | None) -> dict[str, Any] | None:
 
 def _payload(context: Context, result: Made) -> dict[str, Any]:
     """What the latest payload of this result was."""
+    from identification.results.frames import FRAMES
+    from postprocessors.export.targets import LOADS, SINGLE_FILES
+
     job = context.jobs.latest(context.machine.key, "payload", result.name)
     answer = job.answer if job is not None and job.arrived and job.answer is not None else {}
-    reference = answer.get("reference") or {}
+    reference, in_frame = answer.get("reference") or {}, answer.get("in_frame") or {}
     return {
         "payload": [parameter(name, value) for name, value in (answer.get("parameters") or {}).items()],
         "payload_checks": [
             (c["passed"], c["check"], f"{c['value']:.3g}", f"{c.get('at_most', 1.0):.3g}")
             for c in reference.get("checks", ())
         ],
+        "payload_in": [parameter(name, value) for name, value in in_frame.get("parameters", {}).items()],
+        "payload_frame": in_frame.get("frame", ""),
+        "payload_report": Path(answer["report"]).name if "report" in answer else "",
+        "payload_file": Path(answer["file"]).name if "file" in answer else "",
+        "payload_text": beginning(context.root / answer["file"])[0] if "file" in answer else "",
+        "payload_warnings": answer.get("warnings", ()),
+        "loads": [(name, SINGLE_FILES[name].what) for name in LOADS],
+        "frames": FRAMES,
         "references": [(name, unit) for name, (unit, _, _) in REFERENCES.items()],
     }
 

@@ -2,8 +2,10 @@
 
 import re
 import time
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from starlette.testclient import TestClient
 
@@ -16,6 +18,7 @@ from hexcite.page.actions.common import Context
 from hexcite.page.forms import Fields, Unfit
 from hexcite.page.jobs import Job
 from hexcite.page.stages import machine_of
+from identification.results.estimate import entries_of_parameters, physical_values
 
 
 class NoJobs:
@@ -107,13 +110,38 @@ def test_certificates_and_their_texts(client: TestClient, root: Path) -> None:
 
 def test_payloads_exports_and_history_become_commands(root: Path) -> None:
     payload = asked(root, "payload", before="res", after="res", r__m="19,93", U__m="0.01")
-    assert payload.command[-1] == "--reference=m=19.93+-0.01kg"
+    assert payload.command[-3:] == ("--reference=m=19.93+-0.01kg", "-o", "res-payload.json")
+    kuka = asked(root, "payload", before="res", after="res", to="kuka", frame="flange", force="1")
+    assert kuka.command[5:] == ("--to", "kuka", "--force", "-o", "res-payload-kuka.dat")  # which needs no frame
+    urdf = asked(root, "payload", before="res", after="res", to="urdf", frame="flange")
+    assert urdf.command[5:] == ("--frame", "flange", "--to", "urdf", "-o", "res-payload-urdf.xml")
+    with pytest.raises(Unfit, match="not a choice"):
+        asked(root, "payload", before="res", after="res", to="c")  # which writes models, not loads
     with pytest.raises(Unfit, match="not a number"):
         asked(root, "payload", before="res", after="res", r__m="19,93")
     export = asked(root, "export", result="res", to="urdf", frame="flange", preview="1")
     assert export.command[-3:] == ("--frame", "flange", "--preview")
     assert "--frame" not in asked(root, "export", result="res", to="c", frame="flange").command
     assert asked(root, "history").command[:2] == ("history", "res")
+
+
+def test_the_run_that_differs_has_the_largest_share(client: TestClient, root: Path) -> None:
+    case = load_case(str(root / "mill" / "case.toml"))
+    first = hx.Result.load(root / "res", case, stale=True)
+    both = first.covariance, first.covariance_robust
+    for name, heavier in (("second", 0.0), ("odd", 0.5)):
+        u = first.values + heavier * (np.array(first.record.names) == "m")
+        entries = entries_of_parameters(physical_values(first.model, u, *both), u, *both)
+        digest = tuple({**entry, "sha256": name.ljust(64, "0")} for entry in first.record.inputs)
+        record = first.record.replaced(**entries, recording=name, inputs=digest)
+        replace(first, record=record).save(root / name)
+    pooled = hx.pool([hx.Result.load(root / name, case, stale=True) for name in ("res", "second", "odd")])
+    pooled.save(root / "pooled")
+    page = client.get("/m/+mill/result?result=pooled").text
+    shares = dict(re.findall(r'<td class="word">(res|second|odd)</td><td><meter min="0" max="100" value="(\d+)"', page))
+    assert {*shares} == {"res", "second", "odd"}
+    assert max(shares, key=lambda name: int(shares[name])) == "odd"
+    assert re.search(r'<tr class="bound"><td class="word">odd<', page)
 
 
 def test_a_result_beside_itself_and_another(client: TestClient, root: Path) -> None:
