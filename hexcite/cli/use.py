@@ -16,8 +16,8 @@ def export(
         str,
         option(
             "The model: c (C99), linuxcnc (HAL component), st (IEC 61131-3), python, json. The load for a robot: "
-            "urscript, kuka, rapid, franka, xarm, table (to type in: FANUC and others). For ROS 2: ros2, ft-tools. "
-            "As a link: urdf, mjcf, sdf.",
+            "urscript, kuka, rapid, franka, xarm, kinova, table (to type in: FANUC and others). For ROS 2: ros2, "
+            "ft-tools. As a link: urdf, mjcf, sdf.",
             "--to",
         ),
     ],
@@ -142,7 +142,8 @@ def payload(
     to: Annotated[
         str | None,
         option(
-            "Write it for a robot (urscript, kuka, rapid, franka, xarm, table) or as a link (urdf, mjcf, sdf).", "--to"
+            "Write it for a robot (urscript, kuka, rapid, franka, xarm, kinova, table) or as a link (urdf, mjcf, sdf).",
+            "--to",
         ),
     ] = None,
     force: Annotated[bool, option("Export it with warnings; they are written into the file.", "--force")] = False,

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from cases.base.errors import Code, IdentificationError
 from cases.base.units import MM
 from identification.results.frames import FrameName, place_of
+from identification.results.payload import Payload
 from postprocessors.export.calibration import comment_lines
 from postprocessors.export.load import (
     Carried,
@@ -139,6 +140,33 @@ def xarm(result: Carried, name: str) -> str:
         f"    return arm.set_tcp_load(weight={load.mass:.4f}, center_of_gravity=[{numbers(load.centre / MM, 2)}])",
     ]
     return _commented("#", _remarks(result, load), "\n".join(lines))
+
+
+def kinova(result: Carried, name: str) -> str:
+    """A Python function that sets the load of a Kinova Gen3 or Gen3 lite by its Kortex API; it takes no inertia.
+
+    ControlConfig of the API: what the robot always carries is its tool, in kg, and m from the interface module, whose
+    frame is the flange's; what was added to it is its payload, in m from the frame of the tool.
+
+    Raises:
+        CaseError: the case does not say where the flange is, or the tool, for a payload.
+    """
+    frame: FrameName = "tool" if isinstance(result, Payload) else "flange"
+    load = load_in(result, frame)
+    what = "payload" if isinstance(result, Payload) else "tool"
+    kind = f"{what.capitalize()}{'Information' if what == 'payload' else 'Configuration'}"
+    lines = [
+        f"def set_{what}(control_config):",
+        f'    """Sets mass and centre of gravity of the {what} by a ControlConfigClient: kg, m; the rest stays."""',
+        f"    {what} = control_config.Get{kind}()",
+        f"    {what}.{what}_mass = {load.mass:.4f}",
+        *(
+            f"    {what}.{what}_mass_center.{a} = {numbers(v[None], 6)}"
+            for a, v in zip("xyz", load.centre, strict=True)
+        ),
+        f"    control_config.Set{kind}({what})",
+    ]
+    return _commented("#", _remarks(result, load, frame), "\n".join(lines))
 
 
 def table(result: Carried, name: str, frame: FrameName) -> str:

@@ -77,6 +77,7 @@ SINGLE_FILES: dict[str, AnyTarget] = {
     "rapid": RobotTarget(".mod", robots.rapid, True, "ABB loaddata"),
     "franka": RobotTarget(".yaml", robots.franka, False, "setLoad"),
     "xarm": RobotTarget(".py", robots.xarm, False, "UFACTORY"),
+    "kinova": RobotTarget(".py", robots.kinova, False, "Kortex API"),
     "table": LinkTarget(".txt", robots.table, False, "to type in: FANUC and others", "flange"),
     "ros2": Target(".yaml", ros2.broadcaster, False, "force_torque_sensor_broadcaster"),
     "ft-tools": Target(".yaml", ros2.ft_tools, False, "calibration of ft_tools"),

@@ -5,6 +5,7 @@ import json
 import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 from xml.etree import ElementTree
 
@@ -237,6 +238,52 @@ def test_an_xarm_gets_kilograms_and_millimetres(turned_sensor: Result) -> None:
     np.testing.assert_allclose(np.array(centre) / 1000, expected_at_flange()[0], atol=1e-5)
 
 
+class Kortex:
+    """ControlConfigClient of the Kortex API: messages with fields, of which others stay as they are."""
+
+    def __init__(self) -> None:
+        self.tool = SimpleNamespace(
+            tool_transform="kept", tool_mass=0.0, tool_mass_center=SimpleNamespace(x=9, y=9, z=9)
+        )
+        self.payload = SimpleNamespace(payload_mass=0.0, payload_mass_center=SimpleNamespace(x=9, y=9, z=9))
+        self.sent: list[Any] = []
+        self.GetToolConfiguration = lambda: self.tool
+        self.GetPayloadInformation = lambda: self.payload
+        self.SetToolConfiguration = self.SetPayloadInformation = self.sent.append
+
+
+def test_a_kinova_gets_its_tool_from_the_flange(turned_sensor: Result) -> None:
+    space: dict[str, Any] = {}
+    exec(text_of("kinova", turned_sensor), space)
+    space["set_tool"](arm := Kortex())
+    assert arm.sent == [arm.tool]
+    assert arm.tool.tool_transform == "kept"
+    assert arm.tool.tool_mass == pytest.approx(2.6)
+    centre = arm.tool.tool_mass_center
+    np.testing.assert_allclose([centre.x, centre.y, centre.z], expected_at_flange()[0], atol=2e-6)
+
+
+def test_a_kinova_gets_what_was_added_from_the_frame_of_its_tool(tmp_path: Path) -> None:
+    """A tool 120 mm in front of the flange, where the sensor is: 1.5 kg at c are at c less 120 mm there."""
+    empty, loaded = (tmp_path / name for name in ("empty", "loaded"))
+    for folder in (empty, loaded):
+        folder.mkdir()
+    flange = {"origin_mm": (0.0, 0.0, 0.0)}
+    tcp = {"origin_mm": (0.0, 0.0, 120.0)}
+    with_tool = [
+        with_chain(calibration(folder, "ur10_wrist", 6, body(mass, inertia)), sensor={}, flange=flange, tcp=tcp)
+        for folder, mass, inertia in ((empty, 1.1, 0.4 * INERTIA), (loaded, 2.6, INERTIA))
+    ]
+    added = payload(*with_tool)
+    space: dict[str, Any] = {}
+    exec(text_of("kinova", added), space)
+    space["set_payload"](arm := Kortex())
+    assert arm.sent == [arm.payload]
+    assert arm.payload.payload_mass == pytest.approx(1.5, abs=1e-4)
+    centre = arm.payload.payload_mass_center
+    np.testing.assert_allclose([centre.x, centre.y, centre.z], CENTRE - [0.0, 0.0, 0.12], atol=2e-5)
+
+
 def test_a_table_has_the_units_of_fanuc(turned_sensor: Result) -> None:
     """1 kgf cm s^2 is 0.0980665 kg m^2."""
     rows = dict(re.findall(r"^(.*\])  +(\S.*)$", text_of("table", turned_sensor), re.MULTILINE))
@@ -348,7 +395,7 @@ def test_neither_a_static_model_nor_rods_of_struts_have_an_inertia(case: str, mo
         one_line(caught.value)
 
 
-@pytest.mark.parametrize("target", ["kuka", "rapid", "table", "xarm", "ros2"])
+@pytest.mark.parametrize("target", ["kuka", "rapid", "table", "xarm", "kinova", "ros2"])
 def test_a_standing_run_gives_mass_and_centre_and_says_that_it_is_a_point(target: str, tmp_path: Path) -> None:
     text = text_of(target, calibration(tmp_path, "ur10_wrist", 0))
     if target in READERS:
