@@ -80,6 +80,14 @@ class Joint(Frame):
         return tuple(key for key in needed if getattr(self, key) is None)
 
     @property
+    def drawn_at(self) -> float:
+        """Where pictures have it [rad or m]: at home; without one at 0, or in the middle of its way."""
+        low, high = self.position
+        if not math.isnan(self.home):
+            return self.home
+        return 0.0 if low <= 0.0 <= high else (low + high) / 2.0
+
+    @property
     def turns(self) -> bool:
         """Whether its position is an angle."""
         return self.kind != "prismatic"

@@ -229,6 +229,9 @@ def _lacks(case: Case, command: str, keys: tuple[str | AnyOf, ...]) -> tuple[str
     missing: list[str | AnyOf] = [
         f"machine.chain.joints.{key}" for key in sorted({key for joint in moving for key in joint.lacks})
     ]
+    transducer = case.sensor_frame.transducer
+    if transducer is not None and transducer.sense is None:
+        missing.append("sensor_frame.transducer.sense")
     for key in keys:
         ways = key if isinstance(key, AnyOf) else (key,)
         needed = case.chain is None or not _NOT_OF_A_CHAIN.issuperset(ways)

@@ -436,11 +436,16 @@ class Case(Heading):
                 remedy=f"choose another {option('dialect')}",
                 code=Code.NOT_SUPPORTED,
             )
-        if self.chain is None:
-            self.missing("machine.chain", purpose)
+        chain = self.need_joints(purpose)
         if self.limits is None or not isinstance(self.limits.motion, JointMotionLimits):
             self.missing("limits.motion", purpose)
-        return self.chain, self.limits.motion
+        return chain, self.limits.motion
+
+    def need_joints(self, purpose: str) -> Chain:
+        """The chain, whether it can be moved or not; raises CaseError where the case has none."""
+        if self.chain is None:
+            self.missing("machine.chain", purpose)
+        return self.chain
 
     def need_motion(self, purpose: str) -> tuple[Array, MotionLimits | JointMotionLimits]:
         """Coordinates at home, shape (n,) [m or rad], and limits of motion; raises CaseError where one is missing."""

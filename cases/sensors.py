@@ -6,6 +6,7 @@ from typing import Annotated, ClassVar, Literal, NamedTuple
 import numpy as np
 from pydantic import Field, model_validator
 
+from cases.base.errors import CaseError, Code
 from cases.base.units import DEG, MM, Array
 from cases.machine import Frame, Joints, require_flange, require_spanning
 from cases.recording_format import BAR_FORCES, WRENCH
@@ -81,12 +82,27 @@ class Bars(Part):
 class Transducer(Part):
     """A six-axis force/torque sensor at the origin of {P}."""
 
-    sense: Literal["load_on_sensor", "sensor_on_load"]
-    """Which force a positive reading means: that of the load on the sensor, or its reaction."""
+    sense: Literal["load_on_sensor", "sensor_on_load"] | None = None
+    """Which force a positive reading means: that of the load on the sensor, or its reaction. Whatever evaluates or
+    predicts readings needs it."""
     flange: Frame | None = None
     """The robot's flange in {P}, as its controller counts it; of a chain, `machine.chain.flange` states it."""
     tcp: Frame | None = None
     """The frame of the robot's tool in the flange; of a chain, `machine.chain.tcp` states it."""
+
+    @property
+    def sign(self) -> float:
+        """1 where it reads the support's push on the load, -1 where the load's pull; raises CaseError if not stated."""
+        if self.sense is None:
+            raise CaseError(
+                file="case",
+                key="sensor_frame.transducer.sense",
+                problem="is missing",
+                remedy='state "load_on_sensor" if a hanging tool of 1 kg reads -9.81 N along the axis that points up, '
+                'else "sensor_on_load"',
+                code=Code.MISSING,
+            )
+        return {"load_on_sensor": -1.0, "sensor_on_load": 1.0}[self.sense]
 
     @model_validator(mode="after")
     def _tcp_in_flange(self) -> "Transducer":
@@ -149,7 +165,7 @@ class SensorFrame(Part):
             return np.vstack([direction.T, np.cross(self.bars.lower.points, direction).T])
         if self.transducer is None:
             raise ValueError("the structure matrix of sensors in struts depends on the pose: `strut_sensors.structure`")
-        return np.eye(6) * {"load_on_sensor": -1.0, "sensor_on_load": 1.0}[self.transducer.sense]
+        return np.eye(6) * self.transducer.sign
 
     @property
     def channels(self) -> tuple[str, ...]:

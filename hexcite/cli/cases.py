@@ -50,11 +50,12 @@ def show(
     overwrite: console.Overwrite = False,
     json: console.Json = False,
 ) -> None:
-    """Draw the machine at home."""
+    """Draw the machine at home, with the frames of sensor, flange and tool; joints without home stand at 0."""
     from cases.tables import find_case
 
     loaded = hx.load_case(case)
-    loaded.need_motion("the picture of the machine")
+    if loaded.chain is None:
+        loaded.need_motion("the picture of the machine")
     file = output_place(output, Path(f"{loaded.name}-machine.svg"), overwrite)
     check_file(file, (".svg", ".png", ".pdf"), [find_case(case)], overwrite)
     with console.status("drawing", json):

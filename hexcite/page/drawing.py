@@ -33,7 +33,7 @@ class Views(NamedTuple):
 
 def views(case: Case) -> Views:
     """The machine at home from above and from the side; raises HexciteError where the case does not describe one."""
-    if case.limits is None:
+    if case.chain is None and case.limits is None:
         raise HexciteError(problem="no [limits.motion]", code=Code.MISSING)
     lines, labels, boxes = outline(case)
     groups = {name: list(group) for name, (_, group) in lines.items()}

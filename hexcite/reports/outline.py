@@ -1,4 +1,7 @@
-"""The lines of a machine at home, with the names of its joints: what a drawing of it consists of."""
+"""The lines of a machine at home, with the names of its joints: what a drawing of it consists of.
+
+Joints whose home is not stated stand at 0, where they can.
+"""
 
 from collections.abc import Iterable
 
@@ -23,6 +26,15 @@ SAME_PLACE = 0.01  # of the machine's size, within which labels are written as o
 def outline(case: Case) -> tuple[Lines, Labels, tuple[KeepOut, ...]]:
     """Lines and labels of the machine at home in {B}, and the boxes that it keeps out of; raises CaseError."""
     return _hexapod(case) if case.chain is None else _chain(case)
+
+
+def where(case: Case) -> str:
+    """Where the machine of the picture stands, for its title."""
+    odd = [] if case.chain is None else [joint for joint in case.chain.joints if np.isnan(joint.home)]
+    if not odd:
+        return "at home"
+    apart = [f"{joint.name} at {joint.drawn_at / joint.unit:.3g}" for joint in odd if joint.drawn_at]
+    return f"joints without a home at 0{''.join(f', {words}' for words in apart)}"
 
 
 def together(labels: Labels, near: float) -> Labels:
@@ -61,9 +73,9 @@ def _hexapod(case: Case) -> tuple[Lines, Labels, tuple[KeepOut, ...]]:
 
 
 def _chain(case: Case) -> tuple[Lines, Labels, tuple[KeepOut, ...]]:
-    chain, _ = case.need_chain("the picture of the machine")
-    at_home = StandingPoses(chain.home[None]).at([0.0])
-    frames = [np.eye(4), *(place[0] for place, _, _ in chain_frames(at_home, chain))]
+    chain = case.need_joints("the picture of the machine")
+    standing = StandingPoses(np.array([[joint.drawn_at for joint in chain.joints]])).at([0.0])
+    frames = [np.eye(4), *(place[0] for place, _, _ in chain_frames(standing, chain))]
     origins = np.array([frame[:3, 3] for frame in frames]) / MM
     lines: Lines = {"joints and sensor": ("tab:gray", [origins])}
     for name, colour, owners in (

@@ -9,7 +9,7 @@ from mpl_toolkits.mplot3d.axes3d import Axes3D
 from cases.base.units import MM
 from cases.machine import turned
 from cases.schema import Case
-from hexcite.reports.outline import SAME_PLACE, outline, together
+from hexcite.reports.outline import SAME_PLACE, outline, together, where
 from hexcite.reports.scene import box_outlines, room
 from hexcite.reports.still import Shown
 
@@ -35,7 +35,7 @@ def case_figure(case: Case) -> Figure:
             beside.plot(*line.T[[0, 2]], color=colour, linewidth=1.0)
     for place, text in labels:
         space.text(*place, text)
-    space.set(xlabel="x [mm]", ylabel="y [mm]", zlabel="z [mm]", title=f"{case.name} at home, in {{B}}")
+    space.set(xlabel="x [mm]", ylabel="y [mm]", zlabel="z [mm]", title=f"{case.name} in {{B}}\n{where(case)}")
     space.set_aspect("equal", adjustable="datalim")
     space.legend(loc="upper left")
     above.set(xlabel="x [mm]", ylabel="y [mm]", title="from above")

@@ -179,4 +179,4 @@ def require_transducer(case: Case, receiver: str) -> str:
             remedy=f"export {option('to')} c, linuxcnc, st or json",
             code=Code.NOT_SUPPORTED,
         )
-    return transducer.sense
+    return "load_on_sensor" if transducer.sign < 0.0 else "sensor_on_load"

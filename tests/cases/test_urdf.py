@@ -17,6 +17,7 @@ from cases.sensors import RigidBody
 from cases.urdf import Arm, read_urdf
 from identification.machines.casadi_batch import over_samples
 from identification.machines.serial_chain import SerialChain
+from identification.model.model import identification_model
 from tests.helpers import examples, one_line
 from tests.robots import MIMIC, panda, ur10, urdf
 
@@ -69,9 +70,13 @@ def test_mujoco_reads_the_same_robot(robot: str, tmp_path: Path) -> None:
 
 def test_evaluation_asks_for_the_sense_alone_and_plans_for_home_and_limits_joint_by_joint(tmp_path: Path) -> None:
     case_file = new_arm("arm", file_with(tmp_path, ur10()), "tool0", tmp_path / "arm")
-    with pytest.raises(CaseError) as caught:
-        load_case(str(tmp_path / "arm"))
-    assert [p.split(": is missing")[0] for p in caught.value.problems] == ["sensor_frame.transducer.sense"]
+    bare = load_case(str(tmp_path / "arm"))
+    assert readiness(bare)["identify a motion"] == ("sensor_frame.transducer.sense",)
+    with pytest.raises(
+        CaseError, match=r"sensor_frame\.transducer\.sense: is missing; state .load_on_sensor. if"
+    ) as caught:
+        identification_model(bare, 6)
+    one_line(caught.value)
     text = case_file.read_text().replace('# sense = "load', 'sense = "load')
     case_file.write_text(text)
     lacks = readiness(load_case(str(tmp_path / "arm")))

@@ -5,9 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cases.scaffold import new_arm
 from cases.schema import Case, load_case
 from hexcite.reports.plots import case_figure
 from planner.box.reach import standing_ratios
+from tests.driven.arms import ARMS
 from tests.hexcite.command_line import call, refused
 
 
@@ -46,6 +48,22 @@ def test_the_picture_is_written(suffix: str, tmp_path: Path) -> None:
 def test_what_cannot_be_drawn(tmp_path: Path) -> None:
     assert "machine: is missing" in refused("case", "show", "ft_wrist")
     assert ".svg or .png or .pdf" in refused("case", "show", "hexapod", "-o", tmp_path / "machine.toml")
+
+
+def test_a_robot_of_a_urdf_alone_is_drawn_with_its_joints_at_0(tmp_path: Path) -> None:
+    """Neither home nor limits are stated; an elbow that cannot be at 0 is in the middle of its way."""
+    arm = ARMS["franka_like"]
+    (tmp_path / "robot.urdf").write_text(arm.urdf())
+    file = new_arm("arm", tmp_path / "robot.urdf", "tool0", tmp_path / "arm", "ft")
+    call("case", "show", file.parent, "-o", tmp_path / "arm.svg", "--json").json()
+    space = case_figure(load_case(str(file))).axes[0]
+    assert {text.get_text() for text in space.texts} >= {*arm.names, "sensor", "flange"}
+    elbow = np.degrees(np.mean(arm.joints[3].end))
+    assert f"joints without a home at 0, joint_4 at {elbow:.3g}" in space.get_title()
+    (way,) = [line for line in space.get_lines() if line.get_label() == "joints and sensor"]
+    x, y, z = (np.asarray(v) for v in way.get_data_3d())
+    assert np.hypot(x[4] - x[3], z[4] - z[3]) == pytest.approx(82.5)  # from elbow to forearm
+    assert np.allclose(y, 0.0)  # joints at 0 leave it in a plane
 
 
 def test_a_new_case_is_checked_and_drawn(tmp_path: Path) -> None:
