@@ -204,7 +204,8 @@ class Jobs:
                     os.killpg(process.pid, signal.SIGKILL)
                 raise
             with suppress(ValueError):
-                job.answer = json.loads(said)
+                answer = json.loads(said)
+                job.answer = None if answer.keys() == {"error"} else answer  # an error is among the messages
             stopped = code in (130, -signal.SIGINT, -signal.SIGKILL)
             self._end(job, "done" if code == 0 else "stopped" if stopped else "failed")
 

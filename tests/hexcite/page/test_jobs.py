@@ -24,7 +24,9 @@ def end(*_):
 signal.signal(signal.SIGINT, signal.SIG_IGN if sys.argv[2].startswith('deaf') else end)
 print(json.dumps({'line': 'start 1 of 2', 'best': 0.25}), file=sys.stderr, flush=True)
 print('hexcite: a warning', file=sys.stderr, flush=True)
-if sys.argv[2] == 'refused': sys.exit(1)
+if sys.argv[2] == 'refused':
+    print(json.dumps({'error': {'code': 'missing'}}))
+    sys.exit(1)
 pathlib.Path(sys.argv[2]).write_text('began')
 time.sleep(0.3 if sys.argv[2].startswith('short') else 60)
 """
@@ -116,12 +118,12 @@ def test_no_more_run_at_once_than_there_is_room_for(root: Path):
 
 
 @pytest.mark.usefixtures("stand_in")
-def test_a_refusal_keeps_its_words(root: Path):
+def test_a_refusal_keeps_its_words_and_has_no_answer(root: Path):
     async def story(there: Jobs) -> None:
         refused = job("refused")
         there.start(refused)
         await until(lambda: refused.over)
-        assert (refused.state, refused.messages) == ("failed", ["a warning"])
+        assert (refused.state, refused.messages, refused.answer) == ("failed", ["a warning"], None)
 
     run(root, story)
 
