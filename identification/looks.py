@@ -22,7 +22,7 @@ from cases.orientation import QUATERNION, ROTATION
 from cases.recording_format import CLOCK, DRIVES, TICKS, FileFormat, RecordingFormat
 from cases.schema import Case
 from cases.tables import built_in_cases, find_case
-from identification.finding import Kind
+from identification.finding import Finding, Kind
 from identification.identify import require_fit
 from identification.recording.formats.binary import Topic
 from identification.recording.formats.families import words_of
@@ -39,6 +39,7 @@ from identification.recording.formats.proposal import (
     proposed,
     stated_of,
 )
+from identification.recording.formats.quantities import CONTRADICTED, contradiction
 from identification.recording.formats.reading import bag_of, is_bag, is_parquet, read_tables
 from identification.recording.formats.table import listed
 from identification.recording.formats.topics import BagTopic, bag_topics
@@ -527,10 +528,28 @@ def _trial(files: Sequence[Path], settings: Mapping[str, Any], case: Case | None
         if isinstance(error, CaseError):
             raise
         return _Trial(_without_file(error, files[0]), form)
-    tried.doubts += [_without_file(f, files[0]) for f in findings if f.severity == "warning"]
+    told = [_of_whom(finding, case) for finding in findings]
+    tried.doubts += [_without_file(f, files[0]) for f in told if f.severity == "warning"]
+    done = [*told, *done[len(findings) :]]
     said = (_without_file(f, files[0]) for f in done if f.sentence and f.kind in _ABOUT_READING)
     tried.repairs += dict.fromkeys(said)
     return tried
+
+
+def _of_whom(finding: Finding, case: Case | None) -> Finding:
+    """A finding about a unit that the case does not state: the proposal does."""
+    entries = finding.quantity.get(CONTRADICTED)
+    if entries is None or (case is not None and _states(stated_of(case.recording), entries)):
+        return finding
+    return contradiction(**entries, source=finding.place, whose="proposed here")
+
+
+def _states(settings: Mapping[str, Any], entries: Mapping[str, str]) -> bool:
+    """Whether settings of a case hold a unit that a file contradicts."""
+    found: Any = settings
+    for part in entries["key"].split(".")[1:]:
+        found = found.get(part) if isinstance(found, Mapping) else None
+    return bool(found == entries["used"])
 
 
 def _refusal(files: Sequence[Path], case: Case) -> str | None:

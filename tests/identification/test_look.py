@@ -399,6 +399,22 @@ def test_units_that_the_case_states_stay_where_labels_say_others(hexapod_case: C
     assert found.unchanged
 
 
+def test_a_unit_that_is_proposed_is_not_called_the_case_s(hexapod_case: Case, tmp_path: Path) -> None:
+    """Labels say s, the steps of the stamps can only be ms: the proposal says so, until the case does."""
+    head = "Time [s]," + ",".join([*(f"l{k}_mm" for k in range(1, 7)), *(f"f{k}_N" for k in range(1, 7)), "trigger"])
+    file = Written("run.csv", [head], time=2e3).write(run(hexapod_case), tmp_path)
+    found = look(file, hexapod_case)
+    assert found.settings["clock"]["unit"] == "ms", found.odd
+    (said,) = [line for line in found.odd if "recording.clock.unit" in line and "which is used" in line]
+    assert "proposed here" in said
+    assert "of the case" not in said
+    form = RecordingFormat.model_validate(dict(found.settings))
+    (said,) = [
+        line for line in look(file, hexapod_case.model_copy(update={"recording": form})).odd if "is used" in line
+    ]
+    assert "recording.clock.unit of the case says ms" in said
+
+
 def test_columns_without_names_are_told_by_their_values_and_not_proposed(hexapod_case: Case, tmp_path: Path) -> None:
     rows = np.column_stack([simulated().rows, np.full(len(simulated().rows), 7.0)])
     file = tmp_path / "headless.csv"

@@ -64,17 +64,32 @@ def with_units(table: ColumnTable) -> ColumnTable:
         for role, columns in by_label.items()
     ]
     findings += [
-        warning(
-            Kind.FORMAT,
-            f"the file says {_symbols(columns)} of {_labels(columns)}, recording.units.{role} of the case says "
-            f"{form.units[role]}, which is used; correct one of them",
-            table.source,
-        )
+        contradiction(f"recording.units.{role}", _labels(columns), _symbols(columns), form.units[role], table.source)
         for role, columns in contradicted.items()
     ]
     tick, of_clock = _tick(table)
     found = (*table.findings, *findings, *of_clock, *_whole_forces(table), *_no_readings(table))
     return replace(table, factors=factors, tick=tick, findings=found)
+
+
+CONTRADICTED = "contradicted"
+"""Key of what a file says of a unit otherwise than the settings."""
+
+
+def contradiction(key: str, labels: str, says: str, used: str, source: str = "", whose: str = "of the case") -> Finding:
+    """What to say where a file states a unit otherwise than the settings, which are used.
+
+    Args:
+        key: of the settings.
+        labels: columns of the file.
+        says: the unit by the file.
+        used: the unit by the settings.
+        source: the file.
+        whose: words for whose settings they are.
+    """
+    sentence = f"the file says {says} of {labels}, {key} {whose} says {used}, which is used; correct one of them"
+    entries = {"key": key, "labels": labels, "says": says, "used": used}
+    return warning(Kind.FORMAT, sentence, source, contradicted=entries)
 
 
 def _stated(table: ColumnTable, ours: str) -> StatedUnit | None:
@@ -122,10 +137,8 @@ def _tick(table: ColumnTable) -> tuple[float, list[Finding]]:
     if form.clock.unit is not None:
         if stated.symbol in (None, form.clock.unit):
             return table.tick, []
-        sentence = (
-            f"{shown(label)} says {stated.text}, recording.clock.unit of the case says {form.clock.unit}, which is used"
-        )
-        return table.tick, [warning(Kind.FORMAT, f"{sentence}; correct one of them", table.source)]
+        key, used = "recording.clock.unit", form.clock.unit
+        return table.tick, [contradiction(key, shown(label), stated.text, used, table.source)]
     if stated.symbol is None or stated.several:
         known = "is not a unit of time that is known" if not stated.several else "are units that differ"
         raise RecordingError(
