@@ -24,6 +24,7 @@ MARGIN = 1e-6  # of the radius of gyration squared: how far inside a body stays,
 BINDS = 1e-5  # of the same, and of the extent of a bound, up to which one counts as reached
 INERTIA_HOLDS = "inertia"
 MASS_HOLDS = "mass"
+IMPOSSIBLE = 3e-5  # chance of a distance, below which noise does not make it: of one constraint 4 deviations
 STATIC = 4  # parameters of a body whose inertia is not determined
 
 
@@ -52,6 +53,19 @@ class NearestBody(BaseModel, strict=True, frozen=True, allow_inf_nan=False):
     def moved(self) -> bool:
         """Whether it differs from the estimate."""
         return bool(self.broken)
+
+    @property
+    def impossible(self) -> bool:
+        """Whether noise does not take the inertia of a body so far off."""
+        return INERTIA_HOLDS in self.broken and self.p_at_most < IMPOSSIBLE
+
+    @property
+    def words(self) -> str:
+        """What an estimate does not keep, and how far the nearest body that can exist is."""
+        what = {INERTIA_HOLDS: "no body has the estimated inertia", MASS_HOLDS: "no body has the estimated mass"}
+        broken = " and ".join(what.get(name, f"the estimate does not keep {name}") for name in self.broken)
+        nearest = f"the nearest body that can exist is {self.distance:.2g} deviations off"
+        return f"{broken}; {nearest} (p at most {self.p_at_most:.2g})"
 
 
 class _Constraint(NamedTuple):

@@ -12,10 +12,10 @@ import numpy as np
 from cases.base.errors import Code, IdentificationError
 from cases.schema import Case
 from identification.estimation.fit import Fit
+from identification.estimation.nearest_body import nearest_body
 from identification.finding import Finding, Kind, note, warning
-from identification.model.blocks import INERTIA, MASS
+from identification.model.blocks import MASS
 from identification.model.model import Model
-from identification.model.parameters import INERTIA_INDEX, physical_form
 from identification.recording.recording import Recording
 from identification.samples.sample_checks import cut_off, places
 from identification.samples.samples import Fitted
@@ -100,7 +100,6 @@ THOUSANDTH = (3e-4, 1e-2)  # of the nominal mass, with weights of up to some tim
 GRAM = 1e-3  # [kg]
 FAR = 5.0  # [m] from the origin of the platform
 OTHER_MASS = 1.0 / 3.0  # of the nominal mass
-CERTAIN = 4.0  # standard deviations by which a quantity is below zero for certain
 
 
 def doubtful_body(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
@@ -149,28 +148,21 @@ def _other_mass(mass: float, case: Case) -> list[Finding]:
 
 
 def _no_body(model: Model, fit: Fit) -> list[Finding]:
-    """What to say of moments of inertia that no body has: 1/2 tr(I) 1 - I, how mass spreads, has no negative one."""
-    if INERTIA not in model.blocks:
-        return []
-    form = physical_form(model)
-    names = [parameter.name for parameter in form.parameters]
-    places = [names.index(f"IC{i + 1}{j + 1}") for i, j in INERTIA_INDEX]
-    own = slice(len(model.parameters))
-    values, white = form.of(fit.values[own], fit.covariance[own, own])
-    robust = form.of(fit.values[own], fit.covariance_robust[own, own])[1]
-    inertia = np.zeros((3, 3))
-    for (i, j), moment in zip(INERTIA_INDEX, values[places], strict=True):
-        inertia[i, j] = inertia[j, i] = moment
-    moments, lines = np.linalg.eigh(0.5 * np.trace(inertia) * np.eye(3) - inertia)
-    least, line = float(moments[0]), lines[:, 0]
-    slopes = np.array([0.5 - line[i] ** 2 if i == j else -2.0 * line[i] * line[j] for i, j in INERTIA_INDEX])
-    deviation = max(float(np.sqrt(slopes @ c[np.ix_(places, places)] @ slopes)) for c in (white, robust))
-    if least >= -CERTAIN * deviation:
-        return []
-    along = ", ".join(f"{component + 0.0:.2f}" for component in line)
-    sentence = f"no body has these moments of inertia: its mass would spread by {least:.2g} +- {deviation:.1g} kg m^2 "
-    sentence += f"along ({along}) of the platform, and cannot by less than 0; check signs and order of force and "
-    return [warning(Kind.MODEL, f"{sentence}moment channels, and the dimensions of the machine")]
+    """What to say of an inertia that no body has, however noise moved it."""
+    own = slice(len(model.names))
+    nearest = nearest_body(model, fit.values[own], fit.covariance[own, own], fit.covariance_robust[own, own])
+    return [impossible(nearest.words)] if nearest is not None and nearest.impossible else []
+
+
+def impossible(words: str) -> Finding:
+    """The finding about an estimate that no body is, in words."""
+    remedy = "check signs and order of force and moment channels, and the dimensions of the machine"
+    return warning(Kind.MODEL, f"{words}; {remedy}", impossible_body=True)
+
+
+def is_impossible(finding: Finding) -> bool:
+    """Whether a finding is that one."""
+    return bool(finding.quantity.get("impossible_body"))
 
 
 CHECKS: tuple[Callable[[Recording, Case, Fitted], list[Finding]], ...] = (

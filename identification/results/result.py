@@ -19,6 +19,7 @@ from cases.schema import Case
 from identification.estimation.fit import Value
 from identification.estimation.nearest_body import NearestBody, nearest_body
 from identification.finding import Finding, Kind, note, sentences, warning
+from identification.findings.fit_checks import impossible, is_impossible
 from identification.findings.off_case import edited
 from identification.findings.told import LeftOpen
 from identification.model.model import Model, identification_model
@@ -291,9 +292,16 @@ class Result:
             return replace(self, record=self.record.replaced(findings=(*self.findings, told)))
         if not nearest.moved:
             return self
-        unlikely = nearest.p_at_most < UNLIKELY and any(name.startswith("bounds.") for name in nearest.broken)
-        told = warning(Kind.CASE, nearest_words(nearest)) if unlikely else note(Kind.MODEL, nearest_words(nearest))
-        return replace(self, record=self.record.replaced(physical=nearest, findings=(*self.findings, told)))
+        words = f"{nearest.words}: exports of the load take that one"
+        bounds = any(name.startswith("bounds.") for name in nearest.broken)
+        if nearest.impossible:
+            told = impossible(words)
+        else:
+            doubted = bounds and nearest.p_at_most < UNLIKELY
+            told = warning(Kind.CASE, words) if doubted else note(Kind.MODEL, words)
+        # the fit said it before the deviations grew by what its residuals follow
+        others = tuple(finding for finding in self.findings if not is_impossible(finding))
+        return replace(self, record=self.record.replaced(physical=nearest, findings=(*others, told)))
 
     def chosen_among(self, choice: Mapping[str, Any]) -> "Result":
         """The same with all models of its run, entries of `ModelChoice`, which it keeps and its page shows."""
@@ -373,16 +381,6 @@ class Result:
 
 
 UNLIKELY = 1e-3  # chance of a distance from bounds, below which they or the run are doubted
-
-
-def nearest_words(nearest: NearestBody) -> str:
-    """What an estimate does not keep, and how far the nearest body that can exist is."""
-    what = {"inertia": "no body has the estimated inertia", "mass": "no body has the estimated mass"}
-    broken = " and ".join(what.get(name, f"the estimate does not keep {name}") for name in nearest.broken)
-    return (
-        f"{broken}; the nearest body that can exist is {nearest.distance:.2g} deviations off (p at most "
-        f"{nearest.p_at_most:.2g}): exports of the load take that one"
-    )
 
 
 def physical_rows(result: Result) -> list[tuple[str, ...]]:

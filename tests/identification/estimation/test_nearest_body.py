@@ -1,6 +1,8 @@
 """The nearest body that can exist: one, and none that is nearer."""
 
+from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,9 +15,12 @@ from cases.bounds import Bounds
 from cases.schema import load_case
 from cases.sensors import rigid_body
 from identification.estimation.nearest_body import NearestBody, body_places, nearest_body, pseudo_inertia
+from identification.identify import estimate_parameters, identify
 from identification.model.model import Model, identification_model
 from identification.model.parameters import nominal_parameters
+from identification.recording.recording import read, write_recording
 from tests.helpers import examples
+from tests.mistaken.machines import run
 
 SEEDS = st.integers(0, 2**31)
 PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
@@ -161,3 +166,24 @@ def test_what_was_given_stays_and_can_leave_no_body() -> None:
     body = nearest_body(model(), u, covariance, covariance)
     assert body is not None
     assert body.linear[place] == pytest.approx(3.0, rel=1e-12)
+
+
+def test_an_inertia_that_no_body_has_is_said_once_with_the_nearest_one(tmp_path: Path) -> None:
+    """An inertia about z that is larger than those about x and y together, many deviations off."""
+    sound = run("ur10_wrist", 0)
+    motion, file = sound.motion, tmp_path / "run.csv"
+    assert motion is not None
+    omega, alpha = (np.einsum("nji,nj->ni", motion.turn, values) for values in (motion.omega, motion.alpha))
+    more = np.diag([0.0, 0.0, 0.3])
+    forces = sound.recording.forces.copy()
+    forces[:, 3:] += alpha @ more + np.cross(omega, omega @ more)
+    write_recording(file, replace(sound.recording, forces=forces), sound.case)
+    result = identify(read(file, sound.case), sound.case)
+    (said,) = (finding for finding in result.findings if "no body" in finding.sentence)
+    assert said.severity == "warning"
+    assert result.physical is not None
+    assert f"{result.physical.distance:.2g} deviations off" in said.sentence
+    assert "exports of the load take that one" in said.sentence
+    assert "check signs" in said.sentence
+    estimate = estimate_parameters(read(file, sound.case), sound.case)
+    assert [warning for warning in estimate.warnings if "no body" in warning] != []
