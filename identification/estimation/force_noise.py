@@ -22,7 +22,8 @@ from scipy.fft import irfft, next_fast_len, rfft
 from scipy.special import stdtrit
 
 from cases.base.units import Array, Indices
-from identification.estimation.fit import orthonormal
+from identification.estimation.fit import Robust, orthonormal
+from identification.finding import Finding, Kind, note
 
 Spectra = NDArray[np.complex128]
 
@@ -89,6 +90,8 @@ def in_turned_channels(basis: Array, half: Array, noise: Array, places: Indices 
 SLOW = 1.0 / 3.0  # of the evaluated samples' Nyquist frequency: half the cut-off, where the filter changes nothing
 ROUNDS = 80  # of the search for the shares; what they still change by then is a few percent of a deviation
 BEGIN = 1e-3  # shares of slow noises to begin with, of a channel's variance
+HARDLY_SHOWN = 3  # slow noises, with memories of the run's length, a half and a quarter of it
+TOO_SHORT = 0.4  # share of the variance by these, from which deviations were 1.2 to 1.45 times too small in trials
 INSIDE, MANY = 0.975, 1e9  # share below the upper end of an interval of 95 %; degrees of freedom that are no fewer
 NOTHING = 1e-9  # share of the largest power, below which no power counts
 
@@ -103,24 +106,51 @@ class Mixture(NamedTuple):
     autocovariance: Array  # of the whole noise, shape (n,)
 
 
-def coloured_covariance(found: Turned) -> Array | None:
-    """Covariance of u, shape (u, u), for noise of any colour that stays the same over the run; None for short runs."""
+def coloured_covariance(found: Turned) -> Robust | None:
+    """Covariance of u for noise of any colour that stays the same over the run; None for short runs.
+
+    A finding says where the run is too short for its noise to be known.
+    """
     if len(found.noise) < LEAST_SAMPLES:
         return None
     noises = mixtures(found)
     meat = np.sum([np.einsum("c,cij->ij", own.shares, own.covariances) for own in noises], axis=0)
     covariance = found.share * found.covariance(np.asarray(meat))
-    wider = _wider(noises, found)
-    return np.asarray(wider[:, None] * covariance * wider)
+    # of each channel, variances of u by a unit of each of its noises, shape (c, u)
+    each = [np.einsum("ui,cij,uj->cu", found.half, own.covariances, found.half, optimize=True) for own in noises]
+    wider = _wider(noises, each)
+    findings = () if found.share < 1.0 else _too_short(noises, each)
+    return Robust(np.asarray(wider[:, None] * covariance * wider), findings)
 
 
-def _wider(noises: Sequence[Mixture], found: Turned) -> Array:
+def _too_short(noises: Sequence[Mixture], each: Sequence[Array]) -> tuple[Finding, ...]:
+    """What to say where much of the variance of u, shapes (c, u), is of noise that a run hardly shows.
+
+    Its lowest frequencies are below those that a run has; how large they are, only their tail says.
+    """
+    parts = np.sum([own.shares[:, None] * of for own, of in zip(noises, each, strict=True)], axis=0)
+    total = np.maximum(np.sum(parts, axis=0), np.finfo(float).tiny)
+    share = float(np.mean(np.sum(parts[1 : 1 + HARDLY_SHOWN], axis=0) / total))
+    if share < TOO_SHORT:
+        return ()
+    sentence = (
+        f"the run is short for what its noise remembers: {100.0 * share:.0f} % of the variance is of noise that lasts "
+        "for a quarter of the run or longer, of which the run shows little, so that +- may be up to 1.5 times too "
+        "small; record several times as long, or find what drifts"
+    )
+    return (note(Kind.NOISE, sentence, slow_noise=share),)
+
+
+def _wider(noises: Sequence[Mixture], each: Sequence[Array]) -> Array:
     """How much wider deviations are, shape (u,), for noise that is known from few numbers itself.
 
     The estimate over its deviation is spread like Student's t, with the degrees of freedom that the variance of the
     noise has (Satterthwaite 1946): 1.96 of these deviations hold 95 %.
+
+    Args:
+        noises: of each channel.
+        each: variances of u by a unit of each of its noises, shapes (c, u).
     """
-    each = [np.einsum("ui,cij,uj->cu", found.half, own.covariances, found.half, optimize=True) for own in noises]
     variance = np.sum([own.shares @ of for own, of in zip(noises, each, strict=True)], axis=0)
     spread = np.sum([np.sum(of * (own.spread @ of), axis=0) for own, of in zip(noises, each, strict=True)], axis=0)
     freedom = 2.0 * variance**2 / np.maximum(spread, np.finfo(float).tiny)

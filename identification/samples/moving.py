@@ -148,8 +148,7 @@ class Run(Moving):
             placed = covariance_by_pose(data, struts, residuals if whitening is None else None)
             if placed is not None:
                 return placed
-        coloured = coloured_covariance(data)
-        return None if coloured is None else Robust(coloured)
+        return coloured_covariance(data)
 
     def _places_of(self, part: Indices) -> Indices:
         """Places of a part of the samples; its stretches follow each other, so far apart that noise is independent."""

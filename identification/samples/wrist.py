@@ -114,8 +114,7 @@ class WristRun(Moving):
         self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
     ) -> Robust | None:
         """Covariance of u for noise of any colour, shape (u, u), from A and residuals; None for short runs."""
-        coloured = coloured_covariance(turned(matrices, residuals, weights, self.places))
-        return None if coloured is None else Robust(coloured)
+        return coloured_covariance(turned(matrices, residuals, weights, self.places))
 
     def series(self, delay: float, values: Array) -> Residuals:
         """Forces as recorded at the evaluated samples beside the model's."""

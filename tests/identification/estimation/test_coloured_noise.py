@@ -7,8 +7,8 @@ import pytest
 from scipy.signal import lfilter
 
 from cases.schema import load_case
-from identification.estimation.fit import Fit, Regression, gauss_markov
-from identification.estimation.force_noise import coloured_covariance, turned
+from identification.estimation.fit import Fit, Regression, Robust, gauss_markov
+from identification.estimation.force_noise import Turned, coloured_covariance, turned
 from identification.machines.hexapod import Hexapod
 from tests.bench.coverage import coloured_coverage
 from tests.helpers import Harmonic, few
@@ -40,8 +40,14 @@ def share_inside(noise: Callable[[int], np.ndarray], deviations: Callable[[Fit],
     return float(np.mean(inside))
 
 
+def robust(found: Turned) -> Robust:
+    of = coloured_covariance(found)
+    assert of is not None
+    return of
+
+
 def coloured(fit: Fit) -> np.ndarray:
-    return np.sqrt(np.diag(coloured_covariance(turned(A, fit.residuals, ONES))))
+    return np.sqrt(np.diag(robust(turned(A, fit.residuals, ONES)).covariance))
 
 
 @pytest.mark.slow
@@ -82,23 +88,33 @@ def test_sections_with_gaps_between_are_no_neighbours(phi: float) -> None:
     some, inside = A[places], []
     for seed in range(50):
         fit = gauss_markov(Regression(some, some @ U + memory(seed, phi)[places], NAMES), ONES)
-        covariance = coloured_covariance(turned(some, fit.residuals, ONES, places))
-        assert covariance is not None
+        covariance = robust(turned(some, fit.residuals, ONES, places)).covariance
         inside.append(np.abs(fit.values - U) <= 1.96 * np.sqrt(np.diag(covariance)))
     assert 0.9 <= np.mean(inside) <= 0.99
 
 
+@pytest.mark.parametrize(("phi", "told"), [(0.0, 0.0), (0.9, 0.1), (0.992, 0.7)])
+def test_a_run_that_is_short_for_what_its_noise_remembers_is_told_so(phi: float, told: float) -> None:
+    """White noise and memories of a thirtieth of the run are not; of two fifths they mostly are."""
+    seen = []
+    for seed in range(20):
+        fit = gauss_markov(Regression(A, A @ U + memory(seed, phi), NAMES), ONES)
+        seen.append(any("slow_noise" in f.quantity for f in robust(turned(A, fit.residuals, ONES)).findings))
+    share = float(np.mean(seen))
+    assert share >= told if told > 0.5 else share <= told
+
+
 def test_what_lies_between_samples_that_are_there_does_not_matter() -> None:
     fit = gauss_markov(Regression(A, A @ U + memory(1, 0.5), NAMES), ONES)
-    one_by_one = coloured_covariance(turned(A, fit.residuals, ONES, np.arange(7, SAMPLES + 7)))
-    np.testing.assert_array_equal(one_by_one, coloured_covariance(turned(A, fit.residuals, ONES)))
+    one_by_one = robust(turned(A, fit.residuals, ONES, np.arange(7, SAMPLES + 7))).covariance
+    np.testing.assert_array_equal(one_by_one, robust(turned(A, fit.residuals, ONES)).covariance)
 
 
 def test_it_does_not_depend_on_units_and_is_positive_definite() -> None:
     fit = gauss_markov(Regression(A, A @ U + memory(1, 0.5), NAMES), ONES)
     unit = np.array([1.0, 1e3, 1e-3, 1.0, 10.0, 1e6])
-    plain = coloured_covariance(turned(A, fit.residuals, ONES))
-    scaled = coloured_covariance(turned(A * unit, fit.residuals, ONES))
+    plain = robust(turned(A, fit.residuals, ONES)).covariance
+    scaled = robust(turned(A * unit, fit.residuals, ONES)).covariance
     np.testing.assert_allclose(scaled * np.outer(unit, unit), plain, rtol=1e-6, atol=1e-9 * plain.max())
     assert np.linalg.eigvalsh(plain).min() > 0.0
 
@@ -108,7 +124,7 @@ def test_25_to_60_samples_tell_enough_of_their_memory(stride: int) -> None:
     few, held = A[::stride], []
     for seed in range(30):
         fit = gauss_markov(Regression(few, few @ U + memory(seed, 0.6)[: len(few)], NAMES), ONES)
-        covariance = coloured_covariance(turned(few, fit.residuals, ONES))
+        covariance = robust(turned(few, fit.residuals, ONES)).covariance
         assert covariance is not None
         held.append(np.abs(fit.values - U) <= 1.96 * np.sqrt(np.diag(covariance)))
     assert np.mean(held) > 0.87

@@ -68,9 +68,9 @@ def shares_inside(noise: Callable[[int], np.ndarray], seeds: int) -> tuple[float
         errors, found = left(noise(seed))
         coloured, placed = coloured_covariance(found), covariance_by_pose(found, STRUTS)
         assert coloured is not None
-        used = coloured if placed is None else placed.covariance
+        used = coloured.covariance if placed is None else placed.covariance
         with_pose.append(np.abs(errors) <= 1.96 * np.sqrt(np.diag(used)))
-        without.append(np.abs(errors) <= 1.96 * np.sqrt(np.diag(coloured)))
+        without.append(np.abs(errors) <= 1.96 * np.sqrt(np.diag(coloured.covariance)))
     return float(np.mean(with_pose)), float(np.mean(without))
 
 
