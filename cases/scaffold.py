@@ -10,6 +10,7 @@ from functools import cache
 from itertools import pairwise
 from operator import attrgetter
 from pathlib import Path
+from threading import Lock
 
 from cases.base.errors import WITH_OUTPUT, CaseError, Code, FileProblem, printable
 from cases.base.files import toml_value, write_text
@@ -161,13 +162,19 @@ def _place(name: str, folder: Path | str | None) -> Path:
     return file
 
 
+_PARSING = Lock()
+"""Python 3.11 makes syntax trees in one thread at a time only (SystemError: recursion depth mismatch)."""
+
+
 @cache
 def explanations(part: type[Part]) -> Mapping[str, str]:
     """What each key of a table means: the string that stands below its field in the class, or below one before it."""
     words: dict[str, str] = {}
     for base in (base for base in reversed(part.__mro__) if issubclass(base, Part)):
         meaning = ""
-        for field, text in pairwise([*ast.iter_child_nodes(ast.parse(inspect.getsource(base)).body[0]), ast.Pass()]):
+        with _PARSING:
+            fields = [*ast.iter_child_nodes(ast.parse(inspect.getsource(base)).body[0]), ast.Pass()]
+        for field, text in pairwise(fields):
             if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name):
                 if isinstance(text, ast.Expr) and isinstance(text.value, ast.Constant):
                     meaning = " ".join(str(text.value.value).split())

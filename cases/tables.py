@@ -199,7 +199,11 @@ _LONG_KEY = re.compile(r"(?<![\w\"'-])(?:[\w\"'-]++[ \t]*\.[ \t]*){50}")
 
 def read_tables(model: type[Tables], path: Path) -> Tables:
     """Reads a TOML file by the model of its tables; raises CaseError with all that is wrong in it."""
-    data = content_of_tables(path)
+    return tables_of(model, path, content_of_tables(path))
+
+
+def tables_of(model: type[Tables], path: Path, data: Mapping[str, Any]) -> Tables:
+    """Tables by their model; raises CaseError, which names the file that they are for, with all that is wrong."""
     try:
         return model.model_validate(data)
     except ValidationError as error:

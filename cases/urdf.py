@@ -7,9 +7,9 @@ fast or strongly joints move may be missing or impossible: it counts as not stat
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
 
@@ -50,6 +50,15 @@ class Arm(NamedTuple):
     notes: tuple[str, ...]  # what was odd or left out, each a sentence
 
 
+class LinkPlace(NamedTuple):
+    """A link of a URDF file with all joints at 0."""
+
+    name: str
+    parent: str  # empty of the root
+    origin: Array  # in the root, shape (3,) [m]
+    moved_by: int  # joints from the root on that move it
+
+
 class _Findings:
     """All that is wrong with a file, and what is only odd: sentences by the links or joints that they are about."""
 
@@ -88,10 +97,18 @@ def read_urdf(file: Path, flange: str | None, sensor: str | None = None) -> Arm:
     Raises:
         CaseError: the file is not a sound tree, not sound on the way to the flange, or has no such links.
     """
+    return _read(file, lambda root: _arm(root, flange, sensor))
+
+
+Read = TypeVar("Read")
+
+
+def _read(file: Path, of: Callable[[Element], Read]) -> Read:
+    """What a function makes of a file's root; errors as `read_urdf`."""
     content = b""
     try:
         content = read_whole(file, MOST_BYTES)
-        return _arm(_parsed(content), flange, sensor)
+        return of(_parsed(content))
     except FileProblem as error:
         raise CaseError(
             file=file, problem=error.problem, remedy="name a readable URDF file", code=Code.UNREADABLE
@@ -107,6 +124,30 @@ def read_urdf(file: Path, flange: str | None, sensor: str | None = None) -> Arm:
         ) from error
     except ValueError as error:
         raise CaseError(file=file, problem=str(error), code=Code.WRONG_KIND) from error
+
+
+def read_links(file: Path) -> tuple[LinkPlace, ...]:
+    """The links of a URDF file, to choose one among them.
+
+    Raises:
+        CaseError: the file is not a sound tree.
+    """
+
+    def links_of(root: Element) -> tuple[LinkPlace, ...]:
+        findings = _Findings()
+        links = _named(root, "link", findings)
+        carriers = _carriers(root, links, findings)
+        findings.require_none()
+        found = []
+        for name in links:
+            way, place = _way(name, carriers), np.eye(4)
+            for joint in way:
+                place = place @ _origin(joint, _Findings())
+            moved_by = sum(joint.get("type") in _MOVING and joint.find("mimic") is None for joint in way)
+            found.append(LinkPlace(name, way[-1].attrib[_PARENT] if way else "", place[:3, 3], moved_by))
+        return tuple(found)
+
+    return _read(file, links_of)
 
 
 def _parsed(content: bytes) -> Element:

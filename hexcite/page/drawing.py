@@ -7,8 +7,10 @@ import numpy as np
 from markupsafe import Markup
 
 from cases.base.errors import Code, HexciteError
+from cases.chain import Chain
+from cases.machine import KeepOut
 from cases.schema import Case
-from hexcite.reports.outline import SAME_PLACE, Labels, outline, together
+from hexcite.reports.outline import SAME_PLACE, Labels, Lines, chain_outline, outline, together
 from hexcite.reports.scene import box_outlines, room
 from identification.motion.motion import Array
 
@@ -33,9 +35,19 @@ class Views(NamedTuple):
 
 def views(case: Case) -> Views:
     """The machine at home from above and from the side; raises HexciteError where the case does not describe one."""
-    if case.chain is None and case.limits is None:
-        raise HexciteError(problem="no [limits.motion]", code=Code.MISSING)
+    if case.chain is not None:
+        return chain_views(case.chain)
     lines, labels, boxes = outline(case)
+    lengths = tuple(float(np.linalg.norm(line[1] - line[0])) for line in lines.get("struts 1 to 6", ("", ()))[1])
+    return _views(lines, labels, boxes, lengths)
+
+
+def chain_views(chain: Chain) -> Views:
+    """A chain at home, or at 0, from above and from the side."""
+    return _views(*chain_outline(chain), ())
+
+
+def _views(lines: Lines, labels: Labels, boxes: Sequence[KeepOut], lengths: tuple[float, ...]) -> Views:
     groups = {name: list(group) for name, (_, group) in lines.items()}
     points = np.vstack([line for group in groups.values() for line in group])
     if not np.isfinite(points).all() or float(np.abs(points).max()) > 1e9:
@@ -43,9 +55,6 @@ def views(case: Case) -> Views:
     groups["kept out"] = box_outlines(boxes, *room(points.min(axis=0), points.max(axis=0), boxes))
     near = SAME_PLACE * float(np.ptp(points, axis=0).max())
     drawn = [_drawn(groups, labels, near, axes) for axes in ((0, 1), (0, 2))]
-    lengths: tuple[float, ...] = ()
-    if case.chain is None and "struts 1 to 6" in groups:
-        lengths = tuple(float(np.linalg.norm(line[1] - line[0])) for line in groups["struts 1 to 6"])
     return Views(drawn[0], drawn[1], lengths)
 
 
@@ -91,12 +100,14 @@ def _beside(labels: Labels) -> Labels:
         free = (
             side
             for side in sides
-            if not any(
+            if 0.0 < side[0] < WIDTH - wide
+            and not any(
                 -LETTER * len(other) < there[0] - side[0] < wide and abs(there[1] - side[1]) < LINE
                 for there, other in placed
             )
         )
-        placed.append((next(free, sides[0]), text))
+        inside = next((side for side in sides if 0.0 < side[0] < WIDTH - wide), sides[0])
+        placed.append((next(free, inside), text))
     return placed
 
 

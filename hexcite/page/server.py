@@ -32,6 +32,7 @@ from hexcite.page.security import MOST_UPLOAD, PICTURE, REPORT, Guard, Outside, 
 from hexcite.page.stages import BAG_INDEX, PROGRAMS, RECORDINGS, STAGES, free, machine_of
 from hexcite.page.texts import LANGUAGES, Language, language_of, text
 from hexcite.page.values import Refused
+from hexcite.reports.page import space_page
 
 RUN = ".run-"
 """How names of folders begin whose files are on their way."""
@@ -72,6 +73,9 @@ def app_of(
         Route("/", page.machines),
         Route("/new", page.new, methods=["POST"]),
         Route("/language", page.switch, methods=["POST"]),
+        Route("/space", page.space),
+        Route("/urdf/{name}", page.urdf),
+        Route("/m/{key}/motion/{plan}", page.motion),
         Route("/upload/{name}", page.upload, methods=["PUT"]),
         Route("/runs", page.begin_run, methods=["POST"]),
         Route("/runs/{name}", page.end_run, methods=["POST"]),
@@ -181,6 +185,27 @@ class _Page:
         error = text(saved.refused, self._language(request)) if saved.refused == "changed_elsewhere" else saved.refused
         given = actions.machine.given_values(fields)
         return await self._stage(request, context, "machine", 409, error=error, given=given)
+
+    async def space(self, request: Request) -> Response:
+        """What draws a machine in 3-D, in an origin of its own; scenes are sent to it."""
+        headers = {"content-security-policy": REPORT, "cache-control": "private, max-age=600"}
+        return HTMLResponse(await run_in_threadpool(space_page), headers=headers)
+
+    async def motion(self, request: Request) -> Response:
+        """The machine along a plan, as a scene."""
+        context, name = self._context(request), request.path_params["plan"]
+        scene = await run_in_threadpool(views.plan.scene, context, name)
+        if scene is None:
+            raise HTTPException(404)
+        return Response(scene, media_type="application/json")
+
+    async def urdf(self, request: Request) -> Response:
+        """A robot's file: which link carries the sensor?"""
+        file = inside(self.root, request.path_params["name"])
+        if file.suffix.lower() != ".urdf" or not file.is_file():
+            raise HTTPException(404)
+        values = await run_in_threadpool(views.machine.urdf, file)
+        return HTMLResponse(self._rendered(request, "urdf.html.jinja", **values))
 
     async def new(self, request: Request) -> Response:
         """Begins a case of one's own."""

@@ -174,16 +174,28 @@ def edited(content: str, fields: Mapping[str, str], file: Path = Path(CASE_FILE)
         fields: `v.NAME` the text of a value, `u.NAME` the name of the spelling that it is in, `on.NAME` any text where
             a key, or all of a table, is to be added with the text `w.NAME`.
     """
+    wanted, converted = changed(content, fields)
+    try:
+        return Written(with_values(file, content, wanted), converted)
+    except HexciteError as error:
+        raise Refused("; ".join(error.lines)) from error
+
+
+def changed(content: str, fields: Mapping[str, str]) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """The tables of a case file with other values, and what was converted; fields and errors as `edited`."""
     data = tomllib.loads(content)
     wanted, converted = copy.deepcopy(data), list[str]()
     there = {named(place): (place, value) for place, value in leaves((), data)}
-    offered = {named(place): (place, value) for place, value in missing(data, None, content).items()}
     on = [name[3:] for name in fields if name.startswith("on.")]
+    more = missing(data, None, content) if on else {}
+    offered = {named(place): (place, value) for place, value in more.items()}
     for field, text in fields.items():
         kind, _, name = field.partition(".")
         if kind not in ("v", "w"):
             continue
         own = there if kind == "v" else offered
+        if kind == "w" and not on:
+            continue
         if name not in own or own[name][0][0] in FIXED:
             raise Refused(f"{name}: there is no such value")
         place, before = own[name]
@@ -203,10 +215,7 @@ def edited(content: str, fields: Mapping[str, str], file: Path = Path(CASE_FILE)
         elif kind == "v" and after == before:
             continue
         _put(wanted, place, after)
-    try:
-        return Written(with_values(file, content, wanted), tuple(converted))
-    except HexciteError as error:
-        raise Refused("; ".join(error.lines)) from error
+    return wanted, tuple(converted)
 
 
 def write_motion_box(file: Path, box: Mapping[str, Any]) -> None:

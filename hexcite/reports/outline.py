@@ -8,9 +8,10 @@ from collections.abc import Iterable
 import numpy as np
 
 from cases.base.units import MM
+from cases.chain import Chain
 from cases.machine import KeepOut, turned
 from cases.schema import Case
-from hexcite.reports.scene import frames_at_sensor, tool_outlines
+from hexcite.reports.scene import AXIS, drawn_pose, frames_at_sensor, tool_outlines
 from identification.limits.chain import chain_frames
 from identification.motion.motion import Array, StandingPoses
 
@@ -18,7 +19,6 @@ Lines = dict[str, tuple[str, Iterable[Array]]]
 """Entry of the legend -> colour, and lines of points, shapes (n, 3) [mm]."""
 Labels = list[tuple[Array, str]]
 """Places, shape (3,) or (2,) [mm], and what is written there."""
-AXIS = 0.08  # length of an axis, as a share of the machine's size
 AXIS_COLOURS = ("tab:red", "tab:green", "tab:blue")
 SAME_PLACE = 0.01  # of the machine's size, within which labels are written as one
 
@@ -73,9 +73,13 @@ def _hexapod(case: Case) -> tuple[Lines, Labels, tuple[KeepOut, ...]]:
 
 
 def _chain(case: Case) -> tuple[Lines, Labels, tuple[KeepOut, ...]]:
-    chain = case.need_joints("the picture of the machine")
-    standing = StandingPoses(np.array([[joint.drawn_at for joint in chain.joints]])).at([0.0])
-    frames = [np.eye(4), *(place[0] for place, _, _ in chain_frames(standing, chain))]
+    return chain_outline(case.need_joints("the picture of the machine"))
+
+
+def chain_outline(chain: Chain) -> tuple[Lines, Labels, tuple[KeepOut, ...]]:
+    """Lines and labels of a chain at home in {B}, and the boxes that it keeps out of; a case may lack all else."""
+    at_home = StandingPoses(drawn_pose(chain)[None]).at([0.0])
+    frames = [np.eye(4), *(place[0] for place, _, _ in chain_frames(at_home, chain))]
     origins = np.array([frame[:3, 3] for frame in frames]) / MM
     lines: Lines = {"joints and sensor": ("tab:gray", [origins])}
     for name, colour, owners in (
@@ -87,7 +91,7 @@ def _chain(case: Case) -> tuple[Lines, Labels, tuple[KeepOut, ...]]:
         lines[name] = colour, [line @ frame[:3, :3].T + frame[:3, 3] / MM for frame, line in outlines]
     labels = list(zip(origins[1:], chain.names, strict=False))
     size = AXIS * float(np.ptp(origins, axis=0).max())
-    for name, place in frames_at_sensor(case):
+    for name, place in frames_at_sensor(chain):
         frame = frames[-1] @ place
         origin, ends = frame[:3, 3] / MM, frame[:3, 3] / MM + size * frame[:3, :3].T
         labels.append((origin, name))

@@ -137,6 +137,7 @@ def _player(scene: Scene) -> Markup:
 <button id="play" type="button">Play</button>
 <input id="scrub" type="range" min="0" max="1" step="1" value="0" aria-label="time">
 <output id="instant"></output>
+<div id="used" class="used"></div>
 </div>
 <script type="application/json" id="scene">{}</script>
 <figcaption>{}<span class="screen"> Drag to turn, wheel to zoom.</span></figcaption>
@@ -189,6 +190,27 @@ def page(
         plotly=_plotly(),
     )
     return legible(whole)
+
+
+@cache
+def space_page() -> str:
+    """A page of nothing but a machine in 3-D, for a frame: it draws each scene that the page around it sends.
+
+    Messages to it are `{scene, words}`: `Scene.to_json`, with `pick` where its labels are to be clicked; words for
+    play, pause, pose and of. Its own are `{ready}`, `{failed}` and `{picked}`, the text of a label.
+    """
+    text = """<!doctype html>
+<html lang="en">
+<head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark"><title>3-D</title><style>{css}</style></head>
+<body class="space"><figure><div class="plot" id="machine" role="img" aria-label="3-D"></div>
+<div class="player"><button id="play" type="button">Play</button>
+<input id="scrub" type="range" min="0" max="1" step="1" value="0" aria-label="time"><output id="instant"></output>
+<div id="used" class="used"></div></div></figure>
+<script type="application/octet-stream" id="plotly">{plotly}</script><script>{js}</script></body></html>"""
+    files = resources.files("hexcite.reports") / "templates"
+    parts = {name: (files / f"page.{name}").read_text(encoding="utf-8") for name in ("css", "js")}
+    return text.format(plotly=_plotly(), **parts)
 
 
 @cache

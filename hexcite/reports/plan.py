@@ -7,7 +7,7 @@ from hexcite._identifiability import identifiability_of_models
 from hexcite.reports.figures import limits_table, motion_blocks
 from hexcite.reports.identifiability import identifiability_blocks
 from hexcite.reports.page import Head, note, page, section, table, tiles
-from hexcite.reports.scene import moving_machine, posing_machine
+from hexcite.reports.scene import Scene, moving_machine, posing_machine, with_limits
 from identification.limits.limit import TOLERANCE, Status
 from identification.motion.motion import sample
 from planner.plans.plan import Plan
@@ -32,7 +32,7 @@ def plan_page(plan: Plan) -> str:
     if plan.without:
         words = f"{words.removesuffix('.')}, without {', '.join(plan.without)} as planned."
     verdict = " ".join([words, *(f"{doubt[0].upper()}{doubt[1:]}." for doubt in plan.doubts)])
-    scene = posing_machine(case, plan.poses) if len(plan.poses) else moving_machine(case, plan.motion)
+    scene = scene_of(plan)
     return page(
         f"Plan: {case.title}",
         Head(verdict, not (plan.doubts or exceeded), case.name, (("plan", plan.headline),)),
@@ -47,6 +47,13 @@ def plan_page(plan: Plan) -> str:
         section("How close it comes to each limit", limits_table(plan.limits)),
         section("The motion and its limits", *motion_blocks(case, sample(plan.motion, DRAWN_RATE))),
     )
+
+
+def scene_of(plan: Plan) -> Scene:
+    """The machine along a plan, with how far each limit is used; or in one pose after the other."""
+    if len(plan.poses):
+        return posing_machine(plan.case, plan.poses)
+    return with_limits(moving_machine(plan.case, plan.motion), plan.case, plan.motion, plan.without)
 
 
 def _headline(plan: Plan) -> Markup:

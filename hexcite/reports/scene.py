@@ -3,17 +3,20 @@
 A page turns the lines by its own script, a printed picture by `Part.placed`. Lengths are in mm, as on the axes.
 """
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from cases.base.units import MM
+from cases.chain import Chain
 from cases.machine import KeepOut, Tool
 from cases.schema import Case
 from hexcite.reports.chart import COLOURS
 from identification.limits.chain import chain_frames
+from identification.limits.limit import LimitKind
+from identification.limits.proof import everything
 from identification.motion.motion import Array, Motion, StandingPoses, Trajectory, rotation_motion, sample
 
 BESIDE = 0.25  # share of the machine's size: boxes are shown up to this distance
@@ -21,6 +24,10 @@ _BOTTOM = ((0, 0), (1, 0), (1, 1), (0, 1), (0, 0))
 FRAMES_A_SECOND = 50.0
 MOST_FRAMES = 3000  # times the frames that move: what a page holds
 SECONDS_A_POSE = 0.5  # time of each pose when a pose set is played
+AXIS = 0.08  # length of an axis, as a share of the machine's size
+AXLE = 0.6  # half of a joint's, of that
+LEAST_SIDE = 0.5  # of the picture's longest side: what is flat would be seen from too near
+_PICTURE = "the picture of the machine"
 BASE = 0  # number of the frame that stands still
 
 
@@ -51,6 +58,26 @@ class Part:
         }  # fmt: skip
 
 
+class Label(NamedTuple):
+    """A name at a point, which keeps its place in a frame."""
+
+    text: str
+    point: Array  # shape (3,) [mm]
+    frame: int
+
+
+@dataclass(frozen=True, slots=True)
+class Used:
+    """How far limits are used at the instants of a scene."""
+
+    names: tuple[str, ...]
+    shares: Array  # largest since the instant before, shape (n, limits)
+
+    def to_json(self) -> dict[str, Any]:
+        """What the page's script lights limits from."""
+        return {"names": list(self.names), "shares": self.shares.astype(np.float32).ravel()}
+
+
 @dataclass(frozen=True, slots=True)
 class Scene:
     """A machine at some instants."""
@@ -60,6 +87,8 @@ class Scene:
     frames: Array  # rows of (R p) of each frame in {B}, the first of the base, shape (n, f, 3, 4) [1, mm]
     parts: tuple[Part, ...]
     ends: Array  # lower and upper end of each axis, shape (3, 2) [mm]
+    labels: tuple[Label, ...] = ()
+    used: Used | None = None
 
     @property
     def path(self) -> Array:
@@ -75,6 +104,8 @@ class Scene:
             "moving": self.frames.shape[1] - 1,
             "parts": [part.to_json() for part in self.parts],
             "ends": self.ends.round(1).tolist(),
+            "labels": [[label.text, np.round(label.point, 3).tolist(), label.frame] for label in self.labels],
+            "used": None if self.used is None else self.used.to_json(),
         }
 
 
@@ -90,18 +121,65 @@ def posing_machine(case: Case, poses: Array) -> Scene:
     return _scene(case, replace(at, t=SECONDS_A_POSE * at.t), steps=True)
 
 
+def standing_machine(case: Case) -> Scene:
+    """The machine of a case at home, its joints named as in its drawing; raises CaseError where it has none."""
+    if case.chain is not None:
+        return standing_chain(case.chain)
+    machine, workspace, _ = case.need_machine("the picture of the machine")
+    frames, parts = _hexapod(case, StandingPoses(machine.home.vector[None]).at([0.0]))
+    rings = ((BASE, machine.base), (1, machine.platform))
+    labels = [Label(f"{k}", p / MM, frame) for frame, ring in rings for k, p in enumerate(ring.points, 1)]
+    return _shown(Scene(False, np.zeros(1), frames, parts, np.zeros((3, 2)), tuple(labels)), workspace.keep_out)
+
+
+def standing_chain(chain: Chain) -> Scene:
+    """A chain at home, each joint with its name and its axis; joints without a home where they are drawn.
+
+    The case around it may lack all else.
+    """
+    frames, parts = _chain(chain, StandingPoses(drawn_pose(chain)[None]).at([0.0]))
+    last = len(chain.joints)
+    size = _size(frames)
+    names = [Label(joint.name, np.zeros(3), k) for k, joint in enumerate(chain.joints, 1)]
+    axes = [Label(f"{axis} sensor", size * np.eye(3)[k], last + 1) for k, axis in enumerate(AXES)]
+    lines = tuple(
+        (np.outer([-1.0, 1.0], AXLE * size * np.array(joint.axis) / np.linalg.norm(joint.axis)), (k, k))
+        for k, joint in enumerate(chain.joints, 1)
+    )
+    axles = Part("axes of the joints", lines, 3.0, "#888888")
+    scene = Scene(False, np.zeros(1), frames, (*parts, axles), np.zeros((3, 2)), (*names, *axes))
+    return _shown(scene, chain.keep_out)
+
+
+def drawn_pose(chain: Chain) -> Array:
+    """Coordinates at home, shape (n,) [rad or m]; of joints without a home where pictures have them."""
+    return np.array([joint.drawn_at for joint in chain.joints])
+
+
 def _scene(case: Case, motion: Motion, steps: bool) -> Scene:
-    frames, parts = _hexapod(case, motion) if case.chain is None else _chain(case, motion)
-    moving = Scene(steps, motion.t, frames, parts, np.zeros((3, 2)))
+    frames, parts = _hexapod(case, motion) if case.chain is None else _chain(case.need_chain(_PICTURE)[0], motion)
+    keep_out = case.chain.keep_out if case.chain is not None else case.need_machine(_PICTURE)[1].keep_out
+    return _shown(Scene(steps, motion.t, frames, parts, np.zeros((3, 2))), keep_out)
+
+
+def shown_alone(scene: Scene) -> Scene:
+    """A scene without boxes, with the ends of its axes."""
+    return _shown(scene, ())
+
+
+def _shown(moving: Scene, keep_out: Sequence[KeepOut]) -> Scene:
+    """The scene with the ends of its axes, its boxes, and the axes of poses."""
+    motion, parts, steps = moving, moving.parts, moving.steps
     shown = np.unique(np.linspace(0, len(motion.t) - 1, min(len(motion.t), 60)).astype(int))
     points = np.vstack([moving.path, *(line for k in shown for part in parts for line in part.placed(moving, k))])
     triads = _triads(moving, TRIAD * float(np.ptp(points, axis=0).max())) if steps else ()
     points = np.vstack([points, *(line for part in triads for line in part.placed(moving, 0))])
-    keep_out = case.chain.keep_out if case.chain is not None else case.need_machine("the picture")[1].keep_out
     low, high = room(points.min(axis=0), points.max(axis=0), keep_out)
     boxes = box_outlines(keep_out, low, high)
     walls = (Part("kept out", tuple(_still(boxes)), 3.0, "#888888"),) if boxes else ()
-    return Scene(steps, motion.t, frames, (*parts, *triads, *walls), np.column_stack([low, high]))
+    short = np.maximum(0.0, LEAST_SIDE * float((high - low).max()) - (high - low)) / 2.0
+    ends = np.column_stack([low - short, high + short])
+    return replace(moving, parts=(*parts, *triads, *walls), ends=ends)
 
 
 TRIAD = 0.07  # length of an axis at a pose, as a share of the width of the picture
@@ -158,8 +236,12 @@ def _hexapod(case: Case, motion: Motion) -> tuple[Array, tuple[Part, ...]]:
     return _rows([place]), tuple(parts)
 
 
-def _chain(case: Case, motion: Motion) -> tuple[Array, tuple[Part, ...]]:
-    chain, _ = case.need_chain("the picture of the machine")
+def _size(frames: Array) -> float:
+    """Length of a drawn axis [mm]."""
+    return AXIS * float(np.ptp(frames[..., 3].reshape(-1, 3), axis=0).max())
+
+
+def _chain(chain: Chain, motion: Motion) -> tuple[Array, tuple[Part, ...]]:
     places = [place for place, _, _ in chain_frames(motion, chain)]
     last = len(places)  # number of the sensor's frame
     origins = np.zeros((last + 1, 3)), tuple(range(last + 1))
@@ -170,8 +252,8 @@ def _chain(case: Case, motion: Motion) -> tuple[Array, tuple[Part, ...]]:
         parts.append(Part("links", tuple(links), 9.0, COLOURS[1]))
     if chain.tool:
         parts.append(Part("tools", tuple(_still(tool_outlines(chain.tool), last)), 7.0, COLOURS[5]))
-    size = 0.08 * float(np.ptp(np.concatenate([place[:, :3, 3] for place in places]), axis=0).max()) / MM
-    for k, (name, place) in enumerate(frames_at_sensor(case)):
+    size = _size(_rows(places)[:, 1:])
+    for k, (name, place) in enumerate(frames_at_sensor(chain)):
         origin, turn = place[:3, 3] / MM, place[:3, :3]
         axes = [(np.stack([origin, origin + size * axis]), (last, last)) for axis in turn.T]
         parts.append(Part(f"axes of the {name}", tuple(axes), 3.0, COLOURS[(4 + k) % len(COLOURS)]))
@@ -179,14 +261,14 @@ def _chain(case: Case, motion: Motion) -> tuple[Array, tuple[Part, ...]]:
     return _rows(places), tuple(parts)
 
 
-def frames_at_sensor(case: Case) -> tuple[tuple[str, Array], ...]:
+def frames_at_sensor(chain: Chain) -> tuple[tuple[str, Array], ...]:
     """Frames behind the last joint of a chain by their names, in {P}: axes and origin, shapes (4, 4) [-, m]."""
     frames: list[tuple[str, Array]] = [("sensor", np.eye(4))]
-    if case.in_flange is not None:
-        flange: Array = np.asarray(np.linalg.inv(case.in_flange))
+    if chain.flange is not None:
+        flange: Array = np.asarray(np.linalg.solve(chain.sensor.place, chain.flange.place))
         frames.append(("flange", flange))
-        if case.tcp is not None:
-            frames.append(("tool (TCP)", flange @ case.tcp.place))
+        if chain.tcp is not None:
+            frames.append(("tool (TCP)", flange @ chain.tcp.place))
     return tuple(frames)
 
 
@@ -213,3 +295,27 @@ def box_outlines(boxes: Iterable[KeepOut], low: Array, high: Array) -> list[Arra
 def tool_outlines(tools: Iterable[Tool]) -> list[Array]:
     """Axes of tools in {P}: lines of shape (2, 3) [mm]."""
     return [tool.axis / MM for tool in tools]
+
+
+USED_RATE = 1000.0  # [1/s] at which limits are looked at between the instants of a scene
+
+
+def with_limits(scene: Scene, case: Case, trajectory: Trajectory, without: Collection[LimitKind] = ()) -> Scene:
+    """The scene with how far each limit is used: at its instants, and at USED_RATE between them.
+
+    Args:
+        without: families of limits that the motion leaves out, as was asked for.
+    """
+    fine = np.unique(np.append(scene.t, np.arange(scene.t[0], scene.t[-1], 1.0 / USED_RATE)))
+    first = np.searchsorted(fine, scene.t[:-1], side="right")  # of each stretch that ends at an instant
+    used: dict[str, Array] = {}
+    for quantity in everything(trajectory.at(fine), case, True):
+        if quantity.of.kind.family not in without:
+            share = np.minimum(quantity.ratio.max(axis=1), MOST_SHARE)
+            stretches = np.maximum.reduceat(share, np.append(0, first))
+            name = str(quantity.of)
+            used[name] = np.maximum(used[name], stretches) if name in used else stretches
+    return replace(scene, used=Used(tuple(used), np.column_stack([*used.values()])))
+
+
+MOST_SHARE = 9.0  # that is shown

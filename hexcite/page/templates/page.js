@@ -65,7 +65,7 @@ async function upload(files, input) { // several files are one run, in a folder 
     }
     if (run) name = await post("/runs/" + run);
     if (input.dataset.ask) ask(input.dataset.ask, name);
-    else go(input.dataset.to.endsWith("=") ? input.dataset.to + encodeURIComponent(name) : input.dataset.to);
+    else go(/=$|^\/urdf\/$/.test(input.dataset.to) ? input.dataset.to + encodeURIComponent(name) : input.dataset.to);
   } catch (reason) {
     said.textContent = typeof reason === "string" ? reason : "";
     if (typeof reason !== "string") lost(true);
@@ -121,23 +121,91 @@ for (const part of document.querySelectorAll("details[data-frame]")) {
   show();
 }
 
+// 3-D: a frame with an origin of its own draws what it is sent, and says which label was clicked.
+const spaces = [];
+function space(place) {
+  const frame = document.createElement("iframe"), [play, pause, pose, of] = place.dataset.words.split(" ");
+  let scene = null, ready = false;
+  const send = (next = scene) => {
+    scene = next;
+    if (ready && scene) frame.contentWindow.postMessage({ scene: { ...scene, pick: Boolean(place.dataset.pick) }, words: { play, pause, pose, of } }, "*");
+  };
+  addEventListener("message", (event) => {
+    if (event.source !== frame.contentWindow) return;
+    if (event.data.ready) { ready = true; send(); }
+    if (event.data.failed) place.textContent = place.dataset.failed;
+    const menu = document.getElementById(place.dataset.pick ?? "");
+    if (menu && [...menu.options].some((each) => each.value === event.data.picked)) menu.value = event.data.picked;
+  });
+  frame.setAttribute("sandbox", "allow-scripts");
+  frame.title = place.dataset.title;
+  frame.src = "/space";
+  place.append(frame);
+  if (place.dataset.src) {
+    fetch(place.dataset.src).then(async (answer) => {
+      if (answer.ok) send(await answer.json());
+      else place.textContent = place.dataset.failed;
+    }, () => lost(true));
+  } else spaces.push(send);
+  return send;
+}
+const drawnScene = () => JSON.parse(document.getElementById("scene")?.textContent || "null");
+function showSpaces() { // after the first paint, which does not wait for 3-D
+  for (const place of document.querySelectorAll("[data-space]")) space(place);
+  for (const send of spaces) send(drawnScene());
+}
+requestAnimationFrame(() => setTimeout(showSpaces, 0));
+
 const form = document.querySelector("form[data-preview]");
 if (form) {
-  let timer = 0, under = null;
+  let under = false, again = false;
+  const preview = async () => { // the newest values, as soon as the answer before is there
+    again = under;
+    if (under) return;
+    under = true;
+    try {
+      const body = new URLSearchParams(new FormData(form));
+      const answer = await fetch(form.dataset.preview, { method: "POST", body });
+      if (answer.ok) document.getElementById("drawing").innerHTML = await answer.text();
+      for (const send of spaces) send(drawnScene());
+      lost(false);
+    } catch { lost(true); }
+    under = false;
+    document.documentElement.dataset.previews = String(Number(document.documentElement.dataset.previews ?? 0) + 1);
+    if (again) preview();
+  };
+  const fieldOf = (name) => form.elements["v." + name] ?? form.elements["w." + name];
+  const numbersIn = (text) => (text.match(/[-+]?[0-9.]+(e[-+]?[0-9]+)?/gi) ?? []).map(Number);
+  const movers = [...document.querySelectorAll("[data-field]")].filter((each) => fieldOf(each.dataset.field));
+  const said = (mover) => {
+    const output = mover.parentElement.querySelector(`#${mover.id} + output`);
+    if (output) output.textContent = output.textContent.replace(/^\S+/, Number(mover.value).toFixed(1));
+  };
+  for (const mover of movers) {
+    mover.addEventListener("input", () => {
+      const field = fieldOf(mover.dataset.field), item = Number(mover.dataset.item ?? -1);
+      const value = Math.round(10 * Number(mover.value)) / 10, list = numbersIn(field.value);
+      if (item >= 0) field.value = "[" + [0, 1, 2].map((k) => (k === item ? value : list[k] ?? 0).toFixed(3)).join(", ") + "]";
+      else field.value = value.toFixed(1);
+      field.dispatchEvent(new Event("input", { bubbles: true }));
+    });
+  }
+  for (const button of document.querySelectorAll("[data-turn]")) {
+    button.addEventListener("click", () => {
+      const mover = document.getElementById(button.dataset.for);
+      const angle = Number(mover.value) + Number(button.dataset.turn);
+      mover.value = String(Math.round(1000 * (((angle + 180) % 360 + 360) % 360 - 180)) / 1000);
+      mover.dispatchEvent(new Event("input"));
+    });
+  }
   form.addEventListener("input", (event) => { // what is typed for a key that is not there switches it on
-    if (event.target.name?.startsWith("w.")) form.elements["on." + event.target.name.slice(2)].checked = true;
-    clearTimeout(timer);
-    timer = setTimeout(async () => {
-      under?.abort();
-      under = new AbortController();
-      try {
-        const body = new URLSearchParams(new FormData(form));
-        const answer = await fetch(form.dataset.preview, { method: "POST", body, signal: under.signal });
-        if (answer.ok) document.getElementById("drawing").innerHTML = await answer.text();
-        lost(false);
-      } catch (error) {
-        if (error.name !== "AbortError") lost(true);
-      }
-    }, 200);
+    const name = event.target.name ?? "";
+    if (name.startsWith("w.")) form.elements["on." + name.slice(2)].checked = true;
+    for (const mover of movers.filter((each) => fieldOf(each.dataset.field) === event.target)) {
+      const value = numbersIn(event.target.value)[Math.max(0, Number(mover.dataset.item ?? 0))];
+      if (Number.isFinite(value) && document.activeElement !== mover) mover.value = String(value);
+      said(mover);
+    }
+    preview();
   });
 }

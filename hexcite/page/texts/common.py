@@ -34,5 +34,8 @@ TEXTS: dict[str, tuple[str, str]] = {
         "Out of date: the machine was changed since. {what}",
         "Veraltet: Die Maschine wurde seither geändert. {what}",
     ),
+    "in_3d": ("The machine in 3-D", "Die Maschine in 3-D"),
+    "space_words": ("Play Pause pose of", "Abspielen Pause Pose von"),
+    "space_failed": ("This browser draws no 3-D.", "Dieser Browser zeichnet kein 3-D."),
     "nothing_here": ("Nothing here yet.", "Noch nichts da."),
 }

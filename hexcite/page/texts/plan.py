@@ -47,6 +47,11 @@ TEXTS: dict[str, tuple[str, str]] = {
     "limit": ("limit", "Grenze"),
     "used": ("used", "genutzt"),
     "limits": ("What the machine's limits are used to", "Wie weit die Grenzen der Maschine genutzt werden"),
+    "moving": ("The machine along the plan", "Die Maschine entlang des Plans"),
+    "moving_note": (
+        "A limit lights up where the motion uses it to its end.",
+        "Eine Grenze leuchtet auf, wo die Bewegung sie ganz ausnutzt.",
+    ),
     "report": ("The whole report", "Der ganze Bericht"),
     "interrupted": ("search was stopped; the best until then", "Suche angehalten; das bis dahin Beste"),
 }

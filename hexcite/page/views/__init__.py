@@ -13,6 +13,7 @@ from hexcite.page.stages import STAGES, Workspace, built_in, workspace
 from hexcite.page.texts import Language, text
 from hexcite.page.views import data, machine, plan, program, result, use
 from hexcite.page.views.common import Query
+from hexcite.reports.page import space_page
 
 STAGE_VIEWS: Mapping[str, Callable[[Context, Workspace, Query], dict[str, Any]]] = {
     "machine": machine.shown, "plan": plan.shown, "program": program.shown,
@@ -40,9 +41,10 @@ def warm_up() -> None:
     """Imports and reads what stages take long for when they first need it."""
     for name in LATE:
         import_module(name)
+    space_page()
     for each in built_in():
         values.sections(each.file.read_text(encoding="utf-8"), each.case)
-        machine.drawn(each.case)
+        machine.drawn(each.case, {})
 
 
 def job(job: Job, language: Language) -> dict[str, Any]:

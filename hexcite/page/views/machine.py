@@ -1,16 +1,25 @@
 """The start page and the stage Machine: values of the case, its drawings, its check."""
 
+import re
+import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from markupsafe import Markup
+
 from cases.base.errors import HexciteError
 from cases.schema import Case
+from cases.tables import tables_of
+from cases.urdf import TOOL0, read_links
 from hexcite.page import drawing, values
 from hexcite.page.actions.common import Context
 from hexcite.page.actions.machine import given_values
 from hexcite.page.forms import Fields
 from hexcite.page.stages import Workspace, built_in, own_machines
+from hexcite.page.standing import chain_in, near, scene_of, scene_of_links, sensor_angles, sliders
 from hexcite.page.views.common import Query
+from hexcite.reports.page import script_json
 
 
 def machines(root: Path) -> dict[str, Any]:
@@ -27,6 +36,8 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     machine = context.machine
     content = machine.file.read_text(encoding="utf-8", errors="replace")
     check = context.jobs.latest(machine.key, "case", "check")
+    data = _tables(content)
+    chain = chain_in(data)
     return {
         "saved": query.get("saved") == "1",
         "digest": values.digest(content),
@@ -34,26 +45,65 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "given": {},
         "checked": check.answer if check is not None else None,
         "doubts": machine.case.doubts if machine.case is not None else (),
-        **drawn(machine.case),
+        "homes": () if chain is None else sliders(chain),
+        "angles": () if chain is None else sensor_angles(chain),
+        **drawn(machine.case, data),
     }
 
 
-def drawn(case: Case | None, problem: str = "") -> dict[str, Any]:
-    """The drawings of a case, or why there are none."""
-    if case is None:
-        return {"views": None, "why": problem, "converted": ()}
+def _tables(content: str) -> dict[str, Any]:
     try:
-        return {"views": drawing.views(case), "why": "", "converted": ()}
+        return tomllib.loads(content)
+    except tomllib.TOMLDecodeError:
+        return {}
+
+
+def drawn(case: Case | None, data: Mapping[str, Any], problem: str = "") -> dict[str, Any]:
+    """The drawings of a case, or of its chain where the case is not complete yet; or why there are none."""
+    chain = chain_in(data) if case is None else case.chain
+    shown: dict[str, Any] = {"views": None, "scene": "", "near": (), "why": problem, "converted": ()}
+    try:
+        if chain is not None:
+            shown["views"] = drawing.chain_views(chain)
+        elif case is not None:
+            shown["views"] = drawing.views(case)
+        if (scene := scene_of(case, chain)) is not None:
+            shown["scene"] = Markup(script_json(scene.to_json()))
+            shown["near"] = near(case, chain)
     except HexciteError as error:
-        return {"views": None, "why": "; ".join(error.lines), "converted": ()}
+        shown["why"] = "; ".join(error.lines)
+    return shown
 
 
 def preview(context: Context, fields: Fields) -> dict[str, Any]:
     """The drawings of a case with values that are not written yet."""
     content = context.machine.file.read_text(encoding="utf-8")
     try:
-        written = values.edited(content, given_values(fields), context.machine.file)
-        case = values.case_of(written.text, context.machine.file)
+        data, converted = values.changed(content, given_values(fields))
     except values.Refused as error:
-        return {"views": None, "why": str(error), "converted": ()}
-    return {**drawn(case), "converted": written.converted}
+        return drawn(None, {}, str(error))
+    try:
+        case, problem = tables_of(Case, Path(context.machine.argument), data), ""
+    except HexciteError as error:
+        case, problem = None, "; ".join(error.lines)
+    return {**drawn(case, data, problem), "converted": converted}
+
+
+def urdf(file: Path) -> dict[str, Any]:
+    """The links of a URDF file in 3-D, and the one that probably carries the sensor."""
+    try:
+        links = read_links(file)
+    except HexciteError as error:
+        return {"name": file.name, "problem": "; ".join(error.lines), "links": ()}
+    stem = re.sub(r"[^a-z0-9]+", "_", file.stem.lower()).strip("_")
+    most = max(link.moved_by for link in links)
+    moved = [link for link in links if link.moved_by == most]
+    tools = [link for link in moved if link.name.endswith(TOOL0)]
+    return {
+        "name": file.name,
+        "problem": "",
+        "links": sorted(links, key=lambda link: -link.moved_by),
+        "flange": (tools or moved)[-1].name,
+        "proposed": stem if stem[:1].isalpha() else f"robot_{stem}".rstrip("_"),
+        "scene": Markup(script_json(scene_of_links(links).to_json())),
+    }

@@ -2,13 +2,19 @@
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
+from cases.base.errors import HexciteError
+from cases.schema import load_case
 from hexcite.page.actions.common import Context
 from hexcite.page.forms import EFFORTS, FAMILIES
-from hexcite.page.stages import Made, Workspace
+from hexcite.page.stages import Made, Workspace, workspace
 from hexcite.page.views.common import Query, chosen, limits
+from hexcite.reports.page import script_json
+from hexcite.reports.plan import scene_of
 from identification.texts import legible, parameter_words, std_text
+from planner.plans.plan import Plan
 
 
 def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
@@ -63,3 +69,23 @@ def _predicted(plans: Sequence[Made]) -> dict[str, Any]:
     names = list(dict.fromkeys(name for std in stds for name in std))
     rows = [(parameter_words(name), [_deviation(name, std.get(name)) for std in stds]) for name in names]
     return {"heads": [plan.name for plan in plans], "rows": rows}
+
+
+def scene(context: Context, name: str) -> str | None:
+    """The machine along a plan as JSON, with how far each limit is used; None where there is no such plan."""
+    there = workspace(context.root, context.machine)
+    plan = next((each for each in there.plans if each.name == name), None)
+    if plan is None or context.machine.case is None:
+        return None
+    machine = context.machine
+    source = str(machine.file) if machine.own else machine.key
+    return _scene(str(context.root / name), plan.fingerprint, source, context.machine.case.hash)
+
+
+@lru_cache(8)
+def _scene(folder: str, fingerprint: str, source: str, case_hash: str) -> str | None:
+    try:
+        case = load_case(source)
+        return str(script_json(scene_of(Plan.load(folder, case, stale=True)).to_json()))
+    except HexciteError:
+        return None  # damaged: the command that uses it says so

@@ -45,12 +45,24 @@ function numbers(packed) {
 const columns = (lines) => [0, 1, 2].map((k) => lines.flatMap((line) => [...line.map((p) => p[k]), null]));
 const BASE = 0; // the frame that stands still
 
-// Lines of the machine's parts, whose points are given in frames that move: rows of (R p) of each frame, in mm.
-function machine(div, scene) {
-  const t = numbers(scene.t), frames = numbers(scene.frames), size = 12 * scene.moving;
+// A machine that moves, and the words of its buttons. Lines of its parts are points in frames that move: rows of (R p)
+// of each frame, in mm. A page that shows this one in a frame of its own may send another scene at any time.
+let player = null;
+const machine = (div, scene, words) => (player ??= playerOf(div)).take(scene, words);
+const alone = () => document.body.classList.contains("space"); // nothing but the machine
+const escaped = (text) => text.replace(/&/g, "&amp;").replace(/</g, "&lt;"); // plotly reads some HTML in labels
+const LIT = 0.99, MOST_LIMITS = 8;
+
+function playerOf(div) {
+  const slider = document.getElementById("scrub"), button = document.getElementById("play");
+  const instant = document.getElementById("instant"), limits = document.getElementById("used");
+  let scene, t, frames, used = null, moving = [], drawn = false;
+  let shown = 0, wanted = 0, busy = true, began = null;
+  let words = { play: "Play", pause: "Pause", pose: "pose", of: "of" };
+
   const placed = (point, frame, k) => {
     if (frame === BASE) return point;
-    const from = size * k + 12 * (frame - 1), [u, v, w] = point;
+    const from = 12 * scene.moving * k + 12 * (frame - 1), [u, v, w] = point;
     return [0, 4, 8].map((row) => frames[from + row] * u + frames[from + row + 1] * v + frames[from + row + 2] * w + frames[from + row + 3]);
   };
   const lines = (part, k) => part.lines.map((line) => line.points.map((p, i) => placed(p, line.frames[i], k)));
@@ -61,33 +73,74 @@ function machine(div, scene) {
       : { mode: "lines", line: { width: part.width, color: part.colour } };
     return { type: "scatter3d", x, y, z, name: part.name, hoverinfo: "name", showlegend: part.legend, ...style };
   };
-  const path = columns([Array.from(t, (_, k) => placed([0, 0, 0], scene.moving, k))]);
-  const walked = {
-    type: "scatter3d", x: path[0], y: path[1], z: path[2], hoverinfo: "name", name: scene.steps ? "poses" : "path",
-    ...(scene.steps ? { mode: "markers", marker: { size: 2, color: PALETTE[2] } }
-      : { mode: "lines", line: { width: 2, color: PALETTE[2] } }),
+  const named = () => {
+    const [x, y, z] = columns([scene.labels.map(([, point, frame]) => placed(point, frame, 0))]);
+    const text = scene.labels.map(([text]) => escaped(text));
+    return {
+      type: "scatter3d", x, y, z, text, hoverinfo: scene.pick ? "text" : "skip", showlegend: false,
+      mode: scene.pick ? "markers+text" : "text", marker: { size: 7, color: PALETTE[1] }, customdata: scene.labels.map(([text]) => text),
+      textposition: "top right", textfont: { size: 11, color: colour("--ink") },
+    };
   };
-  const data = [walked, ...scene.parts.map((part) => trace(part, 0))];
-  const moving = scene.parts.map((part, k) => [part, k + 1]).filter(([part]) => !stands(part));
+  const data = () => {
+    const path = columns([Array.from(t, (_, k) => placed([0, 0, 0], scene.moving, k))]);
+    const walked = {
+      type: "scatter3d", x: path[0], y: path[1], z: path[2], hoverinfo: "name", name: scene.steps ? "poses" : "path",
+      ...(scene.steps ? { mode: "markers", marker: { size: 2, color: PALETTE[2] } }
+        : { mode: "lines", line: { width: 2, color: PALETTE[2] } }),
+    };
+    const still = t.length > 1 ? [walked] : [];
+    moving = scene.parts.map((part, k) => [part, k + still.length]).filter(([part]) => !stands(part));
+    return [...still, ...scene.parts.map((part) => trace(part, 0)), ...(scene.labels.length ? [named()] : [])];
+  };
   const axis = (title, range) => ({ title: { text: title }, range, autorange: false });
-  const far = narrow.matches ? 1.55 : 1.0; // labels need room beside the machine
-  const layout = {
-    height: narrow.matches ? 400 : 560, uirevision: "keep", margin: { l: 0, r: 0, t: 30, b: 0 },
-    scene: {
-      aspectmode: "data", camera: { eye: { x: 1.35 * far, y: -1.6 * far, z: 0.7 * far }, center: { x: 0, y: 0, z: -0.2 } },
-      xaxis: axis("x [mm]", scene.ends[0]), yaxis: axis("y [mm]", scene.ends[1]), zaxis: axis("z [mm]", scene.ends[2]),
-    },
+  const layout = () => {
+    const far = alone() ? 1.25 : narrow.matches ? 1.55 : 1.0; // labels need room beside the machine
+    const height = alone() ? Math.max(260, innerHeight - div.closest("figure").querySelector(".player").offsetHeight - 8)
+      : narrow.matches ? 400 : 560;
+    return {
+      height, uirevision: "keep", showlegend: !alone(), margin: { l: 0, r: 0, t: alone() ? 0 : 30, b: 0 },
+      scene: {
+        aspectmode: "data", uirevision: "keep",
+        camera: { eye: { x: 1.35 * far, y: -1.6 * far, z: 0.7 * far }, center: { x: 0, y: 0, z: -0.2 } },
+        xaxis: axis("x [mm]", scene.ends[0]), yaxis: axis("y [mm]", scene.ends[1]), zaxis: axis("z [mm]", scene.ends[2]),
+      },
+    };
   };
 
-  const slider = document.getElementById("scrub"), button = document.getElementById("play");
-  const instant = document.getElementById("instant");
-  slider.max = String(t.length - 1);
-  let shown = 0, wanted = 0, busy = true, began = null;
+  const meters = [];
+  function listed() { // limits, those first that come closest
+    limits.replaceChildren();
+    meters.length = 0;
+    if (!scene.used) return;
+    used = numbers(scene.used.shares);
+    const count = scene.used.names.length;
+    const most = scene.used.names.map((_, k) => Math.max(...Array.from(t, (_, n) => used[n * count + k])));
+    for (const k of most.map((_, k) => k).sort((a, b) => most[b] - most[a]).slice(0, MOST_LIMITS)) {
+      const row = document.createElement("div"), name = document.createElement("span");
+      const meter = document.createElement("meter"), share = document.createElement("output");
+      name.textContent = scene.used.names[k];
+      meter.max = 1;
+      meter.setAttribute("aria-label", scene.used.names[k]);
+      row.append(name, meter, share);
+      limits.append(row);
+      meters.push([row, meter, share, k]);
+    }
+  }
+  function light() {
+    for (const [row, meter, share, k] of meters) {
+      const value = used[wanted * scene.used.names.length + k];
+      meter.value = value;
+      share.textContent = (100 * value).toFixed(0) + " %";
+      row.classList.toggle("lit", value >= LIT);
+    }
+  }
 
   const label = () => {
-    instant.textContent = scene.steps ? `pose ${wanted + 1} of ${t.length}`
-      : `${t[wanted].toFixed(2)} of ${t[t.length - 1].toFixed(2)} s`;
+    instant.textContent = scene.steps ? `${words.pose} ${wanted + 1} ${words.of} ${t.length}`
+      : `${t[wanted].toFixed(2)} ${words.of} ${t[t.length - 1].toFixed(2)} s`;
     slider.value = String(wanted);
+    light();
   };
   async function show(k) {
     wanted = k;
@@ -112,18 +165,42 @@ function machine(div, scene) {
   }
   function stop() {
     began = null;
-    button.textContent = "Play";
+    button.textContent = words.play;
   }
   button.addEventListener("click", () => {
     if (began !== null) { stop(); return; }
     if (wanted >= t.length - 1) wanted = 0;
     began = performance.now() - (t[wanted] - t[0]) * 1000;
-    button.textContent = "Pause";
+    button.textContent = words.pause;
     requestAnimationFrame(frame);
   });
   slider.addEventListener("input", () => { stop(); show(Number(slider.value)); });
-  label();
-  return draw(div, data, layout).then(() => { busy = false; });
+
+  async function take(next, said) {
+    scene = next;
+    words = said ?? words;
+    t = numbers(scene.t);
+    frames = numbers(scene.frames);
+    shown = wanted = 0;
+    slider.max = String(t.length - 1);
+    stop();
+    listed();
+    label();
+    div.closest("figure").classList.toggle("moves", t.length > 1);
+    busy = true;
+    div.classList.add("live"); // so that what stands below it has its height
+    if (drawn) await Plotly.react(div, data(), { ...layout(), template: template() });
+    else {
+      await draw(div, data(), layout());
+      div.on("plotly_click", (event) => {
+        const name = event.points[0]?.customdata;
+        if (scene.pick && name) parent.postMessage({ picked: name }, "*");
+      });
+    }
+    drawn = true;
+    busy = false;
+  }
+  return { take };
 }
 
 // Plotly stands on the page compressed; it is read once the text above it has been drawn.
@@ -156,7 +233,26 @@ function recolour() {
   for (const div of document.querySelectorAll(".plot.js-plotly-plot")) Plotly.relayout(div, { template: template() });
 }
 
-drawAll().catch(() => {
+// In a frame of the guided page: each scene that it sends is drawn, the newest alone where they come faster.
+async function take(next) {
+  const fresh = latest === null;
+  latest = next;
+  if (!fresh) return;
+  while (latest !== null) {
+    const { scene, words } = latest;
+    await machine(document.getElementById("machine"), scene, words);
+    document.documentElement.dataset.scenes = String(Number(document.documentElement.dataset.scenes ?? 0) + 1);
+    latest = latest.scene === scene ? null : latest;
+  }
+}
+let latest = null;
+
+drawAll().then(() => {
+  if (!alone()) return;
+  addEventListener("message", (event) => { if (event.source === parent && event.data.scene) take(event.data); });
+  parent.postMessage({ ready: true }, "*");
+}).catch(() => {
   document.documentElement.dataset.drawn = "pictures"; // this browser cannot draw: the pictures stay
+  if (alone()) parent.postMessage({ failed: true }, "*");
 });
 dark.addEventListener("change", recolour);
