@@ -10,7 +10,7 @@ from cases.base.errors import CaseError, Code
 from cases.base.units import DEG, MM, Array
 from cases.machine import Frame, Joints, require_flange, require_spanning
 from cases.recording_format import BAR_FORCES, WRENCH
-from cases.tables import NonNegative, Number, Part, Positive, Six, Text, Vector, frozen, si, si_value
+from cases.tables import NEEDED, NonNegative, Number, Part, Positive, Six, Text, Vector, frozen, si, si_value
 
 
 class Disturbances(Part):
@@ -82,7 +82,7 @@ class Bars(Part):
 class Transducer(Part):
     """A six-axis force/torque sensor at the origin of {P}."""
 
-    sense: Literal["load_on_sensor", "sensor_on_load"] | None = None
+    sense: Literal["load_on_sensor", "sensor_on_load"] | None = NEEDED
     """Which force a positive reading means: that of the load on the sensor, or its reaction. Whatever evaluates or
     predicts readings needs it."""
     flange: Frame | None = None

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Self, TypeVar
 
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetPydanticSchema, ValidationError
+from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 from pydantic_core.core_schema import CoreSchema, tagged_union_schema
 
@@ -37,6 +38,16 @@ class Part(BaseModel):
         for name in set(vars(copy)) - set(type(copy).model_fields):
             del vars(copy)[name]
         return copy
+
+
+_NEEDED: dict[str, Any] = {"needed": True}
+NEEDED: Any = Field(default=None, json_schema_extra=_NEEDED)
+"""Of a key that a case may be loaded without, but that all evaluations need: forms ask for it."""
+
+
+def is_needed(field: FieldInfo) -> bool:
+    """Whether a table cannot do without a key, or no evaluation can."""
+    return field.is_required() or field.json_schema_extra == _NEEDED
 
 
 def kind_of(one: type[Part], other: type[Part]) -> GetPydanticSchema:

@@ -15,7 +15,7 @@ from cases.base.files import atomic_file, toml_value
 from cases.doubts import Doubt
 from cases.editing import Place, at, case_of_text, with_values, write_keys
 from cases.schema import Case
-from cases.tables import CASE_FILE, Part
+from cases.tables import CASE_FILE, Part, is_needed
 from hexcite.page.keys import choices_of, example_of, is_text, leaves, missing, part_of, typical, words_of
 from hexcite.page.units import Spelling, noun, spellings
 
@@ -127,7 +127,7 @@ def _entry(place: Place, value: Any, part: type[Part] | None, mark: str, doubts:
     choices = ("true", "false") if isinstance(value, bool) else () if listed else choices_of(part, key)
     ways = () if isinstance(value, str) else spellings(key, () if part is None else part.model_fields.keys())
     field = None if part is None else part.model_fields.get(key)
-    needed = mark == "missing" and field is not None and field.is_required()
+    needed = mark == "missing" and field is not None and is_needed(field)
     words = words_of(part).get(key, "")
     return Entry(named(place), key, noun(key), str(shown), words, mark, choices, ways, needed, own)
 
