@@ -89,6 +89,7 @@ def test_a_tare_finds_the_case_of_its_result(mine: Path, standing: Path, tmp_pat
     assert "sensors.range_N was 5000, is 6000" in line
 
 
+@pytest.mark.repeats
 def test_the_case_of_a_plan_can_be_named_and_is_compared(shared: Path, tmp_path: Path, hexapod_file: Path) -> None:
     plan = Path(shutil.copytree(shared / "plan", tmp_path / "plan"))
     data = json.loads((plan / "plan.json").read_text())

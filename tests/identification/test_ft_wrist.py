@@ -97,6 +97,7 @@ def test_newtons_and_newton_metres_are_weighted_by_their_own_noise(recording: Re
     np.testing.assert_allclose(estimate.residual_rms[3:], [2.4e-3, 4.4e-3, 1.4e-3], atol=1e-4)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("cutoff", few(5.0, 40.0, 7.0, 10.0, kept=2))
 def test_delay_and_mass_of_the_moving_run_hold_for_every_filter(cutoff: float) -> None:
     """At 5 Hz a delay passes for a turn of the accelerometer, unless it has a band of its own."""
@@ -119,6 +120,7 @@ def test_a_gap_of_half_a_step_between_evaluated_samples_leaves_no_place_twice() 
     assert later.places[-1] - run.places[-1] in (0, 1)
 
 
+@pytest.mark.repeats
 def test_gaps_of_single_streams_leave_the_mass_where_it_is() -> None:
     """A fifth of a second of the accelerometer and a tenth of the forces are lost: sections stand each by itself."""
     whole = moving(CASE)
@@ -142,6 +144,7 @@ def test_gaps_of_single_streams_leave_the_mass_where_it_is() -> None:
     assert abs(estimate.delay.value - sound.delay.value) < 1e-3
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("push", [0.0, 5.0])
 def test_a_push_against_the_tool_is_found_within_50_ms_and_left_out(push: float) -> None:
     run = moving(CASE)
@@ -164,6 +167,7 @@ def test_a_push_against_the_tool_is_found_within_50_ms_and_left_out(push: float)
     assert abs(estimate.delay.value - free.delay.value) < free.delay.std
 
 
+@pytest.mark.repeats
 def test_of_a_motion_that_no_drive_says_the_own_model_is_looked_at() -> None:
     """Positions, and so other models, are not known; the page of a result is made all the same."""
     result = hx.identify(moving(CASE), CASE)

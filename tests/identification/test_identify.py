@@ -68,6 +68,7 @@ def test_without_noise_the_delay_is_found_to_ten_microseconds(delay_ms: float) -
     assert estimate_parameters(run(case), case).delay.value == pytest.approx(delay_ms * 1e-3, abs=1e-5)
 
 
+@pytest.mark.repeats
 @pytest.mark.parametrize("cutoff", few(100.0, 15.0, 190.0))
 def test_the_cutoff_of_the_filter_is_no_matter_of_truth(cutoff: float) -> None:
     """A fast filter is short; its kernel must still reach as far as the delay."""
@@ -83,6 +84,7 @@ def test_a_delay_beyond_reason_is_warned_of() -> None:
     assert any("do the streams match?" in w for w in estimate_parameters(run(case), case).warnings)
 
 
+@pytest.mark.repeats
 def test_a_clock_that_started_long_ago_gives_the_same_parameters() -> None:
     recording = run(CASE)
     plain, late = (
@@ -103,6 +105,7 @@ def test_the_window_of_the_motion_is_found_without_a_trigger() -> None:
     assert np.abs(change / std).max() < 3.0
 
 
+@pytest.mark.repeats
 def test_rows_outside_the_trigger_do_not_count() -> None:
     recording = run(CASE, Harmonic(duration=4.0))
     trigger = (recording.t > 0.5) & (recording.t < 3.0)
@@ -115,6 +118,7 @@ def test_rows_outside_the_trigger_do_not_count() -> None:
     np.testing.assert_allclose(other.fit.values, plain.fit.values, rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.repeats
 def test_ten_kilogrammes_more_are_found_as_ten_kilogrammes() -> None:
     parameters = CASE.simulation.parameters
     body = parameters.body.model_copy(update={"mass_kg": parameters.body.mass_kg + 10.0})

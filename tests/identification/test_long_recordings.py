@@ -62,6 +62,7 @@ def test_parameters_and_delay_are_those_of_the_whole_run(monkeypatch: pytest.Mon
     assert begun.s0_N == pytest.approx(whole.s0_N, rel=1e-6)
 
 
+@pytest.mark.repeats
 def test_white_noise_is_seen_to_be_white_from_a_part(monkeypatch: pytest.MonkeyPatch) -> None:
     _, begun = estimates(RUN, monkeypatch)
     ratio = np.sqrt(np.diag(begun.fit.covariance_robust) / np.diag(begun.fit.covariance))

@@ -94,6 +94,7 @@ def test_what_no_mean_can_be_of_is_refused_with_what_differs() -> None:
         hx.pool([replace(r, record=r.record.replaced(**same)) for r in (run, other)])
 
 
+@pytest.mark.repeats
 def test_a_known_value_stays_known() -> None:
     of = machine("hexapod")
     runs = [

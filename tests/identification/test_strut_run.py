@@ -35,6 +35,7 @@ KINDS = (
 )
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("changes", KINDS, ids=("drive", "platform", "each", "friction"))
 @pytest.mark.parametrize("seed", [1, 2])
 def test_parameters_are_found_within_their_deviations(changes: dict[str, object], seed: int) -> None:

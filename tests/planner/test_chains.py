@@ -137,6 +137,7 @@ def test_the_page_warns_of_nothing_that_nobody_can_change(plans: Plans):
     assert "(an estimate)" in page
 
 
+@pytest.mark.repeats
 def test_the_bound_holds_for_random_designs():
     case = chain_case(6)
     model = identification_model(case, 6)

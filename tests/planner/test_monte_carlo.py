@@ -27,6 +27,7 @@ def test_white_force_noise_spreads_the_estimates_as_predicted(motion: FourierMot
     assert np.abs(spread.bias / spread.predicted).max() < 4.5 / np.sqrt(RUNS)
 
 
+@pytest.mark.repeats
 def test_noise_in_the_accelerations_draws_the_mass_down(motion: FourierMotion, hexapod_case: Case):
     """Noise in the regressor attenuates, which no predicted deviation contains: it is told apart as bias."""
     spread = monte_carlo(hexapod_case, motion, 8, 1.0, 1.0)

@@ -119,6 +119,7 @@ FAMILIES: dict[str, Family] = {
 }
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("name", FAMILIES)
 @pytest.mark.parametrize("letter", few(*"ADN"))
 def test_the_gradient_is_the_slope_of_the_criterion(name: str, letter: str):

@@ -248,6 +248,7 @@ def test_a_limit_of_jerk_is_left_out_by_name_only(by_hand: Path, tmp_path: Path)
     assert "choose ruckig, toppra" in refused("retime", by_hand, "--with", "magic")
 
 
+@pytest.mark.repeats
 def test_what_toppra_timed_is_a_plan_that_says_so_and_can_be_posted(by_hand: Path, tmp_path: Path):
     out = tmp_path / "after"
     answer = call("retime", by_hand, "--with", "toppra", "--without", "jerk", "-o", out, "--json").json()

@@ -45,6 +45,7 @@ MOTIONS = {
 FORMS = {"sinumerik": ".mpf", "twincat": ".nc", "setpoints": ".csv"}
 
 
+@pytest.mark.first(9)
 @pytest.mark.parametrize("speed", few(0.4, 1.0))
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("name", MOTIONS)

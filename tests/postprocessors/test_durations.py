@@ -98,6 +98,7 @@ def _walk(draw: np.random.Generator) -> list[StraightMove]:
     return [StraightMove.fastest(a, b, *share) for a, b in pairwise(places)]
 
 
+@pytest.mark.first(5)
 @pytest.mark.parametrize("motion", [fourier, spline])
 @pytest.mark.parametrize("name", [*OF_POSES, "setpoints"])
 def test_paths_last_as_planned(name: str, motion: Callable[[int], Trajectory]):

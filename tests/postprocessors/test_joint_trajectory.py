@@ -312,6 +312,7 @@ def test_moves_with_phases_of_microseconds_are_written_and_proven() -> None:
     assert max(c.ratio for c in program.proof.limits.checks if c.kind is LimitKind.ANGULAR_JERK) <= 0.9985
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("block", few(20.0, 3.0, 1.0, kept=1))
 def test_points_are_never_closer_than_they_can_be(block: float) -> None:
     case = changed(ROBOT, controller__block_ms=block, controller__settle_s=0.001)

@@ -109,7 +109,7 @@ def test_ways_from_and_to_home_are_as_slow_as_the_sensors_need(motion: FourierMo
     """A plan keeps forces in its excitation; what the program adds to it must not be what is refused."""
 
     def force(case: Case, trajectory: Trajectory) -> float:
-        checks = prove(trajectory, case, 1000.0, in_box=False).checks
+        checks = prove(trajectory, case, 250.0, in_box=False).checks
         return next(check.ratio for check in checks if check.kind is LimitKind.SENSOR_FORCE)
 
     home, box = hexapod_case.need_motion("a test")

@@ -37,6 +37,7 @@ def test_reach_is_as_symmetric_as_the_machine(hexapod_case: Case) -> None:
     assert np.ptp(standing_ratios(hexapod_case, poses[:2]).max(axis=1)) < 1e-9
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".PDF"])
 def test_the_picture_is_written(suffix: str, tmp_path: Path) -> None:
     file = tmp_path / f"machine{suffix}"

@@ -42,6 +42,7 @@ def test_built_in_cases_are_as_they_are_meant() -> None:
     assert [leftovers(load_case(name)) for name in built_in_cases()] == [()] * len(built_in_cases())
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize(
     ("change", "says"),
     [

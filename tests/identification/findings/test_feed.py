@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pytest
 from numpy.typing import ArrayLike
 
 from cases.schema import load_case
@@ -71,6 +72,7 @@ def recorded(motion: Trajectory, seed: int = 0) -> Recording:
     return simulate_recording(CASE, PoseExecution(Hexapod.of(CASE), whole), window, seed, "run.csv")
 
 
+@pytest.mark.repeats
 def test_parameters_do_not_care_about_the_feed() -> None:
     run = recorded(AtFeed(PLAN, (1.0,), (1.0, 0.6)))
     estimate = estimate_parameters(run, CASE)

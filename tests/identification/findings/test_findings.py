@@ -101,6 +101,7 @@ def test_a_contact_of_up_to_half_the_run_is_warned_of_and_makes_deviations_large
     assert abs(mass.value - 31.83) < 4.5 * mass.reported
 
 
+@pytest.mark.repeats
 def test_noise_with_memory_is_no_contact() -> None:
     """It is told for what it is."""
     noise = lfilter([0.3], [1.0, -0.98], np.random.default_rng(0).normal(size=(len(run().t) + 500, 6)), axis=0)[500:]
@@ -118,6 +119,7 @@ def test_exchanged_channels_are_named(a: int, b: int) -> None:
     assert "run.csv" in one_line(caught.value)
 
 
+@pytest.mark.repeats
 @pytest.mark.parametrize("channel", few(5, 0))
 def test_a_turned_sign_is_named(channel: int) -> None:
     turned = with_forces(lambda f: f.__setitem__((slice(None), channel), -f[:, channel]), run(3))
@@ -152,6 +154,7 @@ def test_what_befalls_several_channels_alike_is_one_finding() -> None:
     assert re.search(r"channel \d .*stuck.*likewise channel \d.*left out", warning)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("size", [50.0, 4e3])
 def test_single_force_samples_that_jump_are_left_out_with_their_rows(size: float) -> None:
     error, warnings = errors(with_forces(lambda f: f.__setitem__(([500, 1500], 2), size), run(2)))
@@ -224,6 +227,7 @@ def test_what_accelerations_leap_by_between_moves_is_the_motion_s(seed: int) -> 
     assert not [w for w in estimate_parameters(recording, CASE).warnings if "contact" in w or "jumps" in w]
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("size", [1e-3, 0.1])
 def test_struts_that_jump_faster_than_drives_are_left_out_with_their_rows(size: float) -> None:
     whole = run(1)
@@ -272,6 +276,7 @@ def test_a_motion_slower_than_anything_that_counts_as_moving_is_still_evaluated(
     assert estimate.physical["m"].value == pytest.approx(31.83, abs=0.2)
 
 
+@pytest.mark.repeats
 def test_residuals_that_are_not_white_are_told() -> None:
     """A model without the elastic terms leaves what follows the pose: what is missing is named."""
     warnings = estimate_parameters(run(), CASE, 6).warnings
@@ -279,12 +284,14 @@ def test_residuals_that_are_not_white_are_told() -> None:
     assert any(tells(w, "follow what model 9 has beside model 6", "k0, k1, k2, k3", "choose model 9") for w in warnings)
 
 
+@pytest.mark.repeats
 def test_struts_in_the_wrong_order_are_told() -> None:
     whole = run(1)
     with pytest.raises(IdentificationError, match=r"struts 1 and 2, 3 and 4, 5 and 6\b.*exchanged"):
         estimate_parameters(replace(whole, struts=whole.struts[:, [1, 0, 3, 2, 5, 4]]), CASE)
 
 
+@pytest.mark.repeats
 def test_a_mass_that_is_not_nominal_is_told() -> None:
     """Neither with payloads nor without."""
     told = CASE.model_dump(exclude_defaults=True)
@@ -294,6 +301,7 @@ def test_a_mass_that_is_not_nominal_is_told() -> None:
     assert not any("mass comes out" in w for w in estimate_parameters(run(), CASE).warnings)
 
 
+@pytest.mark.repeats
 def test_many_contacts_are_one_finding_with_a_count() -> None:
     touched = run()
     for start in (0.4, 1.4, 2.4):
@@ -312,6 +320,7 @@ def test_a_contact_lasts_at_least_20_ms() -> None:
     assert len(find_contacts(t, left, J, expected)) == 1
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(("unit", "factor"), [("kN", 1e-3), ("mN", 1e3)])
 def test_forces_in_another_unit_are_told_by_the_mass(unit: str, factor: float) -> None:
     unlimited = CASE.model_copy(update={"sensors": CASE.sensors.model_copy(update={"range_N": None})})

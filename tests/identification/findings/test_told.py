@@ -110,6 +110,7 @@ def test_budgets_of_estimated_sizes_add_up_to_the_deviations() -> None:
     assert estimate.quantities["budget"]["xC"]["alignment"] < estimate.physical["xC"].reported
 
 
+@pytest.mark.repeats
 def test_forces_of_a_saved_result_are_those_of_the_machine_as_told(tmp_path: Path) -> None:
     of, recording = run()
     identify(recording, tolerating(turned_case(), sensor_deg=1.5)).save(tmp_path / "result")

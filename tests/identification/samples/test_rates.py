@@ -74,6 +74,7 @@ def test_the_noise_of_averages_falls_with_the_root_of_their_number() -> None:
     assert left.std() == pytest.approx(np.sqrt(1.0 + 4 / 24 + 6 / 24**2), rel=0.05)
 
 
+@pytest.mark.repeats
 def test_an_ideal_oversampled_run_gives_parameters_and_no_delay() -> None:
     estimate = estimate_parameters(on_one_clock(two_rates(10.0), CASE), CASE)
     values = np.array([v.value for v in estimate.physical.values()])

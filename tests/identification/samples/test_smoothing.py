@@ -67,6 +67,7 @@ def test_a_low_pass_of_the_channels_is_found_as_delay_and_smoothing() -> None:
     assert "smoothed against the motion" in note
 
 
+@pytest.mark.repeats
 def test_a_low_pass_of_the_forces_is_found_in_a_smooth_motion_too() -> None:
     """Left out, it would bias the mass by many deviations, which nothing would show."""
     tau, fine = 1 / (2.0 * np.pi * 20.0), 10
@@ -82,6 +83,7 @@ def test_a_low_pass_of_the_forces_is_found_in_a_smooth_motion_too() -> None:
     assert np.abs(errors(found)).max() < 4.5
 
 
+@pytest.mark.repeats
 def test_noise_of_the_struts_is_not_taken_for_smoothing() -> None:
     """It disturbs forces by its second derivative and their bend by its fourth, which are opposite to each other."""
     noise = np.random.default_rng(0).normal(0.0, 2e-6, (len(run(0.5, 1.0).forces), 6))

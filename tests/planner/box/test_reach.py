@@ -119,6 +119,7 @@ def test_cases_without_a_motion_box(name: str) -> None:
     assert "reach" not in call("case", "check", name).out
 
 
+@pytest.mark.repeats
 def test_the_reach_of_a_chain_ends_where_its_bodies_touch():
     data = load_case("ur10_wrist").model_dump(mode="json", exclude_unset=True)
     pillar = {"name": "pillar", "x_mm": [300.0, 900.0], "y_mm": [250.0, 400.0], "z_mm": [0.0, 2000.0]}
@@ -131,9 +132,10 @@ def test_the_reach_of_a_chain_ends_where_its_bodies_touch():
     assert found.share == pytest.approx(kept_poses(case, poses).mean(), abs=0.15)
 
 
+@pytest.mark.parametrize("tried", [2, pytest.param(6, marks=pytest.mark.repeats)])  # sides
 @pytest.mark.parametrize("struts", few(STRUTS, [240.0, 310.0]))
 def test_a_proposed_box_is_within_reach_and_none_of_its_sides_could_be_much_wider(
-    hexapod_case: Case, struts: list[float]
+    hexapod_case: Case, struts: list[float], tried: int
 ):
     case = small_platform(hexapod_case, struts)
     assert not reach(case).whole
@@ -147,7 +149,7 @@ def test_a_proposed_box_is_within_reach_and_none_of_its_sides_could_be_much_wide
     assert own.share == 1.0
     assert own.worst.ratio <= 1.001
     assert box.share == pytest.approx(np.prod(np.ptp(sides, axis=1) / [np.ptp(v) for v in stated.values()]), rel=1e-6)
-    for key, side in box.sides.items():
+    for key, side in list(box.sides.items())[:tried]:
         for k in (0, 1):
             if abs(side[k]) > 0.95 * abs(stated[key][k]):
                 continue

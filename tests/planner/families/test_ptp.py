@@ -116,6 +116,7 @@ def found(case: Case, family: PointToPointFamily) -> Start:
     return run_start(Task(case, 9, family, "D", 5))
 
 
+@pytest.mark.repeats
 def test_an_optimised_motion_is_proven_and_carries_far_more_than_a_random_one(
     found: Start, start: np.ndarray, family: PointToPointFamily, case: Case
 ):

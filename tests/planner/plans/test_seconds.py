@@ -20,6 +20,7 @@ from planner.search.solving import Start
 LONG = 120.0  # [s] room for a busy computer
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("family", [Fourier(order=3), PointToPoint(moves=8), Spline(knots=20)], ids=lambda f: f.name)
 def test_however_short_the_time_what_is_found_is_proven(family: FamilySettings, hexapod_case: Case):
     found = search(Request(family, 2.0, model=6, seconds=1e-3), hexapod_case, silent, run_here)

@@ -120,6 +120,7 @@ def test_a_plan_of_other_poses_is_refused_with_the_pose_that_differs(folder: Pat
     assert not (folder / "no").exists()
 
 
+@pytest.mark.repeats
 def test_a_plan_of_a_moving_excitation_is_no_plan_of_poses(folder: Path, recorded: Path) -> None:
     plan, poses = folder / "moving", folder / "three.csv"
     poses.write_text("x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n50,20,930,9,5,-9\n-40,60,880,-8,9,4\n20,-70,950,5,-9,9\n")

@@ -180,6 +180,7 @@ def test_more_starts_go_on_where_fewer_ended():
     assert set(seeds_of(7, 8)).isdisjoint(seeds_of(8, 8))
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("name", ["fourier", "ptp", "spline"])
 @pytest.mark.parametrize("far", few(1.3, 1.02, 3.0))
 def test_what_is_drawn_back_satisfies_every_limit_and_is_not_smaller_than_needed(

@@ -56,6 +56,7 @@ def test_the_jacobian_is_the_slope_of_every_row(small: Small):
     )
 
 
+@pytest.mark.first(8)
 @pytest.mark.parametrize(("letter", "halvings"), LETTERS)
 def test_the_hessian_is_the_slope_of_the_lagrangians_gradient(letter: str, halvings: int, small: Small):
     _, problem, at = small

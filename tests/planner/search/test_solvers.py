@@ -90,6 +90,7 @@ def test_a_watch_that_has_seen_enough_stops_it(solver: Solver):
     assert len(seen) == 3
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("iterations", few(8, 3, 15))
 def test_out_of_iterations_it_returns_the_best_inside_the_bounds(iterations: int, small: Small):
     """Of all iterates that it passed; the last may be worse, or outside."""
@@ -116,6 +117,7 @@ def test_out_of_iterations_it_returns_the_best_inside_the_bounds(iterations: int
         assert program.value(reached) <= min(inside) + 1e-9
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("solver", Solver)
 @pytest.mark.parametrize(
     "small",

@@ -38,6 +38,7 @@ def values(folder: Path, case: str, number: int) -> dict[str, float]:
     return dict(zip(made.model.names, made.values, strict=True))
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("number", few(9, 4, 0, 1, 2, 3, 5, 6, 7, 8, kept=3))
 def test_the_model_is_the_papers_from_struts_and_from_poses(number: int, tmp_path: Path) -> None:
     compiled = Compiled(calibration(tmp_path, "hexapod", number), tmp_path)
@@ -155,6 +156,7 @@ def test_the_signal_chain_is_exact_for_constant_acceleration(nine: Compiled) -> 
     )
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("delay_ms", [2.5, -1.7, 0.0])
 def test_the_chain_reads_no_force_from_a_fast_motion_with_late_noisy_forces(delay_ms: float, tmp_path: Path) -> None:
     """Raw encoder positions and late, noisy forces of a moving machine without contact leave noise alone."""

@@ -88,6 +88,7 @@ def test_struts_follow_from_drives_as_the_case_states(tmp_path: Path) -> None:
         np.testing.assert_allclose(struts.value, values, rtol=1e-15)
 
 
+@pytest.mark.repeats
 def test_a_force_torque_sensors_block_needs_no_struts(tmp_path: Path) -> None:
     case, number = load_case("ft_wrist"), 4
     made = calibration(tmp_path, "ft_wrist", number)

@@ -77,6 +77,7 @@ def test_forces_in_pounds_weigh_the_right_mass(tmp_path: Path) -> None:
     assert any("lbf" in note and "Force 1 [lbf]" in note for note in result.notes)
 
 
+@pytest.mark.repeats
 def test_counts_weigh_the_right_mass_by_the_factor_of_each_channel(tmp_path: Path) -> None:
     labels = [f"LC{k}_raw" for k in range(1, 7)]
     scale = np.array([0.1526, 0.1531, 0.1519, 0.1528, 0.1524, -0.1530])
