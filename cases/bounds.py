@@ -25,14 +25,15 @@ class BodyBox(Part):
 
 
 class Bounds(Part):
-    """Limits of the body that the sensors carry, without payloads; each may be left out. Estimates are made without
-    them; the body that results call physical, and that exports of the load take, is within them.
+    """Limits of the body that the sensors carry, without payloads, as CAD states them; each may be left out. Estimates
+    weigh mass and centre of gravity with them, as uniform priors, unless they contradict them; the body that results
+    call physical, and that exports of the load take, is within them.
     """
 
     mass_kg: Range | None = None
     """Smallest and largest mass."""
     centre_of_gravity_mm: BodyBox | None = None
-    """Box in {P} that has the centre of gravity inside."""
+    """Box in {P} that has the centre of gravity inside; `body_mm` stands for it where this is not stated."""
     body_mm: BodyBox | None = None
     """Box in {P} that has the whole body inside: also limits moments of inertia."""
 

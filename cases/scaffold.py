@@ -12,8 +12,12 @@ from operator import attrgetter
 from pathlib import Path
 from threading import Lock
 
+import numpy as np
+
 from cases.base.errors import WITH_OUTPUT, CaseError, Code, FileProblem, printable
 from cases.base.files import toml_value, write_text
+from cases.base.units import MM
+from cases.bounds import Bounds
 from cases.schema import Case, load_case
 from cases.tables import CASE_FILE, Part, built_in_cases, find_case
 from cases.tolerances import TYPICAL, Tolerances
@@ -66,7 +70,7 @@ def new_case(name: str, like: str = "hexapod", folder: Path | str | None = None)
                 lines += [line, *_comment(comments["template"])]
                 line = f'template = "{like}"'
         lines.append(line)
-    lines += _tolerances(case)
+    lines += [*_tolerances(case), *_bounds(case)]
     write_text(file, "\n".join(lines).replace("\n\n\n", "\n\n") + "\n")
     return file
 
@@ -81,6 +85,27 @@ def _tolerances(case: Case) -> list[str]:
     )
     rows = [f"# {key} = {TYPICAL[key]:g} # {words[key]}" for key in TYPICAL if key in case.tolerable]
     return ["", *_comment(about), "# [tolerances]", *rows]
+
+
+def _bounds(case: Case) -> list[str]:
+    """The table of bounds as comments, around the nominal body; none where no body is identified."""
+    if case.setup == "1a":
+        return []
+    words, body = explanations(Bounds), case.nominal
+    mass, centre = (30.0, np.zeros(3)) if body is None else (body.mass_kg, np.round(body.centre_of_gravity / MM))
+
+    def box(reach: float) -> str:
+        sides = (f"{axis}_mm = [{c - reach:.1f}, {c + reach:.1f}]" for axis, c in zip("xyz", centre, strict=True))
+        return f"{{ {', '.join(sides)} }}"
+
+    rows = {
+        "mass_kg": f"[{0.9 * mass:.3g}, {1.1 * mass:.3g}]",
+        "centre_of_gravity_mm": box(10.0),
+        "body_mm": box(300.0),
+    }
+    about = " ".join((Bounds.__doc__ or "").split())
+    lines = [line for key, row in rows.items() for line in (*_comment(words[key]), f"# {key} = {row}")]
+    return ["", *_comment(f"{about} To be replaced by yours:"), "# [bounds]", *lines]
 
 
 def _comment(text: str) -> list[str]:

@@ -24,6 +24,13 @@ KINDS = {
 }
 """Kinds of tolerances by their keys."""
 
+BOUNDS, PRIORS = "bounds", "priors"  # key of what is known of the body, and its kind
+
+
+def kind_of(key: str) -> str:
+    """What deviations of a kind are by: of a tolerance, or of [bounds]."""
+    return PRIORS if key == BOUNDS else KINDS[key]
+
 
 TYPICAL = {
     "joints_mm": 0.03,

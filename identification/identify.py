@@ -17,6 +17,7 @@ from cases.base.files import date_of
 from cases.base.units import Array
 from cases.basis import changes_since, recording_basis, result_basis
 from cases.schema import Case
+from identification.estimation.bounded import bounded
 from identification.estimation.estimators import Method
 from identification.estimation.fit import require_alive
 from identification.finding import Finding, Kind, changed_cases, note, sentences, warning
@@ -27,6 +28,12 @@ from identification.findings.clock import clock_findings, odd_clock
 from identification.findings.contact import Contact, contact_findings, free_of_contact, touched
 from identification.findings.drift import drift_findings, drift_of
 from identification.findings.fit_checks import fit_findings
+from identification.findings.known_body import (
+    bounds_finding,
+    left_open_with_bounds,
+    shares_with_bounds,
+    with_bounds,
+)
 from identification.findings.noise_level import doubtful, louder_than_stated, noise_of_channels, stated_noise
 from identification.findings.off_case import without
 from identification.findings.systematic import allowed_for, noisy_drives, not_shown, systematic_findings, systematic_of
@@ -452,9 +459,25 @@ def _estimated(
     findings += drift_findings(recording, case, fitted, drift)
     findings += [*clean.findings, *fitted.samples.findings(fitted.fit)]
     findings += contact_findings(recording, contacts)
-    findings += [*fit_findings(recording, case, fitted), *told_of]
-    allowed = allowed_for(fitted, systematic)
+    findings += fit_findings(recording, case, fitted)
+    allowed, shares = allowed_for(fitted, systematic), None if systematic is None else systematic.tolerances
     findings += not_shown(allowed, systematic)
-    findings += budget_findings(fitted, allowed, None if systematic is None else systematic.tolerances, case)
-    biases = {} if systematic is None else {share.key: share.biases for share in systematic.tolerances}
+    if method.priors or _mounted(recording) > 0.0:  # of a payload's body, and beside priors of an own choice
+        known = None
+    else:
+        fit = allowed.fit
+        known = bounded(fitted.samples.model, fit.values, fit.covariance, fit.covariance_robust, case.bounds)
+    if known is not None:
+        fitted, allowed = with_bounds(fitted, known, False), with_bounds(allowed, known, True)
+        shares = shares_with_bounds(shares, known)
+        told_of = left_open_with_bounds(told_of, known)
+        findings += [bounds_finding(known)]
+    findings += told_of
+    findings += budget_findings(fitted, allowed, shares, case)
+    biases = {share.key: share.biases for share in shares or ()}
     return estimate_of(allowed, recording.source, case, tuple(findings), biases)
+
+
+def _mounted(recording: Recording) -> float:
+    """Mass of the payload that was mounted for a run of hexcite [kg]; 0 where the recording says nothing."""
+    return 0.0 if recording.record is None else recording.record.origin.mounted

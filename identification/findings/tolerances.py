@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from cases.base.units import DEG, MM, Array
 from cases.schema import Case
-from cases.tolerances import KINDS, Tolerances
+from cases.tolerances import KINDS, Tolerances, kind_of
 from identification.estimation.alternatives import Remainder
 from identification.finding import Finding, Kind, note
 from identification.findings.left_out import STEP, LeftOut, in_channel, structure_of
@@ -37,7 +37,7 @@ class Share(NamedTuple):
     @property
     def kind(self) -> str:
         """What it is a tolerance of, such as drawing."""
-        return KINDS[self.key]
+        return kind_of(self.key)
 
     @property
     def covariance(self) -> Array:

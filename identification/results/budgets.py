@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from cases.base.units import Array
-from cases.tolerances import KINDS
+from cases.tolerances import kind_of
 from identification.findings.tolerances import MEMORY, NOISE
 from identification.model.model import Model
 from identification.model.parameters import physical_form
@@ -30,7 +30,7 @@ def budget_rows(
 
     parts = {NOISE: variances(white), MEMORY: np.maximum(variances(random) - variances(white), 0.0)}
     for key, bias in biases.items():
-        parts[KINDS[key]] = parts.get(KINDS[key], 0.0) + variances(bias @ bias.T)
+        parts[kind_of(key)] = parts.get(kind_of(key), 0.0) + variances(bias @ bias.T)
     return {
         p.name: {kind: float(np.sqrt(variance[k])) for kind, variance in parts.items()}
         for k, p in enumerate(form.parameters)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases.base.units import Array
-from cases.tolerances import KINDS
+from cases.tolerances import kind_of
 from identification.findings.left_out import LeftOut
 from identification.findings.tolerances import UNITS, effects_of, turns_of
 from identification.results.result import Result
@@ -34,7 +34,7 @@ class Errors(NamedTuple):
         """Variances of the rows by kinds of causes, shapes (..)."""
         kinds: dict[str, Array] = {PARAMETERS: np.maximum((self.white**2).sum(-1), (self.robust**2).sum(-1))}
         for key, factors in self.by_tolerance.items():
-            kinds[KINDS[key]] = kinds.get(KINDS[key], 0.0) + (factors**2).sum(axis=-1)
+            kinds[kind_of(key)] = kinds.get(kind_of(key), 0.0) + (factors**2).sum(axis=-1)
         return kinds
 
 
@@ -74,7 +74,7 @@ def errors_of(result: Result, matrices: Array, effects: Mapping[str, Array]) -> 
         effects: D, of a deviation of each size of a tolerance that the result counts, shapes (.., k), by its key.
     """
     biases, left_open = result.biases, result.left_open
-    by_key = {key: effects[key] - matrices @ biases[key] for key in effects}
+    by_key = {key: effects.get(key, 0.0) - matrices @ bias for key, bias in biases.items()}
     through, scores = np.zeros((*matrices.shape[:-1], 0)), np.zeros((len(result.values), 0))
     white_scores = robust_scores = np.zeros((0, 0))
     if left_open is not None:

@@ -113,8 +113,12 @@ class ExternalForce(NamedTuple):
         lines += aligned(("component", "rms", "peak", "+-", "U (k=2)", "unit"), *self.rows)
         if self.not_counted:
             lines.append(f"+- counts no tolerances of {', '.join(self.not_counted)}: see [tolerances]")
-        lines += aligned(*budget_cells(dict(zip(WRENCH, UNITS, strict=True)), self.budget))
         return "\n".join([*lines, *(f"warning: {warning}" for warning in self.warnings)])
+
+    def __str__(self) -> str:
+        """The same, and the parts of the deviations by their causes."""
+        budget = aligned(*budget_cells(dict(zip(WRENCH, UNITS, strict=True)), self.budget))
+        return "\n".join([repr(self), *budget])
 
     @property
     def rows(self) -> list[tuple[str, ...]]:

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from cases.base.errors import CaseError, Code, HexciteError, IdentificationError, choice
 from cases.base.units import DEG, MM, Array, as_html
 from cases.schema import Case
-from cases.tolerances import KINDS
+from cases.tolerances import kind_of
 from identification.estimation.fit import Value
 from identification.findings.told import LeftOpen
 from identification.machines.of_case import machine_of
@@ -184,7 +184,7 @@ class Body:
             return {}
         by_kind: dict[str, Array] = {}
         for key, bias in self.biases.items():
-            by_kind[KINDS[key]] = by_kind.get(KINDS[key], 0.0) + bias @ bias.T
+            by_kind[kind_of(key)] = by_kind.get(kind_of(key), 0.0) + bias @ bias.T
         parts = {kind: physical_values(self.model, self.values, c, c) for kind, c in by_kind.items()}
         rows = {}
         for name, value in self.parameters.items():

@@ -10,6 +10,7 @@ from scipy.special import chdtri
 from cases.base.errors import Code, IdentificationError
 from cases.base.units import Array, as_html
 from cases.schema import Case
+from cases.tolerances import BOUNDS
 from identification.estimation.fit import Value
 from identification.estimation.nearest_body import NearestBody, nearest_body
 from identification.finding import Finding, Kind, changed_cases, sentences, warning
@@ -179,13 +180,20 @@ def common_of(
     """
     one, other = (slice(None) if places is None else list(places) for places in (old, new))
     size = len(before.values[one])
-    both = before.biases.keys() & after.biases.keys() if _same_tolerances(before, after) else set()
+    both = _in_common(before, after)
     cross = np.zeros((size, size))
     for key in both:
         there, here = before.biases[key][one], after.biases[key][other]
         if there.shape[1] == here.shape[1]:
             cross += here @ there.T
     return np.asarray(cross + cross.T)
+
+
+def _in_common(before: Result, after: Result) -> set[str]:
+    """Keys of tolerances that both results are off by alike; what is known of the body is of another body."""
+    if not _same_tolerances(before, after):
+        return set()
+    return (before.biases.keys() & after.biases.keys()) - {BOUNDS}
 
 
 def _same_tolerances(before: Result, after: Result) -> bool:
@@ -266,9 +274,10 @@ def _biases_of(before: Result, after: Result, old: Sequence[int], new: Sequence[
 
     They do where both are off by the same sizes; else there are two machines, and the covariance alone says it.
     """
-    if before.biases.keys() != after.biases.keys() or not _same_tolerances(before, after):
+    keys = _in_common(before, after)
+    if keys != after.biases.keys() - {BOUNDS} or keys != before.biases.keys() - {BOUNDS}:
         return {}
-    pairs = {key: (before.biases[key][list(old)], bias[list(new)]) for key, bias in after.biases.items()}
+    pairs = {key: (before.biases[key][list(old)], after.biases[key][list(new)]) for key in after.biases if key in keys}
     if any(there.shape != here.shape for there, here in pairs.values()):
         return {}
     return {key: here - there for key, (there, here) in pairs.items()}
