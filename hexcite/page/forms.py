@@ -6,7 +6,8 @@ from collections.abc import Collection, Mapping, Sequence
 from hexcite.page.stages import Machine
 
 Fields = Mapping[str, Sequence[str]]
-FAMILIES = ("best", "ptp", "spline", "fourier", "manual", "poses")
+BY_HAND = "manual"  # the family that others are compared with
+FAMILIES = ("best", "ptp", "spline", "fourier", BY_HAND, "poses")
 EFFORTS: Mapping[str, tuple[str, ...]] = {"quick": ("--seconds", "20"), "minute": ("--seconds", "60"), "thorough": ()}
 SPEEDS: Mapping[str, tuple[str, ...]] = {"full": (), "slow": ("--speed", "0.1")}
 
@@ -45,19 +46,21 @@ def place(name: str) -> str:
     return f"./{name}" if name.startswith("-") else name
 
 
-def plan(machine: Machine, fields: Fields, output: str) -> list[str]:
-    """`hexcite plan` or `hexcite poses`."""
+def plan(machine: Machine, fields: Fields, output: str, results: Collection[str] = ()) -> list[str]:
+    """`hexcite plan` or `hexcite poses`; of `results` those that the form says are known."""
     family = chosen(fields, "family", FAMILIES, "best")
     steps = ["--without", "jerk"] if field(fields, "without_jerk") else []
+    known = [f"--known={place(name)}" for name in results if name in fields.get("known", ())]
     if family == "poses":
         count = ["--count", number(fields, "count", 1, 1000)] if field(fields, "count") else []
-        return ["poses", machine.argument, *count, *steps, "-o", output]
+        return ["poses", machine.argument, *count, *known, *steps, "-o", output]
     command = ["plan", machine.argument]
     if family != "best":
         command += ["--family", family]
-    if family != "manual":
+    if family != BY_HAND:
         command += ["--duration", number(fields, "duration", 0.5, 600)]
         command += EFFORTS[chosen(fields, "effort", EFFORTS, "quick")]
+        command += known
         for text in field(fields, "target").replace(";", ",").split(","):
             if text.strip():
                 command.append(f"--target={text.strip()}")

@@ -27,7 +27,7 @@ class Job:
 
     Args:
         machine: key of the machine; empty where there is none yet.
-        stage: name of the stage that shows it.
+        stage: name of the stage that shows it; empty of one that runs beside another.
         command: what follows `hexcite` on a command line.
         output: file or folder that it writes, relative to the root; empty where it writes none.
         about: what it was started for, such as a recording.
@@ -37,6 +37,7 @@ class Job:
         before: command line of what was done before it started, in one with it.
         notes: what was written then.
         writes: whether it writes the case: what is started for the machine after it waits until it has ended.
+        beside: jobs that start with it, and whose panels nobody needs.
         number: of this server.
     """
 
@@ -51,6 +52,7 @@ class Job:
     before: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     writes: bool = False
+    beside: tuple["Job", ...] = ()
     number: int = 0
     state: State = "waiting"
     began: float = field(default_factory=time.monotonic)
@@ -125,6 +127,8 @@ class Jobs:
             if other.writes and not other.over and other is not job and other.machine == job.machine
         ]
         self._tasks[job.number] = asyncio.create_task(self._run(job, first))
+        for other in job.beside:
+            self.start(other)
 
     def get(self, number: int) -> Job | None:
         """A job by its number."""

@@ -115,6 +115,11 @@ class Made:
     fingerprint: str = ""
 
     @property
+    def by_hand(self) -> bool:
+        """Whether it is the plan of a manual motion, which others are compared with."""
+        return self.record.get("family") == "manual"
+
+    @property
     def fresh(self) -> bool:
         """Whether the case is still what it was computed from."""
         return not self.changed

@@ -33,6 +33,34 @@ TEXTS: dict[str, tuple[str, str]] = {
         "The machine bears steps of acceleration (needed for LinuxCNC and URScript)",
         "Die Maschine verträgt Beschleunigungssprünge (für LinuxCNC und URScript nötig)",
     ),
+    "known_results": (
+        "Earlier results of the same load that count as known: deviations are then of all together",
+        "Frühere Ergebnisse derselben Last, die als bekannt gelten: Abweichungen gelten dann für alle zusammen",
+    ),
+    "kinds": ("Which kind, and why", "Welche Art, und warum"),
+    "kind_why": ("why", "warum"),
+    "why_ptp": (
+        "Every controller times such moves by itself, and the program is short.",
+        "Jede Steuerung fährt solche Bewegungen mit ihren eigenen Rampen; das Programm ist kurz.",
+    ),
+    "why_spline": (
+        "Carries most where jerk is limited; needs a controller that follows splines or a dense path.",
+        "Verrät am meisten, wo der Ruck begrenzt ist; die Steuerung muss Splines oder dichten Bahnen folgen.",
+    ),
+    "why_fourier": (
+        "Known frequencies, without any corner; needs a controller that follows a dense path.",
+        "Bekannte Frequenzen ohne Ecken; die Steuerung muss einer dichten Bahn folgen.",
+    ),
+    "why_manual": (
+        "What people drive without a search; it is planned beside each search, to compare with.",
+        "Was man ohne Suche fährt; wird neben jeder Suche geplant, zum Vergleich.",
+    ),
+    "why_poses": (
+        "Mass, centre of gravity and offsets without any dynamics; no inertia. For machines that move slowly.",
+        "Masse, Schwerpunkt und Nullpunkte ohne Dynamik, ohne Trägheit. Für langsame Maschinen.",
+    ),
+    "by_hand_runs": ("The motion by hand is being planned.", "Die Bewegung von Hand wird geplant."),
+    "by_hand_not": ("There is no motion by hand: {why}", "Es gibt keine Bewegung von Hand: {why}"),
     "search": ("Search", "Suchen"),
     "plans": ("Plans", "Pläne"),
     "efficiency": (

@@ -46,4 +46,87 @@ TEXTS: dict[str, tuple[str, str]] = {
     ),
     "step_run": ("Run the program, then stop the recorder.", "Das Programm fahren, dann die Aufzeichnung beenden."),
     "step_bring": ("Bring the file to the next stage.", "Die Datei in den nächsten Schritt bringen."),
+    "record_here": ("How to record on this control", "So wird an dieser Steuerung aufgezeichnet"),
+    "record_what": (
+        "These channels at {rate} Hz, about {seconds} s, from before the motion to after it, into {file}:",
+        "Diese Kanäle mit {rate} Hz, rund {seconds} s, von vor der Bewegung bis danach, in die Datei {file}:",
+    ),
+    "rec_hal_load": (
+        "Put the HAL lines below into a file of the configuration, or type them in halcmd.",
+        "Die HAL-Zeilen unten in eine Datei der Konfiguration schreiben oder in halcmd tippen.",
+    ),
+    "rec_hal_forces": (
+        "Replace YOUR_FORCE by the pins of your force channels. The trigger is output 0, which the program switches.",
+        "YOUR_FORCE durch die Pins Ihrer Kraftkanäle ersetzen. Der Trigger ist Ausgang 0, den das Programm schaltet.",
+    ),
+    "rec_hal_run": (
+        "Start the last line in a terminal, then the program. Afterwards sampler.0.overruns must be 0.",
+        "Die letzte Zeile im Terminal starten, dann das Programm. Danach muss sampler.0.overruns 0 sein.",
+    ),
+    "rec_trace_session": (
+        "Prepare a trace session with actual positions of the drives, the forces, and {trigger} as trigger.",
+        "Eine Trace-Sitzung mit den Istpositionen der Antriebe, den Kräften und {trigger} als Trigger anlegen.",
+    ),
+    "rec_trace_armed": (
+        "Choose $AN_SLTRACE as its start and stop trigger and arm it before the program runs: 1 starts it, 2 stops it.",
+        "$AN_SLTRACE als Start und Stopp wählen und vor dem Programm scharf schalten: 1 startet, 2 beendet.",
+    ),
+    "rec_trace_by_hand": (
+        "Start the session before the program, and stop it afterwards.",
+        "Die Sitzung vor dem Programm starten und danach anhalten.",
+    ),
+    "rec_trace_save": (
+        "Save the session as {file}; Operate writes XML, which is read as it is.",
+        "Die Sitzung als {file} speichern; Operate schreibt XML, das so gelesen wird.",
+    ),
+    "rec_scope_channels": (
+        "Scope: add actual positions of all axes (NcToPlc.ActPos), all forces, and the trigger, at {rate} Hz or more.",
+        "Scope: Istpositionen aller Achsen (NcToPlc.ActPos), alle Kräfte und den Trigger mit {rate} Hz oder mehr.",
+    ),
+    "rec_scope_trigger": (
+        "The trigger is a PLC variable that {trigger} switch on and off.",
+        "Der Trigger ist eine SPS-Variable, die {trigger} ein- und ausschalten.",
+    ),
+    "rec_scope_export": (
+        "Export as CSV to {file} with Timelines = All, without markers and without trigger information.",
+        "Als CSV nach {file} exportieren: Timelines = All, ohne Marker und ohne Trigger-Angaben.",
+    ),
+    "rec_rtde_file": (
+        "Save the first part below as record_configuration.xml, beside record.py of Universal Robots' RTDE client.",
+        "Den ersten Teil unten als record_configuration.xml neben record.py des RTDE-Clients speichern.",
+    ),
+    "rec_rtde_run": (
+        "Start the last line, then the program, then Ctrl-C. The trigger is digital output {trigger}.",
+        "Die letzte Zeile starten, dann das Programm, dann Strg-C. Der Trigger ist der digitale Ausgang {trigger}.",
+    ),
+    "rec_rtde_raw": (
+        "ft_raw_wrench is in the sensor's axes; actual_TCP_force is compensated and turned, and no use. "
+        "A sensor of another maker is recorded in place of it.",
+        "ft_raw_wrench steht in den Achsen des Sensors; actual_TCP_force ist kompensiert, gedreht und unbrauchbar. "
+        "Ein fremder Sensor wird stattdessen aufgezeichnet.",
+    ),
+    "rec_table_channels": (
+        "What follows the table records actual positions and raw forces in the same cycle, names in the first row.",
+        "Was der Tabelle folgt, zeichnet Istpositionen und rohe Kräfte im selben Takt auf, Namen in der ersten Zeile.",
+    ),
+    "rec_table_trigger": (
+        "The trigger is 1 as in the table's own column, and 0 before and after.",
+        "Der Trigger ist 1 wie in der Spalte der Tabelle, davor und danach 0.",
+    ),
+    "rec_table_export": (
+        "Write {file} with times in seconds and a point or comma as decimal sign.",
+        "{file} mit Zeiten in Sekunden schreiben, Punkt oder Komma als Dezimalzeichen.",
+    ),
+    "rec_bag_run": (
+        "Start the line below, then send the trajectory.",
+        "Die Zeile unten starten, dann die Trajektorie senden.",
+    ),
+    "rec_bag_raw": (
+        "The wrench must be the raw one in the sensor's frame; nothing compensated, zeroed or turned.",
+        "Das Wrench-Topic muss das rohe im Sensorsystem sein; nichts kompensiert, genullt oder gedreht.",
+    ),
+    "rec_bag_stop": (
+        "End it with Ctrl-C; bring the .db3 or .mcap file of the folder {file}.",
+        "Mit Strg-C beenden; die .db3- oder .mcap-Datei des Ordners {file} mitbringen.",
+    ),
 }

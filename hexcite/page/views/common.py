@@ -8,6 +8,7 @@ from typing import Any
 from cases.base.errors import Remedy, Write
 from cases.base.files import toml_value
 from cases.editing import placed
+from hexcite.page.stages import Made
 from identification.estimation.fit import COVERAGE_FACTOR
 from identification.texts import legible, parameter_words, std_text, value_text
 
@@ -22,6 +23,13 @@ def chosen(made: Sequence[Any], name: str | None) -> Any:
     named = next((each for each in made if each.name == name), None)
     fresh = next((each for each in made if not each.changed), None)
     return named or fresh or (made[0] if made else None)
+
+
+def chosen_plan(plans: Sequence[Made], name: str | None) -> Made | None:
+    """The plan that is asked for, else as `chosen`, one of a manual motion last."""
+    named = next((plan for plan in plans if plan.name == name), None)
+    found: Made | None = named or chosen([plan for plan in plans if not plan.by_hand] or plans, None)
+    return found
 
 
 def beginning(path: Path) -> tuple[str, bool]:

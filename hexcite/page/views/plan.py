@@ -8,9 +8,9 @@ from typing import Any
 from cases.base.errors import HexciteError
 from cases.schema import load_case
 from hexcite.page.actions.common import Context
-from hexcite.page.forms import EFFORTS, FAMILIES
+from hexcite.page.forms import BY_HAND, EFFORTS, FAMILIES
 from hexcite.page.stages import Made, Workspace, workspace
-from hexcite.page.views.common import Query, chosen, limits
+from hexcite.page.views.common import Query, chosen_plan, limits
 from hexcite.reports.page import script_json
 from hexcite.reports.plan import scene_of
 from identification.texts import legible, parameter_words, std_text
@@ -19,12 +19,18 @@ from planner.plans.plan import Plan
 
 def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     """What the stage Plan shows of a machine, for its template."""
-    plan: Made | None = chosen(there.plans, query.get("plan"))
-    others = [p for p in there.plans if plan is not None and p.name != plan.name and p.fresh][:2]
+    plan = chosen_plan(there.plans, query.get("plan"))
+    others = [p for p in there.plans if plan is not None and p.name != plan.name and p.fresh]
+    others = sorted(others, key=lambda other: not other.by_hand)[:2]
+    by_hand = context.jobs.latest(context.machine.key, "plan", BY_HAND)
     return {
         "lacks": context.machine.lacks("plan"),
         "families": FAMILIES,
         "efforts": tuple(EFFORTS),
+        "known": [result.name for result in there.results if result.fresh],
+        "kinds": _kinds(there.plans, plan),
+        "by_hand": "" if by_hand is None or by_hand.state == "done" else " ".join(by_hand.messages[-1:]),
+        "by_hand_runs": by_hand is not None and not by_hand.over,
         "dialects": context.machine.dialects,
         "chosen": plan,
         "facts": None if plan is None else _facts(plan),
@@ -45,6 +51,17 @@ def _facts(plan: Made) -> dict[str, Any]:
         "mass": _deviation("m", record.get("predicted_std", {}).get("m")),
         "notes": [str(note) for note in record.get("notes", ()) if isinstance(note, str)][:6],
     }
+
+
+def _kinds(plans: Sequence[Made], plan: Made | None) -> list[tuple[str, str]]:
+    """Kinds of motion, each with the share of the information that the best plan or the latest trial of it has."""
+    tried = {} if plan is None else plan.record.get("tried") or {}
+    rows = []
+    for family in FAMILIES[1:]:
+        own = [p.record.get("d_efficiency") for p in plans if p.fresh and p.record.get("family") == family]
+        shares = [float(share) for share in (*own, tried.get(family)) if isinstance(share, float)]
+        rows.append((family, f"{max(shares):.3f}" if shares else ""))
+    return rows
 
 
 def _unit(name: str) -> str:

@@ -5,13 +5,14 @@ from pathlib import Path
 from typing import Any
 
 from hexcite.page.actions.common import Context
+from hexcite.page.recipes import Recipe, recipe
 from hexcite.page.stages import Made, Program, Workspace
-from hexcite.page.views.common import Query, beginning, chosen, limits
+from hexcite.page.views.common import Query, beginning, chosen_plan, limits
 
 
 def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     """What the stage Program shows of a machine, for its template."""
-    plan: Made | None = chosen(there.plans, query.get("plan"))
+    plan = chosen_plan(there.plans, query.get("plan"))
     programs = [p for p in there.programs if plan is not None and p.plan == plan.name]
     program = next((p for p in programs if p.name == query.get("program")), programs[0] if programs else None)
     content, cut = beginning(context.root / program.name) if program is not None else ("", False)
@@ -28,12 +29,31 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "cut": cut,
         "dialects": context.machine.dialects,
         "preferred": _preferred(plan, context) if plan is not None else "",
+        "recipe": _recipe(context, plan, program),
+        "home": _home(context),
         "refused": refused,
         "exceeded": exceeded[:20],
         "answerable": [kind.replace(" ", "-") for kind in kinds] if refused else [],
         "written": last.answer if last is not None and last.state == "done" else None,
         "limits": limits((last.answer or {}).get("limits", {})) if last is not None and last.state == "done" else [],
     }
+
+
+def _home(context: Context) -> str:
+    case = context.machine.case
+    return "" if case is None or case.limits is None else case.words(case.need_motion("home")[0])
+
+
+def _recipe(context: Context, plan: Made | None, program: Program | None) -> Recipe | None:
+    """How the run of a program is recorded on its controller."""
+    from postprocessors.program import DIALECTS
+
+    case = context.machine.case
+    if case is None or plan is None or program is None:
+        return None
+    suffix = Path(program.name).suffix.lower()
+    dialect = next((name for name, own in DIALECTS.items() if suffix in own.suffixes), None)
+    return None if dialect is None else recipe(case, dialect, Path(program.name).stem, float(plan.record["duration_s"]))
 
 
 def _lines(content: str, answer: Mapping[str, Any] | None, program: Program | None) -> list[tuple[int, str, str, bool]]:

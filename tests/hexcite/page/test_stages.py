@@ -10,9 +10,13 @@ from cases.basis import KEPT, plan_basis, result_basis
 from cases.scaffold import new_case
 from cases.schema import Case, load_case
 from hexcite.page import forms
+from hexcite.page.actions import ACTIONS, asked
+from hexcite.page.actions.common import Context
 from hexcite.page.forms import Unfit
+from hexcite.page.jobs import Job, Jobs
 from hexcite.page.reading import chosen_settings
 from hexcite.page.stages import Workspace, free, machine_of, own_machines, workspace
+from hexcite.page.views.common import chosen_plan
 
 
 @pytest.fixture
@@ -242,3 +246,44 @@ def test_each_line_of_a_program_has_its_worst_limit():
     assert "NOT enforced" in shown[2][2]
     assert shown[2][3]
     assert all(not row[2] for row in _lines("G90\n", answer, Program("other.mpf", "plan", 0.0)))
+
+
+def test_a_search_brings_the_motion_by_hand_along_once(root: Path, case: Case):
+    """It is planned beside the first search, and not again while it is up to date; it is shown, never chosen."""
+    plan_folder(root, case, "other")
+
+    def started() -> Job:
+        context = Context(root, machine_of(root, "+mill"), Jobs(root))
+        return asked(ACTIONS["plan"], context, {"duration": ["12"], "family": ["ptp"]})
+
+    (beside,) = started().beside
+    assert beside.command[:4] == ("plan", "mill/case.toml", "--family", "manual")
+    assert beside.stage == ""
+    folder = root / beside.output
+    folder.mkdir()
+    record = json.loads((root / "other" / "plan.json").read_text())
+    (folder / "plan.json").write_text(json.dumps(record | {"family": "manual"}))
+    assert started().beside == ()
+    chosen = chosen_plan(there(root).plans, None)
+    assert chosen is not None
+    assert chosen.name == "other"
+
+
+def test_results_that_are_known_are_arguments_where_they_are_there(root: Path, case: Case):
+    """Names that the form makes up are not passed on; poses take them too."""
+    machine = machine_of(root, "+mill")
+    fields = {"duration": ["12"], "known": ["a", "made-up"]}
+    command = forms.plan(machine, fields, "out", ["a", "b"])
+    assert [word for word in command if "known" in word] == ["--known=a"]
+    assert "--known=a" in forms.plan(machine, {**fields, "family": ["poses"]}, "out", ["a"])
+
+
+def test_a_program_says_how_its_run_is_recorded(root: Path, case: Case, client: TestClient):
+    """The trigger's output is that of the case, the file that of the program."""
+    plan_folder(root, case)
+    fingerprint = there(root).plans[0].fingerprint
+    (root / "run.mpf").write_text(f"; plan hash {fingerprint[:16]}\nG1 X0\n")
+    page = client.get("/m/+mill/program").text
+    assert "$A_OUT[1]" in page
+    assert "run.xml" in page
+    assert "z 900.0" in page
