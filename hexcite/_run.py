@@ -24,10 +24,11 @@ from identification.motion.motion import Joined, Trajectory
 from identification.recording.record import Executed, Payload, RunOrigin, RunRecord
 from identification.recording.recording import Recording
 from identification.simulate import UNDISTURBED, Circumstances, circumstances, simulate_recording
+from identification.stretches import windows
 from planner.bounds.bound import Bound, information_limit
 from planner.noise import mean_information
 from planner.request import require_seed
-from postprocessors.controllers.executed_run import ExecutedRun, moving_windows, stood, windows
+from postprocessors.controllers.executed_run import ExecutedRun, moving_windows, stood
 from postprocessors.controllers.linuxcnc.session import linuxcnc_missing, run_linuxcnc
 from postprocessors.controllers.virtual import run_virtual
 from postprocessors.program import Program

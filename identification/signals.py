@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy.fft import fft, irfft, next_fast_len, rfft, rfftfreq
 
 from cases.base.errors import Code, RecordingError
-from cases.base.units import Array, Flags, Indices
+from cases.base.units import Array, Indices
 
 Spectrum = NDArray[np.complex128]
 
@@ -202,12 +202,6 @@ def white_noise(signals: Array) -> Array:
 # Samples of a long run that stand for it where their number only costs time: two minutes behind 20 Hz.
 FAIR_PART = 8_000
 STRETCHES = 8  # number of stretches that hold them
-
-
-def stretches(on: Flags) -> list[slice]:
-    """One slice for each stretch of neighbours that are on, shape (n,)."""
-    edges = np.flatnonzero(np.diff(np.r_[False, on, False].astype(np.int8))).tolist()
-    return [slice(first, end) for first, end in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def fair_part(count: int, times: float = 1) -> Indices:

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from cases.base.errors import Code, HexciteError, InfeasiblePlan, choice, option
 from cases.schema import Case
-from identification.limits.limit import LimitKind
+from identification.limits.limit import UNUSED_SHARE, LimitKind
 from identification.limits.proof import PROOF_RATE, prove
 from identification.machines.path_timing import Shares, rounded
 from identification.machines.path_timing import retime as timed_path
@@ -32,7 +32,6 @@ from planner.families.settings import require_plannable_without
 from planner.plans.plan import Plan
 from planner.plans.rating import PlannedMotion, rated_plan
 from planner.request import LONGEST
-from planner.search.feasibility import MARGIN
 from planner.search.problem import near_limits
 
 _REMEDY = "no pace helps; plan again for this case"
@@ -214,7 +213,7 @@ def _timed(part: StraightMove | CircularMove, case: Case, cycle: float, pace: fl
     """A move under a controller's own law, with its limits at a share of their pace."""
     v, a, j = pace, pace**2, pace**3
     if isinstance(part, StraightMove):
-        box, share = case.need_motion("re-timing")[1], 1.0 - MARGIN
+        box, share = case.need_motion("re-timing")[1], 1.0 - UNUSED_SHARE
         limits = box.rate * share * v, box.acceleration * share * a, box.jerk * share * j
         velocity, peak, change = limits_along(np.abs(part.end - part.start), *limits)
         return replace(part, profile=ruckig_profile(velocity, peak, change, cycle))

@@ -9,7 +9,7 @@ import numpy as np
 
 from cases.base.errors import Code, FileProblem
 from cases.schema import Case
-from identification.estimation.criteria import CRITERIA, pose_regressors, reference_scaling, singular_values
+from identification.estimation.criteria import Criterion, pose_regressors, reference_scaling, singular_values
 from identification.estimation.fit import Value
 from identification.identify import identify
 from identification.model.model import identification_model
@@ -127,7 +127,7 @@ def entry_of_plan(saved: Plan, name: str) -> Entry:
     else:
         information, samples = mean_information(model, scaling, saved.motion), round(saved.duration * rate)
     mu = singular_values(information, model.names)
-    criteria = {letter: criterion(mu) for letter, criterion in CRITERIA.items()} | {"condition": float(mu[0] / mu[-1])}
+    criteria = {letter: letter.of_singular_values(mu) for letter in Criterion} | {"condition": float(mu[0] / mu[-1])}
     payloads = saved.case.payloads
     load = sum(w.mass_kg for w in payloads.weights[: saved.payloads[-1]]) if payloads is not None else 0.0
     scale = float(np.sqrt(assumed / rate))  # the case may state another rate since

@@ -6,10 +6,9 @@ different motions are comparable in one scaling only: the reference scaling (CON
 Of a set of poses to stand at, F is the sum of A^T A over the set.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from enum import StrEnum
-from typing import TYPE_CHECKING, NoReturn
+from typing import NoReturn
 
 import numpy as np
 
@@ -17,15 +16,12 @@ from cases.base.errors import Code, HexciteError, IdentificationError, choice
 from cases.base.units import Array
 from cases.schema import Case
 from identification.machines.casadi_batch import over_samples
-from identification.model.model import Model, regressors
-
-if TYPE_CHECKING:
-    pass
 from identification.machines.executed import RATE, Execution
+from identification.model.model import Model, regressors
 
 
 class Criterion(StrEnum):
-    """Criteria of Table 4, by their letters."""
+    """Criteria of Table 4, by their letters, as values that are better the larger they are."""
 
     A = "A"
     D = "D"
@@ -37,14 +33,40 @@ class Criterion(StrEnum):
         """Refuses what is not a letter of Table 4."""
         raise HexciteError(problem=f"criterion {value!r} is unknown", remedy=choice(str(value), cls), code=Code.UNKNOWN)
 
+    def of_eigenvalues(self, squares: Array) -> Array:
+        """Its value by mu^2, the eigenvalues of F, ascending and above 0, shape (..., u) -> (...)."""
+        if self is Criterion.A:  # average variance, -trace F^-1 (30)
+            return np.asarray(-np.sum(1.0 / squares, axis=-1))
+        if self is Criterion.D:  # volume of the confidence ellipsoid, log det F (31)
+            return np.asarray(np.log(squares).sum(axis=-1))
+        if self is Criterion.K:  # condition, -mu_1 / mu_u (32)
+            return np.asarray(-np.sqrt(squares[..., -1] / squares[..., 0]))
+        return np.asarray(squares[..., 0] / np.sqrt(squares[..., -1]))  # noise amplification, mu_u^2 / mu_1 (33)
 
-CRITERIA: dict[str, Callable[[Array], float]] = {
-    Criterion.A: lambda mu: -float(np.sum(mu**-2.0)),  # average variance, -trace F^-1 (30)
-    Criterion.D: lambda mu: 2.0 * float(np.log(mu).sum()),  # volume of the confidence ellipsoid, log det F (31)
-    Criterion.K: lambda mu: -float(mu[0] / mu[-1]),  # condition, -mu_1 / mu_u (32)
-    Criterion.N: lambda mu: float(mu[-1] ** 2 / mu[0]),  # noise amplification, mu_u^2 / mu_1 (33)
-}
-"""Singular values, shape (u,), descending -> a value that is better the larger it is."""
+    def of_singular_values(self, mu: Array) -> float:
+        """Its value by the singular values of the scaled regressor, descending, shape (u,)."""
+        return float(self.of_eigenvalues(mu[::-1] ** 2))
+
+    def of(self, information: Array) -> Array:
+        """Its value of one or more informations, shape (..., u, u) -> (...); -inf where singular."""
+        if self is Criterion.D:
+            return _log_det(information)
+        squares = np.maximum(np.linalg.eigvalsh(information), 0.0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(squares[..., 0] > 0.0, self.of_eigenvalues(squares), -np.inf)
+
+    @property
+    def losses_grow(self) -> bool:
+        """Whether a pose of a set costs the more, the fewer others are left."""
+        return self is Criterion.D
+
+    def after_removal(self, information: Array, regressors: Array) -> Array:
+        """Value without each pose, F - A_j^T A_j, shape (k,), of its regressors A_j, shape (k, 6, u)."""
+        if self is not Criterion.D:
+            return self.of(information - regressors.transpose(0, 2, 1) @ regressors)
+        weighted = (regressors.reshape(-1, len(information)) @ np.linalg.inv(information)).reshape(regressors.shape)
+        left = np.eye(6) - weighted @ regressors.transpose(0, 2, 1)  # log det F + log det(1 - A F^-1 A^T)
+        return np.asarray(_log_det(information) + _log_det(left))
 
 
 def singular_values(information: Array, names: Sequence[str]) -> Array:
@@ -131,45 +153,9 @@ def total_information(regressors: Array) -> Array:
     return np.asarray(rows.T @ rows)
 
 
-@dataclass(frozen=True, slots=True)
-class PoseCriterion:
-    """A criterion of pose sets."""
-
-    letter: Criterion  # of Table 4
-
-    @property
-    def losses_grow(self) -> bool:
-        """Whether a pose costs the more, the fewer others are left."""
-        return self.letter is Criterion.D
-
-    def value(self, information: Array) -> Array:
-        """Criterion (30) to (33) of one or more informations, shape (..., u, u) -> (...); -inf where singular."""
-        if self.letter is Criterion.D:
-            return _log_det(information)
-        values = np.maximum(np.linalg.eigvalsh(information), 0.0)  # mu^2, ascending
-        smallest, largest = values[..., 0], values[..., -1]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            if self.letter is Criterion.A:
-                found = -np.sum(1.0 / values, axis=-1)
-            else:
-                found = -np.sqrt(largest / smallest) if self.letter is Criterion.K else smallest / np.sqrt(largest)
-        return np.where(smallest > 0.0, found, -np.inf)
-
-    def after_removal(self, information: Array, regressors: Array) -> Array:
-        """Value without each pose, F - A_j^T A_j, shape (k,), of its regressors A_j, shape (k, 6, u)."""
-        if self.letter is not Criterion.D:
-            return self.value(information - regressors.transpose(0, 2, 1) @ regressors)
-        weighted = (regressors.reshape(-1, len(information)) @ np.linalg.inv(information)).reshape(regressors.shape)
-        left = np.eye(6) - weighted @ regressors.transpose(0, 2, 1)  # log det F + log det(1 - A F^-1 A^T)
-        return np.asarray(_log_det(information) + _log_det(left))
-
-
 def _log_det(matrices: Array) -> Array:
     sign, logdet = np.linalg.slogdet(matrices)
     return np.where(sign > 0, logdet, -np.inf)
-
-
-POSE_CRITERIA: dict[str, PoseCriterion] = {letter: PoseCriterion(letter) for letter in Criterion}
 
 
 def executed_information(model: Model, scaling: Array, execution: Execution, windows: Array, cutoff: float) -> Array:

@@ -20,7 +20,7 @@ from identification.model.blocks import FIRST_MOMENT, INERTIA, MASS
 from identification.model.model import Model
 from identification.model.parameters import INERTIA_INDEX, physical_form
 
-MARGIN = 1e-6  # of the radius of gyration squared: how far inside a body stays, so that rounding leaves it one
+BODY_MARGIN = 1e-6  # of the radius of gyration squared: how far inside a body stays, so that rounding leaves it one
 BINDS = 1e-5  # of the same, and of the extent of a bound, up to which one counts as reached
 INERTIA_HOLDS = "inertia"
 MASS_HOLDS = "mass"
@@ -205,12 +205,12 @@ def _projected(at: Array, root: Array, turn: Array, constraints: tuple[_Constrai
 
     rows = np.array([c.row for c in constraints])
     blocks = [-rows @ root]
-    sides = [np.array([c.slack(at) for c in constraints]) - MARGIN]
+    sides = [np.array([c.slack(at) for c in constraints]) - BODY_MARGIN]
     cones: list[Any] = [clarabel.NonnegativeConeT(len(rows))]
     if whole:
         columns = [_triangle(turn @ pseudo_inertia(column) @ turn.T) for column in root.T]
         blocks.append(-np.reshape(columns, (-1, 10)).T)
-        sides.append(_triangle(turn @ pseudo_inertia(at) @ turn.T - MARGIN * np.eye(4)))
+        sides.append(_triangle(turn @ pseudo_inertia(at) @ turn.T - BODY_MARGIN * np.eye(4)))
         cones.append(clarabel.PSDTriangleConeT(4))
     settings = clarabel.DefaultSettings()
     settings.verbose = False

@@ -19,7 +19,7 @@ from identification.finding import Finding, Kind, note, warning
 from identification.machines.of_case import machine_of
 from identification.motion.motion import Joined, Standstill, Trajectory
 from identification.recording.recording import Recording
-from identification.signals import stretches
+from identification.stretches import stretches
 
 PLAN_RATE = 500.0  # [1/s] at which the plan is sampled
 MOST_SAMPLES = 200_000  # of plan or recording

@@ -21,7 +21,8 @@ from identification.finding import Finding, Kind, warning
 from identification.recording.recording import Recording
 from identification.samples.sample_checks import MOST_NAMED, places
 from identification.samples.samples import Fitted
-from identification.signals import fair_part, stretches
+from identification.signals import fair_part
+from identification.stretches import stretches
 
 CHANCE = 1e-7  # for a sample by noise alone; two neighbours are needed, so that a run of an hour has no false contact
 CLEAR = 3.0  # times the limit that a contact reaches somewhere; residuals of a wrong model creep over it here and there
@@ -32,7 +33,7 @@ NEARBY = 0.03  # [s] before and after: a little more than the filter's memory
 FEWEST = 2  # neighbouring samples above the limit
 SHORTEST = 0.02  # [s] that a contact lasts; behind the filter no push is shorter
 NEAR = 0.05  # [s] stretches closer than that are one contact
-MARGIN = 0.03  # [s] beside a contact that may still be disturbed by it
+CONTACT_MARGIN = 0.03  # [s] beside a contact that may still be disturbed by it
 
 
 class Contact(NamedTuple):
@@ -104,7 +105,7 @@ def touched(t: Array, contacts: tuple[Contact, ...]) -> Flags:
     """Samples that a contact may have moved, shape (n,)."""
     rows = np.zeros(len(t), dtype=bool)
     for contact in contacts:
-        rows |= (t >= contact.start - MARGIN) & (t <= contact.end + MARGIN)
+        rows |= (t >= contact.start - CONTACT_MARGIN) & (t <= contact.end + CONTACT_MARGIN)
     return rows
 
 

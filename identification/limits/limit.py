@@ -10,6 +10,9 @@ import numpy as np
 
 from cases.base.units import DEG, MM, Array
 
+# of every limit that motions leave unused: for the rounding of program words, the encoders' view of the motion, and
+# what happens between the instants at which it is looked at
+UNUSED_SHARE = 1e-3
 TOLERANCE = 1e-6  # a limit counts as satisfied up to this share above it: rounding, not motion
 
 

@@ -15,7 +15,7 @@ from cases.chain import Box
 from cases.schema import Case
 from identification.limits.chain import LimitedChain
 from identification.limits.hexapod import LimitedHexapod
-from identification.limits.limit import LimitCheck, LimitKind, LimitReport, Quantity, Status, worst_of
+from identification.limits.limit import UNUSED_SHARE, LimitCheck, LimitKind, LimitReport, Quantity, Status, worst_of
 from identification.limits.sensor_loads import Loads, sensor_loads
 from identification.motion.motion import LoadMotion, Motion, Trajectory
 from identification.motion.moves import StraightMove
@@ -182,7 +182,6 @@ def mechanical_pace(move: Trajectory, case: Case, rate: float = PROOF_RATE) -> f
 
 SLOWINGS, SLOWED = 30, 0.95  # of a move with too large forces or torques: its weight does not depend on the pace
 FORCE_RATE = 1000.0  # [1/s] at which these are looked at
-MARGIN = 1.0 - 1e-3  # share of limits that a slowed move uses: for rounding, and for what is between the instants
 
 
 def slowed_for_forces(move: StraightMove, case: Case) -> StraightMove:
@@ -190,7 +189,7 @@ def slowed_for_forces(move: StraightMove, case: Case) -> StraightMove:
     for _ in range(SLOWINGS):
         if (share := mechanical_pace(move, case, FORCE_RATE)) <= 1.0:
             break
-        move = StraightMove(move.start, move.end, move.profile.slowed(min(SLOWED, MARGIN / share)))
+        move = StraightMove(move.start, move.end, move.profile.slowed(min(SLOWED, (1.0 - UNUSED_SHARE) / share)))
     return move
 
 

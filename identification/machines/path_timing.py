@@ -17,13 +17,13 @@ from numpy.typing import ArrayLike
 from cases.base.errors import Code, HexciteError
 from cases.base.units import Array
 from cases.schema import Case
+from identification.limits.limit import UNUSED_SHARE
 from identification.machines.of_case import machine_of
 from identification.motion.motion import Motion, Trajectory
 from identification.motion.moves import UntimedMotion
 
 STEPS_PER_SECOND = 400.0  # gridpoints of the path
 FEWEST_STEPS = 2000
-MARGIN = 1e-3  # of every limit, for what happens between gridpoints
 CHECK_RATE = 20_000.0  # [1/s] at which that is checked
 ROUNDER = 5e-4  # a motion that must be stretched is stretched by this much more: peaks lie between instants too
 AT_REST = 1e-6  # share of the rate limits
@@ -211,7 +211,7 @@ def _constraint(path: Trajectory, case: Case, shares: Array, hurry: float, force
     struts, most = machine_of(case).further_drives(case, motion.pose, *by_share)
     first, second = (np.hstack([own, values]) for own, values in zip(by_share, struts, strict=True))
     velocity, acceleration = (
-        np.concatenate([own, limit]) * (1.0 - MARGIN)
+        np.concatenate([own, limit]) * (1.0 - UNUSED_SHARE)
         for own, limit in zip((limits.rate, limits.acceleration), most, strict=True)
     )
     with np.errstate(divide="ignore"):
@@ -226,7 +226,7 @@ def _constraint(path: Trajectory, case: Case, shares: Array, hurry: float, force
         first, second, constant = (
             np.hstack(pair) for pair in ((first, by_change), (second, by_square), (constant, own))
         )
-        acceleration = np.concatenate([acceleration, np.full(own.shape[1], 1.0 - MARGIN)])
+        acceleration = np.concatenate([acceleration, np.full(own.shape[1], 1.0 - UNUSED_SHARE)])
 
     class AllLimits(LinearConstraint):  # type: ignore[misc]
         """All limits at once, computed for all gridpoints in one go."""

@@ -18,7 +18,8 @@ from identification.samples.clocks import at_the_forces, at_the_motion
 from identification.samples.moving import Run, signals_at
 from identification.samples.sample_checks import bridged
 from identification.samples.samples import MOST_DELAY
-from identification.signals import Filter, stretches, white_noise
+from identification.signals import Filter, white_noise
+from identification.stretches import stretches
 
 OVERSAMPLED = 1.5  # samples of the forces in a motion's interval, from which they are averaged
 HELD_CHANGES = 50  # changes of the struts, from which on a rhythm is looked for

@@ -20,7 +20,7 @@ from identification.recording.formats.misnamed import SMOOTH
 from identification.recording.formats.sampling import spread
 from identification.recording.formats.table import Lines, Stream
 from identification.recording.recording import Recording
-from identification.signals import stretches
+from identification.stretches import stretches
 
 Problem = tuple[int, str, Flags]  # number of a channel or strut, counted from 1, what is wrong with it, and where
 

@@ -18,7 +18,8 @@ from identification.recording.formats.table import Lines
 from identification.recording.recording import Recording
 from identification.samples.moving_window import MOVING, SURE, delimited, require_position
 from identification.samples.samples import MotionOfSamples, Standstills
-from identification.signals import stretches, white_noise
+from identification.signals import white_noise
+from identification.stretches import stretches
 
 SPEED_SPAN = 0.02  # [s] over which strut speeds are taken: encoder steps of 1 um then look like 0.05 mm/s
 LEAVING = 0.04  # [s] of the beginning of a movement that is too slow to be seen

@@ -14,11 +14,11 @@ from cases.base.units import Array
 from cases.machine import POSE
 from cases.schema import Case
 from cases.tables import Number, Part, Positive, find_case, own_units, read_tables, si
+from identification.limits.limit import UNUSED_SHARE
 from identification.limits.proof import kinetic_shares, of_coordinates, of_mechanics, prove, prove_at
 from identification.motion.motion import Joined, StandingPoses, Standstill, Trajectory
 from identification.motion.moves import Plane, StraightMove, fastest_circle
 
-MARGIN = 1e-3  # of every limit, as for optimised motions
 SLOWEST = 0.02  # share of the speed; a move that needs less cannot be made at all
 BISECTIONS = 12
 RATE = 2000.0  # [1/s]
@@ -156,7 +156,7 @@ def in_turn(case: Case) -> Joined:
         InfeasiblePlan: nothing can move.
     """
     home, limits = case.need_motion("a hand-made sequence")
-    ends = np.array(limits.pose) * (1.0 - MARGIN)
+    ends = np.array(limits.pose) * (1.0 - UNUSED_SHARE)
     parts: list[Trajectory] = []
     for moved in (*np.eye(len(home)), np.ones(len(home))):
         for share in SHARES:
@@ -201,7 +201,7 @@ def manual_motion(case: Case, file: Path) -> Joined:
 
 def _limits(case: Case, speed: float) -> tuple[Array, Array, Array]:
     box = case.need_motion("a hand-made sequence")[1]
-    share = speed * (1.0 - MARGIN)
+    share = speed * (1.0 - UNUSED_SHARE)
     return box.rate * share, box.acceleration * share**2, box.jerk * share**3
 
 
@@ -260,13 +260,15 @@ def fastest_within_limits(case: Case, build: Build, place: str, remedy: str) -> 
         return way
 
     def satisfies(slower: float) -> bool:
-        return prove(build(slower), case, RATE).worst_ratio <= 1.0 - MARGIN / 2
+        return prove(build(slower), case, RATE).worst_ratio <= 1.0 - UNUSED_SHARE / 2
 
     if satisfies(1.0):
         return way
     shares = kinetic_shares(way, case, np.linspace(0.0, way.duration, math.ceil(way.duration * RATE)))
     most = max(float(share.max()) ** (1 / power) for power, share in enumerate(shares, start=1))
-    high = max((1.0 - MARGIN) / most, SLOWEST)  # the same way in more time: shares shrink with powers of the speed
+    high = max(
+        (1.0 - UNUSED_SHARE) / most, SLOWEST
+    )  # the same way in more time: shares shrink with powers of the speed
     if satisfies(high):
         return build(high)
     low = SLOWEST  # forces of sensors do not shrink so

@@ -10,13 +10,7 @@ from typing import Any
 import numpy as np
 
 from cases.schema import Case
-from identification.estimation.criteria import (
-    CRITERIA,
-    Criterion,
-    reference_scaling,
-    singular_values,
-    total_information,
-)
+from identification.estimation.criteria import Criterion, reference_scaling, singular_values, total_information
 from identification.limits.limit import LimitReport
 from identification.machines.hexapod import Hexapod
 from identification.model.model import Model, field_covariance
@@ -192,9 +186,9 @@ def figures_of(
         left = information_of(seen_through(model, noise.whitening), scaling, motion, errors)
         weighted = singular_values(left, model.names)
     figures = {
-        "logdet": CRITERIA[Criterion.D](mu),
-        "condition": -CRITERIA[Criterion.K](mu),
-        "criterion_value": CRITERIA[criterion](weighted),
+        "logdet": Criterion.D.of_singular_values(mu),
+        "condition": -Criterion.K.of_singular_values(mu),
+        "criterion_value": Criterion(criterion).of_singular_values(weighted),
         "assumed_noise_N": noise.sensors,
     }
     return figures, noise

@@ -12,7 +12,6 @@ from cases.base.errors import Code, HexciteError, IdentificationError, Infeasibl
 from cases.base.units import DEG, MM
 from cases.schema import Case
 from identification.estimation.criteria import (
-    POSE_CRITERIA,
     Criterion,
     candidate_scaling,
     pose_regressors,
@@ -71,7 +70,7 @@ def least_poses(request: PoseRequest, case: Case, done: Callable[[int], None] = 
     found = []
     for letter in Criterion:
         for change in (False, True) if letter is Criterion.K else (False,):
-            rest, _ = reduce_best(regressors, POSE_CRITERIA[letter], 1, done, change)
+            rest, _ = reduce_best(regressors, letter, 1, done, change)
             condition = float(np.sqrt(np.linalg.cond(total_information(regressors[rest]))))
             found.append(LeastPoses(letter, "backward-change" if change else "backward", len(rest), condition))
     return found
@@ -113,13 +112,13 @@ def poses_planned(
     information = total_information(selection)
     logdet = float(np.linalg.slogdet(information / len(poses))[1])
     bound = candidate_design(regressors).bound(len(scaling))
-    criterion = POSE_CRITERIA[request.criterion]
+    criterion = Criterion(request.criterion)  # a letter will do
     noise = noise_of_average(case)
     worth = PoseWorth(
         remark=remark,
         candidates=len(candidates),
         travel_s=travel,
-        criterion_value=float(criterion.value(information / len(poses))),
+        criterion_value=float(criterion.of(information / len(poses))),
         condition=float(np.sqrt(np.linalg.cond(information))),
         efficiency=float(np.exp((logdet - bound) / len(scaling))),
         select_s=selected,
@@ -325,7 +324,7 @@ def _choose(
     """Chosen poses, shape (n, 6) [m, rad], and the result of the choice in one phrase."""
     count = request.wanted(len(poses), regressors.shape[2])
     _require_rank(model, regressors)
-    criterion = POSE_CRITERIA[request.criterion]
+    criterion = Criterion(request.criterion)  # a letter will do
     if request.method == "all":
         return poses, METHODS["all"]
     change = request.method == "backward-change"

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.estimation.criteria import Criterion, PoseCriterion, pose_regressors, total_information
+from identification.estimation.criteria import Criterion, pose_regressors, total_information
 from identification.model.model import Model
 from identification.motion.motion import Array
 from planner.poses.space import Space, space_of, valid_poses
@@ -42,7 +42,7 @@ def full_rank(regressors: Array) -> bool:
 
 def reduce_best(
     regressors: Array,
-    criterion: PoseCriterion,
+    criterion: Criterion,
     count: int,
     done: Callable[[int], None] = lambda _: None,
     smallest_change: bool = False,
@@ -67,7 +67,7 @@ def reduce_best(
     while len(rest) > count:
         if len(rest) <= FEW or len(removed) % EXACT == 0:
             information = total_information(regressors[rest])
-        now = float(criterion.value(information))
+        now = float(criterion.of(information))
         after = _after_removals(regressors, criterion, information, rest, losses)
         wanted = -np.abs(after - now) if smallest_change else after
         best = float(wanted.max())
@@ -81,14 +81,12 @@ def reduce_best(
     return rest, np.array(removed, dtype=np.int64)
 
 
-def _after_removals(
-    regressors: Array, criterion: PoseCriterion, information: Array, rest: Index, losses: Array
-) -> Array:
+def _after_removals(regressors: Array, criterion: Criterion, information: Array, rest: Index, losses: Array) -> Array:
     """Value after the removal of each pose, shape (r,); -inf of those that cannot be the best.
 
     Poses are evaluated in the order of what they cost at least, until no other can be better; `losses` are sharpened.
     """
-    now, after = float(criterion.value(information)), np.full(len(rest), -np.inf)
+    now, after = float(criterion.of(information)), np.full(len(rest), -np.inf)
     order = np.argsort(losses[rest], kind="stable")
     for rows in np.split(order, range(CHUNK, len(order), CHUNK)):
         best = float(after.max())
@@ -105,7 +103,7 @@ HALVINGS = 2  # halvings of the p-norm that smooths extreme eigenvalues, p = 8
 INSIDE = 1e-7  # distance from every edge, so that rounding of the solver cannot leave the space
 
 
-def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, poses: Array) -> tuple[Array, str]:
+def refine(case: Case, model: Model, scaling: Array, criterion: Criterion, poses: Array) -> tuple[Array, str]:
     """Valid poses of full rank refined by IPOPT, or themselves where nothing better was found; the solver's status.
 
     K and N are optimised by a smooth p-norm of the eigenvalues and rated by their exact values.
@@ -117,7 +115,7 @@ def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, p
     like = ca.DM(poses).T
     triangle = ca.sum2(information.map(count)(shares, like)) / count
     margins = ca.vec(limits.map(count)(shares, like))
-    objective = _objective(criterion.letter, len(scaling))  # it must live as long as the solver
+    objective = _objective(criterion, len(scaling))  # it must live as long as the solver
     low, high = space.ends
     start = space.project(space.shares(poses))
     options = {
@@ -139,10 +137,10 @@ def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, p
     return refined, status
 
 
-def _value(model: Model, scaling: Array, criterion: PoseCriterion, poses: Array) -> float:
+def _value(model: Model, scaling: Array, criterion: Criterion, poses: Array) -> float:
     if not np.isfinite(poses).all():
         return -np.inf
-    return float(criterion.value(total_information(pose_regressors(model, poses) * scaling)))
+    return float(criterion.of(total_information(pose_regressors(model, poses) * scaling)))
 
 
 def _pose_functions(model: Model, scaling: Array, space: Space, coordinates: int) -> tuple[ca.Function, ca.Function]:

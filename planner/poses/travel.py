@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from cases.base.errors import Code, InfeasiblePlan
 from cases.schema import Case
-from identification.limits.proof import MARGIN, slowed_for_forces
+from identification.limits.limit import UNUSED_SHARE
+from identification.limits.proof import slowed_for_forces
 from identification.machines.of_case import machine_of
 from identification.motion.motion import Array
 from identification.motion.moves import Profile, StraightMove, fastest_profile
@@ -27,7 +28,7 @@ CHUNK = 10_000  # pairs at once: limits the memory
 def fastest_move(case: Case, start: Array, end: Array) -> StraightMove:
     """The fastest straight move between two poses, shapes (n,), within all limits, those of forces included."""
     limits = case.need_motion("moves between poses")[1]
-    box = (limit * MARGIN for limit in (limits.rate, limits.acceleration, limits.jerk))
+    box = (limit * (1.0 - UNUSED_SHARE) for limit in (limits.rate, limits.acceleration, limits.jerk))
     move = StraightMove.fastest(start, end, *box)
     slowness = float(_slowness(case, start[None], end[None], _laws([move.profile], INSTANTS))[0])
     profile = move.profile.slowed(min(1.0, 1.0 / max(slowness, 1e-9)))
@@ -43,7 +44,7 @@ def travel_times(case: Case, poses: Array) -> Array:
     pairs = np.array(list(combinations(range(len(poses)), 2)), dtype=int).reshape(-1, 2)
     start, end = poses[pairs[:, 0]], poses[pairs[:, 1]]
     way = np.maximum(np.abs(end - start), 1e-12)
-    box = (limit * MARGIN for limit in (limits.rate, limits.acceleration, limits.jerk))
+    box = (limit * (1.0 - UNUSED_SHARE) for limit in (limits.rate, limits.acceleration, limits.jerk))
     rows = np.column_stack([(limit / way).min(axis=1) for limit in box])
     # Poses of a grid are the same ways apart: 115 440 pairs of the paper's 480 need 91 time laws.
     _, indices, law = np.unique(rows.round(LIKE), axis=0, return_index=True, return_inverse=True)
@@ -98,7 +99,7 @@ def _slowness(case: Case, start: Array, end: Array, laws: Array) -> Array:
         (np.abs(values) / limit).reshape(len(start), -1).max(axis=1, initial=0.0)
         for values, limit in zip(struts, most, strict=True)
     )
-    return np.asarray(np.maximum(fast, np.sqrt(hard)) / MARGIN)
+    return np.asarray(np.maximum(fast, np.sqrt(hard)) / (1.0 - UNUSED_SHARE))
 
 
 STARTS = 12  # first poses that are tried

@@ -6,14 +6,13 @@ from cases.base.errors import Code, IdentificationError, InfeasiblePlan
 from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.criteria import box_middle, information, singular_values, uniform_states
-from identification.limits.limit import TOLERANCE, LimitCheck, LimitKind, LimitReport
+from identification.limits.limit import TOLERANCE, UNUSED_SHARE, LimitCheck, LimitKind, LimitReport
 from identification.limits.proof import prove
 from identification.machines.of_case import machine_of
 from identification.model.model import Model
 from identification.motion.motion import Standstill
 from planner.families.family import Family
 
-MARGIN = 1e-3  # unused share of every limit, for the rounding of program words and the encoders' view of the motion
 CLOSE_ENOUGH = 3e-4  # gap of the bisection that shrinks a motion
 SMALLEST = 1e-6  # share of all distances below which nothing moves
 
@@ -35,7 +34,7 @@ def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> tup
         return prove(family.motion(family.shrunk(unknowns, share)), case, rate)
 
     def inside(report: LimitReport) -> bool:
-        return report.worst_ratio <= 1.0 - MARGIN + TOLERANCE
+        return report.worst_ratio <= 1.0 - UNUSED_SHARE + TOLERANCE
 
     share, failed, step = 1.0, 1.0, CLOSE_ENOUGH
     while not inside(report := report_at(share)):

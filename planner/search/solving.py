@@ -13,14 +13,15 @@ import numpy as np
 from cases.base.errors import Code, HexciteError, IdentificationError, InfeasiblePlan, option
 from cases.base.units import Array
 from cases.schema import Case
-from identification.estimation.criteria import CRITERIA, Criterion, reference_scaling, singular_values
+from identification.estimation.criteria import Criterion, reference_scaling, singular_values
+from identification.limits.limit import UNUSED_SHARE
 from identification.model.model import identification_model
 from planner.families.family import Family
 from planner.families.ptp import PointToPointFamily
 from planner.noise import PoseErrors, expected_noise, information_of, seen_through
 from planner.request import Solver
 from planner.search.annealing import TEMPERATURES, annealed_start
-from planner.search.feasibility import MARGIN, keep_limits, require_rest
+from planner.search.feasibility import keep_limits, require_rest
 from planner.search.problem import build_program, largest_shares
 from planner.search.record import Failed, SolverStatus, StartRecord
 from planner.search.solvers import Barrier, Watch, solve
@@ -160,7 +161,9 @@ class _Run:
         self.scaling = reference_scaling(task.reference or task.case, model)
         noise = expected_noise(task.case, model, task.payload)
         self.model, self.errors = seen_through(model, noise.whitening), PoseErrors.of(task.case, noise)
-        self.program = build_program(task.case, self.model, self.family, self.scaling, MARGIN + SLIPPED, self.errors)
+        self.program = build_program(
+            task.case, self.model, self.family, self.scaling, UNUSED_SHARE + SLIPPED, self.errors
+        )
         self.iterations, self.status = 0, SolverStatus.NOT_RUN
         self.converged, self.stopped = False, False
         self.begun = np.zeros(0)  # where the solver began
@@ -180,7 +183,7 @@ class _Run:
             mu = singular_values(information, self.model.names)
         except IdentificationError:
             return -np.inf
-        return CRITERIA[letter or self.task.criterion](mu)
+        return Criterion(letter or self.task.criterion).of_singular_values(mu)  # a letter will do
 
     def begin(self) -> Array:
         """Unknowns at which the solver begins."""
@@ -219,16 +222,16 @@ class _Run:
     def constrained(self, unknowns: Array) -> Array:
         """Solves again where limits are exceeded between constrained instants: at more of them, then more tightly."""
         self.family = self.family.refined(unknowns)
-        layout = self.family.layout(self.task.case, MARGIN + SLIPPED)
+        layout = self.family.layout(self.task.case, UNUSED_SHARE + SLIPPED)
         self.program = replace(self.program, lower=layout.lower, upper=layout.upper)
         for number in range(TIGHTER):
             shares = largest_shares(self.program, self.family.once.motion(unknowns), self.task.case)
-            satisfied = max(shares) <= 1.0 - MARGIN - FINER and self.program.outside(unknowns) < SLIPPED
+            satisfied = max(shares) <= 1.0 - UNUSED_SHARE - FINER and self.program.outside(unknowns) < SLIPPED
             if self.stopped or satisfied:
                 break
             self.program = self.program.with_rows_above(unknowns, NEAR)
             if number > 0:
-                self.program = self.program.tightened(shares, 1.0 - MARGIN - SLIPPED)
+                self.program = self.program.tightened(shares, 1.0 - UNUSED_SHARE - SLIPPED)
             unknowns = self.solve(unknowns, self.family.mending, _AT_HAND, convex=not self.task.moves)
         return np.asarray(np.clip(unknowns, self.program.lower, self.program.upper))  # phases that are absent last 0
 
@@ -251,7 +254,7 @@ class _Run:
             if candidates[-1][1] >= DRAWN_BACK or self.stopped:
                 break
             shares = largest_shares(self.program, self.family.once.motion(unknowns), self.task.case)
-            self.program = self.program.with_rows_above(unknowns, 0.0).tightened(shares, 1.0 - MARGIN - SLIPPED)
+            self.program = self.program.with_rows_above(unknowns, 0.0).tightened(shares, 1.0 - UNUSED_SHARE - SLIPPED)
             if len(candidates) > 1:
                 candidates.append(self.feasible(self.begun))
                 unknowns = max(candidates, key=worth)[0]

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from cases.base.errors import Code, HexciteError
 from identification.motion.motion import Array
+from identification.stretches import windows
 
 if TYPE_CHECKING:  # it imports SciPy, which the check of a program does not need
     from identification.machines.executed import Execution
@@ -30,12 +31,6 @@ class ExecutedRun:
     def excitation(self) -> float:
         """Time with the trigger on [s]."""
         return float(np.sum(self.trigger[:, 1] - self.trigger[:, 0]))
-
-
-def windows(on: NDArray[np.bool_], period: float) -> Array:
-    """Start and end of each run of ones, shape (k, 2) [s]."""
-    edges = np.diff(np.r_[False, on, False].astype(int))
-    return np.asarray(np.column_stack([np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)]) * period, dtype=float)
 
 
 def moving_windows(on: NDArray[np.bool_], struts: Array, period: float) -> Array:

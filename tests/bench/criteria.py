@@ -5,7 +5,7 @@ from typing import Any
 
 from cases.schema import Case, load_case
 from hexcite.cli.console import print_table
-from identification.estimation.criteria import CRITERIA, reference_scaling, singular_values
+from identification.estimation.criteria import Criterion, reference_scaling, singular_values
 from identification.model.model import identification_model
 from identification.motion.motion import Trajectory
 from planner.bounds.bound import information_limit
@@ -39,7 +39,7 @@ def criteria_table() -> None:
     rows = []
     for family, settings in LOOKED_AT:
         values = {}
-        for letter in sorted(CRITERIA, key=lambda letter: letter != "D"):
+        for letter in sorted(Criterion, key=lambda letter: letter != "D"):
             request = Request(family_class(family)(**settings), criterion=letter, model=MODEL)
             with workers(Event()) as run:
                 found = search(request, case, silent, run)
@@ -78,4 +78,4 @@ def criteria_of(case: Case, motion: Trajectory) -> dict[str, float]:
     """Each criterion of a motion, to be maximised."""
     model = identification_model(case, MODEL)
     mu = singular_values(mean_information(model, reference_scaling(case, model), motion), model.names)
-    return {letter: criterion(mu) for letter, criterion in CRITERIA.items()}
+    return {letter: letter.of_singular_values(mu) for letter in Criterion}

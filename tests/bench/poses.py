@@ -7,7 +7,7 @@ import numpy as np
 
 from cases.schema import load_case
 from hexcite.cli.console import print_table
-from identification.estimation.criteria import POSE_CRITERIA, candidate_scaling, pose_regressors
+from identification.estimation.criteria import Criterion, candidate_scaling, pose_regressors
 from identification.model.model import identification_model
 from planner.poses.planned_poses import grid_candidates, poses_planned, sampled_candidates
 from planner.poses.removal import reduce_best
@@ -34,20 +34,20 @@ def pose_figures() -> list[list[str]]:
     model = identification_model(case, 5)
     grid = _scaled(model, grid_candidates(case))
     rows = []
-    for letter, criterion in POSE_CRITERIA.items():
+    for letter in Criterion:
         began = time.perf_counter()
-        reduce_best(grid, criterion, 30)
+        reduce_best(grid, letter, 30)
         rows.append([f"480 -> 30 poses, {letter}", f"{time.perf_counter() - began:.2f} s", "3 s"])
     began = time.perf_counter()
-    reduce_best(grid, POSE_CRITERIA["K"], 30, smallest_change=True)
+    reduce_best(grid, Criterion("K"), 30, smallest_change=True)
     rows.append(["480 -> 30 poses, K by smallest change", f"{time.perf_counter() - began:.2f} s", "3 s"])
     many = _scaled(model, sampled_candidates(case, MANY, 0))
     began, worked = time.perf_counter(), time.process_time()
-    reduce_best(many, POSE_CRITERIA["D"], 30)
+    reduce_best(many, Criterion("D"), 30)
     spent = f"{time.perf_counter() - began:.1f} s ({time.process_time() - worked:.1f} s of CPU)"
     rows.append([f"{MANY} -> 30 poses, D", spent, "30 s"])
     tracemalloc.start()
-    reduce_best(many[:2000], POSE_CRITERIA["D"], 30)
+    reduce_best(many[:2000], Criterion("D"), 30)
     peak = tracemalloc.get_traced_memory()[1] / 1e9
     tracemalloc.stop()
     rows.append(["  memory of 20 000 (traced at 2000, times ten)", f"{10 * peak + many.nbytes / 1e9:.2f} GB", "2 GB"])

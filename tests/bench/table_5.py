@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.estimation.criteria import POSE_CRITERIA, candidate_scaling, pose_regressors
+from identification.estimation.criteria import Criterion, candidate_scaling, pose_regressors
 from identification.model.model import identification_model
 from identification.model.parameters import physical_form
 from planner.poses.planned_poses import grid_candidates
@@ -82,8 +82,8 @@ def table_5(case: Case) -> Table5:
     model = identification_model(case, 5)
     unscaled = pose_regressors(model, grid_candidates(case))
     scaled = unscaled * candidate_scaling(unscaled)
-    reductions = {f"Q5{c}": reduce_best(scaled, POSE_CRITERIA[c], 1) for c in "ADKN"}
-    reductions["Q5K'"] = reduce_best(scaled, POSE_CRITERIA["K"], 1, smallest_change=True)
+    reductions = {f"Q5{c}": reduce_best(scaled, Criterion(c), 1) for c in "ADKN"}
+    reductions["Q5K'"] = reduce_best(scaled, Criterion("K"), 1, smallest_change=True)
     deviations = {"Q5M": group_deviations(unscaled, case, PUBLISHED["Q5M"])}
     for name, (_, removed) in reductions.items():
         left = np.setdiff1d(np.arange(len(unscaled)), removed[: len(unscaled) - LEFT])

@@ -9,12 +9,13 @@ import pytest
 
 from cases.schema import Case
 from cases.tables import built_in_cases
-from identification.estimation.criteria import CRITERIA, box_middle, reference_scaling, singular_values
+from identification.estimation.criteria import Criterion, box_middle, reference_scaling, singular_values
+from identification.limits.limit import UNUSED_SHARE
 from identification.model.model import identification_model
 from identification.motion.curves import FourierMotion
 from planner.families.fourier import FourierFamily
 from planner.noise import ExpectedNoise, expected_noise, mean_information, seen_through
-from planner.search.feasibility import MARGIN, keep_limits
+from planner.search.feasibility import keep_limits
 from planner.search.problem import build_program
 from planner.search.solving import Task, run_start
 from tests.helpers import tells
@@ -99,9 +100,9 @@ def test_the_search_is_for_the_information_that_the_weights_leave(hexapod_case: 
         found = run_start(Task(case, 9, family, "D", 1, payload))
         information = mean_information(seen, scaling, family.motion(found.unknowns))
         assert found.record.criterion_value == pytest.approx(
-            CRITERIA["D"](singular_values(information, model.names)), rel=1e-9
+            Criterion("D").of_singular_values(singular_values(information, model.names)), rel=1e-9
         )
-        problem = build_program(case, seen, family, scaling, MARGIN)
+        problem = build_program(case, seen, family, scaling, UNUSED_SHARE)
         at = random_start(family, np.random.default_rng(3), problem.worst)
         exact = np.linalg.slogdet(mean_information(seen, scaling, family.motion(at)))[1]
         assert problem.value(at) == pytest.approx(-exact / 20, abs=1e-4)  # means over the grid, and over all

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cases.base.errors import IdentificationError
-from identification.estimation.criteria import CRITERIA, singular_values
+from identification.estimation.criteria import Criterion, singular_values
 from tests.helpers import one_line
 
 REGRESSOR = np.random.default_rng(0).normal(size=(60, 5))
@@ -15,7 +15,7 @@ NAMES = ["m", "mxC", "myC", "mzC", "k0"]
 
 
 def value(letter: str, regressor: np.ndarray) -> float:
-    return CRITERIA[letter](singular_values(regressor.T @ regressor, NAMES))
+    return Criterion(letter).of_singular_values(singular_values(regressor.T @ regressor, NAMES))
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ import pytest
 
 from cases.schema import Case
 from identification.estimation.criteria import reference_scaling
+from identification.limits.limit import UNUSED_SHARE
 from identification.limits.proof import prove
 from identification.model.model import identification_model
 from identification.motion.motion import sample
@@ -13,7 +14,7 @@ from planner.controller_limits import controlled
 from planner.families.ptp import PointToPointFamily
 from planner.families.rows import StateRows
 from planner.noise import mean_information
-from planner.search.feasibility import MARGIN, keep_limits
+from planner.search.feasibility import keep_limits
 from planner.search.nlp import NonlinearProgram
 from planner.search.problem import build_program
 from planner.search.solving import Start, Task, run_start
@@ -37,7 +38,7 @@ def family(case: Case) -> PointToPointFamily:
 @pytest.fixture(scope="module")
 def problem(case: Case, family: PointToPointFamily) -> NonlinearProgram:
     model = identification_model(case, 9)
-    return build_program(case, model, family, reference_scaling(case, model), MARGIN)
+    return build_program(case, model, family, reference_scaling(case, model), UNUSED_SHARE)
 
 
 @pytest.fixture(scope="module")

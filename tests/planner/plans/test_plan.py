@@ -8,6 +8,7 @@ import pytest
 
 from cases.schema import Case
 from identification.estimation.criteria import box_middle, reference_scaling
+from identification.limits.limit import UNUSED_SHARE
 from identification.limits.proof import prove
 from identification.machines.casadi_batch import over_samples
 from identification.model.model import identification_model
@@ -15,7 +16,7 @@ from identification.motion.curves import FourierMotion
 from planner.families.fourier import DENSITY, FourierFamily
 from planner.noise import mean_information
 from planner.plans.plan import Plan
-from planner.search.feasibility import MARGIN, keep_limits
+from planner.search.feasibility import keep_limits
 from planner.search.problem import build_program
 from tests.postprocessors.independent import strut_lengths
 from tests.random_start import random_start
@@ -85,7 +86,7 @@ def test_it_carries_more_information_than_any_of_many_random_motions(saved_plan:
     scaling = reference_scaling(hexapod_case, model)
     half = np.ptp(hexapod_case.limits.motion.pose, axis=0) / 2
     family = FourierFamily(5, 3.0, 1, hexapod_case.machine.home.vector, half)
-    problem = build_program(hexapod_case, model, family, scaling, MARGIN)
+    problem = build_program(hexapod_case, model, family, scaling, UNUSED_SHARE)
     best = -math.inf
     for seed in range(12):
         random = random_start(family, np.random.default_rng(seed), problem.worst)

@@ -4,7 +4,7 @@ import cvxpy as cp
 import numpy as np
 import pytest
 
-from identification.estimation.criteria import POSE_CRITERIA, pose_regressors, total_information
+from identification.estimation.criteria import Criterion, pose_regressors, total_information
 from planner.poses.planned_poses import candidate_design
 from planner.poses.removal import reduce_best, refine
 from planner.poses.space import valid_poses
@@ -13,7 +13,7 @@ from tests.planner.poses.conftest import Setting
 
 
 def value(letter: str, regressors: np.ndarray) -> float:
-    return float(POSE_CRITERIA[letter].value(total_information(regressors)))
+    return float(Criterion(letter).of(total_information(regressors)))
 
 
 def test_the_approximate_design_is_that_of_a_convex_solver(sample: Setting) -> None:
@@ -40,7 +40,7 @@ def test_no_set_of_candidates_passes_the_bound(sample: Setting) -> None:
 
 def test_30_of_480_poses_by_algorithm_1_carry_nearly_all_that_any_30_could(grid: Setting) -> None:
     bound = candidate_design(grid.regressors).bound(14)
-    kept = reduce_best(grid.regressors, POSE_CRITERIA["D"], 30)[0]
+    kept = reduce_best(grid.regressors, Criterion("D"), 30)[0]
     mean = value("D", grid.regressors[kept]) - 14 * np.log(30)
     assert 0.99 < np.exp((mean - bound) / 14) <= 1.0
 
@@ -48,8 +48,8 @@ def test_30_of_480_poses_by_algorithm_1_carry_nearly_all_that_any_30_could(grid:
 @pytest.mark.first(1)
 @pytest.mark.parametrize("letter", few(*"DNAK", kept=2))
 def test_refinement_finds_better_poses_that_are_all_valid(sample: Setting, letter: str) -> None:
-    start = reduce_best(sample.regressors, POSE_CRITERIA[letter], 10)[0]
-    found, _ = refine(sample.case, sample.model, sample.scaling, POSE_CRITERIA[letter], sample.poses[start])
+    start = reduce_best(sample.regressors, Criterion(letter), 10)[0]
+    found, _ = refine(sample.case, sample.model, sample.scaling, Criterion(letter), sample.poses[start])
     exact = value(letter, pose_regressors(sample.model, found) * sample.scaling)
     assert exact > value(letter, sample.regressors[start])
     assert valid_poses(sample.case, found).all()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cases.schema import load_case
-from identification.estimation.criteria import POSE_CRITERIA, candidate_scaling
+from identification.estimation.criteria import Criterion, candidate_scaling
 from identification.results.estimate import Estimate
 from planner.poses.removal import reduce_best
 from tests.bench.fit_frame import HIGH, LOW, Q5M, STARTS
@@ -59,7 +59,7 @@ def test_a_frame_fitted_to_column_q5m_alone_meets_q5d_untouched(start: int) -> N
     assert np.all((fit.frame > LOW) & (fit.frame < HIGH))  # a frame of this kind, not one at the edge of what was tried
     assert np.abs(np.expm1(fit.misfit)).max() < 0.12
     regressors = column.regressors(fit.frame)
-    kept = reduce_best(regressors * candidate_scaling(regressors), POSE_CRITERIA["D"], 30)[0]
+    kept = reduce_best(regressors * candidate_scaling(regressors), Criterion("D"), 30)[0]
     ours = group_deviations(regressors[kept], CASE, PUBLISHED["Q5D"])
     np.testing.assert_allclose(ours, PUBLISHED["Q5D"].deviations, rtol=0.13)
 

@@ -8,6 +8,7 @@ import pytest
 from cases.base.errors import InfeasiblePlan
 from cases.schema import Case
 from identification.estimation.criteria import box_middle, reference_scaling
+from identification.limits.limit import UNUSED_SHARE
 from identification.limits.proof import prove
 from identification.model.model import identification_model
 from planner.families.family import Family
@@ -15,7 +16,7 @@ from planner.families.fourier import START_SHARE, FourierFamily
 from planner.families.rows import LinearRows, Rows, StateRows
 from planner.families.states import state_size
 from planner.plans.making import seeds_of
-from planner.search.feasibility import CLOSE_ENOUGH, MARGIN, keep_limits
+from planner.search.feasibility import CLOSE_ENOUGH, keep_limits
 from planner.search.nlp import NonlinearProgram
 from planner.search.problem import build_program, near_limits, state_limits
 from tests.bench.machines.description import case_of
@@ -34,7 +35,9 @@ def fourier(case: Case, order: int = 4, period: float = 2.0) -> FourierFamily:
 @pytest.fixture(scope="module")
 def problem(hexapod_case: Case) -> NonlinearProgram:
     model = identification_model(hexapod_case, 0)
-    return build_program(hexapod_case, model, fourier(hexapod_case), reference_scaling(hexapod_case, model), MARGIN)
+    return build_program(
+        hexapod_case, model, fourier(hexapod_case), reference_scaling(hexapod_case, model), UNUSED_SHARE
+    )
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +72,7 @@ def test_limits_without_rows_are_satisfied_by_every_motion_that_satisfies_the_ro
     """Bernstein: a slow series cannot reach the limits of the higher derivatives; the optimiser saves their rows."""
     some = fourier(hexapod_case, order, period)
     model = identification_model(hexapod_case, 0)
-    problem = build_program(hexapod_case, model, some, reference_scaling(hexapod_case, model), MARGIN)
+    problem = build_program(hexapod_case, model, some, reference_scaling(hexapod_case, model), UNUSED_SHARE)
     for seed in range(20):
         draw = np.random.default_rng(seed).normal(size=some.unknowns * 6)
         draw /= np.abs(linear(problem).all_values(draw)).max()
@@ -143,14 +146,14 @@ def without_some_rows(problem: NonlinearProgram) -> NonlinearProgram:
 
 def test_tightening_lowers_bounds_of_what_slips_and_never_loosens(small: Small):
     _, problem, _ = small
-    slips = [1.02, 0.5, 1.0 - MARGIN, 0.99] + [1.1 - 0.2 * (k % 2) for k in range(len(problem.limits))]
-    tighter = problem.tightened(slips, 1.0 - MARGIN)
-    again = tighter.tightened([0.1] * len(slips), 1.0 - MARGIN)
+    slips = [1.02, 0.5, 1.0 - UNUSED_SHARE, 0.99] + [1.1 - 0.2 * (k % 2) for k in range(len(problem.limits))]
+    tighter = problem.tightened(slips, 1.0 - UNUSED_SHARE)
+    again = tighter.tightened([0.1] * len(slips), 1.0 - UNUSED_SHARE)
     for other in (tighter, again):
         for old, new in zip(problem.rows, other.rows, strict=True):
             assert np.all(new.upper <= old.upper)
         assert np.all(other.row_bounds[0] >= problem.row_bounds[0])
-    factors = [min(1.0, (1.0 - MARGIN) / slip) for slip in slips]
+    factors = [min(1.0, (1.0 - UNUSED_SHARE) / slip) for slip in slips]
     last = list(zip(problem.rows, tighter.rows, strict=True))[-len(problem.limits) :]
     for (old, new), factor in zip(last, factors[4:], strict=True):
         assert isinstance(old, StateRows)
@@ -166,7 +169,7 @@ def test_tightening_lowers_bounds_of_what_slips_and_never_loosens(small: Small):
 def test_a_random_start_is_inside_all_limits_and_far_from_rest(seed: int, name: str, hexapod_case: Case):
     model = identification_model(hexapod_case, 0)
     some = family_of(hexapod_case, name)
-    problem = build_program(hexapod_case, model, some, reference_scaling(hexapod_case, model), MARGIN)
+    problem = build_program(hexapod_case, model, some, reference_scaling(hexapod_case, model), UNUSED_SHARE)
     start = random_start(some, np.random.default_rng(seed), problem.worst)
     assert problem.worst(start) <= START_SHARE * (1 + 1e-9)
     assert np.abs(linear(problem).all_values(start)).max() > 0.1
@@ -188,15 +191,15 @@ def test_what_is_drawn_back_satisfies_every_limit_and_is_not_smaller_than_needed
 ):
     some = family_of(hexapod_case, name)
     model = identification_model(hexapod_case, 0)
-    problem = build_program(hexapod_case, model, some, reference_scaling(hexapod_case, model), MARGIN)
+    problem = build_program(hexapod_case, model, some, reference_scaling(hexapod_case, model), UNUSED_SHARE)
     at = random_start(some, np.random.default_rng(1), problem.worst)
     at = some.shrunk(at, far / problem.worst(at))
     inside, share = keep_limits(hexapod_case, some, at, 1000.0)
     report = prove(some.motion(inside), hexapod_case, 1000.0)
     assert report.kept
-    assert report.worst_ratio <= 1.0 - MARGIN + 1e-6
+    assert report.worst_ratio <= 1.0 - UNUSED_SHARE + 1e-6
     larger = prove(some.motion(some.shrunk(at, share + 2 * CLOSE_ENOUGH)), hexapod_case, 1000.0)
-    assert larger.worst_ratio > 1.0 - MARGIN
+    assert larger.worst_ratio > 1.0 - UNUSED_SHARE
     assert inside == pytest.approx(some.shrunk(at, share))
 
 
@@ -204,7 +207,7 @@ def test_what_is_drawn_back_satisfies_every_limit_and_is_not_smaller_than_needed
 def test_what_is_inside_is_not_drawn_back(name: str, hexapod_case: Case):
     some: Family = family_of(hexapod_case, name)
     model = identification_model(hexapod_case, 0)
-    problem = build_program(hexapod_case, model, some, reference_scaling(hexapod_case, model), MARGIN)
+    problem = build_program(hexapod_case, model, some, reference_scaling(hexapod_case, model), UNUSED_SHARE)
     at = random_start(some, np.random.default_rng(1), problem.worst)
     at = some.shrunk(at, 0.9)
     inside, share = keep_limits(hexapod_case, some, at, 1000.0)
@@ -218,7 +221,9 @@ def test_a_large_motion_is_drawn_back_on_a_box_that_is_not_within_reach_as_a_who
     at = 3.0 * np.random.default_rng(2).normal(size=some.unknowns * 6)
     inside, share = keep_limits(case, some, at, 1000.0)
     assert prove(some.motion(inside), case, 1000.0).kept
-    assert not prove(some.motion(some.shrunk(at, share + 2 * CLOSE_ENOUGH)), case, 1000.0).worst_ratio <= (1.0 - MARGIN)
+    assert not prove(some.motion(some.shrunk(at, share + 2 * CLOSE_ENOUGH)), case, 1000.0).worst_ratio <= (
+        1.0 - UNUSED_SHARE
+    )
 
 
 def test_where_nothing_may_move_the_limit_is_named(hexapod_case: Case):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from postprocessors.controllers.executed_run import windows
+from identification.stretches import windows
 from tests.postprocessors.controllers.runs import run_text
 from tests.postprocessors.controllers.stuttering import stuttering
 from tests.postprocessors.programs import typed

@@ -11,7 +11,8 @@ from identification.machines.executed import largest_distance, path_error
 from identification.machines.hexapod import Hexapod
 from identification.motion.motion import Trajectory, sample
 from identification.simulate import simulate_recording
-from postprocessors.controllers.executed_run import ExecutedRun, windows
+from identification.stretches import windows
+from postprocessors.controllers.executed_run import ExecutedRun
 from postprocessors.controllers.virtual import REST, commanded, run_virtual
 from postprocessors.dialects.linuxcnc.promises import linuxcnc_guarantees
 from postprocessors.reading import Timed
