@@ -31,7 +31,7 @@ def written_at_once(write: Callable[[int], None]) -> list[BaseException]:
     return wrong
 
 
-@pytest.mark.first(2)
+@pytest.mark.first(1)
 @pytest.mark.parametrize("overwrite", [True, False])
 @pytest.mark.parametrize("before", ["absent", "empty", "old"])
 def test_each_of_several_writers_finds_a_place(overwrite: bool, before: str, tmp_path: Path) -> None:

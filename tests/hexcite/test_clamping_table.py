@@ -84,6 +84,7 @@ def test_a_payload_is_written_with_what_it_was_computed_from(results: tuple[Path
     assert len(answer["warnings"]) == 1
 
 
+@pytest.mark.repeats
 def test_a_tilted_table_determines_what_lies_across_gravity(tmp_path: Path) -> None:
     """Gravity along x of the table, as on a machine with a horizontal table axis: then yC and zC are known."""
     text = (Path(__file__).parents[2] / "cases" / "clamping_table" / "case.toml").read_text()

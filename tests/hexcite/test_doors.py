@@ -84,6 +84,7 @@ def test_a_program_is_checked_the_same_by_both(made: Path, hexapod_case: Case):
     assert answer["limits"] == checked.proof.limits.to_json()
 
 
+@pytest.mark.repeats
 def test_limits_are_accepted_one_by_one(hexapod_case: Case):
     plan = hx.plan(hexapod_case, hx.Manual())
     with pytest.raises(HexciteError) as caught:
@@ -130,6 +131,7 @@ def test_a_study_is_the_same_from_both(tmp_path: Path, hexapod_case: Case, monke
     assert "2 of 2 cells done" in repr(first)
 
 
+@pytest.mark.repeats
 def test_poses_of_ones_own_are_rated_the_same_by_both(tmp_path: Path, hexapod_case: Case):
     file = tmp_path / "three.csv"
     file.write_text("x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n50,20,930,9,5,-9\n-40,60,880,-8,9,4\n20,-70,950,5,-9,9\n")

@@ -134,6 +134,7 @@ def test_two_files_of_one_kind_are_refused(run: Path, tmp_path: Path) -> None:
     assert "files of one run" in line
 
 
+@pytest.mark.repeats
 def test_weights_are_chosen_by_name_and_follow_from_the_noise_that_the_case_states(run: Path, tmp_path: Path) -> None:
     noise = "[sensors]\nforce_noise_N = 1.0\nangular_acceleration_noise_rad_s2 = 0.2"
     text = built_in_cases()["hexapod"].read_text(encoding="utf-8").replace("[sensors]", noise)

@@ -79,6 +79,7 @@ def test_the_cutoff_of_the_filter_is_no_matter_of_truth(cutoff: float) -> None:
     assert estimate.physical["m"].value == pytest.approx(31.83, abs=0.01)
 
 
+@pytest.mark.repeats
 def test_a_delay_beyond_reason_is_warned_of() -> None:
     case = simulated(CASE, force_delay_ms=30.0)
     assert any("do the streams match?" in w for w in estimate_parameters(run(case), case).warnings)
@@ -149,6 +150,7 @@ def test_by_default_the_model_is_what_the_recording_can_carry() -> None:
     assert estimate_parameters(standing, CASE).model.number == 5
 
 
+@pytest.mark.repeats
 @pytest.mark.parametrize("threads", few(2, 1))
 def test_blas_has_one_thread_meanwhile_and_the_callers_setting_again_afterwards(
     monkeypatch: pytest.MonkeyPatch, threads: int

@@ -127,6 +127,7 @@ def test_it_is_refused_by_name(what: str) -> None:
     assert "run.csv" in one_line(caught.value)
 
 
+@pytest.mark.repeats
 def test_the_highest_cutoff_that_is_named_is_taken() -> None:
     assert estimate_parameters(RUN, filtered_at(200.0)).fit.white_noise > 0.0
 

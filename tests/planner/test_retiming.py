@@ -76,6 +76,7 @@ def test_what_a_controller_makes_of_a_hasty_plan_satisfies_the_limits_of_coordin
     assert after.duration > hasty.duration
 
 
+@pytest.mark.repeats
 def test_moves_are_as_slow_as_their_struts_need_and_no_slower():
     case = slow_struts()
     report = prove(by_controller(moves(1.0), case, "moves"), case)
@@ -205,6 +206,7 @@ def test_toppra_runs_moves_and_paths_as_fast_as_all_limits_but_jerk_allow_and_ke
             assert np.linalg.norm(way - place, axis=1).min() < 1.5e-3  # half a step of `way`, and the rounding
 
 
+@pytest.mark.repeats
 def test_pauses_stay_as_long_as_they_are():
     after, _ = as_fast_as_possible(Joined((*moves(1.0).parts[:-1], Standstill(HOME, 2.0))), CASE, "moves", "jerk")
     tail = after.at(np.linspace(after.duration - 1.9, after.duration, 50))

@@ -105,6 +105,7 @@ def test_between_its_points_the_message_is_the_planned_motion(name: str, speed: 
     assert np.all(jerk <= ROBOT.limits.motion.jerk)
 
 
+@pytest.mark.repeats
 @pytest.mark.parametrize("name", few("moves", "spline", "swing"))
 def test_what_is_read_is_what_scipy_makes_of_the_message(name: str) -> None:
     program = written_motion(name)
@@ -205,6 +206,7 @@ def test_a_point_that_was_moved_is_a_violation_in_its_line() -> None:
     assert min(abs(v.line - line) for v in proof.violations) <= 4
 
 
+@pytest.mark.repeats
 def test_less_time_between_points_is_a_violation() -> None:
     def halved(match: re.Match[str]) -> str:
         nanoseconds = (int(match[1]) * 10**9 + int(match[2])) // 2

@@ -73,6 +73,7 @@ def test_another_result_or_recording_shows(result: Result, tmp_path: Path) -> No
     assert any("not here" in how for _, how in hx.verify_certificate(tmp_path / "c.pdf").lines)
 
 
+@pytest.mark.repeats
 def test_many_parameters_take_more_pages_and_none_is_lost(result: Result, tmp_path: Path) -> None:
     many = {f"{name}_{k}": value for k in range(6) for name, value in result.parameters.items()}
     hx.certificate(replace(result, record=result.record.replaced(parameters=many)), tmp_path / "c.pdf")

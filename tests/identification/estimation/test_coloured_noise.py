@@ -119,6 +119,7 @@ def test_it_does_not_depend_on_units_and_is_positive_definite() -> None:
     assert np.linalg.eigvalsh(plain).min() > 0.0
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("stride", [5, 12])
 def test_25_to_60_samples_tell_enough_of_their_memory(stride: int) -> None:
     few, held = A[::stride], []

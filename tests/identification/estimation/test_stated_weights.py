@@ -97,6 +97,7 @@ def test_scatter_shrinks_and_the_reported_deviations_stay_true() -> None:
     )  # as stated, in its own units
 
 
+@pytest.mark.repeats
 def test_weights_without_noise_of_accelerations_are_equal_weights() -> None:
     case = shaken(2.0, 0.0, 0.0)
     recording = runs(case, 1)[0]

@@ -173,6 +173,7 @@ def test_another_motion_is_another_program(name: str) -> None:
     assert (found.sentence, found.quantity["as_planned"]["plan"]) == ("", "own")
 
 
+@pytest.mark.repeats
 @pytest.mark.parametrize("name", few(*MACHINES))
 def test_a_move_that_was_edited_is_named(name: str) -> None:
     case = load_case(name)

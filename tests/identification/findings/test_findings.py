@@ -82,6 +82,7 @@ def test_a_run_that_nothing_touches_raises_no_alarm(seeds: range) -> None:
         assert errors(run(seed))[1] == ()
 
 
+@pytest.mark.repeats
 def test_a_run_in_contact_for_too_long_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(contact, "MOST_TOUCHED", 0.08)
     with pytest.raises(IdentificationError, match=r"leave the model.* (9|10) %") as caught:
@@ -111,6 +112,7 @@ def test_noise_with_memory_is_no_contact() -> None:
     assert not any("contact from" in w or " follow " in w for w in found.warnings)
 
 
+@pytest.mark.repeats
 @pytest.mark.parametrize(("a", "b"), few((0, 1), (0, 3), (1, 4), (2, 5)))
 def test_exchanged_channels_are_named(a: int, b: int) -> None:
     swapped = with_forces(lambda f: f.__setitem__((slice(None), [a, b]), f[:, [b, a]]), run(3))
@@ -252,6 +254,7 @@ def test_a_run_outside_the_workspace_is_told_with_its_rows() -> None:
     assert re.match(rf"lines \d+ to \d+.*strut \d .*workspace.*650 to {longest:g} mm", warning)
 
 
+@pytest.mark.repeats
 def test_a_run_that_touches_the_end_of_a_strut_as_far_as_encoders_err_is_not() -> None:
     longest = float(run().struts.max()) * 1e3 - 0.05
     workspace = type(CASE.workspace).model_validate(CASE.workspace.model_dump() | {"strut_length_mm": (650.0, longest)})

@@ -181,6 +181,7 @@ def test_what_is_no_known_mistake_has_no_cause(of: str, name: str) -> None:
     assert [words_of(entry.trial) for entry in found.explanations] == []
 
 
+@pytest.mark.repeats
 def test_moments_about_another_point_are_mended_by_the_sensor_s_origin() -> None:
     """The remedy moves the sensor to where moments are about: centre of gravity and inertia are those from there."""
     sound = run("ur10_wrist", 0)

@@ -148,6 +148,7 @@ def test_noise_of_drives_is_told_with_the_bias_that_it_makes_and_the_remedy() ->
     assert worst(estimate, of.truth) < 4.5
 
 
+@pytest.mark.repeats
 def test_time_stamps_that_no_clock_makes_are_told_with_what_to_state() -> None:
     of = machine("hexapod")
     estimate = found(of, OF["clock scale"].change(of, 1000.0))

@@ -83,6 +83,7 @@ def test_a_case_that_cannot_be_right_at_its_tolerance_names_the_part() -> None:
     assert "impossible" not in turned().quantities
 
 
+@pytest.mark.repeats
 def test_a_tilted_base_is_told_by_gravity() -> None:
     of, recording = run()
     lean = np.array([0.4, -0.25]) * DEG

@@ -171,6 +171,7 @@ def test_nothing_passes_a_thin_box_between_two_instants(offset: float) -> None:
     assert quantity.ratio.max() > 1.0
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("name", CHAINS)
 def test_distances_of_few_instants_bound_those_of_many_and_not_by_much(name: str) -> None:
     chain = CHAINS[name]

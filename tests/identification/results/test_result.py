@@ -81,6 +81,7 @@ def test_what_the_filter_removes_is_in_s0_and_not_in_the_white_noise() -> None:
     assert found.fit.white_noise == pytest.approx(1.0, rel=0.15)
 
 
+@pytest.mark.repeats
 def test_weights_enter_s0(estimate: Estimate) -> None:
     """White noise alike in all channels: with W from the residuals s0 is 1, as is the white noise."""
     run = simulate_recording(CASE, EXECUTION, np.array([[0.15, 1.85]]), 0, "run.csv")

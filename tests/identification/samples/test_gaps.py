@@ -162,6 +162,7 @@ def test_a_run_that_is_mostly_damage_is_refused_with_the_limit(edit: Edit, lines
     assert one_line(caught.value).startswith(str(file))
 
 
+@pytest.mark.repeats
 def test_external_force_leaves_the_same_rows_out(lines: list[str], tmp_path: Path) -> None:
     sound = identified(damaged(lines, tmp_path))
     result = Result(CASE, entries_of(sound))

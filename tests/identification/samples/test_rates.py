@@ -140,6 +140,7 @@ def test_struts_that_are_faster_than_the_forces_are_read_at_the_forces() -> None
     assert joined.averaged == 1.0
 
 
+@pytest.mark.repeats
 def test_an_average_over_a_clipped_sample_counts_as_clipped() -> None:
     recording = two_rates(10.0)
     forces = recording.forces.copy()

@@ -94,6 +94,7 @@ def test_noise_of_the_struts_is_not_taken_for_smoothing() -> None:
     assert np.abs(errors(found)).max() < 4.5
 
 
+@pytest.mark.repeats
 def test_a_smooth_motion_cannot_tell_and_is_not_asked() -> None:
     execution = PoseExecution(Hexapod.of(CASE), Harmonic(seed=1, duration=3.0))
     found = estimate_parameters(simulate_recording(CASE, execution, np.array([[0.2, 2.8]]), 0), CASE)

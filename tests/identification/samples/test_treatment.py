@@ -35,6 +35,7 @@ def accelerations_off(treatment: Treatment | None) -> float:
     return float(np.sqrt(np.mean(away[5:-5, :3] ** 2)))  # at the ends the filter reaches beyond the series
 
 
+@pytest.mark.repeats
 def test_a_fourier_series_of_the_motion_filters_noisy_encoders() -> None:
     """Encoders of 20 um: the series of the motion's own period has their noise in nine numbers alone."""
     plain, series = accelerations_off(None), accelerations_off(Treatment(period=2.0, harmonics=4))

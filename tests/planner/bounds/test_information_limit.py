@@ -143,6 +143,7 @@ def test_the_bound_is_the_same_each_time_it_is_computed(found: Bound):
     assert compute_bound(CASE, MODEL) == found
 
 
+@pytest.mark.repeats
 def test_more_room_carries_more_information(found: Bound):
     """In one scaling."""
     case = changed(CASE, limits__motion__acceleration_m_s2=[9.0, 9.0, 9.0], limits__motion__a_deg=[-30.0, 30.0])

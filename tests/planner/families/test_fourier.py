@@ -169,6 +169,7 @@ def test_a_shrunk_motion_of_a_free_period_keeps_its_period():
     assert half.at([1.0]).rates == pytest.approx(whole.at([1.0]).rates / 2)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("lower", [2, 3])
 def test_harmonics_that_are_not_there_are_needless(lower: int, hexapod_case: Case):
     """A series of a low order, written with more coefficients, that are zero or as good as that."""

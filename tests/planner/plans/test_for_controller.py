@@ -201,6 +201,7 @@ def test_strut_limits_follow_from_what_linuxcnc_enforces(folder: Path, tmp_path:
     assert answer["relies_on"] == []
 
 
+@pytest.mark.repeats
 def test_a_plan_without_jerk_says_what_the_same_moves_take_with_it(plan: dict[str, Any], folder: Path):
     note = next(note for note in plan["notes"] if "limited jerk" in note)
     seconds, efficiency = (

@@ -46,6 +46,7 @@ def test_poses_of_joints_lie_in_the_box_clear_of_everything_and_no_design_is_bet
     assert [table[name][3] for name in box.columns] == pytest.approx(plan.poses[3] / case.chain.units, abs=1e-6)
 
 
+@pytest.mark.repeats
 @pytest.mark.parametrize("dialect", few("ros2", "urscript", "setpoints"))
 def test_standstills_of_a_robot_are_executed_found_and_identified(dialect: str):
     """A joint trajectory switches no output: there standstills are found where the joints stand."""
@@ -60,6 +61,7 @@ def test_standstills_of_a_robot_are_executed_found_and_identified(dialect: str):
         assert abs(row["error"]) < 4.5 * row["std"], row["name"]
 
 
+@pytest.mark.repeats
 def test_a_wall_beside_the_robot_is_kept_clear_of_by_poses_and_on_the_way():
     data = chain_case(6).model_dump(mode="json", exclude_unset=True)
     wall = {"name": "wall", "x_mm": [-1500.0, 1500.0], "y_mm": [-900.0, -400.0], "z_mm": [0.0, 2000.0]}

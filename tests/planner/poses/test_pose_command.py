@@ -113,6 +113,7 @@ def test_without_a_trigger_standstills_are_found_from_the_motion(folder: Path, r
     assert abs(answer["parameters"]["m"]["value"] - 31.83) < 4.5 * answer["parameters"]["m"]["std"]
 
 
+@pytest.mark.repeats
 def test_a_plan_of_other_poses_is_refused_with_the_pose_that_differs(folder: Path, quick: Path, recorded: Path) -> None:
     other = call("poses", quick, "--count", FEW, "--criterion", "N", "-o", folder / "other", "--json").json()
     line = refused("identify", recorded, "--poses", other["plan"], "-o", folder / "no")

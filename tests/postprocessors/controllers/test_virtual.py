@@ -61,6 +61,7 @@ def test_drives_move_smoothly_between_the_set_points_of_a_cycle(cycle_ms: float,
     assert np.abs(executed.struts(t) - exact.struts(t)).max() < most * cycle**2 / 6
 
 
+@pytest.mark.repeats
 def test_sensors_see_the_motion_that_encoders_see(hexapod_case: Case):
     """Whatever ends between two samples: nothing is left of a run but what the sensors' noise explains."""
     draw, here = np.random.default_rng(1), np.array([150.0, 150.0, 60.0, 12.0, 12.0, 12.0])

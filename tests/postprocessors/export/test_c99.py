@@ -223,6 +223,7 @@ def test_the_header_says_where_the_numbers_are_from(tmp_path: Path) -> None:
     Compiled(made, tmp_path)
 
 
+@pytest.mark.repeats
 def test_forces_in_struts_become_one_on_the_platform_by_the_matrix_of_its_pose(tmp_path: Path) -> None:
     case = load_case("strut_sensors")
     made = calibration(tmp_path, "strut_sensors", 6)

@@ -121,6 +121,7 @@ def test_bad_inputs_and_open_struts_keep_the_outputs(block: Callable[[], Block])
     assert one["Valid"]
 
 
+@pytest.mark.repeats
 def test_a_tare_does_what_hexcite_tare_does(made: Result, block: Callable[[], Block]) -> None:
     execution = PoseExecution(Hexapod.of(CASE), Standstill(np.add(HOME, [0.05, 0.1, 0.0, 0.1, -0.1, 0.05]), 0.05))
     recording = simulate_recording(CASE, execution, np.zeros((0, 2)), 3, "still.csv")

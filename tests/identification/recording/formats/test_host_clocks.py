@@ -229,6 +229,7 @@ def test_rows_that_are_there_twice_count_once(tmp_path: Path) -> None:
     assert recording.lines.place(1500) == "line 1505"
 
 
+@pytest.mark.repeats
 def test_samples_that_were_taken_when_their_stamps_say_are_interpolated(tmp_path: Path) -> None:
     """A program that sleeps between two samples: steps of 2.1 ms, each longer or shorter by 0.2 ms at random."""
     draw = np.random.default_rng(4)

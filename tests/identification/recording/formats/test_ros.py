@@ -141,6 +141,7 @@ REFUSED = {
 }
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("what", REFUSED)
 def test_a_bag_that_cannot_be_used_is_named_with_its_topic(what: str, tmp_path: Path) -> None:
     messages, reason = REFUSED[what]
@@ -255,6 +256,7 @@ def test_a_bag_whose_metadata_is_missing_is_read_from_its_file(stored: StoragePl
         assert look(path, ROBOT).reads
 
 
+@pytest.mark.repeats
 def test_a_bag_of_ros_1_is_read(bag: Path, tmp_path: Path) -> None:
     old = get_typestore(Stores.ROS1_NOETIC)
 
