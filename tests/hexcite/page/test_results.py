@@ -121,7 +121,7 @@ def test_payloads_exports_and_history_become_commands(root: Path) -> None:
         asked(root, "payload", before="res", after="res", r__m="19,93")
     export = asked(root, "export", result="res", to="urdf", frame="flange", preview="1")
     assert export.command[-3:] == ("--frame", "flange", "--preview")
-    assert "--frame" not in asked(root, "export", result="res", to="c", frame="flange").command
+    assert "--frame" not in asked(root, "export", result="res", to="kuka", frame="flange").command
     assert asked(root, "history").command[:2] == ("history", "res")
 
 
