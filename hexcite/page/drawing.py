@@ -118,7 +118,7 @@ def _round(length: float) -> float:
 
 
 def _svg(width: float, height: float, kind: str, inner: Markup) -> Markup:
-    text = '<svg viewBox="0 0 {} {}" class="{}" role="img" preserveAspectRatio="xMidYMid meet">{}</svg>'
+    text = '<svg viewBox="0 0 {} {}" class="{}" aria-hidden="true" preserveAspectRatio="xMidYMid meet">{}</svg>'
     return Markup(text).format(f"{width:.0f}", f"{height:.0f}", kind, inner)
 
 

@@ -12,12 +12,25 @@ function go(address) {
   else location.assign(target);
 }
 
+let toldLast = "", toldAt = 0;
+function tell(place) { // for those who listen: a new state at once, progress every ten seconds at most
+  const state = place.querySelector(".line strong")?.textContent.trim() || "";
+  const line = place.querySelector(".line")?.dataset.progress || "";
+  const text = place.getAttribute("aria-label") + ": " + [state, line].filter(Boolean).join(", ");
+  const fresh = !toldLast.startsWith(place.getAttribute("aria-label") + ": " + state);
+  if (text === toldLast || (!fresh && Date.now() - toldAt < 10000)) return;
+  toldLast = text;
+  toldAt = Date.now();
+  document.getElementById("told").textContent = text;
+}
+
 function swap(place, html) { // what was opened stays open, what had the keyboard has it again
   const open = [...place.querySelectorAll("details")].map((each) => each.open);
   const focused = place.contains(document.activeElement) ? document.activeElement.tagName : null;
   place.innerHTML = html;
   [...place.querySelectorAll("details")].forEach((each, k) => { each.open = open[k] || false; });
   if (focused) place.querySelector(focused.toLowerCase())?.focus();
+  tell(place);
 }
 
 for (const place of document.querySelectorAll("[data-job]:not([data-over])")) {

@@ -1,6 +1,8 @@
 """Words of every page: key -> English, German."""
 
 TEXTS: dict[str, tuple[str, str]] = {
+    "table": ("Table", "Tabelle"),
+    "text_of_file": ("Text of the file", "Text der Datei"),
     "title": ("guided calibration", "geführte Kalibrierung"),
     "skip": ("To the content", "Zum Inhalt"),
     "stages": ("Stages", "Schritte"),

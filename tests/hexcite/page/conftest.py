@@ -6,6 +6,10 @@ from pathlib import Path
 import pytest
 from starlette.testclient import TestClient
 
+import hexcite as hx
+from cases.scaffold import new_case
+from cases.schema import load_case
+from cases.tables import built_in_cases
 from hexcite.page.server import app_of
 
 HOST, TOKEN = "testserver", "a-token-of-the-tests"
@@ -32,3 +36,20 @@ def client(stranger: TestClient) -> TestClient:
     assert stranger.get(f"/?token={TOKEN}").status_code == 303
     stranger.headers.update(OWN)
     return stranger
+
+
+@pytest.fixture(scope="session")
+def calibrated(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a machine that states tolerances, and the result of a rehearsal."""
+    root = tmp_path_factory.mktemp("calibrated")
+    file = new_case("mill", "hexapod", root / "mill")
+    file.write_text(file.read_text() + "\n[tolerances]\njoints_mm = 0.02\ngain_percent = 0.1\n")
+    case = load_case(str(file))
+    plan = hx.plan(case, hx.Manual(sequence=built_in_cases()["hexapod"].parent / "manual.toml"))
+    plan.save(root / "plan")
+    program = hx.write(plan, "sinumerik", file=root / "made.mpf")
+    program.save(root / "made.mpf")
+    run = hx.run(program, case, on="virtual", seed=1)
+    run.save(root / "rec")
+    hx.identify(hx.Recording.load(root / "rec", case)).save(root / "res")
+    return root

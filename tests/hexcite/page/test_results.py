@@ -1,6 +1,7 @@
 """The stages Result and Use show what a result says, write limits and what certificates say, and ask commands."""
 
 import re
+import shutil
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -10,9 +11,7 @@ import pytest
 from starlette.testclient import TestClient
 
 import hexcite as hx
-from cases.scaffold import new_case
 from cases.schema import load_case
-from cases.tables import built_in_cases
 from hexcite.page import actions
 from hexcite.page.actions.common import Context
 from hexcite.page.forms import Fields, Unfit
@@ -31,25 +30,14 @@ class NoJobs:
 
 
 @pytest.fixture(scope="module")
-def calibrated(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a machine that states tolerances, and the result of a rehearsal."""
-    root = tmp_path_factory.mktemp("calibrated")
-    file = new_case("mill", "hexapod", root / "mill")
-    file.write_text(file.read_text() + "\n[tolerances]\njoints_mm = 0.02\ngain_percent = 0.1\n")
-    case = load_case(str(file))
-    plan = hx.plan(case, hx.Manual(sequence=built_in_cases()["hexapod"].parent / "manual.toml"))
-    plan.save(root / "plan")
-    program = hx.write(plan, "sinumerik", file=root / "made.mpf")
-    program.save(root / "made.mpf")
-    run = hx.run(program, case, on="virtual", seed=1)
-    run.save(root / "rec")
-    hx.identify(hx.Recording.load(root / "rec", case)).save(root / "res")
-    return root
+def own(calibrated: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the calibrated folder, which tests write into."""
+    return Path(shutil.copytree(calibrated, tmp_path_factory.mktemp("own") / "root"))
 
 
 @pytest.fixture
-def root(calibrated: Path) -> Path:
-    return calibrated
+def root(own: Path) -> Path:
+    return own
 
 
 def asked(root: Path, action: str, **fields: str) -> Job:
