@@ -145,13 +145,14 @@ function space(place) {
   };
   addEventListener("message", (event) => {
     if (event.source !== frame.contentWindow) return;
-    if (event.data.ready) { ready = true; send(); }
+    if (event.data.ready) { ready = true; frame.removeAttribute("tabindex"); send(); }
     if (event.data.failed) place.textContent = place.dataset.failed;
     const menu = document.getElementById(place.dataset.pick ?? "");
     if (menu && [...menu.options].some((each) => each.value === event.data.picked)) menu.value = event.data.picked;
   });
   frame.setAttribute("sandbox", "allow-scripts");
   frame.title = place.dataset.title;
+  frame.tabIndex = -1; // until it answers: keys would be lost in it
   frame.src = "/space";
   place.append(frame);
   if (place.dataset.src) {
