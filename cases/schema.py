@@ -447,6 +447,20 @@ class Case(Heading):
             self.missing("machine.chain", purpose)
         return self.chain
 
+    def need_sense(self) -> None:
+        """Raises CaseError where a force/torque sensor may read one way or the other."""
+        try:
+            if self.sensor_frame.transducer is not None:
+                self.sensor_frame.transducer.sign  # noqa: B018
+        except CaseError as error:
+            raise CaseError(
+                file=f"case {self.name}",
+                key=error.key,
+                problem=error.said.problem,
+                remedy=error.said.remedy,
+                code=error.code,
+            ) from None
+
     def need_motion(self, purpose: str) -> tuple[Array, MotionLimits | JointMotionLimits]:
         """Coordinates at home, shape (n,) [m or rad], and limits of motion; raises CaseError where one is missing."""
         if self.chain is not None:

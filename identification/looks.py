@@ -434,12 +434,13 @@ def _bag(bag: Path, case: Case | None) -> Look:
     elif case.chain is not None and "joints" in chosen:
         joints = dict(zip(case.chain.columns, case.chain.names, strict=True)) | case.recording.columns
         names = chosen["joints"].channels
-        if not all(joints[ours] in names for ours in case.chain.columns):
+        own = {*case.chain.names} <= {*names}  # then columns of the case are those of another file, if there are any
+        if own or all(joints[ours] in names for ours in case.chain.columns):
+            settings |= {"columns": case.recording.columns} if case.recording.columns else {}
+        else:
             places = meaning_of(names, case).places
             renamed = {ours: names[places[ours]] for ours in case.chain.columns if ours in places}
             settings |= {"columns": renamed} if renamed else {}
-        elif case.recording.columns:
-            settings["columns"] = case.recording.columns
     columns = tuple(c for topic in chosen.values() for c in _channels(topic, case, settings))
     tried = _trial([bag], settings, case)
     odd = _sentences(tried.problem, [*doubts, *tried.doubts])
@@ -481,7 +482,8 @@ def _channels(topic: BagTopic, case: Case | None, settings: Mapping[str, Any]) -
     if topic.what == "joints":
         chain = None if case is None else case.chain
         names = {} if chain is None else dict(zip(chain.columns, chain.names, strict=True))
-        ours = {theirs: column for column, theirs in (names | settings.get("columns", {})).items()}
+        own = {*names.values()} <= {*topic.channels}
+        ours = {theirs: column for column, theirs in (names if own else names | settings.get("columns", {})).items()}
     what = "positions of joints" if topic.what == "joints" else "forces and moments"
     for name, values in zip(topic.channels, topic.values.T, strict=True):
         unit = "rad" if topic.what == "joints" else "N" if name.startswith("force") else "Nm"

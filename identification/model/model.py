@@ -203,7 +203,9 @@ def identification_model(case: Case, number: int) -> Model:
 
     Raises:
         IdentificationError: no such model; the message lists what there is.
+        CaseError: the case does not say how its force/torque sensor reads.
     """
+    case.need_sense()
     if number not in MODELS:
         raise IdentificationError(
             problem=f"model {number} is not one of Table 2",

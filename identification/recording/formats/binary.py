@@ -10,8 +10,9 @@ Parquet files have a column a channel, named as in `csv`; clocks are numbers or 
 
 import struct
 from array import array
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -38,15 +39,34 @@ KINDS: dict[Topic, str] = {
 }
 
 
-def bag_format(form: FileFormat, case: Case) -> FileFormat:
-    """What the columns of a bag are called: joints as in the case, unless `columns` of the form has other names."""
-    stated = form.columns
+def bag_format(bag: Path, form: FileFormat, case: Case) -> FileFormat:
+    """What the columns of a bag are called: joints as in the case, unless `columns` of the form has other names.
+
+    Names that are those of another file, such as a table of the same robot, are not the bag's: where it has the joints
+    of the case instead, neither these names nor units and scales beside them count.
+    """
     joints = {} if case.chain is None else dict(zip(case.chain.columns, case.chain.names, strict=True))
-    columns = {ours: stated.get(ours, name) for ours, name in joints.items()}
-    columns |= dict(zip(WRENCH, AXES, strict=True)) | {CLOCK: STAMP}
+    stated = {ours: form.columns[ours] for ours in joints if ours in form.columns}
+    if stated and _has_joints(bag, form, stated.values(), joints.values()):
+        stated, form = {}, form.model_copy(update={"units": {}, "scale": {}, "offset": {}})
+    columns = joints | stated | dict(zip(WRENCH, AXES, strict=True)) | {CLOCK: STAMP}
     units = {"joints": "rad", "drives": "m"} | form.units
     clock = Clock(unit="ns", offset_s=form.clock.offset_s)
     return form.model_copy(update={"format": "csv", "columns": columns, "units": units, "clock": clock})
+
+
+_FIRST = 200  # messages that show which joints a topic has
+
+
+def _has_joints(bag: Path, form: FileFormat, stated: Iterable[str], own: Iterable[str]) -> bool:
+    """Whether a bag has all joints by their own names, and not those that are stated."""
+    try:
+        with opened(bag) as reader:
+            topic = topic_of(bag, reader, "joints", form.ros.get("joints"))
+            names = {str(name) for _, message in islice(_messages(reader, topic), _FIRST) for name in message.name}
+    except RecordingError:
+        return False  # whoever reads it says what is wrong
+    return names.issuperset(own) and not names.issuperset(stated)
 
 
 def bag_tables(bag: Path, form: FileFormat) -> Iterator[ColumnTable]:

@@ -147,7 +147,7 @@ def _file_of(path: Path, case: Case | None) -> tuple[Path, tuple[FileFormat, ...
         path = bag_of(path)
         if is_bag(path):
             ways = () if case is None else case.recording.ways(path.name)
-            return path, tuple(binary.bag_format(form, case) for form in ways if case is not None)
+            return path, tuple(binary.bag_format(path, form, case) for form in ways if case is not None)
         if path.is_dir():
             parquet = path / "recording.parquet"
             path = parquet if parquet.is_file() else path / "recording.csv"

@@ -225,6 +225,15 @@ def test_topics_and_names_are_those_of_the_case(tmp_path: Path) -> None:
     assert found.reads
 
 
+def test_names_and_units_of_a_table_are_not_those_of_a_bag(bag: Path) -> None:
+    """A case that look completed for a CSV of the same robot reads the bag, too."""
+    columns = {f"q{k + 1}_deg": f"joint {k + 1}" for k in range(len(NAMES))}
+    case = with_recording(columns=columns, units={"joints": "deg", "forces": "kN"})
+    np.testing.assert_array_equal(read(bag, case).forces, read(bag, ROBOT).forces)
+    np.testing.assert_array_equal(read(bag, case).others[0].struts, read(bag, ROBOT).others[0].struts)
+    assert look(bag, case).reads
+
+
 def test_look_shows_topics_with_rates_frames_and_channels(bag: Path, tmp_path: Path) -> None:
     answer = call("look", bag, "--case", "ur10_wrist", "-o", tmp_path / "look.svg", "--json").json()
     assert answer["reads"]
