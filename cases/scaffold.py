@@ -31,7 +31,8 @@ _WIDTH = 110  # characters of a comment
 def new_case(name: str, like: str = "hexapod", folder: Path | str | None = None) -> Path:
     """Writes `folder/case.toml`, the built-in case `like` under another name, to be filled in; returns its path.
 
-        hx.check_case(hx.new_case("mill"))
+    >>> hx.new_case("mill").as_posix()
+    'mill/case.toml'
 
     Args:
         name: small letters, digits and underscores.

@@ -592,6 +592,9 @@ class Case(Heading):
 def load_case(name: str) -> Case:
     """Loads and validates a case.
 
+    >>> hx.load_case("hexapod").name
+    'hexapod'
+
     Args:
         name: built-in name, folder or file.
 

@@ -63,7 +63,8 @@ class CaseCheck:
 def check_case(case: Path | str, propose: bool = False) -> CaseCheck:
     """Validates a case and says how much of its motion box is reachable.
 
-        hx.check_case("mill").missing
+    >>> hx.check_case("hexapod").missing["plan"]
+    ()
 
     Args:
         case: built-in name, folder or case file.

@@ -213,6 +213,10 @@ def run(
 
     Its `executed` has the figures of the run, such as `path_error_mm`, `d_efficiency`, `peaks_of_limit`, `exceeded`.
 
+    >>> recording = hx.run("run.mpf", hx.load_case("hexapod"))
+    >>> recording.executed.exceeded
+    ()
+
     Args:
         program: program, or its file.
         case: case with a simulated machine.

@@ -39,6 +39,9 @@ def write(
 ) -> Program:
     """The plan as a program for a controller, read back and proven; nothing is written to disk.
 
+    >>> hx.write(hx.Plan.load("plan"), "sinumerik").proof.ok
+    True
+
     Args:
         plan: a motion or poses.
         dialect: the controller's language: one of `DIALECTS`; by default that of the suffix of
@@ -152,8 +155,9 @@ def check(
 ) -> Program:
     """A program of a file, read back independently of its writer, with its proof.
 
-        checked = hx.check("run.ngc", hx.load_case("hexapod"))
-        checked.proof.ok, checked.proof.verdict, checked.proof.violations
+    >>> checked = hx.check("run.mpf", hx.load_case("hexapod"))
+    >>> checked.proof.ok, checked.proof.violations
+    (True, ())
 
     Args:
         dialect: the program's language; by default the one that its suffix names.

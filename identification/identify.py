@@ -67,6 +67,10 @@ def identify(
 ) -> Result:
     """Parameters with standard deviations from a recorded run.
 
+    >>> mass = hx.identify(hx.Recording.load("empty"))["m"]
+    >>> 30.0 < mass.value < 33.0, mass.reported < 0.01, mass.unit
+    (True, True, 'kg')
+
     Args:
         recording: the run.
         case: case of the machine; the recording's own unless given.

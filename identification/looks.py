@@ -180,6 +180,10 @@ def _toml(header: str, name: str, settings: Mapping[str, Any]) -> list[str]:
 def look(files: Path | str | Sequence[Path | str], case: Case | None = None) -> Look:
     """What a file of unknown format is likely to be, or the files of one run.
 
+    >>> seen = hx.look("empty/recording.csv", hx.load_case("hexapod"))
+    >>> seen.problem, seen.rows > 20_000
+    (None, True)
+
     Args:
         files: text, Parquet, or the folder of a ROS 2 bag.
         case: the machine that it was recorded on, with what it states of its recordings; without one, units and

@@ -63,6 +63,10 @@ def plan(
     proof and figures come after. The search runs in `workers`
     processes, which do not run the caller's script.
 
+    >>> by_hand = hx.plan(hx.load_case("hexapod"), hx.Manual())
+    >>> by_hand.limits.kept
+    True
+
     Args:
         case: machine and limits.
         family: family of motions; unless given the one of which the best motion is found, of moves, splines and series.

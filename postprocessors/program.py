@@ -130,6 +130,9 @@ MOST_PROGRAM = 1 << 29  # bytes of a program that is read; those of the longest 
 def read_program(file: Path | str, case: Case, name: str | None = None) -> Program:
     """Reads a program.
 
+    >>> str(hx.read_program("run.mpf", hx.load_case("hexapod")).dialect.name)
+    'sinumerik'
+
     Args:
         name: name of its dialect; None for the one of the suffix.
 

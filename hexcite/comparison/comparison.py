@@ -213,6 +213,9 @@ def _among(entries: Sequence[Entry], level: str) -> tuple[str | None, dict[str, 
 def compare(things: Sequence[Plan | Path | str], case: Case | None = None, stale: bool = False) -> Comparison:
     """Comparison of cost, information and standard deviations, with the excitation to prefer.
 
+    >>> [entry.name for entry in hx.compare(["plan", "empty"]).entries]
+    ['plan', 'empty']
+
     Args:
         things: plans, and folders of plans, poses, runs and results, in any mix; at least one.
         case: replaces the case that a folder names.

@@ -216,6 +216,9 @@ PERCENT = 0.01
 def read(paths: Path | str | Sequence[Path | str], case: Case) -> Recording:
     """The recording in a file, in several files of one run, or in a folder of `hexcite run`.
 
+    >>> hx.read("empty", hx.load_case("hexapod")).forces.shape[1]
+    6
+
     Args:
         paths: paths in any order.
         case: says which columns to expect and how the files write them.

@@ -146,6 +146,10 @@ def force(recording: Recording, result: Result, whole: bool = True, frame: Frame
     Deviations count noise at each instant, what the result's deviations count, and how the tolerances of the case act
     on the forces of this motion; see `ExternalForce.budget`.
 
+    >>> external = hx.force(hx.Recording.load("loaded"), hx.Result.load("empty-result"))
+    >>> external.rms.shape
+    (6,)
+
     Args:
         result: identified parameters of the same machine; their delay is compensated.
         whole: whether all samples are evaluated; else only the excitation.
@@ -228,8 +232,9 @@ class Verification(NamedTuple):
 def verify(recording: Recording, result: Result) -> Verification:
     """How well parameters predict a second run of the same machine, whose excitation nothing touches.
 
-        result = hx.identify(hx.Recording.load("first"))
-        print(hx.verify(hx.Recording.load("second"), result))
+    >>> verification = hx.verify(hx.Recording.load("empty"), hx.Result.load("empty-result"))
+    >>> bool((verification.force_3s_N < 10.0).all())
+    True
 
     Raises:
         FileProblem: parameters of another case.

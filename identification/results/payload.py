@@ -121,8 +121,10 @@ class Payload(NamedTuple):
 def payload(before: Result, after: Result) -> Payload:
     """The body that was mounted from one identification to another: mass, centre of gravity, inertia.
 
-        empty, loaded = hx.Result.load("empty"), hx.Result.load("loaded")
-        hx.payload(empty, loaded).parameters["m"].value
+    >>> empty, loaded = hx.Result.load("empty-result"), hx.Result.load("loaded-result")
+    >>> mass = hx.payload(empty, loaded).parameters["m"]
+    >>> 19.0 < mass.value < 21.0, mass.unit
+    (True, 'kg')
 
     Raises:
         IdentificationError: both are of the same recording, or the difference in mass is not significant.

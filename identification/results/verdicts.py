@@ -94,7 +94,8 @@ class Verdict(NamedTuple):
 def accept(result: Result, case: Case | None = None) -> Verdict:
     """Whether a result keeps the limits that `[accept]` of a case states; without it, those that need no statement.
 
-        hx.accept(result).passed
+    >>> hx.accept(hx.Result.load("empty-result")).passed
+    True
 
     Noise is judged beside what `[sensors]` states, the mass beside `[nominal]`, the run beside its plan.
 

@@ -103,6 +103,9 @@ def export(
 ) -> list[Path]:
     """Writes the calibrated model, or the load that it found, for a controller or a simulator.
 
+    >>> hx.export(hx.Result.load("empty-result"), "json", "calibration.json")[0].name
+    'calibration.json'
+
     Args:
         result: identified parameters, or the payload between two results for a target of `LOADS`.
         target: one of `TARGETS`.
@@ -139,11 +142,11 @@ def export(
 def preview(result: Carried, target: str, *, frame: str | None = None) -> Mapping[str, str]:
     """What `export` would write, warnings or not: the text of each file by its usual name.
 
+    >>> list(hx.preview(hx.Result.load("empty-result"), "c"))
+    ['hexapod_force.h', 'hexapod_force.c']
+
     Raises:
         HexciteError: the target is unknown, or cannot carry the model.
-
-    Example:
-        `print(*hx.preview(result, "kuka").values())` shows LOAD_DATA.
     """
     own, name = _target(target), _usual_name(result)
     if own is None:

@@ -1,8 +1,10 @@
 """What a command answers is what the library gives for the same: nothing is computed, joined or edited on the way."""
 
+import doctest
 import json
 from contextlib import nullcontext
 from pathlib import Path
+from shutil import copytree
 from typing import Any
 
 import numpy as np
@@ -26,7 +28,9 @@ from tests.simulated_machine import PoseExecution
 def made(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A program, two runs of it with their results, the second with a weight, and a standstill."""
     folder, case = tmp_path_factory.mktemp("doors"), hx.load_case("hexapod")
-    program = hx.write(hx.plan(case, hx.Manual()), "sinumerik")
+    plan = hx.plan(case, hx.Manual())
+    plan.save(folder / "plan")
+    program = hx.write(plan, "sinumerik")
     program.save(folder / "run.mpf")
     for name, weights in (("empty", 0), ("loaded", 1)):
         hx.run(program, case, seed=weights, payload=weights).save(folder / name)
@@ -149,6 +153,35 @@ def test_a_motion_is_retimed(made: Path, hexapod_case: Case, tmp_path: Path):
     assert call("retime", tmp_path / "plan", "-o", tmp_path / "command", "--json").json()["method"] == "ruckig"
     ours, theirs = hx.retime(plan), hx.Plan.load(tmp_path / "command")
     assert ours.predicted_std == pytest.approx(theirs.predicted_std, rel=1e-6)
+
+
+@pytest.fixture(scope="module")
+def copied(made: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same folder, for examples that write into it."""
+    return Path(copytree(made, tmp_path_factory.mktemp("examples") / "made"))
+
+
+def examples(name: str) -> list[doctest.DocTest]:
+    """The examples in the docstring of a public name."""
+    found = doctest.DocTestFinder(recurse=False).find(getattr(hx, name), name, globs={"hx": hx})
+    return [each for each in found if each.examples]
+
+
+WITH_EXAMPLES = [name for name in hx.PUBLIC if examples(name)]
+
+
+@pytest.mark.parametrize("name", WITH_EXAMPLES)
+def test_examples_of_docstrings_are_true(name: str, copied: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(copied)
+    told: list[str] = []
+    for example in examples(name):
+        failed, tried = doctest.DocTestRunner().run(example, out=told.append)
+        assert tried
+        assert not failed, "".join(told)
+
+
+def test_what_people_call_first_has_an_example() -> None:
+    assert {"load_case", "plan", "write", "run", "identify", "force", "payload", "export"} <= {*WITH_EXAMPLES}
 
 
 def test_the_version_is_told_by_both() -> None:
