@@ -36,6 +36,7 @@ from identification.findings.known_body import (
 )
 from identification.findings.noise_level import doubtful, louder_than_stated, noise_of_channels, stated_noise
 from identification.findings.off_case import without
+from identification.findings.structural_mode import mode_findings
 from identification.findings.systematic import allowed_for, noisy_drives, not_shown, systematic_findings, systematic_of
 from identification.findings.told import Told, findings_of, told_by
 from identification.findings.tolerances import budget_findings
@@ -459,6 +460,7 @@ def _estimated(
     findings = louder_than_stated(recording, case, fitted)
     findings += systematic_findings(case, fitted, systematic)
     findings += noisy_drives(case, fitted, systematic)
+    findings += mode_findings(fitted, None if systematic is None else systematic.ringing, case)
     findings += clock_findings(odd)
     findings += drift_findings(recording, case, fitted, drift)
     findings += [*clean.findings, *fitted.samples.findings(fitted.fit)]

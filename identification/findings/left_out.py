@@ -141,7 +141,7 @@ class LeftOut:
             return self.weighted(self.columns)
         count = len(self.model.names)
         orders = [{"delay": 1, "smoothing": 2}[name] for name in names[count:]]
-        more = [self._derivative(self.expected, order)[:, :, None] for order in orders]
+        more = [self.derivative(self.expected, order)[:, :, None] for order in orders]
         return self.weighted(np.concatenate([self.matrices, *more], axis=2))
 
     def alternatives(self) -> Iterator[Alternative]:
@@ -318,7 +318,7 @@ class LeftOut:
         if not self.motion.felt:  # then only the turning goes by the clock
             yield Alternative("clock", "the acceleration", cause, self.by_clock[:, :, None], PERCENT)
         span = (self.t - self.t.mean()) / max(float(np.ptp(self.t)), self.step)
-        rate = self._derivative(self.expected, 1)
+        rate = self.derivative(self.expected, 1)
         cause = "clocks of forces and motion that drift apart by {} ms over the run"
         yield Alternative(
             "drift", "a delay that changes with time", cause, -(rate * span[:, None])[:, :, None], MILLISECONDS
@@ -332,7 +332,7 @@ class LeftOut:
         )
         cause = "a low-pass in the streams, noise of the drives, or a mode of the frame below the cut-off"
         for order in (2, 3, 4) if self.motion.calm else ():
-            bend, word = self._derivative(self.expected, order), {2: "second", 3: "third", 4: "fourth"}[order]
+            bend, word = self.derivative(self.expected, order), {2: "second", 3: "third", 4: "fourth"}[order]
             follow = f"the {word} derivative of the forces"
             yield Alternative("smoothing", follow, cause, bend[:, :, None])
             yield Alternative(
@@ -351,7 +351,7 @@ class LeftOut:
                 columns = self.matrices[:, :, loads] * share[:, None, None]
                 yield Alternative("load", f"a load that {word}", "a payload that was lost, taken up or moved", columns)
 
-    def _derivative(self, values: Array, order: int) -> Array:
+    def derivative(self, values: Array, order: int) -> Array:
         """Of series between neighbouring samples, zero where they have none, shape (n, 6)."""
         for _ in range(order // 2):
             values = self._neighbours(values, 1.0, -2.0, 1.0) / self.step**2

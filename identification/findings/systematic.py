@@ -21,6 +21,7 @@ from identification.findings.drift import Drift, drift_of
 from identification.findings.left_out import LeftOut
 from identification.findings.noise_level import channel_words
 from identification.findings.remains import excerpt_of, free_basis, remainder_of
+from identification.findings.structural_mode import Ringing, biased_by, mode_of
 from identification.findings.told import Told
 from identification.findings.tolerances import Share, shares_of, without_tolerances
 from identification.model.parameters import offset_columns
@@ -59,6 +60,7 @@ class Systematic(NamedTuple):
     residuals: Array  # of each channel, rms, shape (6,) [N, or N and N m]
     motion: MotionOfSamples
     tolerances: tuple[Share, ...]  # what each stated tolerance does to the values
+    ringing: Ringing | None  # a structural mode that forces show
     hidden: tuple[Unseen, ...]  # how well the run shows each effect of one size; answers are of the fit's values
 
 
@@ -123,9 +125,13 @@ def systematic_of(
         pull = basis.T @ np.r_[attenuated, np.zeros(fitted.regression.nuisance)]
         drives = -basis @ (half @ (half.T @ pull))
         bias += np.outer(drives, drives)
+    mode = mode_of(whole)
+    ringing = None if mode is None else Ringing(mode, biased_by(mode, left_out, rest, basis))
+    if ringing is not None:
+        bias += np.outer(ringing.bias, ringing.bias)
     rms = np.sqrt(np.mean(residuals**2, axis=0))
     hidden = [of._replace(answer=basis @ of.answer) for of in unseen(alternatives, rest)]
-    return Systematic(tuple(seen), suspected, drift, bias, drives, rms, motion, tolerances, tuple(hidden))
+    return Systematic(tuple(seen), suspected, drift, bias, drives, rms, motion, tolerances, ringing, tuple(hidden))
 
 
 def _odds(chance: float) -> float:

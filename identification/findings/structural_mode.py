@@ -1,0 +1,139 @@
+"""A structural mode between drives and sensors that rings after moves: its frequency, damping, and what it biases.
+
+Behind a mode of angular frequency w the load accelerates as a + a'' / w^2 does at far lower frequencies with opposite
+sign of the bend, a - a'' / w^2 taken from the drives: an undamped mode amplifies what drives do by 1 / (1 - (s / w)^2).
+What the sensors read above the band of the fit shows it: a peak of their spectrum that comes and goes with the motion,
+as a hum of the mains does not.
+"""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from cases.base.units import Array
+from cases.schema import Case
+from identification.estimation.alternatives import Remainder
+from identification.finding import Finding, Kind, note, warning
+from identification.findings.left_out import STEP, LeftOut
+from identification.samples.moving import Run
+from identification.samples.samples import Fitted
+from identification.signals import white_noise
+from identification.texts import parameter_words
+
+LOWEST, HIGHEST = 0.75, 0.45  # of the cut-off, and of the samples a second, between which a mode is looked for
+PEAK = 25.0  # of the median power there
+SIDES, FLANKS = 4.0, (0.75, 1.33)  # of the power at so many times its frequency, which a peak is above
+BURSTS = 5.0  # of the power that nine tenths of the time are below, over that of a quarter
+SECOND = 1.0  # [s] of a stretch of the spectrum
+REACH = 0.06  # [s] over which its amplitude is averaged
+LONGEST = 0.12  # [s] over which it is correlated
+HARM = 1.0  # deviations by which it biases a parameter, from which on it is a warning
+
+
+class Mode(NamedTuple):
+    """A structural mode that forces show."""
+
+    frequency: float  # [Hz]
+    damping: float  # share of the critical damping; of so few bursts a rough one
+
+    @property
+    def sharpening(self) -> float:
+        """1 / w^2, by which accelerations seem larger with their bend [s^2]."""
+        return float((2.0 * np.pi * self.frequency) ** -2)
+
+
+class Ringing(NamedTuple):
+    """A mode with what it biases."""
+
+    mode: Mode
+    bias: Array  # of the values of the fit, shape (v,)
+
+
+def mode_of(fitted: Fitted) -> Mode | None:
+    """The mode that forces of a moving run show; None where they show none."""
+    run = fitted.samples
+    if not isinstance(run, Run):
+        return None
+    seen = run.series(fitted.at, fitted.fit.values[: len(run.model.names)])
+    step, count = run.filter.step, len(seen.t)
+    length = min(count, round(SECOND / step))
+    if length < 64 or seen.values.shape[0] < 2 * length // 2:
+        return None
+    from scipy.signal import welch
+
+    scale = white_noise(seen.forces)
+    if not np.all(scale > 0.0):
+        return None
+    off = seen.values / scale
+    at, powers = welch(off, 1.0 / step, "hann", length, length // 2, axis=0)
+    power = powers.mean(axis=1)
+    inside = (at > LOWEST * run.filter.cutoff) & (at < HIGHEST / step)
+    if np.count_nonzero(inside) < 8:
+        return None
+    peak = int(np.flatnonzero(inside)[np.argmax(power[inside])])
+    beside = [float(np.interp(share * at[peak], at, power)) for share in FLANKS]
+    if power[peak] < PEAK * np.median(power[inside]) or power[peak] < SIDES * max(beside):
+        return None
+    window = np.hanning(2 * round(REACH / step) + 1)
+    window /= window.sum()
+    turning = off * np.exp(-2j * np.pi * at[peak] * seen.t)[:, None]
+    slow = np.stack([np.convolve(channel, window, "same") for channel in turning.T], axis=1)
+    amplitude = np.sum(np.abs(slow) ** 2, axis=1)
+    low, high = np.quantile(amplitude, [0.25, 0.9])
+    if high < BURSTS * low:
+        return None
+    lags = np.arange(1, round(LONGEST / step))
+    each = np.array([np.sum(np.conj(slow[:-k]) * slow[k:]) for k in lags])
+    early, late = lags * step < LONGEST / 3.0, lags * step > REACH / 2.0
+    shift = np.polyfit(lags[early] * step, np.unwrap(np.angle(each[early])), 1)[0] / (2.0 * np.pi)
+    frequency = float(at[peak] + shift)
+    decay = -float(np.polyfit(lags[late] * step, np.log(np.abs(each[late])), 1)[0])
+    return Mode(frequency, max(decay, 0.0) / (2.0 * np.pi * frequency))
+
+
+def biased_by(mode: Mode, left_out: LeftOut, rest: Remainder, basis: Array) -> Array:
+    """By how much a mode puts the values of a fit off, shape (v,), where its smoothing was not estimated with them.
+
+    Args:
+        mode: the mode.
+        left_out: the fit with its motion.
+        rest: what the fit leaves.
+        basis: what was free in the fit, shape (v, free).
+    """
+    load = left_out.load
+    bent = left_out.derivative(load.twist_rate, 2)
+    change = left_out.change(replace(load, twist_rate=load.twist_rate - STEP * mode.sharpening * bent))
+    _, inside = rest.without_fit(rest.root @ left_out.weighted(change[:, :, None]))
+    return np.asarray(basis @ (rest.half @ inside))[:, 0]
+
+
+def mode_findings(fitted: Fitted, ringing: Ringing | None, case: Case) -> list[Finding]:
+    """The mode that forces show, and the parameter that it biases most."""
+    if ringing is None:
+        return []
+    mode, fit, names = ringing.mode, fitted.fit, fitted.samples.model.names
+    variance = np.maximum(np.diag(fit.covariance), np.diag(fit.covariance_robust))[: len(names)]
+    free = variance > 0.0
+    ratios = np.where(free, np.abs(ringing.bias[: len(names)]) / np.sqrt(np.where(free, variance, 1.0)), 0.0)
+    worst = int(np.argmax(ratios))
+    units = {p.name: p.unit for p in fitted.samples.model.parameters}
+    sentence = (
+        f"a structural mode between drives and sensors rings at {mode.frequency:.3g} Hz with the motion (damping about "
+        f"{100.0 * mode.damping:.1g} %): it may bias {parameter_words(names[worst])} by "
+        f"{abs(ringing.bias[worst]):.2g} {units[names[worst]]} ({ratios[worst]:.2g} deviations of noise; +- counts it)"
+    )
+    cutoff = case.recording.filter_cutoff_Hz
+    if cutoff is not None and mode.frequency < 1.5 * cutoff:
+        sentence += f". It lies in the band of the evaluation: lower recording.filter_cutoff_Hz = {cutoff:g} to "
+        sentence += f"{mode.frequency / 2.0:.2g}"
+    entry = {
+        "frequency_Hz": mode.frequency, "damping": mode.damping, "bias": ringing.bias[: len(names)].tolist(),
+        "parameter": names[worst], "deviations": float(ratios[worst]),
+    }  # fmt: skip
+    harmful = ratios[worst] > HARM
+    return [
+        warning(Kind.MODEL, sentence, counted=True, structural_mode=entry)
+        if harmful
+        else note(Kind.MODEL, sentence, structural_mode=entry)
+    ]
