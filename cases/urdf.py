@@ -20,7 +20,8 @@ from cases.base.errors import ALSO, CaseError, Code, FileProblem, option
 from cases.base.files import read_whole
 from cases.base.units import DEG, MM, Array
 from cases.chain import JOINT_NAME, JOINT_NAME_WORDS, LEAST_AXIS, MOST_JOINTS, Joint, JointLimit
-from cases.machine import Frame, turned
+from cases.covering import covering
+from cases.machine import Frame, Tool, turned
 from cases.sensors import RigidBody, rigid_body
 
 MOST_BYTES = 8 * 2**20
@@ -30,7 +31,7 @@ _LONGEST_NUMBER = 64  # characters
 _INFINITE = re.compile(r"[+-]?inf(inity)?", re.IGNORECASE)
 _MOST = 1e6  # of any number, in units of SI: beyond any machine
 _MOVING = ("revolute", "continuous", "prismatic")
-_DEEPEST = 4  # robot, link, inertial, mass: what lies deeper is not read
+_DEEPEST = 5  # robot, link, collision, geometry, mesh: what lies deeper is not read
 _LISTED = 40  # names of links that a message lists
 _PARENT, _CHILD = "#parent", "#child"
 """Keys of a joint's links, which no attribute can have."""
@@ -48,6 +49,9 @@ class Arm(NamedTuple):
     flange: Frame | None  # the robot's flange in the last joint's moved frame; None where the file leaves it open
     sensor: Frame  # the sensor in the same frame
     notes: tuple[str, ...]  # what was odd or left out, each a sentence
+    # round bodies that cover what stands, and the link behind each joint, as far as the file has collision geometry
+    standing: tuple[Tool, ...] = ()
+    bodies: tuple[tuple[Tool, ...], ...] = ()
 
 
 class LinkPlace(NamedTuple):
@@ -97,7 +101,7 @@ def read_urdf(file: Path, flange: str | None, sensor: str | None = None) -> Arm:
     Raises:
         CaseError: the file is not a sound tree, not sound on the way to the flange, or has no such links.
     """
-    return _read(file, lambda root: _arm(root, flange, sensor))
+    return _read(file, lambda root: _arm(root, flange, sensor, file.parent))
 
 
 Read = TypeVar("Read")
@@ -180,7 +184,7 @@ def _parsed(content: bytes) -> Element:
     return builder.close()
 
 
-def _arm(root: Element, flange: str | None, sensor: str | None) -> Arm:
+def _arm(root: Element, flange: str | None, sensor: str | None, folder: Path) -> Arm:
     """As `read_urdf`; raises ValueError."""
     findings = _Findings()
     links = _named(root, "link", findings)
@@ -223,7 +227,24 @@ def _arm(root: Element, flange: str | None, sensor: str | None) -> Arm:
     findings.require_none()
     sensed = place if sensor is None else behind[sensor]
     stated = sensor is not None or _is_controllers(flange, behind, findings)
-    return Arm(base, tuple(joints), _frame(place) if stated else None, _frame(sensed), findings.notes())
+    starts = [base, *(element.attrib[_CHILD] for element in moving)]
+    standing, *bodies = (_bodies(_cluster(start, fixed, flange), links, folder, findings) for start in starts)
+    flange_frame = _frame(place) if stated else None
+    return Arm(base, tuple(joints), flange_frame, _frame(sensed), findings.notes(), standing, tuple(bodies))
+
+
+def _bodies(
+    cluster: Iterator[tuple[str, Array]], links: Mapping[str, Element], folder: Path, findings: _Findings
+) -> tuple[Tool, ...]:
+    """Round bodies that cover a link and those fixed to it, in the link's frame."""
+    found = []
+    for name, place in cluster:
+        for body in covering(links[name], place, folder, name):
+            if isinstance(body, str):
+                findings.note("link", name, f"{body}: no round body covers it")
+            else:
+                found.append(body)
+    return tuple(found)
 
 
 def _is_controllers(flange: str, behind: Mapping[str, Array], findings: _Findings) -> bool:
