@@ -19,6 +19,7 @@ from identification.machines.serial_chain import SerialChain
 from identification.model.model import Model
 from identification.results.anywhere import anywhere
 from identification.results.frames import FrameName, Place, place_of
+from identification.results.in_use import NOISE
 from identification.results.result import Result
 from postprocessors.export.calibration import number, rendered
 
@@ -173,6 +174,8 @@ def in_frame(result: Result, frame: FrameName) -> Seen:
     missing = f" Not stated by the case: {', '.join(promise.not_counted)}." if promise.not_counted else ""
     if not result.biases:
         missing = " It counts no tolerances of drawing, gains and alignment."
+    if NOISE not in promise.counts:
+        missing += " It counts no noise of the channels, which the result does not state: identify the run again."
     largest = f"the largest of {promise.states} states in the motion box" if promise.states > 1 else "at home"
     texts = {
         "about": about(place),
