@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
@@ -24,6 +25,7 @@ Array = NDArray[np.float64]
 Answer = TypeVar("Answer")
 
 EXAMPLES = 20  # of properties that state no number, with the profile `full`
+SHORT_MOVES = Path(__file__).with_name("short_moves.csv")  # a motion by hand of some seconds
 HOME = np.array([0.0, 0.0, 0.9, 0.0, 0.0, 0.0])
 
 

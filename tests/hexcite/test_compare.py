@@ -20,7 +20,7 @@ from hexcite.reports.compare import std_chart
 from identification.estimation.fit import Value
 from planner.plans.folder import fingerprint_of
 from postprocessors.program import DIALECTS
-from tests.helpers import few, tells
+from tests.helpers import SHORT_MOVES, few, tells
 from tests.hexcite.browser import opened
 from tests.hexcite.command_line import ACCEPT, call, refused
 
@@ -123,7 +123,7 @@ def test_a_run_knows_its_plan_by_hash_wherever_the_folders_are(chain: Chain, sha
 @pytest.fixture(scope="module")
 def by_hand(shared: Path, once: Callable[[str, Callable[[], Any]], Any]) -> Path:
     """A plan of the hand-made motion."""
-    plan = ("plan", "hexapod", "--family", "manual", "-o", shared / "by-hand", "--json")
+    plan = ("plan", "hexapod", "--family", "manual", "--sequence", SHORT_MOVES, "-o", shared / "by-hand", "--json")
     return Path(once("by-hand", lambda: call(*plan).json())["plan"])
 
 

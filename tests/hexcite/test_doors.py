@@ -19,7 +19,7 @@ from identification.motion.motion import Standstill
 from identification.recording.recording import write_recording
 from identification.simulate import simulate_recording
 from planner.families.manual import load_poses
-from tests.helpers import HOME, tells
+from tests.helpers import HOME, SHORT_MOVES, tells
 from tests.hexcite.command_line import call, refused
 from tests.simulated_machine import PoseExecution
 
@@ -28,7 +28,7 @@ from tests.simulated_machine import PoseExecution
 def made(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A program, two runs of it with their results, the second with a weight, and a standstill."""
     folder, case = tmp_path_factory.mktemp("doors"), hx.load_case("hexapod")
-    plan = hx.plan(case, hx.Manual())
+    plan = hx.plan(case, hx.Manual(SHORT_MOVES))
     plan.save(folder / "plan")
     program = hx.write(plan, "sinumerik")
     program.save(folder / "run.mpf")

@@ -13,6 +13,7 @@ from starlette.testclient import TestClient
 import hexcite as hx
 from hexcite.reports.scene import moving_machine, standing_machine, with_limits
 from planner.families.manual import in_turn
+from tests.helpers import SHORT_MOVES
 
 URDF = """<robot name="two"><link name="world"/><link name="upper"/><link name="{wrist}"/><link name="tool0"/>
 <joint name="swing" type="revolute"><parent link="world"/><child link="upper"/><origin xyz="0 0 0.4"/>
@@ -126,7 +127,7 @@ def test_limits_that_bind_a_plan_light_where_the_proof_says(hexapod_case: hx.Cas
 
 
 def test_the_motion_of_a_plan_is_sent_as_a_scene(client: TestClient, root: Path):
-    plan = hx.plan(hx.load_case("hexapod"), hx.Manual())
+    plan = hx.plan(hx.load_case("hexapod"), hx.Manual(SHORT_MOVES))
     plan.save(root / "by-hand")
     scene = client.get("/m/hexapod/motion/by-hand").json()
     assert scene["moving"] == 1

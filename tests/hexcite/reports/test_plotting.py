@@ -12,7 +12,7 @@ from identification.machines.hexapod import Hexapod
 from identification.simulate import simulate_recording
 from planner.bounds.bound import Bound
 from tests.bench.table_3 import standing_run
-from tests.helpers import Harmonic
+from tests.helpers import SHORT_MOVES, Harmonic
 from tests.simulated_machine import PoseExecution
 
 
@@ -49,7 +49,7 @@ def test_a_result_is_drawn_with_its_residuals_and_a_loaded_one_with_correlations
 
 def test_plans_cases_and_forces_are_drawn(run: hx.Recording, result: hx.Result, tmp_path: Path):
     case = hx.load_case("hexapod")
-    plan = hx.plan(case, hx.Manual())
+    plan = hx.plan(case, hx.Manual(SHORT_MOVES))
     axes = hx.plot(plan).axes
     assert [each.get_ylabel() for each in axes[:2]] == ["position from home [mm]", "position from home [deg]"]
     hx.plot(plan).savefig(tmp_path / "plan.pdf")
