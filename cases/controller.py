@@ -219,6 +219,9 @@ class LinuxCnc(Part):
     """The controller's acceleration limits as a multiple of `[limits.motion]`. LinuxCNC has no look-ahead for paths
     that turn: at 1 it stretches dense paths; far above 1 it runs in the program's time, and only the program's proof
     ensures the limits."""
+    planner: Literal["trapezoidal", "s_curve"] = "trapezoidal"
+    """`[TRAJ]PLANNER_TYPE` of the machine: `trapezoidal` (0, that of all versions), or `s_curve` (1, since 2.10, where
+    `MAX_LINEAR_JERK` is 1 or more), whose time law is not known here: it gets no program."""
 
 
 Settings = TypeVar("Settings", LinuxCnc, SinumerikAxes, TwinCatAxes, Setpoints, UrScript, Ros2)

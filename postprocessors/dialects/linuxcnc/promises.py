@@ -3,6 +3,7 @@
 import math
 from functools import partial
 
+from cases.base.errors import CaseError, Code
 from cases.controller import LinuxCnc
 from cases.schema import Case
 from identification.limits.limit import LimitKind
@@ -30,7 +31,22 @@ def linuxcnc_guarantees(reading: Reading, case: Case) -> Guarantees:
 
 
 def guarantees_of_linuxcnc(case: Case, timed: bool) -> Guarantees:
-    """The same of a program with timed paths or without."""
+    """The same of a program with timed paths or without.
+
+    Raises:
+        CaseError: the machine runs the planner with limited jerk of LinuxCNC 2.10. It limits the jerk along the path,
+            so that no move takes the time of the law, and limits of struts, proven by that law, are not its own.
+    """
+    settings = case.need_controller("a program for LinuxCNC").linuxcnc
+    if settings is not None and settings.planner == "s_curve":
+        raise CaseError(
+            file=f"case {case.name}",
+            key="controller.linuxcnc.planner",
+            problem='"s_curve" is a planner whose time law is not known here: nothing could be proven',
+            remedy="switch it off for the run, [TRAJ]PLANNER_TYPE = 0 or the HAL pin ini.traj_planner_type, and state "
+            '"trapezoidal"',
+            code=Code.NOT_SUPPORTED,
+        )
     headroom = acceleration_headroom(case, timed)
     enforced = {LimitKind.VELOCITY, LimitKind.ACCELERATION} if headroom <= 1.0 else {LimitKind.VELOCITY}
     return Guarantees(
