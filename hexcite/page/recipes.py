@@ -6,7 +6,7 @@ from cases.recording_format import TRIGGER
 from cases.schema import Case
 
 LEAST_RATE = 500.0  # [1/s]
-AROUND = 10.0  # [s] recorded beside the program's motion
+AROUND = 20.0  # [s] beside the excitation: ways there and back, standing, switching
 
 
 class Recipe(NamedTuple):

@@ -130,10 +130,13 @@ def prove_at(
 
 
 def shares_at(trajectory: Trajectory, case: Case, instants: Array, in_box: bool, limited: Limited) -> Array:
-    """Share of each limit that is used at each instant, shape (n, limits); see `prove_at`."""
+    """Share of each limit that is used at each instant, shape (n, limits); see `prove_at`.
+
+    Limits may be none: of the mechanics of an arm whose case states no bodies, torques and range of the sensor.
+    """
     parts = [
-        np.column_stack([q.ratio.max(axis=1) for q in quantities])[own]
-        for quantities, _, own in _evaluated(trajectory, case, instants, in_box, limited)
+        np.column_stack([np.zeros((len(t), 0)), *(q.ratio.max(axis=1) for q in quantities)])[own]
+        for quantities, t, own in _evaluated(trajectory, case, instants, in_box, limited)
     ]
     return np.concatenate(parts)
 

@@ -89,3 +89,22 @@ def test_what_is_between_instants_counts_with_both_of_them_and_no_further() -> N
     assert len(whole) == len(many)
     np.testing.assert_allclose(whole[1:1000], parts[0][1:-1], rtol=1e-12)
     assert prove_at(motion, case, many, False, of_mechanics).checks
+
+
+def test_an_arm_of_which_only_the_joints_are_limited_has_a_proven_program() -> None:
+    """No bodies, no torques, no range of the sensor: its mechanics have no limit; the first state of a robot's case."""
+    data = ROBOT.model_dump(mode="json", exclude_unset=True)
+    chain = data["machine"]["chain"]
+    for key in ("base", "tool", "keep_out"):
+        del chain[key]
+    for joint in chain["joints"]:
+        for key in ("bodies", "torque_Nm", "link"):
+            joint.pop(key, None)
+    del data["sensors"]["range_N"], data["sensors"]["range_Nm"]
+    case, motion = Case.model_validate(data).found_at("ur10_wrist"), walk(ROBOT, 1, share=0.5)
+    assert shares_at(motion, case, np.linspace(0.0, 1.0, 11), False, of_mechanics).shape == (11, 0)
+    program = proven_program(motion, case, dialect("ros2"), "p.yaml", ("an arm alone",))
+    assert program.proof.limits.kept
+    kinds = {check.kind for check in program.proof.limits.checks}
+    assert {LimitKind.JOINT_ANGLE, LimitKind.ANGULAR_VELOCITY} <= kinds
+    assert not kinds & {LimitKind.SENSOR_FORCE, LimitKind.DISTANCE_FROM_BOX, LimitKind.JOINT_TORQUE}

@@ -48,7 +48,7 @@ def _facts(plan: Made) -> dict[str, Any]:
         "seconds": f"{record['duration_s']:.3g}" if isinstance(record.get("duration_s"), int | float) else "",
         "efficiency": f"{efficiency:.3f}" if isinstance(efficiency, float) else "",
         "interrupted": bool(record.get("interrupted")),
-        "mass": _deviation("m", record.get("predicted_std", {}).get("m")),
+        "mass": f"{_deviation('m', record.get('predicted_std', {}).get('m'))} {legible('kg')[1]}",
         "notes": [str(note) for note in record.get("notes", ()) if isinstance(note, str)][:6],
     }
 
@@ -76,15 +76,17 @@ def _unit(name: str) -> str:
 def _deviation(name: str, value: object) -> str:
     if not isinstance(value, int | float) or not math.isfinite(value):
         return "–"
-    scale, unit = legible(_unit(name))
-    return f"{std_text(value * scale)} {unit}".strip()
+    return std_text(value * legible(_unit(name))[0])
 
 
 def _predicted(plans: Sequence[Made]) -> dict[str, Any]:
     """Predicted deviations of plans side by side, a row a parameter."""
     stds = [plan.record.get("predicted_std") or {} for plan in plans]
     names = list(dict.fromkeys(name for std in stds for name in std))
-    rows = [(parameter_words(name), [_deviation(name, std.get(name)) for std in stds]) for name in names]
+    rows = [
+        (parameter_words(name), legible(_unit(name))[1], [_deviation(name, std.get(name)) for std in stds])
+        for name in names
+    ]
     return {"heads": [plan.name for plan in plans], "rows": rows}
 
 
