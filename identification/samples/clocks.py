@@ -20,6 +20,7 @@ from identification.recording.recording import Recording
 from identification.samples.sample_checks import at_full_range
 
 GAP = 1.6  # usual steps of the forces without a sample, which an average would hide
+SLACK = 0.1  # steps by which a gap may be longer: one lost sample makes two steps, up to what clocks are fitted to
 ROUNDING = 1e-6  # of a step, that clocks may be off by rounding
 
 
@@ -47,7 +48,7 @@ def at_the_motion(recording: Recording, motion: Stream, interval: float, step: f
     inside = inside[1:-1]
     at = motion.t[inside]
     # The neighbours' averages are in the curvature.
-    hidden = _reach_a_gap(t, max(GAP, 0.5 * interval / step) * step, at, 1.5 * interval)
+    hidden = _reach_a_gap(t, (max(GAP, 0.5 * interval / step) + SLACK) * step, at, 1.5 * interval)
     means = _at_full_range(means, t, forces, at, half, case)
     run = _at_clock(recording, motion, inside, hidden, "the forces averaged there", motion.struts[inside], means)
     return replace(run, averaged=interval / step)
