@@ -88,7 +88,7 @@ class _Sides:
 
 
 def solve_inside(
-    program: NonlinearProgram, start: Array, iterations: int, watch: Watch, barrier: float, gap: float
+    program: NonlinearProgram, start: Array, iterations: int, watch: Watch, first: float, gap: float
 ) -> tuple[Array, SolverStatus, int]:
     """Minimises from a start inside all bounds; each step stays there.
 
@@ -96,15 +96,16 @@ def solve_inside(
         start: shape (n,). Equations are satisfied, and remain so.
         iterations: number of steps at most.
         watch: called with the objective after each; a true answer stops the search.
-        barrier: first parameter mu of the barrier, in units of the objective for each bound.
-        gap: what the barrier may cost at the end, in units of the objective.
+        first: what the barrier costs at first, in units of the objective: mu times the number of bounds.
+        gap: what it may cost at the end.
 
     Returns:
         The unknowns, how it ended, and the number of steps.
     """
     sides, free = _Sides(program), program.lower < program.upper
-    x, values, objective, mu, shift = start, sides.values(program, start), program.value(start), barrier, 0.0
+    x, values, objective, shift = start, sides.values(program, start), program.value(start), 0.0
     s = sides.slacks(values)
+    mu = first / len(s)
     if not (s.min(initial=1.0) > 0.0 and np.isfinite(objective)):
         return start, SolverStatus.FAILED, 0
     z, latest = mu / s, [objective]
