@@ -181,7 +181,7 @@ def look(files: Path | str | Sequence[Path | str], case: Case | None = None) -> 
     """What a file of unknown format is likely to be, or the files of one run.
 
     >>> seen = hx.look("empty/recording.csv", hx.load_case("hexapod"))
-    >>> seen.problem, seen.rows > 20_000
+    >>> seen.problem, seen.rows > 1_000
     (None, True)
 
     Args:
