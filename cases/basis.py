@@ -8,7 +8,7 @@ from cases.base.errors import CaseError, Code, FileProblem, option
 from cases.schema import Case, fingerprint, load_case
 from cases.tables import built_in_cases
 
-KEPT = "computed_from"  # key of plan.json, recording.json and result.json
+COMPUTED_FROM = "computed_from"  # key of plan.json, recording.json and result.json
 CONTENT = "content"  # key of the fingerprint of all other entries of plan.json and result.json
 _MACHINE = ("setup", "gravity_m_s2", "sensor_frame", "machine")
 _MOTION = ("setup", "machine", "workspace", "limits", "controller.cycle_ms")
@@ -111,7 +111,7 @@ def case_of(file: Path, about: Mapping[str, Any], again: str) -> Case:
 
 def changes_since(about: Mapping[str, Any], now: Mapping[str, Any], case_hash: str) -> list[str]:
     """What the case had when an artefact was computed and has no longer: key, old value, new value."""
-    then = about.get(KEPT)
+    then = about.get(COMPUTED_FROM)
     if not isinstance(then, Mapping):
         return [] if about.get("case_hash") == case_hash else ["something (it says no more than a fingerprint)"]
     # Of a list of tables that an artefact does not depend on nothing is saved.

@@ -25,7 +25,7 @@ LEAST_EXPLAINED = 0.5  # of the forces' variance; a model that explains less doe
 SUSPICIOUS_DELAY = 0.02  # [s]; more than any filter of a force channel, and a sign of unrelated streams
 
 
-def remembering(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
+def note_memory(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """How much wider deviations are for noise that remembers: the parameter of which they are widest."""
     white, robust = (
         np.diag(c)[: len(fitted.samples.model.names)] for c in (fitted.fit.covariance, fitted.fit.covariance_robust)
@@ -42,7 +42,7 @@ def remembering(recording: Recording, case: Case, fitted: Fitted) -> list[Findin
     return [note(Kind.NOISE, sentence, noise_memory=float(ratio[worst]))]
 
 
-def unexplained(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
+def check_model(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """Findings of an estimate against its own model."""
     fit, forces = fitted.fit, fitted.regression.forces
     spread = np.sum(fit.weights * forces.var(axis=0))
@@ -55,7 +55,7 @@ def unexplained(recording: Recording, case: Case, fitted: Fitted) -> list[Findin
     return [warning(Kind.MODEL, f"the model explains only {share}; {remedy}")]
 
 
-def other_feed(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
+def check_feed(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """Rows that the recording's own column says went at another feed than 100 %."""
     if recording.override is None or not fitted.samples.nuisances:
         return []
@@ -71,14 +71,14 @@ def other_feed(recording: Recording, case: Case, fitted: Fitted) -> list[Finding
     return [warning(Kind.FEED, sentence, places(recording.lines, rows), feed={"lowest": low, "highest": high})]
 
 
-def late(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
+def check_delay(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """A delay that no filter makes."""
     if abs(fitted.at) < SUSPICIOUS_DELAY:
         return []
     return [warning(Kind.CLOCK, f"delay of {fitted.at * 1e3:.1f} ms: do the streams match?")]
 
 
-def averaged(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
+def note_averaging(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """How many samples of the forces were averaged for one of the motion."""
     if recording.averaged == 1.0:
         return []
@@ -86,7 +86,7 @@ def averaged(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     return [note(Kind.CLOCK, sentence, averaged={"ratio": recording.averaged})]
 
 
-def placed(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
+def note_pose_errors(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """Errors that depend on the pose, in the keys by which a case states them."""
     field = fitted.fit.field
     if field is None:
@@ -102,7 +102,7 @@ FAR = 5.0  # [m] from the origin of the platform
 OTHER_MASS = 1.0 / 3.0  # of the nominal mass
 
 
-def doubtful_body(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
+def check_body(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """What to say of a body that is not the expected one, or that cannot be.
 
     Raises:
@@ -166,7 +166,7 @@ def is_impossible(finding: Finding) -> bool:
 
 
 CHECKS: tuple[Callable[[Recording, Case, Fitted], list[Finding]], ...] = (
-    unexplained, placed, late, remembering, other_feed, averaged, doubtful_body,
+    check_model, note_pose_errors, check_delay, note_memory, check_feed, note_averaging, check_body,
 )  # fmt: skip
 """The checks of every fit, in the order of their findings."""
 

@@ -12,7 +12,7 @@ from cases.base.doors import checks
 from cases.base.errors import Code, FileProblem, HexciteError
 from cases.base.files import PLAN, atomic_folder, check_folder, json_text, read_json
 from cases.base.units import DEG, MM, as_html
-from cases.basis import CONTENT, KEPT, case_of, content_of, plan_basis, require_unchanged
+from cases.basis import COMPUTED_FROM, CONTENT, case_of, content_of, plan_basis, require_unchanged
 from cases.schema import Case
 from identification.limits.limit import LimitKind, LimitReport, Status
 from identification.model.model import identification_model
@@ -254,7 +254,7 @@ class Plan:
             "case": self.case.name,
             "case_file": self.case.origin,
             "case_hash": self.case.hash,
-            KEPT: plan_basis(self.case, self.payloads[-1], isinstance(request, PoseRequest)),
+            COMPUTED_FROM: plan_basis(self.case, self.payloads[-1], isinstance(request, PoseRequest)),
             "family": self.family,
             "criterion": request.criterion,
             "model": request.model,

@@ -9,7 +9,7 @@ import pytest
 
 from cases.base.errors import CaseError, FileProblem
 from cases.basis import (
-    KEPT,
+    COMPUTED_FROM,
     bound_hash,
     case_of,
     changes_since,
@@ -36,7 +36,7 @@ def edited(key: str, value: Any) -> Case:
 
 def kept(case: Case) -> dict[str, dict[str, Any]]:
     bases = {"plan": plan_basis(case), "recording": recording_basis(case), "result": result_basis(case)}
-    return {name: {"case": "hexapod", KEPT: basis} for name, basis in bases.items()}
+    return {name: {"case": "hexapod", COMPUTED_FROM: basis} for name, basis in bases.items()}
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cases.base.errors import IdentificationError
-from cases.basis import KEPT, recording_basis
+from cases.basis import COMPUTED_FROM, recording_basis
 from cases.schema import Case
 from cases.tables import built_in_cases
 from identification.identify import identify
@@ -43,9 +43,11 @@ def test_a_recording_of_another_case_is_named_as_such() -> None:
 
 def test_a_recording_of_another_case_that_can_be_evaluated_is_named_first() -> None:
     """Sensors differ, columns do not; a case that only has another name is the same machine."""
-    record = {"case": "other", KEPT: recording_basis(CASE)}
+    record = {"case": "other", COMPUTED_FROM: recording_basis(CASE)}
     assert not any("recorded with" in w for w in identify(replace(run(), record=record), CASE).warnings)
-    turned = replace(run(), record=record | {KEPT: recording_basis(CASE) | {"setup": "2x", "gravity_m_s2": None}})
+    turned = replace(
+        run(), record=record | {COMPUTED_FROM: recording_basis(CASE) | {"setup": "2x", "gravity_m_s2": None}}
+    )
     first, *_ = identify(turned, CASE).warnings
     assert tells(first, "case other, not hexapod", "setup was 2x, is 1b (1 more)", "leave --case out")
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from starlette.testclient import TestClient
 
-from cases.basis import KEPT, result_basis
+from cases.basis import COMPUTED_FROM, result_basis
 from cases.scaffold import new_case
 from cases.schema import load_case
 
@@ -25,7 +25,7 @@ def file(root: Path) -> Path:
     }  # fmt: skip
     parameter = {"value": 2.0, "std": 0.01, "std_robust": 0.01, "unit": "kg"}
     record = {
-        "case": "arm", "case_hash": case.hash, KEPT: result_basis(case), "recording": "rec.csv",
+        "case": "arm", "case_hash": case.hash, COMPUTED_FROM: result_basis(case), "recording": "rec.csv",
         "parameters": {"m": parameter}, "findings": [finding],
     }  # fmt: skip
     (root / "res").mkdir()

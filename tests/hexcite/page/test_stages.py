@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from starlette.testclient import TestClient
 
-from cases.basis import KEPT, plan_basis, result_basis
+from cases.basis import COMPUTED_FROM, plan_basis, result_basis
 from cases.scaffold import new_case
 from cases.schema import Case, load_case
 from hexcite.page import forms
@@ -33,7 +33,13 @@ def there(root: Path) -> Workspace:
 def plan_folder(root: Path, case: Case, name: str = "mill-plan") -> Path:
     folder = root / name
     folder.mkdir()
-    record = {"case": case.name, "case_hash": case.hash, "family": "ptp", KEPT: plan_basis(case), "duration_s": 12.0}
+    record = {
+        "case": case.name,
+        "case_hash": case.hash,
+        "family": "ptp",
+        COMPUTED_FROM: plan_basis(case),
+        "duration_s": 12.0,
+    }
     (folder / "plan.json").write_text(json.dumps(record))
     return folder
 
@@ -55,7 +61,13 @@ def test_stages_follow_what_commands_write(root: Path, case: Case, client: TestC
     (root / "rec.csv").write_text("t_s,f1_N\n0,1\n")
     assert states(root) == "done done done done open closed"
     (root / "res").mkdir()
-    record = {"case": "mill", "case_hash": case.hash, KEPT: result_basis(case), "parameters": {}, "findings": []}
+    record = {
+        "case": "mill",
+        "case_hash": case.hash,
+        COMPUTED_FROM: result_basis(case),
+        "parameters": {},
+        "findings": [],
+    }
     (root / "res" / "result.json").write_text(json.dumps(record))
     assert states(root) == "done done done done done open"
     for stage in ("machine", "plan", "program", "data", "result", "use"):

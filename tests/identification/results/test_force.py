@@ -14,7 +14,7 @@ import pytest
 
 from cases.base.errors import FileProblem, HexciteError, IdentificationError
 from cases.base.files import json_text
-from cases.basis import KEPT, result_basis
+from cases.basis import COMPUTED_FROM, result_basis
 from cases.schema import load_case
 from identification.finding import Kind
 from identification.identify import estimate_parameters
@@ -294,7 +294,7 @@ def test_a_unit_changed_by_hand_is_noticed(saved: Result, tmp_path: Path) -> Non
 
 
 def test_a_case_of_ones_own_is_looked_at_too(saved: Result, tmp_path: Path) -> None:
-    file = damaged(saved, tmp_path, (KEPT,), result_basis(CASE))
+    file = damaged(saved, tmp_path, (COMPUTED_FROM,), result_basis(CASE))
     sensors = CASE.sensors.model_copy(update={"force_noise_N": 2.0})
     changed = CASE.model_copy(update={"sensors": sensors})
     with pytest.raises(FileProblem, match=r"result\.json: case hexapod .*sensors\.force_noise_N .*stale"):
