@@ -92,6 +92,7 @@ def test_a_case_that_is_not_read_says_why_and_opens_no_stage(root: Path, client:
     assert client.get("/m/+odd/plan").status_code == 200
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize(
     "name", ["hexapod", "ur10_wrist", "ft_wrist", "five_axis_table", "strut_sensors", "clamping_table"]
 )

@@ -103,6 +103,7 @@ def test_the_parts_of_a_budget_add_up_in_every_frame(place: np.ndarray) -> None:
         assert np.sqrt(sum(v**2 for v in parts.values())) == pytest.approx(seen.parameters[name].reported, rel=1e-6)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("size", [4, 10])
 def test_deviations_count_where_the_sensor_may_sit(size: int) -> None:
     """By sampling: machines whose sensor sits elsewhere, read as if it sat where the case says."""
