@@ -339,7 +339,7 @@ def _columns(table: TextColumns, proposal: Proposal) -> Iterator[Column]:
     clock = table.numbers.get(proposal.places.get(CLOCK, -1))
     if clock is not None:
         with np.errstate(all="ignore"):  # stamps that are infinite are said to be
-            clock = (clock - clock[0]) * TICKS[proposal.units[CLOCK]]
+            clock = (clock - clock[0]) * TICKS[proposal.units[CLOCK]] / proposal.clock_counts
     for k, name in enumerate(proposal.names):
         if name:
             ours, values = ours_of.get(k), table.numbers.get(k, np.zeros(0))

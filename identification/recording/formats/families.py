@@ -16,7 +16,7 @@ AXES = "xyz"
 _BRACKETED = re.compile(r"[\[({<]([^\[\](){}<>]*)[\])}>]")
 _ADDRESS = re.compile(r"\s*(?:[+-]?\d+|[XYZABCUWxyzabcuw]|[A-Za-z]\d+|.*[,;].*)\s*")  # index, axis, parts of an address
 _UNIT_WORDS = frozenset(
-    {"mm", "um", "cm", "m", "deg", "rad", "mrad", "n", "kn", "nm", "nmm", "s", "ms", "us", "ns", "lbf"}
+    {"mm", "um", "cm", "m", "deg", "grad", "rad", "mrad", "n", "kn", "nm", "nmm", "s", "ms", "us", "ns", "lbf"}
 )
 """Units that end a name without brackets, as in `Fx_N`."""
 _PREFIX = re.compile(r"(?<![^\W\d_])(?:lr|fb|di|[abdfnrw])(?=[A-Z][a-z]{2})")  # kinds of variables, as in fActPosition
@@ -55,7 +55,9 @@ def words_of(name: str) -> tuple[str, ...]:
         lambda found: found[0] if _ADDRESS.fullmatch(found[1]) or not _is_unit(found[1]) else " ", name
     )
     words = tuple(word.lower() for word in _WORD.findall(_PREFIX.sub("", bare)))
-    return words[:-1] if len(words) > 1 and words[-1] in _UNIT_WORDS else words
+    if len(words) < 2 or words[-1] not in _UNIT_WORDS:
+        return words
+    return words[:-2] if len(words) > 2 and words[-2] == "in" else words[:-1]  # as in `Fx in N`
 
 
 def _is_unit(text: str) -> bool:

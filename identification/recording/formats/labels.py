@@ -28,7 +28,11 @@ _WORDS = frozenset(
 """Words in brackets that are not units, in small letters."""
 _AMBIGUOUS = frozenset({"in", "h", "t", "g", "ft", "rev", "turn", "turns", "s"})
 """Units that, behind a name and without brackets, are as likely a part of the name."""
-_UNIT_CELLS = frozenset({"unit", "units", "einheit", "einheiten", "dimension", "y_unit_label"})
+_UNIT_CELLS = frozenset({"unit", "units", "einheit", "einheiten", "dimension", "y_unit_label", "vert_units"})
+_MULTIPLE = re.compile(
+    r"(?:(?P<one>1)\s*/\s*)?(?P<number>\d+(?:[.,]\d+)?(?:e[+-]?\d{1,2})?)\s*[x*·]?\s*(?P<unit>[^\W\d].*)"
+)
+"""A unit with a factor, as in 0.1 ms, 100 ns and 1/100 mm."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +101,12 @@ def _in_brackets(text: str, units: Units) -> StatedUnit | None:
         return StatedUnit(text, symbol)
     if is_unit(text) and text not in ("-", "none"):
         return StatedUnit(text, None)
+    # of a force, `10 N` may be a range as well
+    multiple = _MULTIPLE.fullmatch(text) if units.quantity == "time" else None
+    if multiple is not None and (symbol := units.symbol(multiple["unit"])) is not None:
+        number = float(multiple["number"].replace(",", "."))
+        if number > 0.0:
+            return StatedUnit(text, symbol, number if multiple["one"] else 1.0 / number)
     parts = [part for part in re.split(r"\s*[,;:]\s*", text) if part]
     words = parts if len(parts) > 1 and any(map(units.symbol, parts)) else _WORD.findall(text)
     known = [word for word in words if units.symbol(word) not in (None, "1")]
@@ -155,7 +165,7 @@ def units_row(head: Sequence[Sequence[str]], names_row: int) -> list[str]:
         if k == names_row or not filled or abs(len(cells) - count) > 1:  # lines of two cells are about the whole file
             continue
         if cells[0].casefold() in _UNIT_CELLS:
-            cells[0] = ""
+            cells = cells[1:] if len(cells) == count + 1 else ["", *cells[1:]]
         elif 2 * sum(map(is_unit, filled)) < len(filled):
             continue
         return [*cells, ""][:count]

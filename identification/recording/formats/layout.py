@@ -38,6 +38,7 @@ class TextColumns:
     settings: dict[str, Any]  # of `[recording]`, without what columns mean
     clock: tuple[int, str] | None  # the column of time stamps where the format says which it is, and their unit
     dates: frozenset[int] = frozenset()  # columns of dates or times of day, whose numbers are ns from the first row
+    header: tuple[str, ...] = ()  # lines above the rows
 
 
 def look_at_text(file: Path, stated: FileFormat | None = None) -> TextColumns:
@@ -83,7 +84,8 @@ def look_at_text(file: Path, stated: FileFormat | None = None) -> TextColumns:
             numbers[own] = np.asarray(table.stamps, dtype=float)
     settings |= _stated(known, layout, clock) if stated is None else {}
     dated = {} if clock is not None else _dates(known, content, layout, rows, wanted)
-    return TextColumns(names, units, numbers | dated, settings, clock, frozenset(dated))
+    lines = tuple(line.decode(layout.form.encoding, "replace") for line in content.head()[: layout.form.header_rows])
+    return TextColumns(names, units, numbers | dated, settings, clock, frozenset(dated), lines)
 
 
 def _dates(
@@ -208,7 +210,10 @@ def _decoded(file: Path, raw: Sequence[bytes]) -> tuple[str, list[str]]:
         if not any("\0" in line for line in lines):
             return encoding, lines
     raise RecordingError(
-        place=file, problem="is not text", remedy="export the recording as CSV or Parquet", code=Code.UNREADABLE
+        place=file,
+        problem="is not text in UTF-8, UTF-16 with its mark, or cp1252",
+        remedy="save text of another encoding as UTF-8; export other files as CSV or Parquet",
+        code=Code.UNREADABLE,
     )
 
 

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from cases.base.errors import printable
 from cases.base.units import DEG, MM, Array
 from cases.chain import Joint
 from cases.orientation import ANGLES, CONVENTIONS, QUATERNION, ROLL_PITCH_YAW
@@ -36,6 +37,7 @@ from identification.recording.formats.families import words_of
 from identification.recording.formats.labels import StatedUnit, counted, stated_unit
 from identification.recording.formats.layout import TextColumns
 from identification.recording.formats.meaning import groups_of, meaning_of, span
+from identification.recording.formats.stated_rates import stated_step
 from identification.recording.formats.table import listed
 from identification.recording.formats.triggers import changing_bits, switched
 from identification.recording.formats.vocabulary import CLOCK_UNITS
@@ -44,6 +46,7 @@ CUTOFF_HZ = 40.0  # of a proposal where the case states none
 LEAST_CUTOFF_HZ = 1.0  # below, nothing of an excitation is left
 USUAL_RATE = 1000.0  # what `recording.rate_Hz` has by default
 _RATES = (20.0, 50_000.0)  # rows per second that recorders have
+_OTHER_RATE = 0.05  # share by which the rate of the stamps differs from that of a header, from which on it is said
 _SLOW = 1.0  # rows per second below which a stated unit of stamps is taken for an error
 _CUTOFF_SHARE = 0.19  # of the rows per second; the reader takes a fifth at most
 _MOST_RADIANS = 6.5  # of joints; in degrees one of them is beyond that in any motion
@@ -74,6 +77,7 @@ class Proposal:
     reasons: Mapping[str, str] = field(default_factory=dict)  # our name -> why the column is taken for it
     unit_reasons: Mapping[str, str] = field(default_factory=dict)  # our name -> why it has this unit
     setting_reasons: Mapping[str, str] = field(default_factory=dict)  # key of `settings` -> why it has this value
+    clock_counts: float = 1.0  # numbers of the clock for one of its unit, as its label says
 
     @property
     def has_forces(self) -> bool:
@@ -107,7 +111,7 @@ def proposed(table: TextColumns, case: Case | None, as_stated: bool = False) -> 
     return Proposal(
         draft.places, draft.units, frozenset(draft.guessed), draft.names, settings,
         tuple(dict.fromkeys(draft.doubts)), rate_of(draft.places, draft.units, draft.numbers, settings),
-        draft.reasons, draft.unit_reasons, dict(draft.why(settings)),
+        draft.reasons, draft.unit_reasons, dict(draft.why(settings)), draft.counts,
     )  # fmt: skip
 
 
@@ -130,6 +134,7 @@ class _Draft:
         self.orientation: str | None = None
         self.bit: int | None = None  # of the trigger's column
         self.nanoseconds: str | None = None  # column that adds nanoseconds to the stamps
+        self.counts = 1.0  # of the clock, for one of its unit
         self.clock_unit_stated = False  # whether the settings must state it, though it is the usual one
         self.doubts: list[str] = []
         self.reasons: dict[str, str] = {}  # our name -> why the column is taken for it
@@ -291,6 +296,10 @@ class _Draft:
                 fits = ", which its values fit" if by_values.get(ours) == usual else ""
                 self.units[ours], why = usual, f"no unit is stated; that of our name{fits}" if usual else ""
             self.unit_reasons[ours] = why
+            if ours == CLOCK and label is not None and label.symbol is not None and label.counts != 1.0:
+                self.counts = label.counts
+                self.numbers = {**self.numbers, k: self.numbers[k] / label.counts}  # as the reader counts them too
+                self.units[ours], self.clock_unit_stated = label.symbol, True
             if (
                 ours == CLOCK
                 and label is not None
@@ -386,6 +395,8 @@ class _Draft:
         clock = dict(self.stated.get("clock", {}))  # some formats are not valid without a unit
         if CLOCK in self.places and not self.as_stated and clock.pop("period_ms", None) is not None:
             self.doubts.append(f"{self.name(CLOCK)} has time stamps: recording.clock.period_ms of the case is left out")
+        if CLOCK not in self.places and "period_ms" not in clock:
+            clock |= self._step_of_header()
         if not own_clock:
             stated = clock.pop("unit", None) is not None and CLOCK in self.units
             if not dated and (stated or self.clock_unit_stated or self.units.get(CLOCK, "s") != "s"):
@@ -398,6 +409,26 @@ class _Draft:
         result |= {key: value for key, value in self.stated.items() if key not in own}
         self._add_filter(result)
         return result
+
+    def _step_of_header(self) -> dict[str, Any]:
+        """The clock of a file whose rows have no time, where its header says how far apart they are."""
+        step = stated_step(self.table.header)
+        if step is None or self.said.clocks:
+            return {}
+        period = float(f"{step.period * 1e3:.9g}")
+        self.doubts.append(f"no column is a clock; {printable(step.text)!r} in the header: recording.clock.period_ms")
+        self.unit_reasons[CLOCK] = "the header says it"
+        return {"period_ms": period}
+
+    def _check_stated_rate(self, rate: float | None) -> None:
+        """Says where a header states another rate than the time stamps have."""
+        step = stated_step(self.table.header)
+        if step is None or rate is None or abs(rate * step.period - 1.0) < _OTHER_RATE:
+            return
+        self.doubts.append(
+            f"{self.name(CLOCK)} makes {rate:.4g} rows a second, the header says {printable(step.text)!r}: check the "
+            "unit of the time stamps, recording.clock.unit"
+        )
 
     def why(self, settings: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         """Of each key of the settings why it has its value."""
@@ -439,6 +470,8 @@ class _Draft:
         """The cut-off, which a fifth of the rate limits, and the rate where it is not the usual one."""
         cutoff = float(self.stated.get("filter_cutoff_Hz", CUTOFF_HZ))
         rate = rate_of(self.places, self.units, self.numbers, settings)
+        if CLOCK in self.places:
+            self._check_stated_rate(rate)
         if rate is not None and cutoff < LEAST_CUTOFF_HZ <= _CUTOFF_SHARE * rate:
             usual = min(CUTOFF_HZ, float(f"{_CUTOFF_SHARE * rate:.2g}"))
             self.doubts.append(

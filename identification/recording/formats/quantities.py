@@ -135,6 +135,8 @@ def _tick(table: ColumnTable) -> tuple[float, list[Finding]]:
     if (stated := _stated(table, CLOCK)) is None:
         return table.tick, []
     if form.clock.unit is not None:
+        if stated.symbol == form.clock.unit and stated.counts != 1.0 and not stated.several:
+            return _multiple(table, stated)
         if stated.symbol in (None, form.clock.unit):
             return table.tick, []
         key, used = "recording.clock.unit", form.clock.unit
@@ -147,10 +149,21 @@ def _tick(table: ColumnTable) -> tuple[float, list[Finding]]:
             remedy=f"state recording.clock.unit: {', '.join(TICKS)}; of counts recording.scale = {{ t_s = 0.001 }} [s]",
             code=Code.UNIT,
         )
+    if stated.counts != 1.0:
+        return _multiple(table, stated)
     if stated.symbol == TICKS.usual:
         return table.tick, []
     sentence = f"time stamps are read in {stated.symbol}, as {shown(label)} says in {table.source}"
     return TICKS[stated.symbol], [note(Kind.FORMAT, sentence)]
+
+
+def _multiple(table: ColumnTable, stated: StatedUnit) -> tuple[float, list[Finding]]:
+    """Duration of a unit of the time stamps that is a multiple or a part of a known one [s], and a note."""
+    assert stated.symbol is not None
+    sentence = (
+        f"a 1 of the time stamps is {stated.text}, as {shown(table.form.file_name(CLOCK))} says in {table.source}"
+    )
+    return TICKS[stated.symbol] / stated.counts, [note(Kind.FORMAT, sentence)]
 
 
 def _whole(values: Array) -> bool:

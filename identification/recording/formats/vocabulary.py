@@ -37,10 +37,13 @@ ACCELERATION = words("acc qdd ddq ldd ddl", "accel beschl")
 EFFORT = words("tau trq mom curr amp amps i power load", "effort torque moment current strom leistung power auslast")
 OTHER = words("temp volt humidity druck", "temper voltage spannung battery pressure")
 POSITION = words("pos q angle angles winkel lage weg theta qpos", "position istpos lageist angle")
-DRIVE = words("joint joints j axis achse axes drive antrieb motor actuator aktor enc encoder jnt", "encod antrieb")
+DRIVE = words(
+    "joint joints j axis achse axes drive antrieb motor actuator aktor enc encoder jnt gelenk gelenke",
+    "encod antrieb gelenk",
+)
 STRUT = words("strut struts leg legs bein beine strebe streben l len length laenge länge", "strut streb")
 FORCE = words("f fs lc dms cell cells", "force kraft kräfte loadcell wägezelle messdose")
-WRENCH = words("wrench ft fts netft", "wrench")
+WRENCH = words("wrench ft fts netft tcpf", "wrench")
 MEASURED = words("act ist fb meas msr real raw ai aa va im iw", "actual istw feedb measur gemess present roh")
 RAW = words("raw unfiltered", "roh")
 FILTERED = words("lp", "filter smooth glatt")
@@ -66,6 +69,8 @@ _COMPUTED: tuple[tuple[frozenset[str], str, str], ...] = (
     (frozenset({"actual", "tcp", "force"}),
      "a wrench that the controller of Universal Robots turns into the axes of the base, without the payload that is "
      "set, and zeroes", "record ft_raw_wrench"),
+    (frozenset({"tcpf"}), "the force at the tool, which a controller computes",
+     "record the sensor's own channels, as ft_raw_wrench"),
     (frozenset({"ext", "hat"}), _ESTIMATED[0].format("libfranka"), _ESTIMATED[1]),
     (frozenset({"ext", "est"}), _ESTIMATED[0].format("KUKA's FRI"), _ESTIMATED[1]),
     (frozenset({"cart", "force"}), _ESTIMATED[0].format("KUKA Sunrise"), _ESTIMATED[1]),
@@ -94,7 +99,7 @@ CLOCK = words(
 BESIDE_A_CLOCK = words(
     "default sample rate messrate standardmessrate schnelle langsame fast slow field header rel relative since start "
     "in s ms us ns sec secs nsec nsecs nano nanosec seconds robot sys system utc epoch unix elapsed the of x value "
-    "wall ros run global date standardmessrates"
+    "wall ros run global date standardmessrates pc host iso local computer"
 )
 CLOCK_UNITS = {
     "millis": "ms", "micros": "us", "ns": "ns", "nsec": "ns", "nsecs": "ns", "nano": "ns", "nanosec": "ns", "ms": "ms",
