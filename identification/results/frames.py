@@ -17,11 +17,14 @@ from cases.base.units import DEG, MM, Array, as_html
 from cases.schema import Case
 from cases.tolerances import kind_of
 from identification.estimation.fit import Value
+from identification.findings.left_out import LeftOut
 from identification.findings.told import LeftOpen
+from identification.findings.tolerances import UNITS, turns_of
 from identification.machines.of_case import machine_of
 from identification.model.blocks import FIRST_MOMENT, INERTIA, MASS, Block
 from identification.model.model import Model
 from identification.results.estimate import physical_values
+from identification.samples.samples import MotionOfSamples
 from identification.texts import aligned, budget_cells, parameter_lines
 
 FrameName = Literal["sensor", "flange", "tool", "base"]
@@ -340,18 +343,49 @@ def _by_mounting(values: Array, fixed: bool) -> Array:
     return columns
 
 
-def mounting_of(case: Case, counted: Collection[str], left_open: LeftOpen | None, own: Sequence[int]) -> Mounting:
-    """What is left open of the place of the sensor on its flange.
+def turning_at_home(case: Case, model: Model, values: Array, counted: Collection[str]) -> dict[str, Array]:
+    """By how much {P} is turned at home against where the case has it in {B}, about axes of {P}.
+
+    Shapes (3, k) [rad], by one deviation of each size of the tolerances of zeros, encoders and joints, by their keys;
+    none where the machine has none of these.
+    """
+    at = case.hexapod.home.vector if case.hexapod is not None else case.chain.home if case.chain is not None else None
+    if at is None:
+        return {}
+    machine, still = machine_of(case), np.zeros((1, len(at)))
+    drives = machine.drives(at[None])
+    load = machine.kinematics(drives, still, still, at[None] if machine.of_pose else None)
+    motion = MotionOfSamples(np.ones(1, dtype=bool), load, (drives, still, still), machine)
+    left_out = LeftOut.in_use(model, motion, values, np.zeros((1, 6)), case)
+    stated = {} if case.tolerances is None else dict(case.tolerances.stated())
+    found = {}
+    for key in counted:
+        turns = turns_of(left_out, key) if key in stated and key != "sensor_deg" else np.zeros((1, 3, 0))
+        if turns.shape[2]:
+            found[key] = stated[key] * UNITS[key.rpartition("_")[2]] * left_out.turn[0].T @ turns[0]
+    return found
+
+
+def mounting_of(
+    case: Case,
+    counted: Collection[str],
+    left_open: LeftOpen | None,
+    own: Sequence[int],
+    turning: Mapping[str, Array] | None = None,
+) -> Mounting:
+    """What is left open of the place of the sensor on its flange, or of its axes in {B}.
 
     Args:
         case: case of the result.
         counted: keys of tolerances that its deviations count.
         left_open: what its run leaves open of the sizes that it told; None where it told nothing.
         own: places of the parameters of the body in u.
+        turning: what else turns the sensor in {B}, as of `turning_at_home`; where the load is seen along {B}.
     """
     stated = {} if case.tolerances is None else dict(case.tolerances.stated())
     rows = {"sensor_mm": (MM, slice(0, 3)), "sensor_deg": (DEG, slice(3, 6))}
     of_place = {k: np.eye(6)[:, own] * stated[k] * unit for k, (unit, own) in rows.items() if k in counted}
+    of_place |= {key: np.vstack([np.zeros_like(turns), turns]) for key, turns in (turning or {}).items()}
     told = set() if left_open is None else of_place.keys() & left_open.counts.keys()
     plain = {key: sizes for key, sizes in of_place.items() if key not in told}
     if left_open is None or not told:

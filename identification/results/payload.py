@@ -49,7 +49,7 @@ class Payload(NamedTuple):
         """
         place = place_of(self.case_as_told, frame)
         body = self.whole_body
-        return body.seen_from(place, self.loaded.mounting_of_body(body.model))
+        return body.seen_from(place, self.loaded.mounting_of_body(body.model, not place.fixed))
 
     @property
     def whole_body(self) -> Body:
@@ -182,7 +182,7 @@ def common_of(
     """
     one, other = (slice(None) if places is None else list(places) for places in (old, new))
     size = len(before.values[one])
-    both = _in_common(before, after)
+    both = in_common(before, after)
     cross = np.zeros((size, size))
     for key in both:
         there, here = before.biases[key][one], after.biases[key][other]
@@ -191,7 +191,7 @@ def common_of(
     return np.asarray(cross + cross.T)
 
 
-def _in_common(before: Result, after: Result) -> set[str]:
+def in_common(before: Result, after: Result) -> set[str]:
     """Keys of tolerances that both results are off by alike; what is known of the body is of another body."""
     if not _same_tolerances(before, after):
         return set()
@@ -276,7 +276,7 @@ def _biases_of(before: Result, after: Result, old: Sequence[int], new: Sequence[
 
     They do where both are off by the same sizes; else there are two machines, and the covariance alone says it.
     """
-    keys = _in_common(before, after)
+    keys = in_common(before, after)
     if keys != after.biases.keys() - {BOUNDS} or keys != before.biases.keys() - {BOUNDS}:
         return {}
     pairs = {key: (before.biases[key][list(old)], after.biases[key][list(new)]) for key in after.biases if key in keys}

@@ -25,7 +25,7 @@ from identification.findings.told import LeftOpen
 from identification.model.model import Model, identification_model
 from identification.model.parameters import INERTIA_INDEX
 from identification.results.estimate import SCHEMA_VERSION, Estimate, ResultEntries, of_version_0_2, physical_values
-from identification.results.frames import Body, FrameName, Mounting, body_alone, mounting_of, place_of
+from identification.results.frames import Body, FrameName, Mounting, body_alone, mounting_of, place_of, turning_at_home
 from identification.signals import Residuals
 from identification.texts import (
     aligned,
@@ -132,10 +132,16 @@ class Result:
         sensor = place_of(self.case_as_told, "sensor")
         return Body(sensor, model, self.values[own], self.covariance[square], self.covariance_robust[square], biases)
 
-    def mounting_of_body(self, body: Model) -> Mounting:
-        """What is not known of the place of the sensor on its flange, with its share in the errors of a body."""
+    def mounting_of_body(self, body: Model, along_base: bool = False) -> Mounting:
+        """What is not known of the place of the sensor, with its share in the errors of a body.
+
+        That is its place on its flange and, where the load is seen along the axes of {B}, how the machine turns it at
+        home: zeros of joints, encoders, and joints of a hexapod.
+        """
         own = [self.model.names.index(name) for name in body.names]
-        return mounting_of(self.case, self.biases.keys(), self.left_open, own)
+        counted = self.biases.keys()
+        turning = turning_at_home(self.case_as_told, self.model, self.values, counted) if along_base else {}
+        return mounting_of(self.case, counted, self.left_open, own, turning)
 
     def in_frame(self, frame: FrameName) -> Body:
         """The load in the frame of the sensor, of the robot's flange or tool, or along the axes of {B} at home.
@@ -150,7 +156,7 @@ class Result:
             IdentificationError: the result has no body.
         """
         place = place_of(self.case_as_told, frame)
-        return self.body.seen_from(place, self.mounting_of_body(self.body.model))
+        return self.body.seen_from(place, self.mounting_of_body(self.body.model, not place.fixed))
 
     @property
     def not_counted(self) -> list[str]:

@@ -85,10 +85,10 @@ TEXTS: dict[str, tuple[str, str]] = {
     "beside": ("Beside {what}", "Neben {what}"),
     "difference": ("difference", "Unterschied"),
     "en_note": (
-        "E_n is the difference over the root of both squared U (k=2); above 1 they disagree. Tolerances of the same "
-        "machine count in both, so that E_n is rather too small.",
-        "E_n ist der Unterschied durch die Wurzel beider quadrierter U (k=2); über 1 widersprechen sie sich. "
-        "Toleranzen derselben Maschine zählen in beiden, E_n ist also eher zu klein.",
+        "E_n is the difference over its U (k=2); above 1 they disagree. Tolerances by which both results are off alike "
+        "cancel in it.",
+        "E_n ist der Unterschied durch sein U (k=2); über 1 widersprechen sie sich. Toleranzen, um die beide "
+        "Ergebnisse gleich falsch sind, heben sich darin auf.",
     ),
     "pooled": ("The runs, and which of them differs", "Die Läufe, und welcher abweicht"),
     "pooled_agree": (

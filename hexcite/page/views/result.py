@@ -1,7 +1,6 @@
 """The stage Result: the verdict, and the parameters in words."""
 
-import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -13,8 +12,8 @@ from hexcite.page.actions.result import REFERENCES
 from hexcite.page.actions.stated import LIMITS
 from hexcite.page.stages import Made, Workspace, case_of
 from hexcite.page.views.common import Query, beginning, chosen, parameter, remedies
-from identification.estimation.fit import COVERAGE_FACTOR
 from identification.finding import ABOUT_THE_RUN
+from identification.results.agreement import Difference, differences
 from identification.results.pooling import UNLIKELY
 from identification.results.result import Result, pooled_rows, scatter_rows
 from identification.results.verdicts import Check, Verdict, accept
@@ -39,7 +38,7 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "budget": _budget(result.record),
         "pooled": _pooled(result.record),
         "channels": _channels(context, result.record),
-        "other": _beside(result, next((each for each in there.results if each.name == query.get("other")), None)),
+        "other": _beside(context, result, there.results, query.get("other")),
         "recordings": there.recordings,
         **_payload(context, result),
         "again": about["recording"].name if about["recording"].name in names else "",
@@ -148,11 +147,30 @@ def _channels(context: Context, record: Mapping[str, Any]) -> list[tuple[str, st
     ]
 
 
-def _beside(result: Made, other: Made | None) -> dict[str, Any] | None:
-    """Another result beside this one: values, difference, and the difference over the root of both squared U."""
+@lru_cache(64)
+def _differences(
+    before: Path, after: Path, fingerprints: tuple[str, str], file: Path, time_ns: int, size: int
+) -> dict[str, Difference]:
+    """Differences of two results, computed once for each content; none where one of them cannot be loaded."""
+    del fingerprints
+    case = case_of(str(file), time_ns, size)
+    try:
+        return differences(*(Result.load(folder, case, stale=True) for folder in (before, after)))
+    except HexciteError:
+        return {}
+
+
+def _beside(context: Context, result: Made, results: Sequence[Made], name: str | None) -> dict[str, Any] | None:
+    """Another result beside this one: values, difference, and that over its U, tolerances of both counted once."""
+    other = next((each for each in results if each.name == name), None)
     if other is None or other.name == result.name:
         return None
-    rows = []
+    rows, file = [], context.machine.file
+    status = file.stat()
+    prints = (other.fingerprint, result.fingerprint)
+    between = _differences(
+        context.root / other.name, context.root / result.name, prints, file, status.st_mtime_ns, status.st_size
+    )
     for name, value in result.record.get("parameters", {}).items():
         before = other.record.get("parameters", {}).get(name)
         if not before:
@@ -160,8 +178,8 @@ def _beside(result: Made, other: Made | None) -> dict[str, Any] | None:
         words, now, _, _, unit = parameter(name, value)
         scale = legible(str(value.get("unit", "")))[0]
         off = float(value["value"]) - float(before["value"])
-        both = math.hypot(*(COVERAGE_FACTOR * max(float(v["std"]), float(v["std_robust"])) for v in (value, before)))
-        apart = f"{abs(off) / both:.2g}" if both > 0.0 else "–"
+        en = between[name].en if name in between else None
+        apart = "–" if en is None else f"{en:.2g}"
         rows.append((words, parameter(name, before)[1], now, f"{off * scale:+.3g}", unit, apart))
     return {"name": other.name, "rows": rows}
 
