@@ -211,7 +211,12 @@ def workspace(root: Path, machine: Machine) -> Workspace:
         plan = next((plan.name for plan in plans if found and plan.fingerprint.startswith(found)), "")
         if plan:
             programs.append(Program(path.name, plan, status.st_mtime))
-        elif not found and suffix in RECORDINGS and not path.name.endswith("-force.csv"):
+        elif (
+            not found
+            and suffix in RECORDINGS
+            and not path.name.endswith("-force.csv")
+            and not _made_here(str(path), status.st_mtime_ns, status.st_size)
+        ):
             files.append(Recording(path.name, False, status.st_mtime))
     return Workspace(machine, plans, _newest(programs[:MOST]), _newest([*runs, *files[:MOST]]), results)
 
@@ -277,6 +282,16 @@ def _plan_of(file: str, time_ns: int, size: int) -> str:
     except OSError:
         return ""
     return found[1].decode() if found else ""
+
+
+@lru_cache(1024)
+def _made_here(file: str, time_ns: int, size: int) -> bool:
+    """Whether a file is an export of hexcite, which says so in its first lines."""
+    try:
+        with open(file, "rb") as stream:
+            return b"made by hexcite" in stream.read(1024)
+    except OSError:
+        return False
 
 
 def free(root: Path, name: str, taken: set[str], suffix: str = "") -> str:

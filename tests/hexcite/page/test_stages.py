@@ -211,6 +211,12 @@ def test_folders_of_recorded_files_are_runs(root: Path, case: Case):
     assert found == {"two": ("two/a.csv", "two/b.txt"), "bag": ("bag",)}
 
 
+def test_exports_are_no_recordings(root: Path, case: Case):
+    (root / "load.xml").write_text("<!--\n  made by hexcite 0.3\n-->\n<inertial/>\n")
+    (root / "trace.xml").write_text("<?xml version='1.0'?>\n<trace/>\n")
+    assert [recording.name for recording in there(root).recordings] == ["trace.xml"]
+
+
 def test_files_of_a_run_appear_together(root: Path, client: TestClient):
     part = client.post("/runs").json()["name"]
     for name in ("day_struts.csv", "day_forces.csv", "metadata.yaml"):
