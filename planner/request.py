@@ -55,7 +55,6 @@ def require_workers(workers: int | None) -> None:
 class Solver(StrEnum):
     """What solves the non-linear program of a start; see `planner.search.solvers`."""
 
-    INTERIOR = "interior"
     IPOPT = "ipopt"
     SQP = "sqp"
     ACTIVE_SET = "active-set"
@@ -79,7 +78,7 @@ class Request:
     payload_from: int | None = None
     starts: int | None = None  # number of random starts; None for as many as pay
     seed: int = 0  # seed of the starts
-    # what optimises each start; its name will do. None for interior
+    # what optimises each start; its name will do. None for active-set where few unknowns are explored, else ipopt
     solver: Solver | None = None
     workers: int | None = field(default=None, compare=False)  # processes that search; None for one a core
     seconds: float | None = None  # how long to search [s]; None for as long as it pays

@@ -106,8 +106,8 @@ def plan(
     solver: Annotated[
         str | None,
         option(
-            "What optimises a start: interior (default; its steps satisfy every limit), or CasADi's ipopt, sqp or "
-            "active-set (quasi-Newton)."
+            "What optimises a start: ipopt (interior point), sqp, or active-set (quasi-Newton); by default active-set "
+            "where few unknowns are explored (fourier), ipopt else."
         ),
     ] = None,
     workers: console.Workers = None,

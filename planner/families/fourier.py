@@ -92,7 +92,7 @@ class FourierFamily(Family):
         return cls(order, period, periods - lead, middle, half, centred, period / 2 if lead else 0.0, free)
 
     name: ClassVar[str] = "fourier"
-    iterations: ClassVar[int] = 80
+    iterations: ClassVar[int] = 30
     mending: ClassVar[int] = 60
 
     @property

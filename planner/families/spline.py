@@ -52,7 +52,7 @@ class SplineFamily(Family):
         return cls(intervals, duration, middle, half, slip)
 
     name: ClassVar[str] = "spline"
-    iterations: ClassVar[int] = 60
+    iterations: ClassVar[int] = 50
     mending: ClassVar[int] = 40
 
     @property

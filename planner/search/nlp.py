@@ -169,18 +169,11 @@ class NonlinearProgram:
 
     def hessian(self, unknowns: Array, factor: float, multipliers: Array) -> Array:
         """Second derivative of factor times the criterion plus the rows times multipliers, as `hessian_pattern`."""
-        convex, rest = self.curvatures(unknowns, factor, multipliers)
-        return (convex if rest is None else convex + rest)[self.hessian_pattern]
-
-    def curvatures(self, unknowns: Array, factor: float, multipliers: Array) -> tuple[Array, Array | None]:
-        """The same as two full matrices, shape (n, n): what is convex of the criterion with the rows, and the rest.
-
-        The rest is None where second derivatives are convex, see `convex`.
-        """
-        blocks, rest = self._curvatures_of_rows(unknowns, multipliers), None
-        total = self._gathered(blocks)
+        size = self.unknowns
+        total = np.zeros((size, size))
+        blocks = self._curvatures_of_rows(unknowns, multipliers)
         if factor != 0.0:
-            size, point = self.unknowns, self._point(unknowns)
+            point = self._point(unknowns)
             local = criterion_at(self.letter, point.information, self.halvings)
             total += factor * curvature_through_information(self.states, unknowns, local, point, size)
             if self.errors is not None:  # where field and motion change together this part is flat, and steps too long
@@ -188,18 +181,11 @@ class NonlinearProgram:
                 local = criterion_at(Criterion.D, white.information)
                 total += factor * curvature_through_information(self.states, unknowns, local, white, size)
             elif not self.convex:
-                own = factor * self._curvature_at_states(unknowns, local, point)
-                rest = self._gathered([(self.states.index, own)])
-        return total, rest
-
-    def _gathered(self, blocks: Sequence[tuple[Indices, Array]]) -> Array:
-        """Sum of second derivatives by the unknowns of blocks, shape (n, n)."""
-        size = self.unknowns
-        total = np.zeros(size * size)
+                blocks.append((self.states.index, factor * self._curvature_at_states(unknowns, local, point)))
         for index, matrices in blocks:
             flat = (index[:, :, None] * size + index[:, None, :]).ravel()
-            total += np.bincount(flat, matrices.ravel(), total.size)
-        return total.reshape(size, size)
+            total += np.bincount(flat, matrices.ravel(), total.size).reshape(total.shape)
+        return np.asarray(total[np.triu_indices(size)])
 
     def _curvatures_of_rows(self, unknowns: Array, multipliers: Array) -> list[tuple[Indices, Array]]:
         """Second derivatives of the rows by blocks of unknowns; limits at the same states are pulled back together."""

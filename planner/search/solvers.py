@@ -1,9 +1,9 @@
-"""Solvers of a program whose functions are NumPy's: our own, and those of CasADi, which only passes them on.
+"""Solvers of CasADi on a program whose functions are NumPy's: CasADi only passes them on.
 
-`interior` is `planner.search.interior`, whose start must satisfy every limit. `ipopt` is an interior-point method with
-exact second derivatives. The two others are CasADi's `sqpmethod`, a sequence of quadratic programs with a line search:
-`sqp` with exact second derivatives, made convex, and PIQP for the quadratic programs; `active-set` with second
-derivatives of its own (BFGS, begun anew every ten steps) and DAQP, an active-set method.
+`ipopt` is an interior-point method with exact second derivatives. The two others are CasADi's `sqpmethod`, a sequence
+of quadratic programs with a line search: `sqp` with exact second derivatives, made convex, and PIQP for the quadratic
+programs; `active-set` with second derivatives of its own (BFGS, begun anew every ten steps) and DAQP, an active-set
+method.
 """
 
 from collections.abc import Callable, Sequence
@@ -14,18 +14,17 @@ import numpy as np
 
 from cases.base.units import Array, Indices
 from planner.request import Solver
-from planner.search.interior import Watch, solve_inside
 from planner.search.nlp import NonlinearProgram
 from planner.search.record import SolverStatus
+
+Watch = Callable[[float], bool]
+"""Function of the objective, called at every iteration; a true answer stops the solver."""
 
 Barrier = tuple[float, float, float]
 """First parameter of IPOPT's barrier, and the factor and the power with which it falls (0.2 and 1.5 by default)."""
 
 INSIDE = 1e-4  # share of a limit by which an iterate may exceed it and still count
 GAIN = 5e-4  # of the objective: 0.05 % of an efficiency in so many iterations is not worth their time
-# What our barrier costs at first far from an optimum, and near one, and at the end of an exploration, in units of the
-# objective. Series of three seeds end 1.5 to 3 % higher from 2 than from 0.3, splines as high in fewer steps.
-FAR, CLOSE, ROUGH = 2.0, 0.2, 0.02
 PATIENCE = {Solver.IPOPT: 8, Solver.SQP: 8, Solver.ACTIVE_SET: 20}  # steps without exact curvature gain less
 FLAT = 4  # iterations without a gain after which steps that become too short are an end and no failure
 STEPS = {Solver.IPOPT: 1, Solver.SQP: 1, Solver.ACTIVE_SET: 4}  # and there are as many more of them
@@ -113,24 +112,21 @@ def solve(
     iterations: int,
     watch: Watch,
     barrier: Barrier | None = None,
-    solver: Solver = Solver.INTERIOR,
+    solver: Solver = Solver.IPOPT,
 ) -> tuple[Array, SolverStatus, int]:
-    """Solves a program from a start, which need not be inside its limits but for `interior`.
+    """Solves a program from a start, which need not be inside its limits.
 
     Args:
         start: shape (n,).
         iterations: number of iterations at most, of a solver with exact second derivatives; others have as many more
             as they need.
         watch: called with the objective of each iteration.
-        barrier: None far from an optimum: IPOPT's adapts, ours begins large and the search ends when it is small.
-        solver: what solves it.
+        barrier: of IPOPT; None where it shall adapt.
+        solver: which of CasADi's.
 
     Returns:
         The unknowns, of a solver that did not converge the best inside the limits; its status; its iterations.
     """
-    if solver is Solver.INTERIOR:
-        first, gap = (FAR, ROUGH) if barrier is None else (CLOSE, GAIN)
-        return solve_inside(program, start, iterations, watch, first, gap)
     bounds, n = program.row_bounds, program.unknowns
     count = len(bounds[0])
     number = ca.Sparsity.dense(1, 1)

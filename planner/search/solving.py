@@ -22,10 +22,9 @@ from planner.noise import PoseErrors, expected_noise, information_of, seen_throu
 from planner.request import Solver
 from planner.search.annealing import TEMPERATURES, annealed_start
 from planner.search.feasibility import keep_limits, require_rest
-from planner.search.interior import Watch
 from planner.search.problem import build_program, largest_shares
 from planner.search.record import Failed, SolverStatus, StartRecord
-from planner.search.solvers import Barrier, solve
+from planner.search.solvers import Barrier, Watch, solve
 
 QUICK_RATE = 1000.0  # [1/s] for comparing starts; the chosen plan is proven at the full rate
 SLIPPED = 5e-4  # further unused share of each limit in the rows: for excess between constrained instants
@@ -81,12 +80,12 @@ class Task:
         return stages + (TEMPERATURES if self.moves else 0)
 
 
-FEW = 150  # unknowns with which exact curvature finds no more than convex one, and takes longer
-SPARE = 5e-3  # share of each limit that a start of the interior-point method leaves
-APART = 0.01  # distance from bounds of unknowns that it leaves at most
+# Unknowns up to which an active-set method explores: with quasi-Newton curvature it converges in less time than
+# interior points with exact second derivatives take for their first iterations. With more its programs cost more.
+FEW = 150
 OTHERWISE = 60  # iterations by A, K and N, which begin from a D-optimal motion
 
-# Far from an optimum second derivatives are convex and the barrier is large (None): better optima, sooner.
+# Far from an optimum the barrier adapts (None) and second derivatives are convex: better optima, sooner.
 _NEAR: Barrier = (1e-4, 0.3, 1.05)
 _AT_HAND: Barrier = (1e-5, 0.2, 1.5)
 
@@ -210,42 +209,15 @@ class _Run:
             self.status, self.converged = SolverStatus.STOPPED, False
             return unknowns
         program = replace(self.program, convex=convex)
-        solver = self.task.solver or Solver.INTERIOR
-        if solver is Solver.INTERIOR:
-            unknowns = self.inside(unknowns)
+        exploring = not (self.task.refine or self.task.moves)
+        usual = Solver.ACTIVE_SET if exploring and program.unknowns <= FEW else Solver.IPOPT
+        solver = self.task.solver or usual
         solution, self.status, count = solve(program, unknowns, iterations, self.stops, barrier, solver)
         self.iterations += count
         self.converged = self.status.converged and bool(np.isfinite(solution).all())
         if not np.isfinite(solution).all():
             return unknowns
         return np.asarray(np.clip(solution, program.lower, program.upper))
-
-    def inside(self, unknowns: Array) -> Array:
-        """Unknowns with all distances shrunk until every row of the program is satisfied, with a little to spare."""
-        program = self.program
-
-        def inside_bounds(candidate: Array) -> Array:
-            pad = np.minimum(APART, SPARE * (program.upper - program.lower))
-            return np.clip(candidate, program.lower + pad, program.upper - pad)
-
-        unknowns = inside_bounds(unknowns)
-        if self.spared(whole := self.family.shrunk(unknowns, 1.0)):
-            return whole
-        small, large = 0.0, 1.0
-        while large - small > SPARE:
-            middle = (small + large) / 2.0
-            shrunk = self.family.shrunk(unknowns, middle)
-            small, large = (middle, large) if self.spared(shrunk) else (small, middle)
-        return self.family.shrunk(unknowns, small)
-
-    def spared(self, unknowns: Array) -> bool:
-        """Whether unknowns satisfy every row and bound of the program, and leave a little of each row."""
-        program = self.program
-        (low, high), rows, free = program.row_bounds, program.row_values(unknowns), program.lower < program.upper
-        limited = low < high
-        spare = np.minimum(high - rows, rows - low)[limited] - SPARE / 2.0 * high[limited]
-        within = (program.lower < unknowns) & (unknowns < program.upper)
-        return bool(spare.min(initial=1.0) > 0.0 and within[free].all())
 
     def constrained(self, unknowns: Array) -> Array:
         """Solves again where limits are exceeded between constrained instants: at more of them, then more tightly."""

@@ -45,12 +45,12 @@ class Valley(NonlinearProgram):
         slope = 20 * (x[1] - x[0] ** 2)
         return np.array([-2 * (1 - x[0]) - 2 * x[0] * slope, slope, x[2] / 50])
 
-    def curvatures(self, x: np.ndarray, factor: float, multipliers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        own = np.diag([2 + 80 * x[0] ** 2, 20.0, 0.02])
+    def hessian(self, x: np.ndarray, factor: float, multipliers: np.ndarray) -> np.ndarray:
+        own = np.diag([2 - 40 * (x[1] - x[0] ** 2) + 80 * x[0] ** 2, 20.0, 0.02])
         own[0, 1] = own[1, 0] = -40 * x[0]
         own *= factor
         own[:2, :2] += 2 * multipliers[1] * np.eye(2)
-        return own, factor * np.diag([-40 * (x[1] - x[0] ** 2), 0.0, 0.0])
+        return own[self.hessian_pattern]
 
 
 def valley() -> NonlinearProgram:
@@ -63,10 +63,7 @@ def valley() -> NonlinearProgram:
 def solved(
     start: list[float], iterations: int, watch: Any = lambda objective: False, solver: Solver = Solver.IPOPT
 ) -> tuple[np.ndarray, SolverStatus, int]:
-    return solve(valley(), np.array(start), iterations, watch, NEAR, solver)
-
-
-NEAR = (1e-4, 0.3, 1.05)  # a barrier with which programs are solved to the end
+    return solve(valley(), np.array(start), iterations, watch, solver=solver)
 
 
 @pytest.mark.parametrize("solver", Solver)
@@ -87,24 +84,10 @@ def test_a_watch_that_has_seen_enough_stops_it(solver: Solver):
         seen.append(objective)
         return len(seen) >= 3
 
-    reached, status, _ = solved([-0.6, 0.6, 0.0], 200, watch, solver)
+    reached, status, _ = solved([-1.5, 1.5, 0.0], 200, watch, solver)
     assert status is SolverStatus.STOPPED
     assert np.isfinite(reached).all()
     assert len(seen) == 3
-
-
-@pytest.mark.parametrize("small", ["fourier", "free period", "spline"], indirect=True)
-def test_each_step_of_the_interior_method_is_inside_and_a_start_outside_is_a_failure(small: Small):
-    _, problem, at = small
-    lower, upper = problem.row_bounds
-    for count in (1, 2, 5, 11):
-        reached, status, steps = solve(problem, at, count, lambda objective: False)
-        rows = problem.row_values(reached)
-        assert (steps, status) == (count, SolverStatus.ITERATION_LIMIT)
-        assert ((lower < rows) & (rows < upper))[lower < upper].all()
-        assert problem.value(reached) < problem.value(at)
-    outside = solve(problem, 3.0 * reached, 5, lambda objective: False)
-    assert outside[1:] == (SolverStatus.FAILED, 0)
 
 
 @pytest.mark.first(2)
@@ -121,7 +104,7 @@ def test_out_of_iterations_it_returns_the_best_inside_the_bounds(iterations: int
 
     program = problem
     watched = Watched(**{name: getattr(program, name) for name in NonlinearProgram.__dataclass_fields__})
-    reached, status, _ = solve(watched, at, iterations, lambda objective: False, solver=Solver.IPOPT)
+    reached, status, _ = solve(watched, at, iterations, lambda objective: False)
     lower, upper = program.row_bounds
 
     def outside(unknowns: np.ndarray) -> float:
@@ -173,7 +156,7 @@ def test_a_problem_of_which_nothing_can_be_computed_is_a_failure_and_no_error():
     """CasADi has no statistics then."""
 
     class Broken(Valley):
-        def curvatures(self, x: np.ndarray, factor: float, multipliers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        def hessian(self, x: np.ndarray, factor: float, multipliers: np.ndarray) -> np.ndarray:
             raise np.linalg.LinAlgError("made up")
 
     plain = valley()
