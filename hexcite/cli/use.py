@@ -67,7 +67,7 @@ def force(
     overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
-    """Compute external force and moment over a recording, with deviations.
+    """Compute external force and moment, with their deviations.
 
     A table by the recorder's clock, and beside it a page with the curves.
     """
