@@ -81,6 +81,25 @@ class LeftOpen(NamedTuple):
         return cls(dict(entries["counts"]), white=float(entries["white"]), **arrays)
 
 
+class Together(NamedTuple):
+    """Sizes of one machine by two runs that each told them: weighed by what each leaves open, their prior once."""
+
+    first: Array  # weight of the sizes of the first run, shape (k, k)
+    second: Array  # of the second
+    remains: dict[str, Array]  # as of `LeftOpen`
+
+    @classmethod
+    def of(cls, one: LeftOpen, other: LeftOpen) -> "Together":
+        """Of two runs with the same sizes."""
+        each = [np.concatenate(list(of.remains.values()), axis=1) for of in (one, other)]
+        inverse = [np.linalg.inv(0.5 * (left + left.T)) for left in each]  # 1 - K G is the covariance with the run
+        both = np.linalg.inv(inverse[0] + inverse[1] - np.eye(len(each[0])))
+        first, second = (np.asarray(both @ i, dtype=float) for i in inverse)
+        whole = first @ each[0] + second @ each[1] - both
+        ends = np.cumsum(list(one.counts.values()))
+        return cls(first, second, dict(zip(one.counts, np.split(whole, ends[:-1], axis=1), strict=True)))
+
+
 class Told(NamedTuple):
     """Sizes by which a machine is off its case, in units of their stated deviations, as a run tells them."""
 

@@ -18,7 +18,7 @@ from cases.schema import Case
 from cases.tolerances import kind_of
 from identification.estimation.fit import Value
 from identification.findings.left_out import LeftOut
-from identification.findings.told import LeftOpen
+from identification.findings.told import LeftOpen, Together
 from identification.findings.tolerances import UNITS, turns_of
 from identification.machines.of_case import machine_of
 from identification.model.blocks import FIRST_MOMENT, INERTIA, MASS, Block
@@ -364,6 +364,34 @@ def turning_at_home(case: Case, model: Model, values: Array, counted: Collection
         if turns.shape[2]:
             found[key] = stated[key] * UNITS[key.rpartition("_")[2]] * left_out.turn[0].T @ turns[0]
     return found
+
+
+def mounting_of_both(case: Case, one: LeftOpen, other: LeftOpen, own: tuple[Sequence[int], Sequence[int]]) -> Mounting:
+    """What two runs leave open of the place of the sensor, beside the difference of their parameters, other less one.
+
+    Args:
+        case: case of both.
+        one: what the first leaves open of the sizes that both told.
+        other: what the second leaves open of them.
+        own: places of the parameters of the body in u of each.
+    """
+    stated = {} if case.tolerances is None else dict(case.tolerances.stated())
+    rows = {"sensor_mm": (MM, slice(0, 3)), "sensor_deg": (DEG, slice(3, 6))}
+    of_place = {k: np.eye(6)[:, at] * stated[k] * unit for k, (unit, at) in rows.items() if k in one.counts}
+    into = one.of_keys({k: of_place.get(k, np.zeros((6, count))) for k, count in one.counts.items()})
+    both = Together.of(one, other)
+    parts = (
+        (into @ both.first @ one.gain, -one.of_values[list(own[0])], one),
+        (into @ both.second @ other.gain, other.of_values[list(own[1])], other),
+    )
+    white, robust = (
+        (
+            sum((s @ of.noise_of(kind) @ s.T for s, _, of in parts), np.zeros((6, 6))),
+            sum((v @ of.noise_of(kind) @ s.T for s, v, of in parts), np.zeros((len(own[0]), 6))),
+        )
+        for kind in (False, True)
+    )
+    return Mounting({key: into @ left for key, left in both.remains.items()}, white, robust)
 
 
 def mounting_of(

@@ -14,10 +14,13 @@ from cases.tolerances import BOUNDS
 from identification.estimation.fit import Value
 from identification.estimation.nearest_body import NearestBody, nearest_body
 from identification.finding import Finding, Kind, changed_cases, sentences, warning
+from identification.findings.off_case import edited
+from identification.findings.told import LeftOpen, Together
 from identification.model.blocks import FIRST_MOMENT, INERTIA, MASS, Block
 from identification.model.model import Model
 from identification.results.estimate import physical_values
-from identification.results.frames import Body, FrameName, place_of
+from identification.results.expected import stated_sizes
+from identification.results.frames import Body, FrameName, mounting_of_both, place_of
 from identification.results.result import Result
 from identification.texts import parameter_lines
 
@@ -49,7 +52,19 @@ class Payload(NamedTuple):
         """
         place = place_of(self.case_as_told, frame)
         body = self.whole_body
-        return body.seen_from(place, self.loaded.mounting_of_body(body.model, not place.fixed))
+        both = self._both_told
+        if both is None or not place.fixed:
+            return body.seen_from(place, self.loaded.mounting_of_body(body.model, not place.fixed))
+        own = tuple([result.model.names.index(n) for n in body.model.names] for result in (self.empty, self.loaded))
+        return body.seen_from(place, mounting_of_both(self.loaded.case, *both, (own[0], own[1])))
+
+    @property
+    def _both_told(self) -> tuple[LeftOpen, LeftOpen] | None:
+        """What both runs leave open of the same sizes of their machine; None where they did not both tell them."""
+        one, other = self.empty.left_open, self.loaded.left_open
+        if one is None or other is None or dict(one.counts) != dict(other.counts):
+            return None
+        return (one, other) if in_common(self.empty, self.loaded) >= one.counts.keys() else None
 
     @property
     def whole_body(self) -> Body:
@@ -77,8 +92,15 @@ class Payload(NamedTuple):
 
     @property
     def case_as_told(self) -> Case:
-        """The case of the machine that carries it."""
-        return self.loaded.case_as_told
+        """The case of the machine that carries it, off by the sizes that both of its runs tell together."""
+        both = self._both_told
+        if both is None:
+            return self.loaded.case_as_told
+        together, keys = Together.of(*both), list(both[0].counts)
+        stated = stated_sizes(self.loaded)
+        one, other = (np.concatenate([of.sizes[k] / stated[k] for k in keys]) for of in (self.empty, self.loaded))
+        parts = np.split(together.first @ one + together.second @ other, np.cumsum(list(both[0].counts.values()))[:-1])
+        return edited(self.loaded.case, {k: part * stated[k] for k, part in zip(keys, parts, strict=True)})
 
     @property
     def source(self) -> str:
