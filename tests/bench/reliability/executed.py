@@ -2,8 +2,10 @@
 
 from pathlib import Path
 
-from cases.base.errors import HexciteError
+from cases.base.errors import Code, HexciteError
+from cases.schema import Case
 from postprocessors.controllers.linuxcnc.session import linuxcnc_missing, run_linuxcnc
+from postprocessors.program import Program
 from tests.bench.reliability.tally import Tally
 from tests.postprocessors.random_programs import CASES, differences, one_after_the_other
 
@@ -20,11 +22,19 @@ def tally_of_executed(seeds: range, _: Path) -> Tally:
     for k, first in enumerate(range(seeds.start, seeds.stop, TOGETHER)):
         batch, case = range(first, min(first + TOGETHER, seeds.stop)), CASES[names[k % AXES_EVERY == 0]]
         program = one_after_the_other(batch, case)
-        try:
-            found = differences(program, run_linuxcnc(program, case))
-        except HexciteError as error:
-            found = [str(error)]
-        tally.counts.update({"executed as proven" if not found else "executed otherwise": len(batch)})
+        found, failed = _found(program, case)
+        if failed:  # of a busy computer, which a second run tells from a defect
+            found, _ = _found(program, case)
+        proven = "executed as proven by a second run" if failed else "executed as proven"
+        tally.counts.update({"executed otherwise" if found else proven: len(batch)})
         for sentence in found:
             tally.defect(first, f"{case.name}: {sentence}\n{program.text}")
     return tally
+
+
+def _found(program: Program, case: Case) -> tuple[list[str], bool]:
+    """What LinuxCNC executes otherwise than proven, and whether it could not execute it as it is asked to."""
+    try:
+        return differences(program, run_linuxcnc(program, case)), False
+    except HexciteError as error:
+        return [str(error)], error.code is Code.RUN_FAILED
