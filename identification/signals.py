@@ -244,10 +244,14 @@ class Residuals:
         """Residuals of these, shape (n, 6)."""
         return np.asarray(self.explained - self.predicted)
 
-    def spectrum(self) -> tuple[Array, Array]:
-        """Amplitude spectral density of each channel, by Welch's method, shapes (k,) [Hz] and (k, 6) [N/sqrt(Hz)]."""
+    def spectrum(self, segment: int = SEGMENT) -> tuple[Array, Array]:
+        """Amplitude spectral density of each channel, by Welch's method, shapes (k,) [Hz] and (k, 6) [N/sqrt(Hz)].
+
+        Args:
+            segment: samples of which a spectrum is taken, at most; the mean of all is returned.
+        """
         assert self.step is not None, "standstills have no spectrum"
-        size = min(SEGMENT, len(self.t))  # segments under a Hann window that overlap by half, each less its mean
+        size = min(segment, len(self.t))  # segments under a Hann window that overlap by half, each less its mean
         overlapping = np.lib.stride_tricks.sliding_window_view(self.values, size, axis=0)[:: size - size // 2]
         window = np.hanning(size + 1)[:-1]
         spectra = rfft((overlapping - overlapping.mean(axis=2, keepdims=True)) * window)

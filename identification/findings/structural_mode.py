@@ -60,14 +60,12 @@ def mode_of(fitted: Fitted) -> Mode | None:
     length = min(count, round(SECOND / step))
     if length < 64 or seen.values.shape[0] < 2 * length // 2:
         return None
-    from scipy.signal import welch
-
     scale = white_noise(seen.forces)
     if not np.all(scale > 0.0):
         return None
     off = seen.values / scale
-    at, powers = welch(off, 1.0 / step, "hann", length, length // 2, axis=0)
-    power = powers.mean(axis=1)
+    at, densities = seen.spectrum(length)
+    power = np.mean((densities / scale) ** 2, axis=1)
     inside = (at > LOWEST * run.filter.cutoff) & (at < HIGHEST / step)
     if np.count_nonzero(inside) < 8:
         return None

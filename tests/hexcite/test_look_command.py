@@ -33,7 +33,8 @@ def test_json_says_the_same(tmp_path: Path) -> None:
     answer = call("look", _recording(tmp_path), "--case", "ft_wrist", "-o", tmp_path / "look.png", "--json").json()
     assert answer["reads"]
     assert answer["rows"] == 12
-    assert {"name": "Kraft x", "meaning": "fx_N", "unit": "N", "guessed": False} in answer["columns"]
+    (force,) = (column for column in answer["columns"] if column["name"] == "Kraft x")
+    assert {"meaning": "fx_N", "unit": "N", "guessed": False}.items() <= force.items()
 
 
 def test_a_picture_is_not_replaced(tmp_path: Path) -> None:
