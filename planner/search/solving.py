@@ -199,8 +199,8 @@ class _Run:
         """Solves a stage: its problem is that of all that follows until the next."""
         task, self.program = self.task, replace(self.program, letter=letter, halvings=halvings)
         barrier = None if task.begin is None and not task.moves else _NEAR
-        # near an optimum IPOPT converges with exact curvature where it ends early with convex one; ours does with both
-        exact = task.moves or (task.refine and task.solver is Solver.IPOPT and self.program.unknowns > FEW)
+        # near an optimum exact curvature converges where convex one ends early; of few unknowns that finds no more
+        exact = task.moves or (task.refine and self.program.unknowns > FEW)
         return self.solve(unknowns, iterations, barrier, convex=not exact)
 
     def solve(self, unknowns: Array, iterations: int, barrier: Barrier | None, convex: bool = False) -> Array:
