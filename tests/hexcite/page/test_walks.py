@@ -1,190 +1,168 @@
-"""From a drawing, and from a robot's file, to a proven program: in a real Chromium, its clicks and fields counted."""
+"""Two walks by keyboard alone, counted: an export of Scope to a verdict, and recordings of a robot to its payload."""
 
+import csv
 import re
-from collections.abc import Callable
+from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
-from playwright.sync_api import Browser, Locator, expect
+from playwright.sync_api import Browser, Locator, Page, expect
 
+import hexcite as hx
+from cases.scaffold import new_case
+from cases.schema import Case, load_case
 from tests.hexcite.browser import browser
-from tests.hexcite.page.test_in_browser import Seen, address, patience
+from tests.hexcite.page.served import Seen, address, patience
+from tests.identification.recording.formats.test_twincat import exported
 
 pytestmark = pytest.mark.slow
 __all__ = ["address", "browser", "patience"]
 
-DRAWING = {  # of a hexapod that is not built in: value as the drawing has it, and its unit where that is another one
-    "machine.base.ring.radius_mm": ("640", ""),
-    "machine.base.ring.half_angle_deg": ("28", "included_angle_deg:deg"),
-    "machine.platform.ring.radius_mm": ("0.23", "radius_mm:m"),
-    "machine.platform.ring.half_angle_deg": ("92", "included_angle_deg:deg"),
-    "machine.home.z_mm": ("850", ""),
-    "workspace.strut_length_mm": ("[600, 1500]", ""),
-    "limits.motion.strut_length_mm": ("[650, 1420]", ""),
-    "limits.motion.acceleration_m_s2": ("[5000, 5000, 5000]", "acceleration_m_s2:mm/s²"),
-    "nominal.mass_kg": ("28,4", ""),
-}
-ARM = """<robot name="arm"><link name="base"/>{links}<link name="tool0"/>
-<joint name="fix" type="fixed"><parent link="l6"/><child link="tool0"/><origin xyz="0 0 0.08"/></joint></robot>"""
-JOINT = """<link name="l{k}"/><joint name="j{k}" type="revolute"><parent link="{parent}"/><child link="l{k}"/>
-<origin xyz="{xyz}" rpy="{rpy}"/><axis xyz="0 0 1"/><limit lower="-3" upper="3" velocity="2.5" effort="100"/></joint>"""
-PLACES = (
-    ("0 0 0.2", "0 0 0"), ("0 0 0", "1.5708 0 0"), ("0.5 0 0", "0 0 0"), ("0.45 0 0", "0 0 0"),
-    ("0 0 0.12", "-1.5708 0 0"), ("0 0 0.1", "1.5708 0 0"),
-)  # fmt: skip
+FAR = 400  # stops of the tab key that a page has at most
 
 
-class Walk(Seen):
-    """A page, with what a person has done on it."""
+class Walker:
+    """Someone with a keyboard alone.
 
-    clicks = 0
-    fields = 0
+    Args:
+        page: that they are at.
+        keys: how many they pressed until now, texts counted by letters.
+        acts: how often they decided something: a button, a choice, a text, a file.
+    """
 
-    def click(self, what: Locator) -> None:
-        """Presses a button, a link or a box."""
-        what.click()
-        self.clicks += 1
+    def __init__(self, page: Page) -> None:
+        self.page, self.keys, self.acts = page, 0, 0
 
-    def fill(self, what: Locator, value: str) -> None:
-        """Types a value."""
-        what.fill(value)
-        self.fields += 1
+    def press(self, key: str) -> None:
+        self.page.keyboard.press(key)
+        self.keys += 1
 
-    def choose(self, what: Locator, value: str) -> None:
-        """Chooses in a menu."""
-        what.select_option(value)
-        self.fields += 1
+    def reach(self, wanted: Locator) -> None:
+        """Goes to a control by the tab key."""
+        wanted.first.wait_for()
+        for _ in range(FAR):
+            if wanted.first.evaluate("(each) => each === document.activeElement"):
+                return
+            self.press("Tab")
+        raise AssertionError(f"{wanted} is not reached by the keyboard")
 
-    def field(self, name: str) -> Locator:
-        """The field of a value, in whatever part of the form; opened where it is closed."""
-        own = self.page.locator(f'[id="v.{name}"], [id="w.{name}"]')
-        closed = own.locator("xpath=ancestor::details[not(@open)]")
-        while closed.count():
-            self.click(closed.first.locator("> summary"))
-        return own
+    def act(self, wanted: Locator) -> None:
+        """Presses a button, or follows a link."""
+        self.reach(wanted)
+        self.press("Enter")
+        self.acts += 1
 
-    def button(self, name: str | re.Pattern[str]) -> Locator:
-        """A button by its words."""
-        return self.page.get_by_role("button", name=name)
+    def write(self, wanted: Locator, text: str) -> None:
+        """Types a text, or the beginning of a choice."""
+        self.reach(wanted)
+        self.page.keyboard.type(text)
+        self.keys += len(text)
+        self.acts += 1
 
-    def to_a_program(self, dialect: str, after_plan: Callable[[], None] = lambda: None) -> None:
-        """From a saved machine through a quick search to a proven program that is downloaded."""
-        page = self.page
-        self.click(page.get_by_role("link", name="Next: Plan"))
-        self.fill(page.get_by_label("Seconds of the motion"), "8")
-        after_plan()
-        self.click(self.button("Search"))
-        self.click(page.get_by_role("link", name="Next: Program"))
-        self.choose(page.locator("#f-dialect"), dialect)
-        self.click(self.button("Write and prove"))
-        expect(page.locator(".good")).to_contain_text("proven")
-        expect(page.get_by_role("heading", name="How to record on this control")).to_be_visible()
-        with page.expect_download() as download:
-            self.click(page.get_by_role("link", name=re.compile("Download")))
-        assert Path(download.value.path()).stat().st_size > 1000
+    def choose(self, wanted: Locator, option: str) -> None:
+        """Goes down, or up, in a menu to a choice."""
+        self.reach(wanted)
+        options = wanted.first.evaluate("(each) => [...each.options].map((option) => option.value || option.text)")
+        way = options.index(option) - wanted.first.evaluate("(each) => each.selectedIndex")
+        for _ in range(abs(way)):
+            self.press("ArrowDown" if way > 0 else "ArrowUp")
+        assert wanted.first.input_value() == option
+        self.acts += 1
 
-    def told(self, what: str) -> None:
-        """Prints what it took."""
-        print(f"{what}: {self.clicks} clicks, {self.fields} fields")
-
-
-def test_a_foreign_hexapod_from_its_drawing_to_a_proven_program(browser: Browser, address: str, root: Path):
-    walk = Walk(browser, address)
-    page = walk.page
-    walk.fill(page.locator("#f-name"), "stewart")
-    walk.choose(page.locator("#f-like"), "hexapod")
-    walk.click(walk.button("Make it"))
-    expect(page.get_by_role("heading", name="Machine", exact=True)).to_be_visible()
-    lengths = page.locator(".lengths b")
-    before = lengths.first.inner_text()
-    for name, (value, unit) in DRAWING.items():
-        own = walk.field(name)
-        walk.fill(own, value)
-        if unit:
-            walk.choose(page.locator(f'[name="u.{name}"]'), unit)
-    expect(lengths.first).not_to_have_text(before)
-    walk.click(walk.button("Save"))
-    expect(page.get_by_role("status").first).to_contain_text("Saved")
-    content = (root / "stewart" / "case.toml").read_text()
-    assert "included_angle_deg = 28.0" in content
-    assert "radius_mm = 230.0" in content
-    assert re.search(r"acceleration_m_s2 = \[\s*5(\.0)?,", content)
-    walk.to_a_program("sinumerik")
-    page.go_back()
-    page.get_by_role("link", name=re.compile("2 Plan")).click()
-    expect(page.get_by_text("stewart-manual").first).to_be_visible()
-    walk.told("foreign hexapod")
-    assert walk.errors == []
-    assert walk.clicks <= 12
-    assert walk.fields <= 2 * len(DRAWING) + 5
+    def drop(self, file: Path) -> None:
+        """Chooses a file in the dialog of the system."""
+        self.reach(self.page.locator("#f-file"))
+        with self.page.expect_file_chooser() as dialog:
+            self.press("Enter")
+        dialog.value.set_files(str(file))
+        self.acts += 1
 
 
-def test_an_arm_of_a_urdf_file_to_a_proven_program(browser: Browser, address: str, root: Path, tmp_path: Path):
-    links = "".join(
-        JOINT.format(k=k, parent="base" if k == 1 else f"l{k - 1}", xyz=xyz, rpy=rpy)
-        for k, (xyz, rpy) in enumerate(PLACES, 1)
-    )
-    (tmp_path / "arm.urdf").write_text(ARM.format(links=links))
-    walk = Walk(browser, address)
-    page = walk.page
-    page.get_by_label(re.compile("URDF file")).set_input_files(str(tmp_path / "arm.urdf"))
-    walk.clicks += 1
-    space = page.frame_locator("iframe")
-    expect(space.locator("html[data-scenes]")).to_have_count(1)
-    picked = "Plotly && document.getElementById('machine').emit('plotly_click', { points: [{ customdata: 'l5' }] })"
-    frame = next(each for each in page.frames if each.url.endswith("/space"))
-    frame.evaluate(picked)
-    expect(page.locator("#f-flange")).to_have_value("l5")
-    frame.evaluate(picked.replace("l5", "tool0"))
-    walk.clicks += 1
-    expect(page.locator("#f-flange")).to_have_value("tool0")
-    walk.click(walk.button("Make it"))
-    expect(page.get_by_role("heading", name="Machine", exact=True)).to_be_visible()
-
-    walk.choose(walk.field("sensor_frame.transducer.sense"), "load_on_sensor")
-    for k, angle in enumerate(("0", "60", "-90", "30", "90", "0")):
-        walk.fill(walk.field(f"machine.chain.joints[{k}].home_deg"), angle)
-    expect(page.locator("#s-2")).to_have_value("60")
-    for name, value in (("force_noise_N", "0.5"), ("moment_noise_Nm", "0.02")):
-        walk.fill(walk.field(f"sensors.{name}"), value)
-    for k in range(6):
-        for name, value in (("acceleration_rad_s2", "5"), ("jerk_rad_s3", "100")):
-            walk.fill(walk.field(f"limits.motion.joints[{k}].{name}"), value)
-        walk.click(page.locator(f'[name="on.limits.motion.joints[{k}]"]'))
-    for name, value in (
-        ("mass_kg", "2,2"), ("centre_of_gravity_mm", "[0, 0, 60]"), ("inertia_kg_m2", "[0.006, 0, 0, 0.006, 0, 0.003]"),
-    ):  # fmt: skip
-        walk.fill(walk.field(f"nominal.{name}"), value)
-    walk.click(walk.button("Save"))
-    expect(page.get_by_role("status").first).to_contain_text("Saved")
-    walk.to_a_program("ros2")
-    walk.told("arm of a URDF file")
-    assert walk.errors == []
-    assert walk.clicks <= 35
-    assert walk.fields <= 30
+@pytest.fixture
+def walker(browser: Browser, address: str, request: pytest.FixtureRequest) -> Iterator[Walker]:
+    seen = Seen(browser, address)
+    walker = Walker(seen.page)
+    yield walker
+    print(f"\n{request.node.name}: {walker.acts} decisions, {walker.keys} keys")
+    assert seen.errors == []
 
 
-def test_a_slider_of_a_joint_is_seen_and_written_when_saved(browser: Browser, address: str, root: Path):
-    """The picture follows within the frame, distances beside it, and nothing is written before."""
-    walk = Walk(browser, address, 390, "dark")
-    page = walk.page
-    walk.fill(page.locator("#f-name"), "arm")
-    walk.choose(page.locator("#f-like"), "ur10_wrist")
-    walk.click(walk.button("Make it"))
-    expect(page.get_by_role("heading", name="Machine", exact=True)).to_be_visible()
-    file = root / "arm" / "case.toml"
-    before = file.read_bytes()
-    page.locator("#s-2").fill("10")
-    expect(page.locator("tr.hit", has_text="distance from floor (upper arm)")).to_be_visible()
-    expect(page.locator('[id="v.machine.chain.joints[1].home_deg"]')).to_have_value("10.0")
-    assert file.read_bytes() == before
-    page.locator("#s-2").fill("-80")
-    expect(page.locator("tr.hit")).to_have_count(0)
-    walk.click(page.locator('[data-for="s-turn-z"][data-turn="90"]'))
-    expect(page.locator('[id="w.machine.chain.sensor.rpy_deg"]')).to_have_value("[0.000, 0.000, 90.000]")
-    walk.click(walk.button("Save"))
-    expect(page.get_by_role("status").first).to_contain_text("Saved")
-    assert "rpy_deg = [0.0, 0.0, 90.0]" in file.read_text()
-    assert "home_deg = -80.0" in file.read_text()
-    walk.shot("arm-1-machine")
-    assert walk.errors == []
+def program_of(case: Case, folder: Path) -> hx.Program:
+    """A proven program of a hand-made motion."""
+    program = hx.write(hx.plan(case, hx.Manual()), "setpoints", file=folder / "made.csv")
+    program.save(folder / "made.csv")
+    return program
+
+
+def recorded(case: Case, program: hx.Program, folder: Path, name: str, **how: int) -> tuple[list[str], np.ndarray]:
+    """Head and rows of a run on the virtual controller."""
+    hx.run(program, case, on="virtual", **how).save(folder / name)
+    with (folder / name / "recording.csv").open(newline="") as stream:
+        head, *rows = csv.reader(stream)
+    return head, np.array(rows, dtype=float)
+
+
+def test_an_export_of_scope_with_exchanged_struts_to_a_verdict(walker: Walker, root: Path, tmp_path: Path) -> None:
+    file = new_case("mill", "hexapod", root / "mill")  # another machine than the built-in one
+    file.write_text(file.read_text().replace("radius_mm = 700.0", "radius_mm = 690.0", 1))
+    case = load_case(str(file))
+    head, rows = recorded(case, program_of(case, tmp_path), tmp_path, "rec", seed=1)
+    of = {name: rows[:, head.index(name)] for name in head}
+    struts = [f"MAIN.strut[{k}]" for k in (5, 2, 3, 4, 1, 6)]  # 1 and 5 are exchanged
+    forces = [f"force {k}" for k in range(1, 7)]
+    stamps = 1e3 * of["t_s"]
+    text = exported(
+        [(struts, stamps, np.column_stack([of[f"l{k}_mm"] for k in range(1, 7)])),
+         ([*forces, "trigger"], stamps, np.column_stack([*(of[f"f{k}_N"] for k in range(1, 7)), of["trigger"]]))]
+    )  # fmt: skip
+    (tmp_path / "scope.csv").write_text(text)
+
+    page = walker.page
+    page.reload()  # the machine was made meanwhile
+    walker.act(page.get_by_role("link", name=re.compile("^mill")))
+    walker.act(page.get_by_role("link", name=re.compile("4 Data")))
+    walker.drop(tmp_path / "scope.csv")
+    walker.act(page.get_by_role("button", name="Take the proposal into the case, and identify"))
+    expect(page.locator(".job .error")).to_contain_text("struts 1 and 5 are exchanged")
+    walker.act(page.get_by_role("button", name=re.compile("^Accept")))
+    expect(page.locator(".verdict.good")).to_be_visible()
+    mass = page.locator(".parameters tr", has_text="mass (m)").locator("td").nth(1).inner_text()
+    assert float(mass) == pytest.approx(31.83, abs=0.05)
+    assert walker.acts == 5
+
+
+def test_recordings_of_a_robot_to_its_payload(walker: Walker, root: Path, tmp_path: Path) -> None:
+    case = load_case("ur10_wrist")
+    program = program_of(case, tmp_path)
+    for name, seed, payload in (("empty", 1, 0), ("loaded", 2, 1)):
+        head, rows = recorded(case, program, tmp_path, name, seed=seed, payload=payload)
+        names = [re.sub(r"^q(\d)_deg$", lambda found: f"actual_q_{int(found[1]) - 1}", name) for name in head]
+        names = [re.sub("^t_s$", "timestamp", name) for name in names]
+        turned = [column.startswith("actual_q") for column in names]
+        table = np.where(turned, np.deg2rad(rows), rows)  # as the robot's interface has them
+        with (tmp_path / f"{name}.csv").open("w", newline="") as stream:
+            csv.writer(stream).writerows([names, *table.tolist()])
+
+    page = walker.page
+    walker.write(page.get_by_label(re.compile("^Name")), "arm")
+    walker.choose(page.get_by_label(re.compile("^Begin from")), "ur10_wrist")
+    walker.act(page.get_by_role("button", name="Make it"))
+    for file in ("empty", "loaded"):
+        expect(page.get_by_role("link", name=re.compile("4 Data"))).to_be_visible()
+        walker.act(page.get_by_role("link", name=re.compile("4 Data")))
+        walker.drop(tmp_path / f"{file}.csv")
+        expect(page.get_by_text("The file is read with these settings.")).to_be_visible()
+        first = file == "empty"
+        name = "Take the proposal into the case, and identify" if first else "Identify the parameters"
+        walker.act(page.get_by_role("button", name=name))
+        expect(page.locator(".verdict")).to_be_visible()
+    walker.choose(page.locator("#f-before"), "empty-result")
+    walker.choose(page.locator("#f-after"), "loaded-result")
+    walker.act(page.get_by_role("button", name="Compute the payload"))
+    expect(page.locator("table.payload")).to_be_visible()
+    mass = page.locator("table.payload tr", has_text="mass (m)").locator("td")
+    truth = 0.5  # of the case's weight
+    assert abs(float(mass.nth(1).inner_text()) - truth) < 4.0 * float(mass.nth(2).inner_text())
+    assert (root / "loaded-result-payload.html").is_file()
+    assert walker.acts == 12
