@@ -31,7 +31,7 @@ def typed(command: Any) -> dict[str, Any]:
     return {name: parameter.default for name, parameter in inspect.signature(command).parameters.items()}
 
 
-@pytest.mark.parametrize("name", OF_ONE_FAMILY)
+@pytest.mark.parametrize("name", sorted(OF_ONE_FAMILY))
 def test_an_option_of_a_family_has_its_default_on_the_command_line(name: str) -> None:
     assert typed(plan)[name] == OF_ONE_FAMILY[name]
 
