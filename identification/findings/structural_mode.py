@@ -2,8 +2,9 @@
 
 Behind a mode of angular frequency w the load accelerates as a + a'' / w^2 does at far lower frequencies with opposite
 sign of the bend, a - a'' / w^2 taken from the drives: an undamped mode amplifies what drives do by 1 / (1 - (s / w)^2).
-What the sensors read above the band of the fit shows it: a peak of their spectrum that comes and goes with the motion,
-as a hum of the mains does not.
+What the sensors read and the motion behind a wider filter than that of the fit does not explain shows it: a peak of
+the spectrum that comes and goes with the motion, as a hum of the mains does not. The fit's own filter would leave what
+moves themselves hold above its band, which has such peaks too.
 """
 
 from dataclasses import replace
@@ -21,8 +22,9 @@ from identification.samples.samples import Fitted
 from identification.signals import white_noise
 from identification.texts import parameter_words
 
-LOWEST, HIGHEST = 0.75, 0.45  # of the cut-off, and of the samples a second, between which a mode is looked for
-PEAK = 25.0  # of the median power there
+LOWEST, HIGHEST = 0.75, 0.6  # of the cut-off, and of that of the wider filter, between which a mode is looked for
+WIDER, MOST = 8.0, 0.33  # cut-off of that filter: times that of the fit, and of the samples a second, at most
+PEAK = 15.0  # of the median power there
 SIDES, FLANKS = 4.0, (0.75, 1.33)  # of the power at so many times its frequency, which a peak is above
 BURSTS = 5.0  # of the power that nine tenths of the time are below, over that of a quarter
 SECOND = 1.0  # [s] of a stretch of the spectrum
@@ -55,7 +57,8 @@ def mode_of(fitted: Fitted) -> Mode | None:
     run = fitted.samples
     if not isinstance(run, Run):
         return None
-    seen = run.series(fitted.at, fitted.fit.values[: len(run.model.names)])
+    behind = _widely(run)
+    seen = behind.series(fitted.at, fitted.fit.values[: len(run.model.names)])
     step, count = run.filter.step, len(seen.t)
     length = min(count, round(SECOND / step))
     if length < 64 or seen.values.shape[0] < 2 * length // 2:
@@ -66,7 +69,7 @@ def mode_of(fitted: Fitted) -> Mode | None:
     off = seen.values / scale
     at, densities = seen.spectrum(length)
     power = np.mean((densities / scale) ** 2, axis=1)
-    inside = (at > LOWEST * run.filter.cutoff) & (at < HIGHEST / step)
+    inside = (at > LOWEST * run.filter.cutoff) & (at < HIGHEST * behind.filter.cutoff)
     if np.count_nonzero(inside) < 8:
         return None
     peak = int(np.flatnonzero(inside)[np.argmax(power[inside])])
@@ -88,6 +91,14 @@ def mode_of(fitted: Fitted) -> Mode | None:
     frequency = float(at[peak] + shift)
     decay = -float(np.polyfit(lags[late] * step, np.log(np.abs(each[late])), 1)[0])
     return Mode(frequency, max(decay, 0.0) / (2.0 * np.pi * frequency))
+
+
+def _widely(run: Run) -> Run:
+    """The same samples behind a wider filter, which passes unchanged what is looked at."""
+    wide = run.filter._replace(cutoff=min(WIDER * run.filter.cutoff, MOST / run.filter.step))
+    shift = max(run.filter.margin - wide.margin, 0)
+    spoilt = None if run.spoilt is None else np.pad(run.spoilt, shift)
+    return replace(run, filter=wide, rows=run.rows + shift, spoilt=spoilt)
 
 
 def biased_by(mode: Mode, left_out: LeftOut, rest: Remainder, basis: Array) -> Array:

@@ -58,7 +58,7 @@ def test_a_mode_is_named_with_its_frequency_and_damping(name: str, frequency: fl
     assert 0.2 * DAMPING < mode.damping < 2.5 * DAMPING
 
 
-@pytest.mark.parametrize("name", ["hexapod", "ur10_wrist"])
+@pytest.mark.parametrize("name", ["hexapod", "ur10_wrist", "five_axis_table"])
 @pytest.mark.parametrize("hum", [0.0, 2.0])
 def test_neither_a_sound_run_nor_the_mains_have_one(name: str, hum: float) -> None:
     assert mode_of(fitted(name, 0.0, hum)) is None
