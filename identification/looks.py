@@ -534,10 +534,9 @@ def _trial(files: Sequence[Path], settings: Mapping[str, Any], case: Case | None
         if isinstance(error, CaseError):
             raise
         return _Trial(_without_file(error, files[0]), form)
-    told = [_of_whom(finding, case) for finding in findings]
-    tried.doubts += [_without_file(f, files[0]) for f in told if f.severity == "warning"]
-    done = [*told, *done[len(findings) :]]
-    said = (_without_file(f, files[0]) for f in done if f.sentence and f.kind in _ABOUT_READING)
+    told = [_of_whom(finding, case) for finding in done]
+    tried.doubts += [_without_file(f, files[0]) for f in told[: len(findings)] if f.severity == "warning"]
+    said = (_without_file(f, files[0]) for f in told if f.sentence and f.kind in _ABOUT_READING)
     tried.repairs += dict.fromkeys(said)
     return tried
 
