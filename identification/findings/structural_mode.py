@@ -59,10 +59,8 @@ def mode_of(fitted: Fitted) -> Mode | None:
         return None
     behind = _widely(run)
     seen = behind.series(fitted.at, fitted.fit.values[: len(run.model.names)])
-    step, count = run.filter.step, len(seen.t)
-    length = min(count, round(SECOND / step))
-    if length < 64 or seen.values.shape[0] < 2 * length // 2:
-        return None
+    step = run.filter.step
+    length = min(len(seen.t), round(SECOND / step))
     scale = white_noise(seen.forces)
     if not np.all(scale > 0.0):
         return None

@@ -6,7 +6,6 @@ of all that is seen, each in the share by which it is likely: from what is merel
 silently below a threshold.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -47,6 +46,7 @@ class Suspected(NamedTuple):
 
     effect: Effect
     tried: int  # alternatives that were tried with it
+    bias: Array  # covariance of the values of the fit by it and its rivals, in their shares, shape (v, v)
 
 
 class Systematic(NamedTuple):
@@ -105,10 +105,11 @@ def systematic_of(
             break
         likely = np.exp(np.array([effect.evidence - effects[0].evidence for effect in effects]))
         odds = PRIOR * sum(_odds(effect.chance) for effect in effects)
-        for effect, share in zip(effects, likely / likely.sum(), strict=True):
-            bias += odds / (1.0 + odds) * share * effect.bias
+        shares = odds / (1.0 + odds) * likely / likely.sum()
+        more = np.sum([share * effect.bias for effect, share in zip(effects, shares, strict=True)], axis=0)
+        bias += more
         if effects[0].chance > CERTAIN:
-            suspected = Suspected(effects[0], len(alternatives))
+            suspected = Suspected(effects[0], len(alternatives), basis @ more @ basis.T)
             break
         explained = np.sqrt(np.mean((effects[0].explained @ back) ** 2, axis=0))
         seen.append(Seen(effects[0], tuple(effects[1:]), explained))
@@ -228,10 +229,10 @@ def systematic_findings(case: Case, fitted: Fitted, systematic: Systematic | Non
     """
     if systematic is None:
         return []
-    names, growth = fitted.samples.model.names, _growth(fitted, systematic)
+    names = fitted.samples.model.names
     if not systematic.seen:
-        return _suspicion(systematic.suspected, names, growth)
-    first = systematic.seen[0]
+        return _suspicion(fitted, systematic.suspected)
+    first, growth = systematic.seen[0], _growth(fitted, systematic.bias)
     sentence = _follows(first, systematic, case)
     if len(systematic.seen) > 1:
         others = dict.fromkeys(seen.effect.alternative.follow for seen in systematic.seen[1:])
@@ -260,27 +261,29 @@ def systematic_findings(case: Case, fitted: Fitted, systematic: Systematic | Non
     return [warning(Kind.MODEL, sentence, counted=bool(growth[worst] <= BEARABLE), systematic=quantity)]
 
 
-def _growth(fitted: Fitted, systematic: Systematic) -> Array:
-    """How many times as large deviations are as those of noise alone, shape (u,)."""
+def _growth(fitted: Fitted, bias: Array) -> Array:
+    """How many times as large deviations with a bias of that covariance are as those of noise alone, shape (u,)."""
     fit, names = fitted.fit, fitted.samples.model.names
-    white, robust, bias = (np.diag(c)[: len(names)] for c in (fit.covariance, fit.covariance_robust, systematic.bias))
+    white, robust, more = (np.diag(c)[: len(names)] for c in (fit.covariance, fit.covariance_robust, bias))
     free = white > 0.0
-    before, after = np.maximum(white, robust), np.maximum(white, robust + bias)
+    before, after = np.maximum(white, robust), np.maximum(white, robust + more)
     return np.asarray(np.sqrt(np.where(free, after, 1.0) / np.where(free, before, 1.0)))
 
 
-def _suspicion(suspected: Suspected | None, names: Sequence[str], growth: Array) -> list[Finding]:
+def _suspicion(fitted: Fitted, suspected: Suspected | None) -> list[Finding]:
     """For what that noise may make deviations allow, and how much wider they are for it."""
+    if suspected is None:
+        return []
+    names, growth = fitted.samples.model.names, _growth(fitted, suspected.bias)
     worst = int(np.argmax(growth))
-    if suspected is None or not growth[worst] > GROWN:
+    if not growth[worst] > GROWN:
         return []
     effect = suspected.effect
-    runs = max(1.0 / (suspected.tried * effect.chance), 1.0)
-    seldom = f"one sound run in {runs:.0f} looks so" if runs >= 1.5 else "many a sound run looks so"
+    runs = 1.0 / (suspected.tried * effect.chance)
     sentence = (
-        f"residuals may follow {effect.alternative.follow}, as with {_cause(effect)} ({seldom}, for {suspected.tried} "
-        f"such things are tried). Deviations allow for it: that of {names[worst]} is {growth[worst]:.2g} times that of "
-        "noise alone; a second run tells which it is"
+        f"residuals may follow {effect.alternative.follow}, as with {_cause(effect)} (one sound run in {runs:.0f} "
+        f"looks so, for {suspected.tried} such things are tried). Deviations allow for it: that of {names[worst]} is "
+        f"{growth[worst]:.2g} times that of noise alone; a second run tells which it is"
     )
     entry = {"key": effect.alternative.key, "chance": effect.chance, "tried": suspected.tried}
     return [note(Kind.MODEL, sentence, suspected=entry | {"growth": float(growth[worst])})]

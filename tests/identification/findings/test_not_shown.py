@@ -51,6 +51,6 @@ def test_what_noise_alone_may_be_widens_deviations_with_a_word() -> None:
     entry, mass = told.quantity["suspected"], estimate.physical["m"]
     assert entry["key"] == "clock"
     assert 1e-7 < entry["chance"] < 5e-4
-    assert entry["growth"] == pytest.approx(mass.std_robust / mass.std, rel=0.2)
+    assert 2.0 < entry["growth"] < 1.1 * mass.std_robust / mass.std  # the odd clock counts too
     assert tells(told.sentence, "time stamps", "that of m is", f"{entry['growth']:.2g} times")
     assert abs(mass.value - of.truth["m"]) < 3.0 * mass.std_robust
