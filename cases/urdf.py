@@ -20,7 +20,7 @@ from cases.base.errors import ALSO, CaseError, Code, FileProblem, option
 from cases.base.files import read_whole
 from cases.base.units import DEG, MM, Array
 from cases.chain import JOINT_NAME, JOINT_NAME_WORDS, LEAST_AXIS, MOST_JOINTS, Joint, JointLimit
-from cases.covering import covering
+from cases.collision_bodies import covering
 from cases.machine import Frame, Tool, turned
 from cases.sensors import RigidBody, rigid_body
 

@@ -21,8 +21,8 @@ from identification.findings.drift import WARM_UP
 from identification.findings.noise_level import channel_words
 from identification.model.parameters import offset_columns
 from identification.recording.recording import Recording
+from identification.results.expected_residuals import used_samples
 from identification.results.frames import FrameName, place_of
-from identification.results.in_use import used_samples
 from identification.results.result import Result
 from identification.texts import aligned, budget_cells, std_text
 

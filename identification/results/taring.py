@@ -18,7 +18,7 @@ from identification.model.parameters import offset_columns
 from identification.recording.recording import Recording
 from identification.results.budgets import budget_rows
 from identification.results.estimate import entries_of_parameters, physical_values, rows_of
-from identification.results.expected import effects_in, errors_of, random_of
+from identification.results.expected_errors import effects_in, errors_of, random_of
 from identification.results.result import Result
 from identification.samples.moving_window import NOISY, on_one_clock
 from identification.samples.samples import Standstills

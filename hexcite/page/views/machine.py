@@ -16,8 +16,8 @@ from hexcite.page import drawing, values
 from hexcite.page.actions.common import Context
 from hexcite.page.actions.machine import given_values
 from hexcite.page.forms import Fields
+from hexcite.page.machine_at_home import chain_in, near, scene_of, scene_of_links, sensor_angles, sliders
 from hexcite.page.stages import Workspace, built_in, own_machines
-from hexcite.page.standing import chain_in, near, scene_of, scene_of_links, sensor_angles, sliders
 from hexcite.page.views.common import Query
 from hexcite.reports.page import script_json
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from hexcite.page.actions.common import Context
-from hexcite.page.recipes import Recipe, recipe
+from hexcite.page.how_to_record import Recipe, recipe
 from hexcite.page.stages import Made, Program, Workspace
 from hexcite.page.views.common import Query, beginning, chosen_plan, limits
 

@@ -12,7 +12,7 @@ import pytest
 from cases.base.errors import CaseError, HexciteError
 from cases.schema import Case
 from identification.identify import identify
-from identification.results.anywhere import anywhere
+from identification.results.chain_uncertainty import anywhere
 from identification.results.force import force
 from identification.results.frames import place_of
 from identification.results.result import Result

@@ -15,8 +15,8 @@ from identification.machines.casadi_batch import over_samples
 from identification.machines.hexapod import Hexapod
 from identification.machines.machine import Kinematics, Machine
 from identification.machines.of_case import machine_if_any
+from identification.results.expected_residuals import Used, noise_left
 from identification.results.frames import Place
-from identification.results.in_use import Used, noise_left
 from identification.results.result import Result
 from identification.samples.samples import MotionOfSamples
 

@@ -5,7 +5,7 @@ import re
 import pytest
 
 import hexcite as hx
-from hexcite.page.recipes import STEPS, recipe
+from hexcite.page.how_to_record import STEPS, recipe
 from hexcite.page.texts import LANGUAGES, text
 
 MACHINES = {

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
-from cases.covering import around, mesh_file
+from cases.collision_bodies import around, mesh_file
 from cases.machine import Tool
 from cases.scaffold import new_arm
 from cases.schema import load_case

@@ -1,7 +1,7 @@
 """Parameters in use on machines off their cases: are tared offsets and external forces off by what is reported?
 
-python tests/bench/in_use.py        # 24 drawn machines and the built-in ones, noise of four kinds
-python tests/bench/in_use.py 8      # fewer
+python tests/bench/forces_in_use.py        # 24 drawn machines and the built-in ones, noise of four kinds
+python tests/bench/forces_in_use.py 8      # fewer
 """
 
 import argparse

@@ -12,13 +12,13 @@ from identification.findings.left_out import LeftOut
 from identification.findings.tolerances import UNITS
 from identification.identify import identify
 from identification.recording.recording import Recording
-from identification.results.expected import effects_in, errors_of
+from identification.results.expected_errors import effects_in, errors_of
+from identification.results.expected_residuals import used_samples
 from identification.results.force import force
 from identification.results.frames import place_of
-from identification.results.in_use import used_samples
 from identification.results.result import Result
 from identification.results.taring import scatter_of_mean, tare
-from tests.bench.in_use import Machined, Still, figures, force_errors, tare_errors
+from tests.bench.forces_in_use import Machined, Still, figures, force_errors, tare_errors
 from tests.bench.silent import way_of
 from tests.damaged.runs import SOUND, Change, Moves, Noise, machine, recorded
 from tests.helpers import few

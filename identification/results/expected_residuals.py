@@ -14,7 +14,7 @@ from identification.findings.off_case import without
 from identification.machines.machine import Kinematics
 from identification.model.model import regressors
 from identification.recording.recording import Recording
-from identification.results.expected import Errors, effects_in, errors_of, stated_sizes, turns_in
+from identification.results.expected_errors import Errors, effects_in, errors_of, stated_sizes, turns_in
 from identification.results.frames import Place, mounting_by
 from identification.results.result import Result
 from identification.samples.moving import Run
