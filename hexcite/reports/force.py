@@ -47,8 +47,8 @@ def force_page(force: ExternalForce) -> str:
         ]  # fmt: skip
         largest.append((f"{peak.max():.3g} {unit}", f"largest {name} along an axis"))
     head, *parts = budget_cells({name: unit_of_component(name) for name in force.budget}, force.budget) or [()]
-    budget = (table(head, parts),) if parts else ()
-    counts = "+- and U (k = 2) are root mean squares over the recording."
+    budget = (table(head, [(row[0], *part[1:]) for row, part in zip(rows, parts, strict=True)]),) if parts else ()
+    counts = "± and U (k = 2) are root mean squares over the recording."
     if force.not_counted:
         counts += f" They count no tolerances of {', '.join(force.not_counted)}: see [tolerances] of the case."
     warnings, size = force.warnings, f"{len(force.t)} {'standstills' if force.origin is None else 'samples'}"
@@ -66,7 +66,7 @@ def force_page(force: ExternalForce) -> str:
         section(
             "How large",
             tiles(*largest),
-            table(("component", "rms", "peak", "+-", "U (k=2)", "unit"), rows),
+            table(("component", "rms", "peak", "±", "U (k = 2)", "unit"), rows),
             note(counts),
             *budget,
         ),
