@@ -12,12 +12,12 @@ from pypdf import PdfReader
 
 import hexcite as hx
 from cases.schema import load_case
-from tests.hexcite.browser import DRAWN, browser
+from tests.hexcite.browser import DRAWN
 from tests.hexcite.page.conftest import calibrated
 from tests.hexcite.page.served import address
 
 pytestmark = pytest.mark.slow
-__all__ = ["address", "browser", "calibrated"]
+__all__ = ["address", "calibrated"]
 
 MARGIN = 10.0  # [mm]
 PAPERS = {"A4": (210.0, 297.0), "Letter": (215.9, 279.4)}  # [mm]

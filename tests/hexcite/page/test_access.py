@@ -10,11 +10,10 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from tests.hexcite.browser import browser
 from tests.hexcite.page.served import Seen, address, patience
 
 pytestmark = pytest.mark.slow
-__all__ = ["address", "browser", "patience"]
+__all__ = ["address", "patience"]
 
 STAGES = ("machine", "plan", "program", "data", "result", "use")
 FOCUSABLE = 'a[href], button, input:not([type="hidden"]), select, summary, textarea, [tabindex="0"]'

@@ -7,11 +7,10 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from tests.hexcite.browser import browser
 from tests.hexcite.page.served import Seen, address, patience
 
 pytestmark = pytest.mark.slow
-__all__ = ["address", "browser", "patience"]
+__all__ = ["address", "patience"]
 
 
 @pytest.mark.parametrize(("case", "width", "scheme"), [("hexapod", 1280, "light"), ("ur10_wrist", 390, "dark")])

@@ -12,12 +12,11 @@ from playwright.sync_api import Browser, Locator, Page, expect
 import hexcite as hx
 from cases.scaffold import new_case
 from cases.schema import Case, load_case
-from tests.hexcite.browser import browser
 from tests.hexcite.page.served import Seen, address, patience
 from tests.identification.recording.formats.test_twincat import exported
 
 pytestmark = pytest.mark.slow
-__all__ = ["address", "browser", "patience"]
+__all__ = ["address", "patience"]
 
 FAR = 400  # stops of the tab key that a page has at most
 
