@@ -32,6 +32,7 @@ class Walker:
 
     def __init__(self, page: Page) -> None:
         self.page, self.keys, self.acts = page, 0, 0
+        page.on("filechooser", lambda chooser: None)  # from now on: asked for by the first dialog, it would come late
 
     def press(self, key: str) -> None:
         self.page.keyboard.press(key)
