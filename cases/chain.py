@@ -301,10 +301,14 @@ class JointMotionLimits(Part):
         """Whether jerks are limited: those of a case are, but not those of every controller."""
         return bool(math.isfinite(max(self.jerk)))
 
-    def without_jerk(self) -> "JointMotionLimits":
-        """The limits for a controller whose accelerations step: the jerk is unlimited."""
-        free = [joint.model_copy(update={joint.keys[3]: math.inf}) for joint in self.joints]
-        return JointMotionLimits.model_construct(joints=tuple(free))
+    def with_jerk(self, jerk: Array) -> "JointMotionLimits":
+        """The same with other limits of jerk, shape (n,) [rad/s^3 or m/s^3]; infinite: accelerations step."""
+        keys = [joint.keys[3] for joint in self.joints]
+        stated = (jerk / own_units(keys)).tolist()
+        joints = [
+            joint.model_copy(update={key: value}) for joint, key, value in zip(self.joints, keys, stated, strict=True)
+        ]
+        return JointMotionLimits.model_construct(joints=tuple(joints))
 
 
 MOST_MARGIN = 10.0  # percent of a way at each of its ends

@@ -210,6 +210,9 @@ class TwinCat(TwinCatAxes):
     """TRACK_DEV of `#HSC` and `#CONTOUR MODE`."""
 
 
+LEAST_PATH_JERK = 1.0  # [mm/s^3] LinuxCNC 2.10 falls back to trapezoids below it
+
+
 class LinuxCnc(Part):
     """Settings of the LinuxCNC configuration that is generated from the case."""
 
@@ -220,8 +223,24 @@ class LinuxCnc(Part):
     that turn: at 1 it stretches dense paths; far above 1 it runs in the program's time, and only the program's proof
     ensures the limits."""
     planner: Literal["trapezoidal", "s_curve"] = "trapezoidal"
-    """`[TRAJ]PLANNER_TYPE` of the machine: `trapezoidal` (0, that of all versions), or `s_curve` (1, since 2.10, where
-    `MAX_LINEAR_JERK` is 1 or more), whose time law is not known here: it gets no program."""
+    """`[TRAJ]PLANNER_TYPE` of the machine: `trapezoidal` (0, that of all versions), or `s_curve` (1, since 2.10), which
+    limits jerk along the path and, by `MAX_JERK` of `[AXIS_a]`, that of each axis. Programs for it are straight moves
+    from rest to rest; no program was tried on it."""
+    max_linear_jerk_mm_s3: Annotated[float, Field(strict=True, ge=LEAST_PATH_JERK)] | None = None
+    """`s_curve`: `[TRAJ]MAX_LINEAR_JERK`, along X, Y, Z together, in deg/s^3 along A, B, C where these alone move.
+    Below 1 LinuxCNC runs trapezoids."""
+
+    @model_validator(mode="after")
+    def _jerk_of_its_planner(self) -> "LinuxCnc":
+        smooth, stated = self.planner == "s_curve", self.max_linear_jerk_mm_s3 is not None
+        if smooth and not stated:
+            raise ValueError(
+                "max_linear_jerk_mm_s3 is missing; state [TRAJ]MAX_LINEAR_JERK of the machine's INI file, which "
+                'planner = "s_curve" keeps'
+            )
+        if stated and not smooth:
+            raise ValueError('max_linear_jerk_mm_s3 goes with planner = "s_curve"; remove it, or state that planner')
+        return self
 
 
 Settings = TypeVar("Settings", LinuxCnc, SinumerikAxes, TwinCatAxes, Setpoints, UrScript, Ros2)

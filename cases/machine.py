@@ -349,11 +349,11 @@ class MotionLimits(StrutLengths):
         """Whether jerks are limited: those of a case are, but not those of every controller."""
         return bool(np.isfinite(self.jerk).all())
 
-    def without_jerk(self) -> "MotionLimits":
-        """The limits for a controller whose accelerations step: the jerk is unlimited."""
-        unlimited = (math.inf, math.inf, math.inf)
-        of_angles = dict(zip(_ANGULAR_JERK, (unlimited, None), strict=True))
-        return self.model_copy(update={"jerk_m_s3": unlimited, **of_angles})
+    def with_jerk(self, jerk: Array) -> "MotionLimits":
+        """The same with other limits of jerk, shape (6,) [m/s^3, rad/s^3]; infinite: accelerations step."""
+        linear, angular = tuple(jerk[:3].tolist()), tuple(jerk[3:].tolist())
+        of_angles = dict(zip(_ANGULAR_JERK, (angular, None), strict=True))
+        return self.model_copy(update={"jerk_m_s3": linear, **of_angles})
 
 
 def box_problems(workspace: Workspace, motion: MotionLimits) -> Iterator[str]:

@@ -479,11 +479,16 @@ class Case(Heading):
             for value, joint in zip(coordinates, self.chain.joints, strict=True)
         )
 
+    def with_jerk(self, jerk: Array) -> "Case":
+        """The same with other limits of jerk of the coordinates, shape (n,) [m/s^3 or rad/s^3]."""
+        assert self.limits is not None  # asked of cases that plan
+        limits = self.limits.model_copy(update={"motion": self.limits.motion.with_jerk(jerk)})
+        return self.model_copy(update={"limits": limits})
+
     def without_jerk(self) -> "Case":
         """The same where jerks are not limited, as for a controller whose accelerations step."""
-        assert self.limits is not None  # asked of cases that plan
-        limits = self.limits.model_copy(update={"motion": self.limits.motion.without_jerk()})
-        return self.model_copy(update={"limits": limits})
+        assert self.limits is not None
+        return self.with_jerk(np.full(len(self.limits.motion.jerk), np.inf))
 
     def within_margin(self) -> "Case":
         """The same with all ends of ways moved inwards by `limits.margin`: what searches keep. Proofs do not ask it."""

@@ -13,7 +13,7 @@ from cases.base.units import MM
 from cases.basis import motion_hash
 from cases.controller import ControllerName
 from cases.schema import Case
-from hexcite._write import plan_of_program, read_for, require_proven, written_for_another
+from hexcite._write import plan_of_program, read_for, require_ini, require_proven, written_for_another
 from identification.estimation.criteria import executed_information, reference_scaling
 from identification.limits.limit import LimitKind
 from identification.limits.proof import CHUNK, everything
@@ -208,6 +208,7 @@ def run(
     seed: int = 0,
     payload: int = 0,
     disturbed: bool = False,
+    ini: Path | str | None = None,
 ) -> Recording:
     """The recording of a program's run: sensors and encoders are simulated for what the controller really executed.
 
@@ -224,8 +225,10 @@ def run(
         seed: seed of the sensors' noise.
         payload: number of the case's weights that are mounted.
         disturbed: whether the case's disturbances are on: vibration, ripple, errors that depend on the pose.
+        ini: INI file of the LinuxCNC machine that will run it: its planner and limits are to be those of the case.
 
     Raises:
+        FileProblem: the INI file contradicts the case; the message names the line.
         HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.
     """
     require_seed(seed)
@@ -240,6 +243,8 @@ def run(
             remedy="give the program's own case, or write the plan for this one",
             code=Code.OTHER_SOURCE,
         )
+    if ini is not None:
+        require_ini(read, case, ini)
     return execute(read, case, on, seed, around)[1]
 
 

@@ -23,7 +23,7 @@ from planner.request import Request
 from postprocessors.dialects.dialect import Dialect
 from postprocessors.program import DIALECTS, MOST_PROGRAM, Program, dialect_of_file, read_program
 from postprocessors.program import dialect as dialect_named
-from postprocessors.reading import Reading
+from postprocessors.reading import Reading, Timed
 from postprocessors.writing import proven_program
 
 SLOWEST = 0.01  # share of the planned speed; slower, a run of seconds takes half an hour
@@ -151,7 +151,12 @@ def read_for(case: Case, file: Path, dialect: str | None = None) -> Program:
 
 
 def check(
-    program: Path | str, case: Case, dialect: str | None = None, *, accept: Collection[str] | str | None = None
+    program: Path | str,
+    case: Case,
+    dialect: str | None = None,
+    *,
+    accept: Collection[str] | str | None = None,
+    ini: Path | str | None = None,
 ) -> Program:
     """A program of a file, read back independently of its writer, with its proof.
 
@@ -163,15 +168,33 @@ def check(
         dialect: the program's language; by default the one that its suffix names.
         accept: limits that the controller need not enforce; with them, also none, a program that exceeds a limit or
             relies on others is refused.
+        ini: INI file of the LinuxCNC machine that will run it: its planner and limits are to be those of the case.
 
     Raises:
+        FileProblem: the INI file contradicts the case; the message names the line.
         ProgramError: it cannot be read or understood; with `accept`, it is not proven.
         CaseError: the case lacks what its dialect needs.
     """
     read = read_for(case, Path(program), dialect)
+    if ini is not None:
+        require_ini(read, case, ini)
     if accept is not None:
         require_proven(read, case, (accept,) if isinstance(accept, str) else accept)
     return read
+
+
+def require_ini(program: Program, case: Case, ini: Path | str) -> None:
+    """Raises HexciteError unless the INI file of a LinuxCNC machine says of it what the case of a program says."""
+    from postprocessors.controllers.linuxcnc.machine_ini import require_same_machine  # CasADi
+
+    if program.dialect.name != ControllerName.LINUXCNC:
+        raise HexciteError(
+            place=program.path,
+            problem=f"is not a LinuxCNC program ({program.dialect.name}), which {option('ini')} is about",
+            remedy=f"leave {option('ini')} out",
+            code=Code.WRONG_KIND,
+        )
+    require_same_machine(Path(ini), case, any(isinstance(part, Timed) for part in program.reading.stretches))
 
 
 def require_proven(program: Program, case: Case, accept: Collection[str] | None = None) -> None:

@@ -1,14 +1,24 @@
 """Which limits a controller leaves in force for moves whose time law is its own, by what it promises."""
 
+import math
 from dataclasses import replace
+
+import numpy as np
 
 from cases.controller import ControllerName
 from cases.schema import Case
 from identification.limits.limit import LimitKind, LimitReport, Status
 from identification.limits.proof import PROOF_RATE
 from postprocessors.program import dialect
-from postprocessors.proof.guarantees import limits_jerk
+from postprocessors.proof.guarantees import Guarantees, limits_jerk
 from postprocessors.reading import Reading
+
+
+def _guarantees(case: Case, controller: str | None) -> Guarantees | None:
+    """What a controller guarantees of moves; None of none and of the virtual one, which has the program's own law."""
+    if controller in (None, ControllerName.VIRTUAL):
+        return None
+    return dialect(controller).guarantees(Reading(controller, (), 0), case)
 
 
 def steps_of(case: Case, controller: str | None) -> float:
@@ -17,10 +27,8 @@ def steps_of(case: Case, controller: str | None) -> float:
     Args:
         controller: name of a dialect, or virtual; None for none.
     """
-    if controller in (None, ControllerName.VIRTUAL):  # which has the law of the program's own controller
-        return 0.0
-    guarantees = dialect(controller).guarantees(Reading(controller, (), 0), case)
-    return 0.0 if limits_jerk(guarantees.law) else guarantees.jerk_time
+    guarantees = _guarantees(case, controller)
+    return 0.0 if guarantees is None or limits_jerk(guarantees.law) else guarantees.jerk_time
 
 
 def controlled(case: Case, controller: str | None) -> tuple[Case, float]:
@@ -30,11 +38,21 @@ def controlled(case: Case, controller: str | None) -> tuple[Case, float]:
         controller: name of a dialect, or virtual; None for none, when all limits of the case count.
 
     Returns:
-        The case with the limits that count: those of jerk do not where the controller knows none; and the time within
-        which its accelerations step, 0 where it limits the jerk [s].
+        The case with the limits that count: those of jerk do not where the controller knows none, and are smaller where
+        it limits the jerk along the path, so that this never binds before one of them; and the time within which its
+        accelerations step, 0 where it limits the jerk [s].
     """
-    steps = steps_of(case, controller)
-    return (case.without_jerk(), steps) if steps else (case, 0.0)
+    if steps := steps_of(case, controller):
+        return case.without_jerk(), steps
+    guarantees = _guarantees(case, controller)
+    if guarantees is None or not math.isfinite(max(guarantees.path_jerk)):
+        return case, 0.0
+    box = case.need_motion("planning")[1]
+    linear, angular = guarantees.path_jerk
+    slides = ~box.turns
+    most = linear / math.sqrt(slides.sum()) if slides.any() else angular / math.sqrt(box.turns.sum())
+    own = np.where(slides if slides.any() else box.turns, np.minimum(box.jerk, most), box.jerk)
+    return (case.with_jerk(own) if np.any(own < box.jerk) else case), 0.0
 
 
 def with_steps(report: LimitReport, step_time: float) -> LimitReport:

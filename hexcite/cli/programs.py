@@ -12,6 +12,10 @@ from hexcite.cli import console
 from hexcite.cli.console import argument, option, out
 
 All = Annotated[bool, option("Show every line that exceeds a limit, the worst first.", "--all")]
+Ini = Annotated[
+    Path | None,
+    option("LinuxCNC's INI file of the machine: refuse it where its planner or limits are others than the case's."),
+]
 Accept = Annotated[
     list[str] | None,
     option("A limit that the controller does not enforce and that you answer for; plans of the default need none."),
@@ -102,6 +106,7 @@ def check(
     case: Annotated[str, option("Built-in name, folder or case file.")],
     dialect: Annotated[str | None, option("The program's language; by default the one that its suffix names.")] = None,
     every: All = False,
+    ini: Ini = None,
     json: console.Json = False,
 ) -> None:
     """Read a program back by other code, and prove it."""
@@ -109,7 +114,7 @@ def check(
 
     loaded = hx.load_case(case)
     with console.status(f"proving {program.name}", json):
-        read = hx.check(program, loaded, dialect)
+        read = hx.check(program, loaded, dialect, ini=ini)
         answer = answer_of_proof(read)
     lines = lines_of(read.proof.exceeded) if every else []
     console.answered(answer, json, *(f"note: {remark}" for remark in answer["remarks"]), *lines, read)
@@ -143,6 +148,7 @@ def run(
     disturbed: Annotated[
         bool, option("With the case's disturbances: vibration, ripple, pose-dependent errors.", "--disturbed")
     ] = False,
+    ini: Ini = None,
     output: Annotated[Path | None, out("Folder to write; PROGRAM-recording by default.")] = None,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
@@ -157,7 +163,7 @@ def run(
     check_folder(folder, RUN, [program, find_case(case)], overwrite)
     loaded = hx.load_case(case)
     with console.status(f"running {program.name} on {on}", json):
-        recording = hx.run(program, loaded, on, seed=seed, payload=payload, disturbed=disturbed)
+        recording = hx.run(program, loaded, on, seed=seed, payload=payload, disturbed=disturbed, ini=ini)
         recording.save(folder, overwrite)
     console.answered(answer_of_run(recording, folder), json, f"recording written: {folder}", recording)
 

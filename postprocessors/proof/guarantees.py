@@ -56,6 +56,9 @@ class Guarantees:
     resolution: float = 1e-4
     rounds: bool = True
     headroom: float = 1.0  # multiple of the case's limits of acceleration that its law uses
+    # limit of jerk along the way that the feed counts, beside those of the coordinates: where lengths are counted
+    # [m/s^3], and where only angles are [rad/s^3]
+    path_jerk: tuple[float, float] = (math.inf, math.inf)
     arc_across: float = ACROSS  # share of its acceleration limit that it uses across an arc at most
     # share of it along the arc; None: what is left, root of sum of squares, at the largest speed across
     arc_along: float | None = ALONG

@@ -4,6 +4,7 @@ Where it begins within a checked distance of home, all its limits are proven. Fr
 other limits are bounds.
 """
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
@@ -39,6 +40,8 @@ def predicted(part: Untimed, guarantees: Guarantees) -> StraightMove | CircularM
         plane, centre, angle = part.arc
         law = guarantees.arc_law(feed, velocity, acceleration, jerk, abs(angle))
         return CircularMove(part.start, part.end[3:], plane, centre, angle, law)
+    if math.isfinite(most := guarantees.path_jerk[0 if part.linear else 1]):
+        jerk = min(jerk, most / part.length)
     if part.acceleration is not None:
         velocity, acceleration = feed, part.acceleration / part.length
     return StraightMove(part.start, part.end, guarantees.law(min(feed, velocity), acceleration, jerk))

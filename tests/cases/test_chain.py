@@ -97,7 +97,7 @@ def test_degrees_of_accelerations_and_jerks_are_the_same_limits(tmp_path: Path) 
     limits = load_case(written(tmp_path, text)).need_motion("a test")[1]
     np.testing.assert_allclose(limits.acceleration, before.acceleration, rtol=1e-14)
     np.testing.assert_allclose(limits.jerk, before.jerk, rtol=1e-14)
-    assert np.isinf(limits.without_jerk().jerk).all()
+    assert np.isinf(limits.with_jerk(np.full(len(limits.jerk), np.inf)).jerk).all()
 
 
 def test_home_may_lie_on_a_limit(tmp_path: Path) -> None:
@@ -107,7 +107,7 @@ def test_home_may_lie_on_a_limit(tmp_path: Path) -> None:
 
 def test_without_jerk_all_else_stays(tmp_path: Path) -> None:
     limits = load_case(written(tmp_path, GANTRY)).need_motion("a test")[1]
-    free = limits.without_jerk()
+    free = limits.with_jerk(np.full(len(limits.jerk), np.inf))
     assert limits.limits_jerk
     assert not free.limits_jerk
     assert np.isinf(free.jerk).all()

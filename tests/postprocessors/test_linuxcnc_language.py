@@ -4,12 +4,8 @@ from collections.abc import Callable
 
 import pytest
 
-from cases.base.errors import CaseError, ProgramError
-from cases.schema import load_case
-from planner.controller_limits import steps_of
-from postprocessors.dialects.linuxcnc.promises import guarantees_of_linuxcnc
+from cases.base.errors import ProgramError
 from tests.helpers import one_line
-from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import read_linuxcnc, typed
 from tests.postprocessors.reported import Move, Pause, Switch, reports
 
@@ -90,19 +86,3 @@ def test_g21_sets_millimetres_here_and_inverse_time_is_no_time_in_seconds():
     """Elsewhere G21 mirrors, and F after G93 is the time itself: 20 would then be 20 s, not 3."""
     move = reports(read_linuxcnc, typed("G64 P1 Q0\nG93 G1 X5 F20"), "p.ngc")[-1]
     assert (move.duration, move.feed) == (3.0, None)
-
-
-def test_a_planner_whose_law_is_not_known_gets_no_program_and_a_remedy():
-    """The S-curve planner of 2.10; the trapezoidal one is that of every version, stated or not."""
-    case = load_case("hexapod")
-    stated = case.model_dump(exclude_none=True)["controller"]["linuxcnc"]
-    smooth, plain = (
-        changed(case, controller__linuxcnc=stated | {"planner": planner}) for planner in ("s_curve", "trapezoidal")
-    )
-    for refused in (lambda: guarantees_of_linuxcnc(smooth, False), lambda: steps_of(smooth, "linuxcnc")):
-        with pytest.raises(CaseError, match=r"controller\.linuxcnc\.planner.*PLANNER_TYPE = 0") as caught:
-            refused()
-        one_line(caught.value)
-    own, same = (guarantees_of_linuxcnc(of, False) for of in (case, plain))
-    assert (own.enforced, own.law.keywords, own.known_law) == (same.enforced, same.law.keywords, same.known_law)
-    assert steps_of(plain, "linuxcnc") == steps_of(case, "linuxcnc") > 0.0

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from cases.base.units import DEG, MM
 from cases.schema import Case
 from identification.motion.motion import Array
-from postprocessors.dialects.linuxcnc.promises import SERVO_PERIOD
+from postprocessors.dialects.linuxcnc.promises import SERVO_PERIOD, path_jerk
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -130,7 +130,14 @@ def ini_text(case: Case, headroom: float, box: bool = True) -> str:
         for kind, own in (("LINEAR", ~layout.turns), ("ANGULAR", layout.turns))
         if own.any()
     ]
-    values = {"name": case.name, "layout": layout, "period_ns": round(SERVO_PERIOD * 1e9), "home": home.tolist()}
+    values = {
+        "name": case.name,
+        "layout": layout,
+        "period_ns": round(SERVO_PERIOD * 1e9),
+        "home": home.tolist(),
+        "path_jerk": path_jerk(case),
+        "jerks": (limits.jerk / layout.units).tolist(),
+    }
     home_joints = (machine_of(case).drives(start[None])[0] / layout.joint_units).tolist()
     template = _templates().get_template("machine.ini.jinja")
     return template.render(values, paths=diagonals, axes=axes, joints=joints, home_joints=home_joints)

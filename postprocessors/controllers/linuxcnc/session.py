@@ -19,7 +19,7 @@ from postprocessors.controllers.executed_run import ControllerLog
 from postprocessors.controllers.linuxcnc import configuration, timing
 from postprocessors.controllers.linuxcnc.configuration import AxisLayout
 from postprocessors.controllers.linuxcnc.isolation import OUTPUT_FILE, SYSTEM_PATH, preload_works, run_session
-from postprocessors.dialects.linuxcnc.promises import SERVO_PERIOD, acceleration_headroom
+from postprocessors.dialects.linuxcnc.promises import SERVO_PERIOD, acceleration_headroom, path_jerk
 from postprocessors.reading import Still, Timed
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ CLOCK_FILE = "warp.so"
 REPORT_FILE = "status.json"
 SAMPLES_FILE = "samples.f64"
 
+LIMITS_JERK = 2, 10  # the first version with PLANNER_TYPE
 START_LIMIT = 120.0  # wall-clock time for LinuxCNC to start, read a program and end [s]; on a very busy computer 20 s
 LINE_LIMIT = 20.0  # mean time of a line in the default time limit [s of controller time]: longer than any move
 
@@ -52,6 +53,27 @@ def linuxcnc_missing() -> str | None:
         reason = (result.stderr.strip().splitlines() or ["no reason given"])[-1]
         return f"/usr/bin/python3 cannot import LinuxCNC's modules ({reason}); reinstall the package {cnc}"
     return None
+
+
+@cache
+def linuxcnc_version() -> tuple[int, int]:
+    """Version of the LinuxCNC that is installed here, its first two numbers."""
+    question = ["/usr/bin/python3", "-c", "import linuxcnc; print(linuxcnc.version)"]
+    answer = subprocess.run(question, env={"PATH": SYSTEM_PATH}, capture_output=True, text=True).stdout
+    match = re.match(r"\s*(\d+)\.(\d+)", answer)
+    return (0, 0) if match is None else (int(match[1]), int(match[2]))
+
+
+def require_planner(case: Case, version: tuple[int, int]) -> None:
+    """Raises HexciteError where a version of LinuxCNC has no such planner as the case states."""
+    if path_jerk(case) is not None and version < LIMITS_JERK:
+        raise HexciteError(
+            place=f"case {case.name}, controller.linuxcnc.planner",
+            problem=f"LinuxCNC {'.'.join(map(str, version))} here has no planner with limited jerk (s_curve, since "
+            f"{'.'.join(map(str, LIMITS_JERK))})",
+            remedy=f"run with {option('on')} virtual",
+            code=Code.NOT_INSTALLED,
+        )
 
 
 def run_linuxcnc(
@@ -81,6 +103,7 @@ def run_linuxcnc(
     path, reading = program.path, program.reading
     if (missing := linuxcnc_missing()) is not None:
         raise HexciteError(place=path, problem=f"cannot be run: {missing}", code=Code.NOT_INSTALLED)
+    require_planner(case, linuxcnc_version())
     lines = timing.with_dwells(path, program.content.decode("ascii").split("\n"), reading)
     timed = any(isinstance(part, Timed) for part in reading.stretches)
     headroom = acceleration_headroom(case, timed)
