@@ -16,7 +16,7 @@ def export(
         str,
         option(
             "The model: c (C99), linuxcnc (HAL component), st (IEC 61131-3), python, json. The load for a robot: "
-            "urscript, kuka, rapid, franka, xarm, kinova, table (to type in: FANUC and others). For ROS 2: ros2, "
+            "urscript, kuka, rapid, franka, xarm, kinova, fanuc (to type in), table (others). For ROS 2: ros2, "
             "ft-tools. As a link: urdf, mjcf, sdf.",
             "--to",
         ),

@@ -169,8 +169,29 @@ def kinova(result: Carried, name: str) -> str:
     return _commented("#", _remarks(result, load, frame), "\n".join(lines))
 
 
+def fanuc(result: Carried, name: str) -> str:
+    """The rows of FANUC's screen PAYLOAD SET, in its order and units, to type in.
+
+    Mass in kg, centre of gravity in cm from the flange along its axes, moments of inertia about the centre of gravity
+    along these axes in kgf cm s^2; the screen takes no products of inertia. A point mass has moments of 0.
+    """
+    load = load_at_flange(result)
+    moments = np.zeros(3) if load.inertia is None else load.inertia.diagonal()
+    rows = [
+        ("PAYLOAD [kg]", f"{load.mass:.3f}"),
+        *((f"PAYLOAD CENTER {axis} [cm]", f"{v / CM:.3f}") for axis, v in zip("XYZ", load.centre, strict=True)),
+        *(
+            (f"PAYLOAD INERTIA {axis} [kgfcms^2]", f"{v / KGF_CM_S2:.5f}")
+            for axis, v in zip("XYZ", moments, strict=True)
+        ),
+    ]
+    about = "MENU, SYSTEM, Motion, DETAIL. Compare the units with those on the screen before you type."
+    body = "".join(f"{words:<28}  {value:>10}\n" for words, value in rows)
+    return "".join(f"{line}\n" for line in [*_remarks(result, load), about]) + f"\n{body}"
+
+
 def table(result: Carried, name: str, frame: FrameName) -> str:
-    """The load in the units of screens where it is typed in: FANUC's PAYLOAD SET among them."""
+    """The load in the units of screens where it is typed in."""
     load = load_at_flange(result) if frame == "flange" else load_in(result, frame)
     remarks = "".join(f"{line}\n" for line in _remarks(result, load, frame))
     rows = [("mass [kg]", f"{load.mass:.4f}")]
@@ -187,10 +208,7 @@ def table(result: Carried, name: str, frame: FrameName) -> str:
             rows.append((f"principal inertia {k + 1} [kg m^2], axis", f"{v:.6g}  ({numbers(axes[:, k], 5)})"))
     width = max(len(words) for words, _ in rows)
     body = "".join(f"{words:<{width}}  {value}\n" for words, value in rows)
-    about = (
-        "inertias are about the centre of gravity; Ixy is the element of the tensor, not its negative. FANUC's PAYLOAD "
-        "SET takes\nmass, centre [cm] and IXX, IYY, IZZ [kgf cm s^2] along the flange's axes\n"
-    )
+    about = "inertias are about the centre of gravity; Ixy is the element of the tensor, not its negative\n"
     return f"{remarks}\n{body}\n{about}"
 
 

@@ -284,7 +284,25 @@ def test_a_kinova_gets_what_was_added_from_the_frame_of_its_tool(tmp_path: Path)
     np.testing.assert_allclose([centre.x, centre.y, centre.z], CENTRE - [0.0, 0.0, 0.12], atol=2e-5)
 
 
-def test_a_table_has_the_units_of_fanuc(turned_sensor: Result) -> None:
+def test_fanuc_is_typed_in_as_its_screen_asks(turned_sensor: Result) -> None:
+    """kg, cm, and kgf cm s^2: a kilogram-force is 9.80665 N, so that 1 kgf cm s^2 is 0.0980665 kg m^2."""
+    text = text_of("fanuc", turned_sensor)
+    rows = [
+        (name, unit, float(v)) for name, unit, v in re.findall(r"^(PAYLOAD.*) \[(.+)\] +(\S+)$", text, re.MULTILINE)
+    ]
+    centre, inertia = expected_at_flange()
+    assert [(name, unit) for name, unit, _ in rows] == [
+        ("PAYLOAD", "kg"),
+        *((f"PAYLOAD CENTER {axis}", "cm") for axis in "XYZ"),
+        *((f"PAYLOAD INERTIA {axis}", "kgfcms^2") for axis in "XYZ"),
+    ]
+    values = [value for *_, value in rows]
+    assert values[0] == pytest.approx(2.6, abs=1e-3)
+    np.testing.assert_allclose(np.array(values[1:4]) / 100, centre, atol=1e-5)
+    np.testing.assert_allclose(np.array(values[4:]) * 9.80665 * 0.01, np.diag(inertia), atol=1e-6)
+
+
+def test_a_table_has_several_units(turned_sensor: Result) -> None:
     """1 kgf cm s^2 is 0.0980665 kg m^2."""
     rows = dict(re.findall(r"^(.*\])  +(\S.*)$", text_of("table", turned_sensor), re.MULTILINE))
     centre, inertia = expected_at_flange()
@@ -395,7 +413,7 @@ def test_neither_a_static_model_nor_rods_of_struts_have_an_inertia(case: str, mo
         one_line(caught.value)
 
 
-@pytest.mark.parametrize("target", ["kuka", "rapid", "table", "xarm", "kinova", "ros2"])
+@pytest.mark.parametrize("target", ["kuka", "rapid", "table", "fanuc", "xarm", "kinova", "ros2"])
 def test_a_standing_run_gives_mass_and_centre_and_says_that_it_is_a_point(target: str, tmp_path: Path) -> None:
     text = text_of(target, calibration(tmp_path, "ur10_wrist", 0))
     if target in READERS:
