@@ -21,10 +21,10 @@ from identification.recording.recording import Recording
 from identification.results.result import Result
 from identification.simulate import truth_rows
 from identification.texts import efficiency_text
-from planner._plan import Settings
 from planner._plan import plan as motion
 from planner.controller_limits import steps_of
 from planner.families.settings import FamilySettings, Fourier, Manual, PointToPoint
+from planner.options import PlanOptions
 from planner.plans.plan import Plan
 from planner.request import Solver, require_seed, require_starts
 from planner.retiming import retime
@@ -193,7 +193,7 @@ class _Way:
     def gone(self, family: FamilySettings, language: Dialect, place: Path) -> Tried:
         """One motion, planned, programmed, proven, run and identified in a folder."""
         case, progress, searched = self.case, self.progress, family.optimised
-        settings: Settings = {"starts": self.starts, "seed": self.seed} if searched else {}
+        settings: PlanOptions = {"starts": self.starts, "seed": self.seed} if searched else {}
         if family is FOURIER:
             settings["solver"] = Solver.ACTIVE_SET  # converges sooner than others from a single start
         motion(case, family, **settings).save(place / "plan", overwrite=True)

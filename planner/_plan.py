@@ -1,8 +1,8 @@
 """Plans from Python: what notebooks and the command line call."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypedDict, Unpack
+from typing import Any, Unpack
 
 from threadpoolctl import threadpool_limits
 
@@ -12,50 +12,23 @@ from identification.model.model import full_model, static_model
 from planner.families.manual import load_poses
 from planner.families.settings import Best, FamilySettings
 from planner.known import Known
+from planner.options import DURATION, LONGEST_WANTED, Duration, PlanOptions, PoseOptions, documented
 from planner.plans.making import make_until_ctrl_c, require_plannable
 from planner.plans.plan import Plan
 from planner.plans.progress import Follower, Standing
-from planner.request import DURATION, LONGEST_WANTED, PoseRequest, Request
+from planner.request import PoseRequest, Request
 from planner.search.parallel import silent
 from planner.shortest import require_more, shortest
 
 
-class Settings(TypedDict, total=False):
-    """What may be asked of a motion; `planner.request.Request` says what each is, and has the defaults."""
-
-    criterion: str
-    model: int  # the largest of the machine unless given
-    payload: int
-    payload_from: int | None
-    starts: int | None
-    seed: int
-    solver: str | None
-    workers: int | None
-    seconds: float | None
-    target: Mapping[str, float]  # [SI]
-    known: Sequence[object]  # earlier values of `Result` of the machine with the same load
-
-
-class PoseSettings(TypedDict, total=False):
-    """What may be asked of poses; `planner.request.PoseRequest` says what each is, and has the defaults."""
-
-    criterion: str
-    count: int | None
-    method: str
-    model: int  # the largest of the machine unless given
-    candidates: int | None
-    seed: int
-    without: str | None
-    known: Sequence[object]  # earlier values of `Result` of the machine, of standstills
-
-
+@documented(PlanOptions)
 def plan(
     case: Case,
     family: FamilySettings | None = None,
-    duration: float | None = None,
+    duration: Duration = None,
     *,
     progress: Callable[[str], None] | None = None,
-    **settings: Unpack[Settings],
+    **settings: Unpack[PlanOptions],
 ) -> Plan:
     """The most informative motion inside the machine's limits, proven.
 
@@ -73,22 +46,28 @@ def plan(
         duration: duration of the excitation [s], 12 s by default; with a target the longest that is tried, by default
             60 s.
         progress: shows a line now and then.
-        **settings: criterion, model, payload, payload_from, starts, seed, solver, workers, seconds, target, known; see
-            `Settings`. With a target, predicted deviations by parameter [SI], the shortest motion that reaches them;
-            with results that are known, the shortest with which they reach them together.
+        OPTIONS
 
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.
     """
+    request = request_of(case, family, duration, **settings)
+    return planned(request, case, None if progress is None else lambda standing: progress(standing.line))
+
+
+def request_of(
+    case: Case, family: FamilySettings | None, duration: float | None, **settings: Unpack[PlanOptions]
+) -> Request:
+    """What arguments of `plan` ask for: the model, the duration and what is known follow from the case."""
     own: dict[str, Any] = dict(settings)
     results = settings.get("known")
     known = Known.of(results, case, settings.get("payload", 0), standing=False) if results else None
     own["known"] = known
-    own.setdefault("model", full_model(case) if known is None else known.model)
+    if own.get("model") is None:
+        own["model"] = full_model(case) if known is None else known.model
     if duration is None:
         duration = LONGEST_WANTED if settings.get("target") else DURATION
-    request = Request(family or Best(), duration, **own)
-    return planned(request, case, None if progress is None else lambda standing: progress(standing.line))
+    return Request(family or Best(), duration, **own)
 
 
 def planned(request: Request, case: Case, progress: Callable[[Standing], None] | None = None) -> Plan:
@@ -102,12 +81,13 @@ def planned(request: Request, case: Case, progress: Callable[[Standing], None] |
         return make_until_ctrl_c(request, case, follower)
 
 
+@documented(PoseOptions)
 def plan_poses(
     case: Case,
     at: Path | Array | None = None,
     *,
     progress: Callable[[int], None] | None = None,
-    **settings: Unpack[PoseSettings],
+    **settings: Unpack[PoseOptions],
 ) -> Plan:
     """The most informative poses to stand at, in a short order, proven.
 
@@ -116,7 +96,7 @@ def plan_poses(
             machine, shape (n, k) [m or rad].
         case: machine, limits and poses.
         progress: called with the number of poses after each step of the choice.
-        **settings: criterion, count, method, model, candidates, seed, known; see `PoseSettings`.
+        OPTIONS
 
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.
@@ -127,7 +107,8 @@ def plan_poses(
     results = settings.get("known")
     known = Known.of(results, case, 0, standing=True) if results else None
     wanted["known"] = known
-    wanted.setdefault("model", static_model(case) if known is None else known.model)
+    if wanted.get("model") is None:
+        wanted["model"] = static_model(case) if known is None else known.model
     if at is not None:
         wanted["method"] = "given"
     request = PoseRequest(**wanted)

@@ -19,11 +19,12 @@ from planner.families.settings import (
     require_plannable_without,
 )
 from planner.known import Known
+from planner.options import DURATION, PlanOptions, PoseOptions, options_of
 
 OWNERS = {setting.name: name for name, kind in FAMILIES.items() for setting in fields(kind)}
 """Settings of one family alone, and its name."""
-DURATION = 12.0  # [s] unless another is asked for
-LONGEST_WANTED = 60.0  # [s] longest motion that is tried for a target unless another is asked for
+DEFAULTS = {each.name: each.default for each in options_of(PlanOptions)}
+POSE_DEFAULTS = {each.name: each.default for each in options_of(PoseOptions)}
 LONGEST = 600.0  # [s] longest excitation; the method is for production breaks
 LONGEST_SEARCH = 1e5  # [s]
 
@@ -71,17 +72,18 @@ class Request:
 
     family: FamilySettings = field(default_factory=PointToPoint)  # family of motions, with its settings
     duration: float = DURATION  # duration of the excitation [s]
-    criterion: Criterion = Criterion.D  # of Table 4; its letter will do
+    criterion: Criterion = DEFAULTS["criterion"]  # of Table 4; its letter will do
     model: int = 9  # number in Table 2
-    payload: int = 0  # number of the case's payloads that are mounted, at most
+    payload: int = DEFAULTS["payload"]  # number of the case's payloads that are mounted, at most
     # fewest payloads; None for just as many. Predicted standard deviations are the largest of the range
-    payload_from: int | None = None
-    starts: int | None = None  # number of random starts; None for as many as pay
-    seed: int = 0  # seed of the starts
+    payload_from: int | None = DEFAULTS["payload_from"]
+    starts: int | None = DEFAULTS["starts"]  # number of random starts; None for as many as pay
+    seed: int = DEFAULTS["seed"]  # seed of the starts
     # what optimises each start; its name will do. None for active-set where few unknowns are explored, else ipopt
-    solver: Solver | None = None
-    workers: int | None = field(default=None, compare=False)  # processes that search; None for one a core
-    seconds: float | None = None  # how long to search [s]; None for as long as it pays
+    solver: Solver | None = DEFAULTS["solver"]
+    # processes that search; None for one a core
+    workers: int | None = field(default=DEFAULTS["workers"], compare=False)
+    seconds: float | None = DEFAULTS["seconds"]  # how long to search [s]; None for as long as it pays
     # predicted standard deviations to reach, by physical parameter [SI]: where there are any, the shortest motion that
     # reaches them is planned, and `duration` is the longest that it may have until it is
     target: Mapping[str, float] = field(default_factory=dict, hash=False)
@@ -245,13 +247,14 @@ METHODS: dict[PoseMethod, str] = {
 class PoseRequest:
     """What to plan."""
 
-    criterion: Criterion = Criterion.D  # of Table 4; its letter will do
-    count: int | None = None  # poses; None: 30
-    method: PoseMethod = "refine"
+    criterion: Criterion = POSE_DEFAULTS["criterion"]  # of Table 4; its letter will do
+    count: int | None = POSE_DEFAULTS["count"]  # poses; None: 30
+    method: PoseMethod = POSE_DEFAULTS["method"]
     model: int = 5  # number in Table 2, 0 to 5
-    candidates: int | None = None  # quasi-random candidates; None: the grid of the case
-    seed: int = 0  # seed of these candidates
-    without: str | None = None  # jerk, where the controller of the moves between poses does not limit it; None for none
+    candidates: int | None = POSE_DEFAULTS["candidates"]  # quasi-random candidates; None: the grid of the case
+    seed: int = POSE_DEFAULTS["seed"]  # seed of these candidates
+    # jerk, where the controller of the moves between poses does not limit it; None for none
+    without: str | None = POSE_DEFAULTS["without"]
     known: Known | None = field(default=None, compare=False)  # what earlier results say
     name: ClassVar[str] = "poses"  # in place of that of a family
 

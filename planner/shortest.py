@@ -14,9 +14,10 @@ from cases.schema import Case
 from identification.model.model import identification_model
 from identification.model.parameters import physical_form
 from identification.texts import legible, std_text
+from planner.options import DURATION
 from planner.plans.plan import Plan
 from planner.plans.prediction import NOISE, Prediction
-from planner.request import DURATION, Request
+from planner.request import Request
 
 CLOSE = 1.04  # ratio of the shortest duration that reaches the targets to the longest below it that does not
 MOST = 14  # durations at most

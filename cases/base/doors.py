@@ -12,7 +12,7 @@ from numbers import Integral, Real
 from os import PathLike
 from pathlib import Path
 from types import FunctionType, UnionType
-from typing import Any, ParamSpec, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, ParamSpec, TypeVar, get_args, get_origin
 
 
 def door(
@@ -128,11 +128,9 @@ def checks_arguments(settings: type[Settings]) -> type[Settings]:
 
 
 def _annotations(signature: inspect.Signature) -> Iterator[tuple[str, Any]]:
-    """Parameters with their annotations, those of further keyword arguments from their typed dictionary."""
+    """Parameters with their annotations."""
     for name, parameter in signature.parameters.items():
-        if parameter.kind is inspect.Parameter.VAR_KEYWORD:
-            yield from get_type_hints(get_args(parameter.annotation)[0]).items()
-        elif parameter.annotation is not parameter.empty:
+        if parameter.annotation is not parameter.empty:
             yield name, parameter.annotation
 
 

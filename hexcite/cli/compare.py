@@ -7,7 +7,8 @@ import hexcite as hx
 from cases.base.files import COMPARISON, VALIDATION, check_folder, output_place
 from hexcite.cli import console
 from hexcite.cli.console import argument, option, out
-from hexcite.comparison.methods import METHOD_TABLES
+from hexcite.cli.declared import takes
+from hexcite.comparison.methods import METHOD_TABLES, ValidationOptions
 from identification.texts import aligned
 
 if TYPE_CHECKING:
@@ -42,6 +43,7 @@ def compare(
     console.answered(answer, json, *table, f"report written: {answer['report']}", comparison)
 
 
+@takes(ValidationOptions)
 def validate(
     case: Annotated[str, argument("Built-in name, folder or case file, with payloads.")],
     methods: Annotated[
@@ -50,13 +52,10 @@ def validate(
     weights: Annotated[
         str | None, option("How many weights are mounted: 0,3,5; by default none, and each up to all.")
     ] = None,
-    on: Annotated[str, option("Controller: virtual or linuxcnc.")] = "virtual",
-    starts: Annotated[int, option("Random starts of the optimised methods.")] = 2,
-    seed: Annotated[int, option("Seed of the starts and of the sensors' noise.")] = 0,
-    workers: console.Workers = None,
     output: Annotated[Path | None, out("Folder to write; hexcite-validation by default.")] = None,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
+    **settings: Any,
 ) -> None:
     """Identify known weights by each method; compare with theory.
 
@@ -65,15 +64,15 @@ def validate(
     """
     from hexcite.comparison.trials import mounted_weights, unfinished
 
-    settings = hx.ValidationSettings(on, starts, seed, workers)
+    carried_out = hx.ValidationSettings(**settings)
     loaded = hx.load_case(case)
     names = None if methods is None else [name.strip() for name in methods.split(",") if name.strip()]
     place = output_place(output, Path("hexcite-validation"), overwrite)
     check_folder(place, VALIDATION, overwrite=overwrite)
     mounted = mounted_weights(loaded, weights)
-    with unfinished(place, loaded, settings) as work, console.status("validating", json) as remark:
+    with unfinished(place, loaded, carried_out) as work, console.status("validating", json) as remark:
         validation = hx.validate(
-            loaded, tuple(METHOD_TABLES) if names is None else names, mounted, settings, folder=work, progress=remark
+            loaded, tuple(METHOD_TABLES) if names is None else names, mounted, carried_out, folder=work, progress=remark
         )
         console.save_with_page(validation, VALIDATION, place, overwrite)
     answer = {"report": str(place / "report.html")} | validation.to_json()

@@ -35,14 +35,6 @@ InFrame = Annotated[
         help="State it in the frame of the sensor, the robot's flange or tool (TCP), or along the axes of the base.",
     ),
 ]
-Workers = Annotated[int | None, typer.Option(help="Processes on this computer; by default one a core.")]
-Criterion = Annotated[
-    str,
-    typer.Option(
-        help="What to optimise, Table 4: A average variance, D volume of the confidence ellipsoid, K condition, N "
-        "noise amplification."
-    ),
-]
 
 
 def option(text: str, *names: str) -> Any:

@@ -12,6 +12,8 @@ from cases.base.errors import Code
 from cases.base.files import PLAN, check_folder, output_place
 from hexcite.cli import console
 from hexcite.cli.console import argument, option, out
+from hexcite.cli.declared import takes
+from planner.options import OF_FAMILIES, Duration, PlanOptions, options_of
 
 SEARCHED = (
     "duration",
@@ -22,9 +24,13 @@ SEARCHED = (
     "solver",
     "workers",
 )  # options of families that are optimised
-OPTIONS = {"controller": "for"}  # options whose names differ from those of their parameters
+FLAGS = {"duration": "duration"} | {
+    each.name: each.flag for kind in (PlanOptions, *OF_FAMILIES.values()) for each in options_of(kind)
+}
+"""Names on the command line, without dashes, by those of the library."""
 
 
+@takes(PlanOptions, families=OF_FAMILIES, but=("payload_from",))
 def plan(
     context: typer.Context,
     case: Annotated[str, argument("Built-in name, folder or case file.")],
@@ -32,106 +38,27 @@ def plan(
         str | None,
         option("Family of motions: manual, fourier, ptp, spline; by default the best of the last three, by trying."),
     ] = None,
-    criterion: console.Criterion = "D",
-    duration: Annotated[
-        float | None,
-        option(
-            "Whole duration in s, by default 12; a multiple of --period where that is given. With --target the longest "
-            "that is tried, by default 60."
-        ),
-    ] = None,
-    target: Annotated[
-        list[str] | None,
-        option(
-            "Standard deviation to reach: m=5g, xC=0.02mm. Repeatable. Plans the shortest motion whose predicted "
-            "deviations reach all."
-        ),
-    ] = None,
-    known: Annotated[
-        list[Path] | None,
-        option(
-            "Result folder of an earlier run of the machine with the same load. Repeatable. Deviations and --target "
-            "then hold for these results and the run together."
-        ),
-    ] = None,
-    order: Annotated[int, option("fourier: harmonics, 1 to 7; 1 is ellipses, with ways in and out.")] = 5,
-    period: Annotated[float | None, option("fourier: period in s; by default about 2, to fit --duration.")] = None,
-    free_order: Annotated[bool, option("fourier: search the best order, 2 to 7.", "--free-order")] = False,
-    free_period: Annotated[
-        bool,
-        option("fourier: optimise the period too; as many whole ones as fit into --duration.", "--free-period"),
-    ] = False,
-    centred: Annotated[bool, option("fourier: keep x0 in the middle of the motion box.", "--centred")] = False,
-    equal_start: Annotated[
-        bool, option("fourier: begin with all coefficients alike, to study solvers.", "--equal-start")
-    ] = False,
-    moves: Annotated[
-        int | None,
-        option("ptp: point-to-point moves, 8 to 64; by default the best of a few numbers, by trying."),
-    ] = None,
-    controller: Annotated[
-        str | None,
-        option(
-            "ptp: plan with the time law of linuxcnc, virtual, sinumerik, twincat, setpoints, urscript or ros2; "
-            "by default as the case says, else with limited jerk.",
-            "--for",
-        ),
-    ] = None,
-    without: Annotated[
-        str | None,
-        option(
-            "ptp: jerk, which linuxcnc and urscript do not limit: moves with steps of acceleration, if the machine "
-            "bears them."
-        ),
-    ] = None,
-    knots: Annotated[int | None, option("spline: intervals, 20 to 150; by default ten a second, 150 at most.")] = None,
-    sequence: Annotated[
-        Path | None,
-        option(
-            "manual: TOML file of steps or CSV of poses; by default the case's manual.toml, else "
-            "each coordinate in turn, then all at once."
-        ),
-    ] = None,
-    model: Annotated[int | None, option("Identification model, 0 to 9; by default the largest of the machine.")] = None,
-    payload: Annotated[
-        str, option("How many of the case's payloads are mounted: a number, or a range such as 0-5.")
-    ] = "0",
-    starts: Annotated[
-        int | None, option("Number of random starts, of that many choices at most; by default as many as pay.")
-    ] = None,
-    seconds: Annotated[
-        float | None, option("How long to search in s, then to keep the best; by default as long as it pays.")
-    ] = None,
-    seed: Annotated[int, option("Seed of the random starts.")] = 0,
-    solver: Annotated[
-        str | None,
-        option(
-            "What optimises a start: ipopt (interior point), sqp, or active-set (quasi-Newton); by default active-set "
-            "where few unknowns are explored (fourier), ipopt else."
-        ),
-    ] = None,
-    workers: console.Workers = None,
+    duration: Duration = None,
     output: Annotated[Path | None, out("Folder to write; named after case and family by default.")] = None,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
     progress: Annotated[
         bool, option("With --json: say on stderr how the search gets on, a JSON object a line.", "--progress")
     ] = False,
+    **options: Any,
 ) -> None:
     """Find the most informative motion inside the machine's limits.
 
     Ctrl-C ends the search and keeps the best motion found so far; a second one gives up.
     """
-    from identification.estimation.criteria import Criterion
     from identification.model.model import full_model
-    from planner._plan import planned
+    from planner._plan import planned, request_of
     from planner.families.settings import Best, family_class
-    from planner.known import Known, load_known
+    from planner.known import load_known
     from planner.plans.making import require_plannable
-    from planner.request import DURATION, LONGEST_WANTED, OWNERS, Request, Solver
+    from planner.request import OWNERS
     from planner.search.parallel import first_ctrl_c
 
-    options = context.params
     sources = {name: context.get_parameter_source(name) for name in (*SEARCHED, *OWNERS)}
     given = [o for o, source in sources.items() if source and source.name != "DEFAULT"]
     if family is None and (owners := [OWNERS[o] for o in given if o in OWNERS]):
@@ -139,36 +66,24 @@ def plan(
     kind = Best if family is None else family_class(family)
     if family is not None:
         refuse_foreign(given, family)
-    most, fewest = read_payloads(payload)
+    of_families = {name: options.pop(name) for name in OWNERS}
+    own = kind(**{name: value for name, value in of_families.items() if OWNERS[name] == family})
+    options["payload"], options["payload_from"] = read_payloads(options["payload"])
     loaded = hx.load_case(case)
-    earlier = Known.of(load_known(known, loaded), loaded, most, standing=False) if known else None
-    usual = full_model(loaded) if earlier is None else earlier.model
-    number = usual if model is None else model
-    targets = targets_of(target or (), loaded, number)
-    if duration is None:
-        duration = LONGEST_WANTED if targets else DURATION
-    request = Request(
-        kind(**{option: options[option] for option, owner in OWNERS.items() if owner == family}),
-        duration=duration,
-        criterion=Criterion(criterion),
-        model=number,
-        payload=most,
-        payload_from=fewest,
-        starts=starts,
-        seed=seed,
-        solver=None if solver is None else Solver(solver),
-        workers=workers,
-        seconds=seconds,
-        target=targets,
-        known=earlier,
-    )
-    optimised = request.family.optimised
+    options["known"] = load_known(options["known"] or (), loaded)
+    if options["model"] is None:
+        options["model"] = options["known"][0].record.model if options["known"] else full_model(loaded)
+    options["target"] = targets_of(options["target"] or (), loaded, options["model"])
+    request = request_of(loaded, own, duration, **options)
     folder = output_place(output, Path(f"{loaded.name}-{family or 'plan'}"), overwrite)
     check_folder(folder, PLAN, overwrite=overwrite)
     require_plannable(request, loaded)  # before anything is said
+    optimised = own.optimised
     if not json:
-        text = f"{'up to ' if targets else ''}{duration:g} s, criterion {criterion}, " if optimised else ""
-        console.say(f"Planning for {loaded.name}: {family or 'any family'}, {text}model {request.model}")
+        motion = f"{'up to ' if request.target else ''}{request.duration:g} s, criterion {request.criterion}, "
+        console.say(
+            f"Planning for {loaded.name}: {family or 'any family'}, {motion if optimised else ''}model {request.model}"
+        )
     with console.status("searching" if optimised else "timing", json) as remark:
         result = planned(request, loaded, console.as_lines() if json and progress else remark)
     with console.status("writing", json), first_ctrl_c():  # this takes a short time
@@ -226,7 +141,7 @@ def refuse_foreign(given: Sequence[str], family: str) -> None:
 
     optimised = [name for name, kind in FAMILIES.items() if kind.optimised]
     for given_option in given:
-        name = OPTIONS.get(given_option, given_option.replace("_", "-"))
+        name = FLAGS[given_option]
         owners = optimised if given_option in SEARCHED else [OWNERS[given_option]]
         if family not in owners:
             raise hx.HexciteError(

@@ -4,9 +4,12 @@ from pathlib import Path
 from typing import Annotated
 
 import hexcite as hx
-from hexcite.cli.console import Json, Workers, answered, argument, option, out, status
+from hexcite.cli.console import Json, answered, argument, option, out, status
+from hexcite.cli.declared import takes
+from planner.options import Workers
 
 
+@takes()
 def study(
     case: Annotated[str, argument("Built-in name, folder or case file.")],
     spec: Annotated[str, option("TOML file of the study, or a built-in one: paper, validation.")],

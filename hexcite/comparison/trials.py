@@ -24,7 +24,7 @@ from cases.sensors import Disturbances, RigidBody
 from cases.tables import Part
 from hexcite._run import carried_out
 from hexcite._write import write
-from hexcite.comparison.methods import METHOD_TABLES
+from hexcite.comparison.methods import METHOD_TABLES, ValidationOptions
 from identification.estimation.criteria import Criterion
 from identification.identify import estimate_parameters
 from identification.limits.limit import KINETIC
@@ -40,6 +40,7 @@ from identification.simulate import Circumstances, loaded_truth, simulate_record
 from planner._plan import planned
 from planner.controller_limits import controlled
 from planner.families.settings import family_class
+from planner.options import documented
 from planner.plans.plan import Plan
 from planner.poses.planned_poses import poses_planned
 from planner.request import PoseRequest, Request
@@ -207,14 +208,14 @@ Remark = Callable[[str], None]
 
 
 @checks_arguments
+@documented(ValidationOptions)
 @dataclass(frozen=True, slots=True)
-class ValidationSettings:
-    """How `hx.validate` carries out its methods."""
+class ValidationSettings(ValidationOptions):
+    """How `hx.validate` carries out its methods.
 
-    on: str = ControllerName.VIRTUAL  # controller: virtual or linuxcnc
-    starts: int = 2  # random starts of the optimised methods
-    seed: int = 0  # seed of the starts and of the sensors' noise
-    workers: int | None = None  # processes that search; None for one a core
+    Args:
+        OPTIONS
+    """
 
     def __post_init__(self) -> None:
         Request(starts=self.starts, seed=self.seed, workers=self.workers)  # which says what these can be

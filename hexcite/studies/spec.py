@@ -2,18 +2,20 @@
 
 import itertools
 import math
+from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar, get_args
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, create_model
 
 from cases.base.errors import Code, FileProblem, HexciteError
 from cases.basis import study_basis
 from cases.schema import Case, fingerprint
 from cases.tables import Part, Positive, read_tables
 from identification.model.model import full_model
-from planner.families.settings import Fourier, family_class
+from planner.families.settings import family_class
+from planner.options import DURATION, OF_FAMILIES, Declared, Option, PlanOptions, options_of
 from planner.request import OWNERS, Request
 
 MOST_CELLS = 1_000_000
@@ -28,30 +30,31 @@ def _listed(value: object) -> object:
 Values = Annotated[tuple[T, ...], BeforeValidator(_listed), Field(min_length=1)]
 Whole = Annotated[int, Field(strict=True)]
 
-_USUAL = Request()
-OPTIONS = {"duration_s": "duration", "period_s": "period"}  # of settings whose columns carry a unit
+VARIED = (
+    "criterion", "model", "duration", "order", "period", "moves", "knots", "equal_start", "solver", "payload", "seed",
+)  # fmt: skip
+"""Options of `hexcite plan` that a grid may vary."""
+_ALL = {each.name: each for kind in (PlanOptions, *OF_FAMILIES.values()) for each in options_of(kind)}
+_ALL["duration"] = Declared("duration", float, DURATION, Option("", unit="s"))  # studies state no targets
+OPTIONS = {_ALL[name].key: _ALL[name] for name in VARIED}
+"""Options by their keys in a grid."""
 
 
-class Grid(Part):
-    """Values of most settings of `hexcite plan`; every combination is a cell. One value may stand without brackets.
-
-    A model that is not stated is the machine's largest; period, moves and knots fit the duration, as they do there.
-    """
-
-    family: Values[str] = ("fourier",)
-    criterion: Values[str] = (str(_USUAL.criterion),)
-    model: Values[Whole | None] = (None,)
-    duration_s: Values[Positive] = (_USUAL.duration,)
-    order: Values[Whole] = (Fourier().order,)
-    period_s: Values[Positive | None] = (None,)
-    moves: Values[Whole | None] = (None,)
-    knots: Values[Whole | None] = (None,)
-    equal_start: Values[bool] = (False,)
-    solver: Values[str | None] = (None,)
-    payload: Values[Whole] = (_USUAL.payload,)
-    seed: Values[Whole] = (_USUAL.seed,)
+def _field(declared: Declared) -> tuple[Any, tuple[object]]:
+    """Type and default of a field of the grid; where the machine decides by default, None says so."""
+    strict: Mapping[type, Any] = {int: Whole, float: Positive, str: str, bool: bool}
+    kind: Any = strict[(get_args(declared.kind) or (declared.kind,))[0]]
+    values: Any = Values
+    return values[kind if declared.default is not None else kind | None], (declared.default,)
 
 
+_FIELDS: dict[str, Any] = {"family": (Values[str], ("fourier",))}
+_FIELDS |= {key: _field(declared) for key, declared in OPTIONS.items()}
+Grid = create_model("Grid", __base__=Part, __module__=__name__, **_FIELDS)
+"""Values of most options of `hexcite plan`, one or a list each; every combination is a cell.
+
+A model that is not stated is the machine's largest; period, moves and knots fit the duration, as they do there.
+"""
 SETTINGS = tuple(Grid.model_fields)
 CellSettings = dict[str, Any]
 """One value of each setting of a `Grid`; those of the machine's choice, or of other families, are absent."""
@@ -123,7 +126,7 @@ def cells_of(spec: Spec, case: Case) -> dict[str, CellSettings]:
         settings = dict(zip(SETTINGS, values, strict=True))
         family = settings["family"]
         # Settings of another family do not make another cell.
-        own = [k for k in settings if OWNERS.get(OPTIONS.get(k, k), family) == family]
+        own = [k for k in settings if k not in OPTIONS or OWNERS.get(OPTIONS[k].name, family) == family]
         settings = {"model": full_model(case)} | {k: settings[k] for k in own if settings[k] is not None}
         if settings.get("equal_start"):  # its seed decides nothing
             settings["seed"] = 0
@@ -134,14 +137,15 @@ def cells_of(spec: Spec, case: Case) -> dict[str, CellSettings]:
 
 def request_of(settings: CellSettings) -> Request:
     """The request of a cell, with one start; HexciteError where its settings cannot be planned."""
-    ours = {OPTIONS.get(k, k): v for k, v in settings.items()}
-    kind = family_class(ours.pop("family"))
+    ours = {OPTIONS[key].name: value for key, value in settings.items() if key != "family"}
+    kind = family_class(settings["family"])
     own = {name: ours.pop(name) for name in OWNERS if name in ours}
     return Request(kind(**own), starts=1, **ours)
 
 
 def command_of(settings: CellSettings, case: str) -> str:
     """The command line that plans a cell anew, from as many starts as pay."""
-    plain = {OPTIONS.get(k, k).replace("_", "-"): v for k, v in settings.items() if k != "seed" and v is not False}
+    flags = {"family": "family"} | {key: each.flag for key, each in OPTIONS.items() if key != "seed"}
+    plain = {flags[key]: value for key, value in settings.items() if key in flags and value is not False}
     words = [f"--{option}" if v is True else f"--{option} {v}" for option, v in plain.items()]
     return " ".join(["hexcite plan", case, *words])

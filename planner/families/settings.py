@@ -19,6 +19,7 @@ from planner.families import ptp, spline
 from planner.families.family import Family
 from planner.families.fourier import FourierFamily, FreePeriod
 from planner.families.manual import in_turn, load_poses, load_sequence, manual_motion, sequence_file
+from planner.options import FourierOptions, ManualOptions, MoveOptions, SplineOptions, documented
 
 SHORTEST_PERIOD, LONGEST_PERIOD = 0.01, 600.0  # [s]
 USUAL_PERIOD = 2.0  # [s]; of order 5 as informative as 2.4 s, more than 3 s, and of all the best conditioned
@@ -109,29 +110,14 @@ class FamilySettings:
 
 
 @checks_arguments
+@documented(FourierOptions)
 @dataclass(frozen=True, slots=True)
-class Fourier(FamilySettings):
+class Fourier(FourierOptions, FamilySettings):
     """Periodic Fourier series (34)-(36) from rest to rest.
 
     Args:
-        order: N of (34), 1 to 7; order 1 cannot rest, so that half a period leads into it and out of it.
-        period: [s]; the duration is a whole number of periods. None for the one nearest to 2 s.
-        centred: whether x0 is the middle of the motion box, as in the paper; else it is optimised.
-        free_order: whether the best order from 2 to 7 is searched instead.
-        free_period: whether the period is optimised with the motion instead, which then lasts the largest whole number
-            of periods that fits into the duration.
-        equal_start: whether the search begins with all coefficients alike instead of random ones: a study of solvers,
-            as in the paper, and no better.
+        OPTIONS
     """
-
-    order: int = 5
-    period: float | None = None
-    centred: bool = False
-    free_order: bool = False
-    free_period: bool = False
-    equal_start: bool = False
-
-    name: ClassVar[str] = "fourier"
 
     def __post_init__(self) -> None:
         _require(self.order, "order", ORDERS[0], ORDERS[-1], "3 to 7")
@@ -255,23 +241,15 @@ def _highest_frequency(case: Case) -> float:
 
 
 @checks_arguments
+@documented(MoveOptions)
 @dataclass(frozen=True, slots=True)
-class PointToPoint(FamilySettings):
+class PointToPoint(MoveOptions, FamilySettings):
     """Straight moves in the coordinates, each from rest to rest.
 
     Args:
-        moves: 8 to 64; None for the best of several numbers that are tried, see `counts`.
-        controller: controller whose time law the moves are planned with: linuxcnc, virtual, sinumerik, twincat,
-            setpoints, urscript, ros2; None for the one that the case plans for, else limited jerk.
-        without: jerk, where that controller does not limit it and the machine bears steps of acceleration; None for
-            all limits of the case.
+        OPTIONS
     """
 
-    moves: int | None = None
-    controller: str | None = None
-    without: str | None = None
-
-    name: ClassVar[str] = "ptp"
     of_moves: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
@@ -377,17 +355,14 @@ class PointToPoint(FamilySettings):
 
 
 @checks_arguments
+@documented(SplineOptions)
 @dataclass(frozen=True, slots=True)
-class Spline(FamilySettings):
+class Spline(SplineOptions, FamilySettings):
     """Cubic splines limited in jerk, from rest to rest.
 
     Args:
-        knots: intervals between knots, 20 to 150; None for ten a second, 150 at most.
+        OPTIONS
     """
-
-    knots: int | None = None
-
-    name: ClassVar[str] = "spline"
 
     def __post_init__(self) -> None:
         _require(self.knots, "knots", spline.FEWEST, spline.MOST, "about 120")
@@ -427,18 +402,15 @@ IN_TURN = "each coordinate to both ends of its way, then all at once"
 
 
 @checks_arguments
+@documented(ManualOptions)
 @dataclass(frozen=True, slots=True)
-class Manual(FamilySettings):
+class Manual(ManualOptions, FamilySettings):
     """The hand-made motion of a file, as fast as the limits allow.
 
     Args:
-        sequence: file of steps (TOML) or of poses (CSV); None for `manual.toml` beside the case, and where there is
-            none each coordinate to both ends of its way, then all at once.
+        OPTIONS
     """
 
-    sequence: Path | str | None = None
-
-    name: ClassVar[str] = "manual"
     optimised: ClassVar[bool] = False
 
     def file(self, case: Case) -> Path | None:

@@ -1,8 +1,7 @@
 """Free order and period: near the frequency at which velocity and acceleration both bind."""
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 from inspect import signature
-from typing import get_type_hints
 
 import numpy as np
 import pytest
@@ -11,12 +10,11 @@ from hypothesis import strategies as st
 
 from cases.base.errors import HexciteError
 from cases.schema import Case
-from hexcite.cli.compare import validate
-from hexcite.cli.plan import OPTIONS, SEARCHED, plan, refuse_foreign
-from hexcite.comparison.trials import ValidationSettings
+from hexcite.cli.plan import FLAGS, SEARCHED, plan, refuse_foreign
 from planner.families import ptp, spline
 from planner.families.plan_settings import FourierSettings, PlanSettings
 from planner.families.settings import FAMILIES, Best, Fourier, PointToPoint, Spline
+from planner.options import MoveOptions, SplineOptions, options_of
 from planner.plans.making import KEPT, search
 from planner.plans.rating import PlannedMotion, choice_notes, tried_families
 from planner.request import OWNERS, Request
@@ -99,18 +97,9 @@ def test_every_setting_of_a_family_is_an_option():
     assert set(BELONGS) <= set(signature(plan).parameters)
 
 
-def test_defaults_and_ranges_of_a_command_are_those_of_the_library():
-    defaults = {name: parameter.default for name, parameter in signature(plan).parameters.items()}
-    usual = Request()
-    assert defaults["criterion"] == usual.criterion
-    assert (defaults["seed"], defaults["order"]) == (usual.seed, Fourier().order)
-    defaults = {name: parameter.default for name, parameter in signature(validate).parameters.items()}
-    usual = asdict(ValidationSettings())
-    assert {name: defaults[name] for name in usual} == usual
-    texts = get_type_hints(plan, include_extras=True)
-    assert f"by default {Request().duration:g};" in texts["duration"].__metadata__[0].help
-    for option, kind in (("moves", ptp), ("knots", spline)):
-        assert f", {kind.FEWEST} to {kind.MOST};" in texts[option].__metadata__[0].help
+def test_meanings_of_options_state_the_ranges_that_are_kept():
+    for declaration, kind in ((MoveOptions, ptp), (SplineOptions, spline)):
+        assert f", {kind.FEWEST} to {kind.MOST};" in options_of(declaration)[0].option.meaning
 
 
 @pytest.mark.parametrize("family", FAMILIES)
@@ -119,7 +108,7 @@ def test_options_of_another_family_are_refused_and_its_own_are_taken(option: str
     if family in BELONGS[option]:
         refuse_foreign([option], family)
         return
-    typed = OPTIONS.get(option, option.replace("_", "-"))
+    typed = FLAGS[option]
     with pytest.raises(HexciteError, match=f"{typed} .*family {family}") as told:
         refuse_foreign([option], family)
     assert all(other in one_line(told.value) for other in BELONGS[option])

@@ -1,0 +1,278 @@
+"""Options of plans, each declared once: name, type, default, unit and meaning.
+
+Arguments of `hx.plan` and `hx.plan_poses`, settings of families, options of `hexcite plan` and `hexcite poses` and the
+grid of a study are made from what stands here. What is refused stands in `planner.request` and
+`planner.families.settings`. Nothing heavy is imported, for `hexcite --help` shows these texts.
+"""
+
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass
+from pathlib import Path
+from textwrap import wrap
+from typing import Annotated, Any, ClassVar, NamedTuple, TypedDict, TypeVar, get_args, get_origin, get_type_hints
+
+from cases.base.errors import in_python, option
+
+DURATION = 12.0  # [s] unless another is asked for
+LONGEST_WANTED = 60.0  # [s] longest motion that is tried for a target unless another is asked for
+
+
+@dataclass(frozen=True, slots=True)
+class Option:
+    """What an option is, beside its name and type.
+
+    Args:
+        meaning: a sentence or two; names of options in them are written by `option`.
+        default: of an argument; None where the machine or the search decides. A field has its own.
+        unit: of its number, as keys of files have it behind the name.
+        flag: name on the command line, where that is another.
+        written: how the command line writes it, where that is not a value of its type.
+        read_as: type that the command line reads then.
+    """
+
+    meaning: str
+    default: Any = None
+    unit: str = ""
+    flag: str = ""
+    written: str = ""
+    read_as: Any = None
+
+
+Duration = Annotated[
+    float | None,
+    Option(
+        f"Whole duration in s, by default {DURATION:g}; a multiple of {option('period')} where that is given. With "
+        f"{option('target')} the longest that is tried, by default {LONGEST_WANTED:g}.",
+        unit="s",
+    ),
+]
+Criterion = Annotated[
+    str,
+    Option(
+        "What to optimise, Table 4: A average variance, D volume of the confidence ellipsoid, K condition, N "
+        "noise amplification.",
+        "D",
+    ),
+]
+Workers = Annotated[int | None, Option("Processes on this computer; by default one a core.")]
+Without = Annotated[
+    str | None,
+    Option(
+        "jerk, which linuxcnc and urscript do not limit: moves with steps of acceleration, if the machine bears them."
+    ),
+]
+
+
+class PlanOptions(TypedDict, total=False):
+    """What may be asked of a motion, beside its family and its duration."""
+
+    criterion: Criterion
+    target: Annotated[
+        Mapping[str, float],  # [SI]
+        Option(
+            "Standard deviations to reach, by parameter: plans the shortest motion whose predicted deviations reach "
+            "all.",
+            {},
+            written="Written m=5g, xC=0.02mm; repeatable.",
+            read_as=list[str],
+        ),
+    ]
+    known: Annotated[
+        Sequence[object],  # of `Result`
+        Option(
+            f"Earlier results of the machine with the same load: deviations and {option('target')} then hold for them "
+            "and the run together.",
+            (),
+            written="Result folder; repeatable.",
+            read_as=list[Path],
+        ),
+    ]
+    model: Annotated[int | None, Option("Identification model, 0 to 9; by default the largest of the machine.")]
+    payload: Annotated[
+        int,
+        Option(
+            "How many of the case's payloads are mounted.",
+            0,
+            written="A number, or a range such as 0-5.",
+            read_as=str,
+        ),
+    ]
+    payload_from: Annotated[
+        int | None,
+        Option("Fewest payloads of a range: the largest deviation of the range counts; by default just as many."),
+    ]
+    starts: Annotated[
+        int | None, Option("Number of random starts, of that many choices at most; by default as many as pay.")
+    ]
+    seconds: Annotated[
+        float | None,
+        Option("How long to search in s, then to keep the best; by default as long as it pays.", unit="s"),
+    ]
+    seed: Annotated[int, Option("Seed of the random starts.", 0)]
+    solver: Annotated[
+        str | None,
+        Option(
+            "What optimises a start: ipopt (interior point), sqp, or active-set (quasi-Newton); by default active-set "
+            "where few unknowns are explored (fourier), ipopt else."
+        ),
+    ]
+    workers: Workers
+
+
+class PoseOptions(TypedDict, total=False):
+    """What may be asked of poses."""
+
+    criterion: Criterion
+    count: Annotated[int | None, Option("Poses; by default 30.")]
+    method: Annotated[str, Option("backward (Algorithm 1), backward-change, refine, or all.", "refine")]
+    model: Annotated[int | None, Option("Identification model, 0 to 5; by default the largest of the machine.")]
+    candidates: Annotated[
+        int | None, Option("Quasi-random candidates; by default the grid of the case, of a chain 2048.")
+    ]
+    seed: Annotated[int, Option("Seed of the sample.", 0)]
+    known: Annotated[
+        Sequence[object],  # of `Result`
+        Option(
+            "Results of earlier standstills of the machine: deviations then hold for all of them.",
+            (),
+            written="Result folder; repeatable.",
+            read_as=list[Path],
+        ),
+    ]
+    without: Without
+
+
+@dataclass(frozen=True, slots=True)
+class FourierOptions:
+    """Settings of a Fourier series."""
+
+    name: ClassVar[str] = "fourier"
+
+    order: Annotated[int, Option("harmonics, 1 to 7; 1 is ellipses, with half a period for each way in and out.")] = 5
+    period: Annotated[
+        float | None,
+        Option(f"period in s; by default about 2, to fit {option('duration')}, a whole number of them.", unit="s"),
+    ] = None
+    free_order: Annotated[bool, Option("search the best order, 2 to 7.")] = False
+    free_period: Annotated[
+        bool, Option(f"optimise the period too; as many whole ones as fit into {option('duration')}.")
+    ] = False
+    centred: Annotated[bool, Option("keep x0 in the middle of the motion box, as in the paper.")] = False
+    equal_start: Annotated[bool, Option("begin with all coefficients alike, to study solvers, as in the paper.")] = (
+        False
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class MoveOptions:
+    """Settings of point-to-point moves."""
+
+    name: ClassVar[str] = "ptp"
+
+    moves: Annotated[
+        int | None, Option("point-to-point moves, 8 to 64; by default the best of a few numbers, by trying.")
+    ] = None
+    controller: Annotated[
+        str | None,
+        Option(
+            "plan with the time law of linuxcnc, virtual, sinumerik, twincat, setpoints, urscript or ros2; "
+            "by default as the case says, else with limited jerk.",
+            flag="for",
+        ),
+    ] = None
+    without: Without = None
+
+
+@dataclass(frozen=True, slots=True)
+class SplineOptions:
+    """Settings of a spline."""
+
+    name: ClassVar[str] = "spline"
+
+    knots: Annotated[int | None, Option("intervals, 20 to 150; by default ten a second, 150 at most.")] = None
+
+
+@dataclass(frozen=True, slots=True)
+class ManualOptions:
+    """Settings of a hand-made motion."""
+
+    name: ClassVar[str] = "manual"
+
+    sequence: Annotated[
+        Path | str | None,
+        Option(
+            "TOML file of steps or CSV of poses; by default the case's manual.toml, else each coordinate in turn, then "
+            "all at once.",
+            read_as=Path,
+        ),
+    ] = None
+
+
+OF_FAMILIES: Mapping[str, type] = {
+    kind.name: kind for kind in (FourierOptions, MoveOptions, SplineOptions, ManualOptions)
+}
+"""Declarations of the settings that one family alone has, by its name."""
+
+
+class Declared(NamedTuple):
+    """An option as it was declared."""
+
+    name: str
+    kind: Any  # type of its values
+    default: Any
+    option: Option
+
+    @property
+    def flag(self) -> str:
+        """Its name on the command line, without dashes."""
+        return self.option.flag or self.name.replace("_", "-")
+
+    @property
+    def key(self) -> str:
+        """Its key in files, with its unit."""
+        return f"{self.name}_{self.option.unit}" if self.option.unit else self.name
+
+
+def options_of(declaration: type) -> tuple[Declared, ...]:
+    """The options that a typed dictionary of arguments, or a dataclass, declares."""
+    own = {field.name: field.default for field in fields(declaration)} if is_dataclass(declaration) else {}
+    hints = get_type_hints(declaration, include_extras=True).items()
+    declared = [(name, *get_args(hint)[:2]) for name, hint in hints if get_origin(hint) is Annotated]
+    return tuple(Declared(name, kind, own.get(name, said.default), said) for name, kind, said in declared)
+
+
+_KEYWORD = inspect.Parameter.KEYWORD_ONLY
+
+T = TypeVar("T", bound=Callable[..., object])
+
+
+def documented(*declarations: type) -> Callable[[T], T]:
+    """A function or dataclass whose docstring has a line for each option in place of the line `OPTIONS`.
+
+    Its signature names them with their plain types, also where they are entries of a typed dictionary.
+    """
+    declared = [each for declaration in declarations for each in options_of(declaration)]
+
+    def with_options(thing: T) -> T:
+        lines = inspect.cleandoc(thing.__doc__ or "").splitlines()
+        texts = [line for each in declared for line in _lines(each)]
+        thing.__doc__ = "\n".join(new for line in lines for new in (texts if line.strip() == "OPTIONS" else [line]))
+        function: Any = thing.__init__ if isinstance(thing, type) else thing  # type: ignore[misc]
+        function.__annotations__ = get_type_hints(function)  # without what is said of them
+        signature = inspect.signature(function)
+        own = [*signature.parameters.values()]
+        if any(p.kind is p.VAR_KEYWORD for p in own):
+            made = [inspect.Parameter(d.name, _KEYWORD, default=d.default, annotation=d.kind) for d in declared]
+            own = [*(p for p in own if p.kind is not p.VAR_KEYWORD), *made]
+            function.__signature__ = signature.replace(parameters=own)
+        return thing
+
+    return with_options
+
+
+def _lines(declared: Declared) -> list[str]:
+    """An option among the arguments of a docstring."""
+    usual = "" if declared.default in (None, {}, (), False) else f" By default {declared.default}."
+    text = f"{declared.name}: {in_python(declared.option.meaning)}{usual}"
+    return wrap(text, 112, initial_indent=" " * 4, subsequent_indent=" " * 8)

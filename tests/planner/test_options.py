@@ -1,0 +1,94 @@
+"""Options are declared once: commands, arguments, requests and grids are made of the declarations."""
+
+from dataclasses import dataclass, fields
+from inspect import signature
+from pathlib import Path
+from typing import Annotated, Any, TypedDict
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+import hexcite as hx
+from cases.base.errors import option
+from hexcite.cli.console import out
+from hexcite.cli.declared import takes
+from hexcite.studies.spec import VARIED, Grid
+from planner.options import Option, PlanOptions, PoseOptions, documented, options_of
+from planner.request import PoseRequest, Request
+
+
+class OvenOptions(TypedDict, total=False):
+    heat: Annotated[float, Option(f"How hot; see {option('run_time')}.", 180.0, unit="degC")]
+    run_time: Annotated[int | None, Option("How long.")]
+    dishes: Annotated[list[object], Option("What to bake.", (), written="File; repeatable.", read_as=list[Path])]
+
+
+@dataclass(frozen=True)
+class FanOptions:
+    strong: Annotated[bool, Option("twice the air.")] = False
+    program: Annotated[str, Option("which one.", flag="as")] = "grill"
+
+
+@takes(OvenOptions, families={"fan": FanOptions})
+def bake(output: Annotated[Path | None, out("Where.")] = None, **options: Any) -> None:
+    print(sorted(options.items()), output)
+
+
+def baked(*words: str) -> str:
+    app = typer.Typer(rich_markup_mode=None)
+    app.command()(bake)
+    done = CliRunner().invoke(app, words)
+    assert done.exit_code == 0, done.output
+    return done.output
+
+
+def test_a_command_is_given_the_options_that_are_declared():
+    usual = {"dishes": None, "heat": 180.0, "program": "grill", "run_time": None, "strong": False}
+    assert baked() == f"{sorted(usual.items())} None\n"
+    typed = {"dishes": [Path("pie")], "heat": 90.0, "program": "toast", "run_time": 5, "strong": True}
+    words = "--heat 90 --run-time 5 --dishes pie --as toast --strong -o tray"
+    assert baked(*words.split()) == f"{sorted(typed.items())} tray\n"
+
+
+def test_help_of_a_command_has_the_meanings_in_words_of_the_command_line():
+    text = " ".join(baked("--help").split())
+    assert "How hot; see --run-time. [default: 180.0]" in text
+    assert "fan: twice the air." in text
+    assert text.index("--dishes") < text.index("--output")
+
+
+def test_the_same_declaration_documents_a_function():
+    @documented(OvenOptions)
+    def oven(rack: int, **options: Any) -> None:
+        """Bakes.
+
+        Args:
+            rack: which one.
+            OPTIONS
+        """
+
+    assert "    heat: How hot; see run_time. By default 180.0.\n" in (oven.__doc__ or "")
+    assert [*signature(oven).parameters] == ["rack", "heat", "run_time", "dishes"]
+
+
+@pytest.mark.parametrize(("function", "declaration"), [(hx.plan, PlanOptions), (hx.plan_poses, PoseOptions)])
+def test_help_of_the_library_says_what_each_option_is(function: Any, declaration: type):
+    for each in options_of(declaration):
+        assert signature(function).parameters[each.name].annotation == each.kind
+        assert f"{each.name}: {each.option.meaning[:20]}" in function.__doc__
+
+
+@pytest.mark.parametrize(("request_kind", "declaration"), [(Request, PlanOptions), (PoseRequest, PoseOptions)])
+def test_a_request_takes_what_is_declared(request_kind: Any, declaration: type):
+    assert {each.name for each in options_of(declaration)} <= {field.name for field in fields(request_kind)}
+
+
+def test_a_grid_has_one_value_of_each_option_until_it_is_told_more():
+    grid = Grid()
+    keys = {"duration": "duration_s", "period": "period_s"}
+    assert [*Grid.model_fields] == ["family", *(keys.get(name, name) for name in VARIED)]
+    assert getattr(grid, "order") == (hx.Fourier().order,)  # noqa: B009 (its fields are made)
+    usual = Request()
+    for name in ("criterion", "payload", "seed", "solver", "duration"):
+        assert getattr(grid, keys.get(name, name)) == (getattr(usual, name),)
