@@ -6,13 +6,14 @@ from typing import Any, Unpack
 
 from threadpoolctl import threadpool_limits
 
+from cases.base.options import documented
 from cases.base.units import Array
 from cases.schema import Case
 from identification.model.model import full_model, static_model
 from planner.families.manual import load_poses
 from planner.families.settings import Best, FamilySettings
 from planner.known import Known
-from planner.options import DURATION, LONGEST_WANTED, Duration, PlanOptions, PoseOptions, documented
+from planner.options import DURATION, LONGEST_WANTED, Duration, PlanOptions, PoseOptions
 from planner.plans.making import make_until_ctrl_c, require_plannable
 from planner.plans.plan import Plan
 from planner.plans.progress import Follower, Standing

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Literal, NamedTuple, NoReturn
 
 from cases.base.errors import Code, HexciteError, choice, option
+from cases.base.options import options_of
 from cases.sensors import payload_words
 from identification.estimation.criteria import Criterion
 from identification.texts import legible
@@ -19,7 +20,7 @@ from planner.families.settings import (
     require_plannable_without,
 )
 from planner.known import Known
-from planner.options import DURATION, PlanOptions, PoseOptions, options_of
+from planner.options import DURATION, PlanOptions, PoseOptions
 
 OWNERS = {setting.name: name for name, kind in FAMILIES.items() for setting in fields(kind)}
 """Settings of one family alone, and its name."""

@@ -7,7 +7,7 @@ from typing import Annotated, TypeVar, get_args, get_origin
 import typer
 
 from cases.base.errors import as_typed
-from planner.options import Declared, Option, options_of
+from cases.base.options import Declared, Option, options_of
 
 Command = TypeVar("Command", bound=Callable[..., None])
 

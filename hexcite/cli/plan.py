@@ -10,10 +10,11 @@ import typer
 import hexcite as hx
 from cases.base.errors import Code
 from cases.base.files import PLAN, check_folder, output_place
+from cases.base.options import options_of
 from hexcite.cli import console
 from hexcite.cli.console import argument, option, out
 from hexcite.cli.declared import takes
-from planner.options import OF_FAMILIES, Duration, PlanOptions, options_of
+from planner.options import OF_FAMILIES, Duration, PlanOptions
 
 SEARCHED = (
     "duration",

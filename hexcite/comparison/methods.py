@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Annotated
 
 import cases
-from planner.options import Option, Workers
+from cases.base.options import Option
+from planner.options import Workers
 
 METHOD_TABLES = tomllib.loads((Path(cases.__file__).parent / "hexapod" / "validation.toml").read_text(encoding="utf-8"))
 """The methods of a validation as their file states them, by name."""

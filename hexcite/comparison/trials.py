@@ -17,6 +17,7 @@ from pydantic import Field
 
 from cases.base.doors import checks_arguments
 from cases.base.errors import CaseError, Code, HexciteError, Interrupted, choice
+from cases.base.options import documented
 from cases.controller import ControllerName
 from cases.scaffold import readiness
 from cases.schema import Case, fingerprint
@@ -40,7 +41,6 @@ from identification.simulate import Circumstances, loaded_truth, simulate_record
 from planner._plan import planned
 from planner.controller_limits import controlled
 from planner.families.settings import family_class
-from planner.options import documented
 from planner.plans.plan import Plan
 from planner.poses.planned_poses import poses_planned
 from planner.request import PoseRequest, Request

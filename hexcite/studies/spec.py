@@ -10,12 +10,13 @@ from typing import Annotated, Any, Literal, TypeVar, get_args
 from pydantic import BeforeValidator, Field, create_model
 
 from cases.base.errors import Code, FileProblem, HexciteError
+from cases.base.options import Declared, Option, options_of
 from cases.basis import study_basis
 from cases.schema import Case, fingerprint
 from cases.tables import Part, Positive, read_tables
 from identification.model.model import full_model
 from planner.families.settings import family_class
-from planner.options import DURATION, OF_FAMILIES, Declared, Option, PlanOptions, options_of
+from planner.options import DURATION, OF_FAMILIES, PlanOptions
 from planner.request import OWNERS, Request
 
 MOST_CELLS = 1_000_000

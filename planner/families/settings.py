@@ -9,6 +9,7 @@ import numpy as np
 
 from cases.base.doors import checks_arguments
 from cases.base.errors import Code, HexciteError, choice, option
+from cases.base.options import documented
 from cases.controller import ControllerName
 from cases.schema import Case
 from identification.estimation.criteria import Criterion, box_middle
@@ -19,7 +20,7 @@ from planner.families import ptp, spline
 from planner.families.family import Family
 from planner.families.fourier import FourierFamily, FreePeriod
 from planner.families.manual import in_turn, load_poses, load_sequence, manual_motion, sequence_file
-from planner.options import FourierOptions, ManualOptions, MoveOptions, SplineOptions, documented
+from planner.options import FourierOptions, ManualOptions, MoveOptions, SplineOptions
 
 SHORTEST_PERIOD, LONGEST_PERIOD = 0.01, 600.0  # [s]
 USUAL_PERIOD = 2.0  # [s]; of order 5 as informative as 2.4 s, more than 3 s, and of all the best conditioned

@@ -11,10 +11,11 @@ from typer.testing import CliRunner
 
 import hexcite as hx
 from cases.base.errors import option
+from cases.base.options import Option, documented, options_of
 from hexcite.cli.console import out
 from hexcite.cli.declared import takes
 from hexcite.studies.spec import VARIED, Grid
-from planner.options import Option, PlanOptions, PoseOptions, documented, options_of
+from planner.options import PlanOptions, PoseOptions
 from planner.request import PoseRequest, Request
 
 

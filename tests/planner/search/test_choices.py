@@ -9,12 +9,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cases.base.errors import HexciteError
+from cases.base.options import options_of
 from cases.schema import Case
 from hexcite.cli.plan import FLAGS, SEARCHED, plan, refuse_foreign
 from planner.families import ptp, spline
 from planner.families.plan_settings import FourierSettings, PlanSettings
 from planner.families.settings import FAMILIES, Best, Fourier, PointToPoint, Spline
-from planner.options import MoveOptions, SplineOptions, options_of
+from planner.options import MoveOptions, SplineOptions
 from planner.plans.making import KEPT, search
 from planner.plans.rating import PlannedMotion, choice_notes, tried_families
 from planner.request import OWNERS, Request

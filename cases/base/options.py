@@ -1,0 +1,97 @@
+"""Options, each declared once: a typed dictionary of arguments or a dataclass, whose entries say what they mean.
+
+Functions and dataclasses get their documentation from the declaration, commands their options
+(`hexcite/cli/declared.py`).
+"""
+
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass, fields, is_dataclass
+from textwrap import wrap
+from typing import Annotated, Any, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
+
+from cases.base.errors import in_python
+
+
+@dataclass(frozen=True, slots=True)
+class Option:
+    """What an option is, beside its name and type.
+
+    Args:
+        meaning: a sentence or two; names of options in them are written by `option`.
+        default: of an argument; None where the machine or the search decides. A field has its own.
+        unit: of its number, as keys of files have it behind the name.
+        flag: name on the command line, where that is another.
+        written: how the command line writes it, where that is not a value of its type.
+        read_as: type that the command line reads then.
+    """
+
+    meaning: str
+    default: Any = None
+    unit: str = ""
+    flag: str = ""
+    written: str = ""
+    read_as: Any = None
+
+
+class Declared(NamedTuple):
+    """An option as it was declared."""
+
+    name: str
+    kind: Any  # type of its values
+    default: Any
+    option: Option
+
+    @property
+    def flag(self) -> str:
+        """Its name on the command line, without dashes."""
+        return self.option.flag or self.name.replace("_", "-")
+
+    @property
+    def key(self) -> str:
+        """Its key in files, with its unit."""
+        return f"{self.name}_{self.option.unit}" if self.option.unit else self.name
+
+
+def options_of(declaration: type) -> tuple[Declared, ...]:
+    """The options that a typed dictionary of arguments, or a dataclass, declares."""
+    own = {field.name: field.default for field in fields(declaration)} if is_dataclass(declaration) else {}
+    hints = get_type_hints(declaration, include_extras=True).items()
+    declared = [(name, *get_args(hint)[:2]) for name, hint in hints if get_origin(hint) is Annotated]
+    return tuple(Declared(name, kind, own.get(name, said.default), said) for name, kind, said in declared)
+
+
+_KEYWORD = inspect.Parameter.KEYWORD_ONLY
+
+T = TypeVar("T", bound=Callable[..., object])
+
+
+def documented(*declarations: type) -> Callable[[T], T]:
+    """A function or dataclass whose docstring has a line for each option in place of the line `OPTIONS`.
+
+    Its signature names them with their plain types, also where they are entries of a typed dictionary.
+    """
+    declared = [each for declaration in declarations for each in options_of(declaration)]
+
+    def with_options(thing: T) -> T:
+        lines = inspect.cleandoc(thing.__doc__ or "").splitlines()
+        texts = [line for each in declared for line in _lines(each)]
+        thing.__doc__ = "\n".join(new for line in lines for new in (texts if line.strip() == "OPTIONS" else [line]))
+        function: Any = thing.__init__ if isinstance(thing, type) else thing  # type: ignore[misc]
+        function.__annotations__ = get_type_hints(function)  # without what is said of them
+        signature = inspect.signature(function)
+        own = [*signature.parameters.values()]
+        if any(p.kind is p.VAR_KEYWORD for p in own):
+            made = [inspect.Parameter(d.name, _KEYWORD, default=d.default, annotation=d.kind) for d in declared]
+            own = [*(p for p in own if p.kind is not p.VAR_KEYWORD), *made]
+            function.__signature__ = signature.replace(parameters=own)
+        return thing
+
+    return with_options
+
+
+def _lines(declared: Declared) -> list[str]:
+    """An option among the arguments of a docstring."""
+    usual = "" if declared.default in (None, {}, (), False) else f" By default {declared.default}."
+    text = f"{declared.name}: {in_python(declared.option.meaning)}{usual}"
+    return wrap(text, 112, initial_indent=" " * 4, subsequent_indent=" " * 8)
