@@ -81,7 +81,8 @@ def _reason(error: OSError) -> str:
     return error.strerror or str(error)
 
 
-def _mask() -> int:
+def umask() -> int:
+    """The permissions that new files of this process lack."""
     current = os.umask(0)
     os.umask(current)
     return current
@@ -93,13 +94,13 @@ def atomic_file(path: Path) -> Iterator[Path]:
     with _writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         _clear_leftovers(path)
-        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
+        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=PART, dir=path.parent)
         os.close(handle)
         part = Path(name)
         try:
-            with _in_use(part):
+            with in_use(part):
                 yield part
-                part.chmod(0o666 & ~_mask())
+                part.chmod(0o666 & ~umask())
                 _flush(part)
                 os.replace(part, path)
             WRITTEN.info("%s", path)
@@ -109,11 +110,14 @@ def atomic_file(path: Path) -> Iterator[Path]:
 
 WRITTEN = logging.getLogger("hexcite.written")
 """Where each file and folder is logged as it appears."""
-ABANDONED = 60.0  # [s] after which what nobody uses is a leftover
+ABANDONED = 5.0  # [s] after which what nobody has locked is a leftover: it is locked as soon as it is made
+PART, TRY, OLD = ".hexcite.part", ".hexcite.try", ".hexcite.old"
+"""How names of what is half written, tried, or set aside end; they begin with a dot and the name of the place."""
+_LEFTOVER = re.compile(r"\.(?P<place>.+)\.[a-z0-9_]{8}(?P<kind>\.hexcite\.(part|try|old))", re.DOTALL)
 
 
 @contextmanager
-def _in_use(part: Path) -> Iterator[None]:
+def in_use(part: Path) -> Iterator[None]:
     """Inside, other commands know that a file or folder under way is not a leftover; a killed process lets go of it."""
     handle = None
     with suppress(OSError):
@@ -140,17 +144,62 @@ def _locked(handle: int) -> bool:
 
 def _clear_leftovers(path: Path) -> None:
     """Removes what commands that were killed left of a place, half written."""
-    for suffix in (".part", ".try"):
+    for suffix in (PART, TRY):
         for part in path.parent.glob(f".{glob.escape(path.name)}.*{suffix}"):
-            with suppress(OSError):
-                if time.time() - part.lstat().st_mtime < ABANDONED or part.is_symlink():
-                    continue
-                handle = os.open(part, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))  # whatever stands there
-                try:
-                    if _locked(handle):
-                        shutil.rmtree(part, ignore_errors=True) if part.is_dir() else part.unlink()
-                finally:
-                    os.close(handle)
+            _clear(part)
+
+
+def _clear(part: Path) -> None:
+    """Removes what is half written, where no process has it any more."""
+    with suppress(OSError):
+        if part.is_symlink():
+            return
+        with abandoned(part) as is_so:
+            if is_so:
+                shutil.rmtree(part, ignore_errors=True) if part.is_dir() else part.unlink()
+
+
+@contextmanager
+def abandoned(part: Path) -> Iterator[bool]:
+    """Whether no process has a file or folder that is under way; inside, no other one takes it for a leftover.
+
+    Raises:
+        OSError: it cannot be looked at.
+    """
+    if time.time() - part.lstat().st_mtime < ABANDONED:
+        yield False
+        return
+    handle = os.open(part, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))  # whatever stands there
+    try:
+        yield _locked(handle)
+    finally:
+        os.close(handle)
+
+
+def tidy(folder: Path) -> list[Path]:
+    """Clears a folder of what killed commands left in it; returns places whose earlier content stands there again.
+
+    What is half written goes. What a command had set aside to replace it, and did not, comes back to its place.
+    """
+    back = []
+    for part in sorted(folder.iterdir()):
+        known = _LEFTOVER.fullmatch(part.name)
+        if known is None:
+            continue
+        if known["kind"] != OLD:
+            _clear(part)
+            continue
+        place = folder / known["place"]
+        with suppress(OSError):
+            if part.is_symlink() or not part.is_dir() or time.time() - part.lstat().st_mtime < ABANDONED:
+                continue
+            if not os.path.lexists(place):
+                os.rename(part / place.name, place)
+                back.append(place)
+                part.rmdir()
+            elif not any(part.iterdir()):
+                part.rmdir()
+    return back
 
 
 def free_name(path: Path, separator: str = "-") -> Path:
@@ -351,7 +400,7 @@ def _require_place(path: Path) -> None:
     """Tries to write beside `path`, since permission bits do not say all that a file system allows."""
     above = next(p for p in path.absolute().parents if os.path.lexists(p))
     try:
-        os.rmdir(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".try", dir=above))
+        os.rmdir(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=TRY, dir=above))
     except OSError as error:
         reason = _reason(error) if above.is_dir() else f"{above} is not a folder"
         raise FileProblem(
@@ -381,13 +430,13 @@ def atomic_folder(path: Path, kind: FolderKind, overwrite: bool = False) -> Iter
     with _writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         _clear_leftovers(path)
-        part = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent))
+        part = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=PART, dir=path.parent))
         try:
-            with _in_use(part):
+            with in_use(part):
                 yield part
                 listed = {"kind": kind.name, "files": sorted(name.as_posix() for name in _files(part))}
                 (part / MARKER).write_text(json_text(listed), encoding="utf-8")
-                part.chmod(0o777 & ~_mask())
+                part.chmod(0o777 & ~umask())
                 for file in part.rglob("*"):
                     _flush(file)
                 placed = _put(part, path, overwrite)
@@ -419,7 +468,7 @@ def _put(part: Path, path: Path, overwrite: bool) -> Path:
                     raise
             with suppress(FileNotFoundError):  # another command has just set it aside
                 if overwrite or not any(path.iterdir()):
-                    aside.append(Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".old", dir=path.parent)))
+                    aside.append(Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=OLD, dir=path.parent)))
                     os.rename(path, aside[-1] / path.name)
                 else:
                     place = free_name(path)

@@ -1,5 +1,6 @@
 """`hexcite page`: the guided page in a browser."""
 
+import secrets
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -49,20 +50,22 @@ def page(
             problem="install it: pip install starlette uvicorn",
             code=Code.NOT_INSTALLED,
         ) from error
-    import secrets
+    from hexcite.page.journal import Address, address_of
 
+    root = folder.resolve()
+    address = address_of(root) if host == HOME else Address(0, secrets.token_urlsafe(24))
     if host != HOME:
         print(
             f"hexcite: {host} is open to the network, without encryption: whoever has the address below can run "
-            f"searches and write files in {folder.resolve()}",
+            f"searches and write files in {root}",
             file=sys.stderr,
         )
 
     def opened(address: str) -> None:
-        print(f"The page is at {address}\nIt works in {folder.resolve()}; Ctrl-C ends it.", flush=True)
+        print(f"The page is at {address}\nIt works in {root}; Ctrl-C ends it.", flush=True)
         if browser:
             import webbrowser
 
             webbrowser.open(address)
 
-    serve(folder, host, port, secrets.token_urlsafe(24), opened)
+    serve(root, host, port, address, opened)

@@ -10,12 +10,16 @@ import shlex
 import signal
 import sys
 import time
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-State = Literal["waiting", "running", "stopping", "done", "failed", "stopped"]
+from hexcite.page.journal import Journal, alive
+
+State = Literal["waiting", "running", "stopping", "done", "failed", "stopped", "killed"]
+_OVER: tuple[State, ...] = ("done", "failed", "stopped", "killed")
 MOST_LINE = 2**20  # bytes of a line of stderr
 MOST_KEPT = 50  # jobs that have ended
 PATIENCE = 20.0  # [s] that a search has to write its best motion when the server ends
@@ -39,6 +43,7 @@ class Job:
         writes: whether it writes the case: what is started for the machine after it waits until it has ended.
         beside: jobs that start with it, and whose panels nobody needs.
         number: of this server.
+        name: of its record.
     """
 
     machine: str
@@ -54,6 +59,7 @@ class Job:
     writes: bool = False
     beside: tuple["Job", ...] = ()
     number: int = 0
+    name: str = ""
     state: State = "waiting"
     began: float = field(default_factory=time.monotonic)
     ended: float | None = None
@@ -67,7 +73,7 @@ class Job:
     @property
     def over(self) -> bool:
         """Whether it has ended."""
-        return self.state in ("done", "failed", "stopped")
+        return self.state in _OVER
 
     @property
     def arrived(self) -> bool:
@@ -78,13 +84,38 @@ class Job:
     @property
     def seconds(self) -> float:
         """How long it took, or takes until now."""
-        return (self.ended or time.monotonic()) - self.began
+        return (time.monotonic() if self.ended is None else self.ended) - self.began
 
     @property
     def shown(self) -> str:
         """The command line that does the same in a terminal."""
         lines = [self.before, self.command] if self.before else [self.command]
         return "\n".join(shlex.join(("hexcite", *line)) for line in lines)
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """What a later server has to know of it."""
+        return {
+            "server": os.getpid(), "number": self.number, "machine": self.machine, "stage": self.stage,
+            "command": self.command, "output": self.output, "about": self.about, "query": self.query,
+            "goto": self.goto, "search": self.search, "before": self.before, "notes": self.notes, "state": self.state,
+            "seconds": self.seconds, "finished": self.finished, "progress": self.progress, "messages": self.messages,
+            "answer": self.answer,
+        }  # fmt: skip
+
+    @classmethod
+    def of_record(cls, name: str, kept: Mapping[str, Any]) -> "Job":
+        """A job of an earlier server; one that had not ended was killed with it. Raises KeyError, TypeError."""
+        state: State = next((each for each in _OVER if each == kept["state"]), "killed")
+        return cls(
+            str(kept["machine"]), str(kept["stage"]), tuple(map(str, kept["command"])), output=str(kept["output"]),
+            about=str(kept["about"]), query=str(kept["query"]), goto=str(kept["goto"]), search=bool(kept["search"]),
+            before=tuple(map(str, kept["before"])), notes=tuple(map(str, kept["notes"])), number=int(kept["number"]),
+            name=name, state=state, began=0.0, ended=float(kept["seconds"]), finished=float(kept["finished"]),
+            progress=[each for each in kept["progress"] if isinstance(each, dict)],
+            messages=list(map(str, kept["messages"])),
+            answer=kept["answer"] if isinstance(kept["answer"], dict) else None,
+        )  # fmt: skip
 
     def tell(self) -> None:
         """Wakes those who watch it."""
@@ -114,6 +145,21 @@ class Jobs:
         self._all: dict[int, Job] = {}
         self._tasks: dict[int, asyncio.Task[None]] = {}
         self._next = 1
+        self._journal = Journal(root)
+        self._recall()
+
+    def _recall(self) -> None:
+        """Takes over what earlier servers of the folder kept; what another one has under way is its own."""
+        for name, kept in self._journal.records().items():
+            with suppress(KeyError, TypeError, ValueError):
+                job = Job.of_record(name, kept)
+                if kept["state"] not in _OVER and alive(kept["server"]):
+                    continue
+                job.number = job.number if job.number not in self._all else max(self._all) + 1
+                if job.state == "killed" and job.output and (self.root / job.output).exists():
+                    job.state = "done"
+                self._all[job.number] = job
+        self._next = max(self._all, default=0) + 1
 
     def start(self, job: Job) -> None:
         """Starts a command, at once or when there is room."""
@@ -121,6 +167,9 @@ class Jobs:
         self._all[job.number] = job
         for old in [other for other in self._all.values() if other.over][:-MOST_KEPT]:
             del self._all[old.number]
+            self._journal.remove(old.name)
+        job.name = f"{time.time_ns()}-{os.getpid()}-{job.number}"
+        self._journal.write(job.name, job.record)
         first = [
             self._tasks[other.number]
             for other in self._all.values()
@@ -177,6 +226,7 @@ class Jobs:
     def _end(self, job: Job, state: State) -> None:
         job.state, job.ended, job.finished, job.process = state, time.monotonic(), time.time(), None
         self._tasks.pop(job.number, None)
+        self._journal.write(job.name, job.record)
         print(f"{job.shown}: {state}, {job.seconds:.0f} s", file=sys.stderr, flush=True)
         job.tell()
 
@@ -201,7 +251,9 @@ class Jobs:
             assert process.stdout is not None
             assert process.stderr is not None
             try:
-                said, _ = await asyncio.gather(process.stdout.read(), self._listen(job, process.stderr))
+                said, _, _ = await asyncio.gather(
+                    process.stdout.read(), self._listen(job, process.stderr), _alone(process)
+                )
                 code = await process.wait()
             except BaseException:
                 with suppress(ProcessLookupError):
@@ -210,8 +262,14 @@ class Jobs:
             with suppress(ValueError):
                 answer = json.loads(said)
                 job.answer = None if answer.keys() == {"error"} else answer  # an error is among the messages
-            stopped = code in (130, -signal.SIGINT, -signal.SIGKILL)
-            self._end(job, "done" if code == 0 else "stopped" if stopped else "failed")
+            self._end(job, self._state(job, code))
+
+    def _state(self, job: Job, code: int) -> State:
+        """How a job has ended, by its exit code, the wish to stop it, and what it wrote."""
+        ended_early = code == 130 or code < 0
+        if code == 0 or (ended_early and job.output and (self.root / job.output).exists()):
+            return "done"
+        return "failed" if not ended_early else "stopped" if job.state == "stopping" else "killed"
 
     async def _listen(self, job: Job, stream: asyncio.StreamReader) -> None:
         """Takes progress and messages from a process."""
@@ -235,5 +293,14 @@ class Jobs:
             job.tell()
 
 
+async def _alone(process: asyncio.subprocess.Process) -> None:
+    """Ends what a process has started itself as soon as it has ended, however: its streams are open until then."""
+    while process.returncode is None:
+        await asyncio.sleep(LOOK)
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+
+
+LOOK = 0.05  # [s] between two looks whether a process has ended
 GUEST = "hexcite.cli.guest"
 """The module that runs one command, and ends with the server."""

@@ -3,13 +3,11 @@
 import asyncio
 import hashlib
 import json
-import os
-import re
-import tempfile
+import socket
+import sys
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from importlib import resources
-from itertools import takewhile
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -24,19 +22,19 @@ from starlette.responses import FileResponse, HTMLResponse, JSONResponse, Redire
 from starlette.routing import Route
 
 from cases.base.errors import Code, HexciteError, Interrupted, option
+from cases.base.files import ABANDONED, tidy
 from hexcite.page import actions, views
 from hexcite.page.actions.common import Context
+from hexcite.page.arrivals import Runs, TooLarge, left_over, received
 from hexcite.page.forms import Unfit, field
 from hexcite.page.jobs import Job, Jobs
+from hexcite.page.journal import Address, keep_address
 from hexcite.page.security import MOST_UPLOAD, PICTURE, REPORT, Guard, Outside, file_name, form_of, inside
-from hexcite.page.stages import BAG_INDEX, PROGRAMS, RECORDINGS, STAGES, free, machine_of
+from hexcite.page.stages import BAG_INDEX, PROGRAMS, RECORDINGS, STAGES, machine_of
 from hexcite.page.texts import LANGUAGES, Language, language_of, text
 from hexcite.page.values import Refused
 from hexcite.reports.page import space_page
 
-RUN = ".run-"
-"""How names of folders begin whose files are on their way."""
-_RUN = re.compile(re.escape(RUN) + r"[a-z0-9_]{8}")
 STATIC = {"page.css": "text/css", "page.js": "text/javascript"}
 EVERY = 2.0  # [s] after which a stream shows the clock again
 DOWNLOADS = (
@@ -64,10 +62,12 @@ def app_of(
     @asynccontextmanager
     async def life(app: Starlette) -> AsyncIterator[None]:
         page.jobs = Jobs(root, cores)
-        warm = asyncio.create_task(run_in_threadpool(views.warm_up))
+        beside = [asyncio.create_task(run_in_threadpool(views.warm_up)), asyncio.create_task(_tidied(root))]
         yield
-        warm.cancel()
+        for task in beside:
+            task.cancel()
         await page.jobs.close()
+        page.runs.close()
 
     routes = [
         Route("/", page.machines),
@@ -95,9 +95,28 @@ def app_of(
     return Starlette(routes=routes, middleware=[guard], exception_handlers=errors, lifespan=life)
 
 
+async def _tidied(root: Path) -> None:
+    """Clears the folder of what an earlier server, its commands or a browser left half finished; once more later."""
+    for wait in (0.0, ABANDONED + 1.0):
+        await asyncio.sleep(wait)
+        shown = await run_in_threadpool(_tidy, root)
+        for name in shown:
+            print(f"{name}: from a command or upload that had ended before its time", file=sys.stderr, flush=True)
+
+
+def _tidy(root: Path) -> list[str]:
+    back: list[Path] = []
+    for folder in (root, *(each for each in root.iterdir() if not each.name.startswith("."))):
+        if folder.is_dir() and not folder.is_symlink():
+            with suppress(OSError):
+                back += tidy(folder)
+    return [*(path.relative_to(root).as_posix() for path in back), *left_over(root)]
+
+
 class _Page:
     def __init__(self, root: Path) -> None:
         self.root = root
+        self.runs = Runs(root)
         self.jobs: Jobs
         self.templates = Environment(
             loader=PackageLoader(__package__, "templates"),
@@ -225,58 +244,29 @@ class _Page:
     async def upload(self, request: Request) -> Response:
         """Takes a file as it comes, onto the disk, under a name that nothing has yet."""
         name, run = file_name(request.path_params["name"]), request.query_params.get("into")
-        folder = self.root if run is None else self._run(run)
+        folder = self.root if run is None else self.runs.folder(run)
         kinds = RECORDINGS | ({".urdf", ".pdf"} if run is None else set())
         if Path(name).suffix.lower() not in kinds and not (run is not None and name == BAG_INDEX):
             return JSONResponse({"error": "suffix"}, 415)
         stated = request.headers.get("content-length", "")
         if stated.isdigit() and int(stated) > MOST_UPLOAD:
             return JSONResponse({"error": "too_large"}, 413)
-        handle, part = tempfile.mkstemp(prefix=".upload-", suffix=".part", dir=self.root)
-        size = 0
         try:
-            with os.fdopen(handle, "wb") as stream:
-                async for chunk in request.stream():
-                    size += len(chunk)
-                    if size > MOST_UPLOAD:
-                        return JSONResponse({"error": "too_large"}, 413)
-                    await run_in_threadpool(stream.write, chunk)
-            for k in range(1, 1000):
-                target = folder / (name if k == 1 else f"{Path(name).stem}-{k}{Path(name).suffix}")
-                with suppress(FileExistsError):
-                    os.link(part, target)  # never onto another file
-                    return JSONResponse({"name": target.name})
-            return JSONResponse({"error": "name"}, 409)
+            placed = await received(self.root, folder, name, request.stream(), MOST_UPLOAD)
+        except TooLarge:
+            return JSONResponse({"error": "too_large"}, 413)
         except ClientDisconnect:
             return Response(status_code=400)
-        finally:
-            os.unlink(part)
+        return JSONResponse({"error": "name"}, 409) if placed is None else JSONResponse({"name": placed.name})
 
     async def begin_run(self, request: Request) -> Response:
         """Makes a folder that the files of one run come into; it appears when all of them are there."""
-        return JSONResponse({"name": Path(tempfile.mkdtemp(prefix=RUN, dir=self.root)).name})
+        return JSONResponse({"name": self.runs.begin()})
 
     async def end_run(self, request: Request) -> Response:
         """Gives the folder of a run its name, that which its files have in common."""
-        folder = self._run(request.path_params["name"])
-        names = sorted(entry.name for entry in folder.iterdir())
-        if not names:
-            folder.rmdir()
-            return JSONResponse({"error": "name"}, 409)
-        stems = [Path(name).stem for name in names if name != BAG_INDEX] or names
-        alike = takewhile(lambda letters: len({*letters}) == 1, zip(*stems, strict=False))
-        common = "".join(letters[0] for letters in alike).strip("-_. ")
-        name = free(self.root, common if len(common) > 2 else "run", self.jobs.outputs)
-        folder.rename(self.root / name)
-        (self.root / name).chmod(0o755)  # a folder for one person alone until then
-        return JSONResponse({"name": name})
-
-    def _run(self, name: str) -> Path:
-        """The folder of a run that is on its way; raises Outside for any other name."""
-        folder = self.root / name
-        if not _RUN.fullmatch(name) or not folder.is_dir() or folder.is_symlink():
-            raise Outside(name)
-        return folder
+        name = self.runs.end(request.path_params["name"], self.jobs.outputs)
+        return JSONResponse({"name": name}) if name else JSONResponse({"error": "name"}, 409)
 
     def _panels(self, request: Request, jobs: list[Job]) -> list[dict[str, Any]]:
         return [{"job": job, "html": self._panel(request, job)} for job in jobs]
@@ -371,18 +361,35 @@ def _event(kind: str, data: str) -> str:
     return f"event: {kind}\ndata: {data}\n\n"
 
 
-def serve(root: Path, host: str, port: int, token: str, opened: Callable[[str], None]) -> None:
-    """Serves the page until Ctrl-C; `opened` is called with its address once it answers."""
-    import socket
+def _bound(host: str, port: int, wanted: int) -> socket.socket:
+    """A socket at a port; where that is 0, at the wanted one if it is free. Raises OSError."""
+    ports = (wanted, 0) if port == 0 and wanted else (port,)
+    for each in ports:
+        listener = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET, socket.SOCK_STREAM)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            listener.bind((host, each))
+            return listener
+        except OSError:
+            listener.close()
+            if each == ports[-1]:
+                raise
+    raise AssertionError
 
+
+def serve(root: Path, host: str, port: int, address: Address, opened: Callable[[str], None]) -> None:
+    """Serves the page until Ctrl-C; `opened` is called with its address once it answers.
+
+    Args:
+        port: 0 for that of `address`, or any that is free.
+        address: that the page of the folder had before, whose secret it has again.
+    """
     import uvicorn
 
-    listener = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET, socket.SOCK_STREAM)
-    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    token = address.token
     try:
-        listener.bind((host, port))
+        listener = _bound(host, port, address.port)
     except OSError as error:
-        listener.close()
         what = f"cannot be served at ({error.strerror})"
         raise HexciteError(
             place=f"{host}:{port}",
@@ -392,6 +399,8 @@ def serve(root: Path, host: str, port: int, token: str, opened: Callable[[str], 
         ) from error
     port = listener.getsockname()[1]
     shown = f"[{host}]" if ":" in host else host
+    if host == "127.0.0.1":
+        keep_address(root, Address(port, token))
     names = {f"{shown}:{port}"} | ({f"localhost:{port}"} if host in ("127.0.0.1", "::1") else set())
     app = app_of(root, frozenset(names), token, f"hexcite-{port}")
     server = uvicorn.Server(uvicorn.Config(app, log_level="warning", access_log=False, timeout_graceful_shutdown=3))

@@ -27,6 +27,10 @@ TEXTS: dict[str, tuple[str, str]] = {
     "done": ("done", "fertig"),
     "failed": ("refused", "abgelehnt"),
     "stopped": ("stopped; nothing was written", "angehalten; nichts wurde geschrieben"),
+    "killed": (
+        "ended from outside; what was finished before is there",
+        "von außen beendet; was vorher fertig war, ist da",
+    ),
     "stop_search": ("Stop and keep the best", "Anhalten und das Beste behalten"),
     "stop": ("Stop", "Anhalten"),
     "give_up": ("Give up", "Abbrechen"),

@@ -23,9 +23,9 @@ TEXTS: dict[str, tuple[str, str]] = {
     "line": ("line", "Zeile"),
     "worst_of_lines": (
         "Beside a line: its worst limit. Where the program itself states the times, only lines in which a limit comes "
-        "closest have one. It is shown for a program that was written since the page was started.",
+        "closest have one. It is shown for the program that this page wrote last.",
         "Neben einer Zeile: ihre am meisten genutzte Grenze. Wo das Programm selbst die Zeiten vorgibt, nur neben "
-        "Zeilen, in denen eine Grenze am nächsten ist. Gezeigt, wenn das Programm seit dem Start der Seite entstand.",
+        "Zeilen, in denen eine Grenze am nächsten ist. Gezeigt für das Programm, das diese Seite zuletzt schrieb.",
     ),
     "checklist": ("At the machine", "An der Maschine"),
     "step_home": (

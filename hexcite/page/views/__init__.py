@@ -54,6 +54,6 @@ def job(job: Job, language: Language) -> dict[str, Any]:
     return {
         "line": str(last.get("line", "")) if last is not None and not job.over else "",
         "curve": drawn,
-        "messages": job.messages[-8:] if job.state in ("failed", "stopped") else [],
+        "messages": job.messages[-8:] if job.state in ("failed", "stopped", "killed") else [],
         "warnings": job.messages[-8:] if job.state == "done" else [],
     }

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -14,14 +15,23 @@ from playwright.sync_api import Browser, Page, expect
 from tests.hexcite.browser import PATIENCE
 
 
-@pytest.fixture
-def address(root: Path) -> Iterator[str]:
-    """The address of a server of its own, ended by Ctrl-C."""
+@contextmanager
+def serving(root: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """A server of a folder, with its address."""
     command = [sys.executable, "-P", "-m", "hexcite.cli.guest", str(os.getpid()), "page", str(root), "--no-browser"]
     with subprocess.Popen(command, cwd=root, stdout=subprocess.PIPE, text=True) as server:
         assert server.stdout is not None
-        line = server.stdout.readline()
-        yield line.split()[-1]
+        try:
+            yield server, server.stdout.readline().split()[-1]
+        finally:
+            server.kill()
+
+
+@pytest.fixture
+def address(root: Path) -> Iterator[str]:
+    """The address of a server of its own, ended by Ctrl-C."""
+    with serving(root) as (server, address):
+        yield address
         server.send_signal(signal.SIGINT)
         assert server.wait(60) == 0
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from tests.hexcite.page.served import Seen, address, patience
+from tests.hexcite.page.served import Seen, address, patience, serving
 
 pytestmark = pytest.mark.slow
 __all__ = ["address", "patience"]
@@ -184,3 +184,31 @@ def test_two_windows_and_another_site(browser: Browser, address: str, root: Path
     stranger.get_by_role("button").click()
     stranger.wait_for_load_state()
     assert not (root / "evil").exists()
+
+
+def test_a_window_goes_on_after_its_server_was_killed(browser: Browser, root: Path):
+    with serving(root) as (first, address):
+        seen = Seen(browser, address)
+        page = seen.page
+        page.goto(f"{address.split('/?')[0]}/m/hexapod/plan")
+        page.get_by_label("Kind of motion").select_option("ptp")
+        page.get_by_label(re.compile("thorough")).check()
+        page.get_by_role("button", name="Search").click()
+        expect(page.locator("svg.search .curve")).to_be_visible()
+        first.kill()
+        first.wait()
+        expect(page.locator("#alive")).to_be_visible()
+    with serving(root) as (_, again):
+        assert again == address
+        expect(page.locator(".job .line strong")).to_contain_text(re.compile("ended from outside|done"))
+        assert "job" in page.locator("#jobs > div").first.get_attribute("class")
+        for _ in range(60):  # the search writes its best motion when its server has ended
+            if page.locator(".cards a", has_text="hexapod-ptp").count():
+                break
+            page.wait_for_timeout(1000)
+            page.reload()
+        page.locator(".cards a", has_text="hexapod-ptp").click()
+        expect(page.get_by_role("link", name="Next: Program")).to_be_visible()
+        page.reload()
+        expect(page.get_by_role("link", name="Next: Program")).to_be_visible()
+    assert not [each for each in root.iterdir() if each.name.endswith(".hexcite.part")]

@@ -130,12 +130,12 @@ def test_an_interrupted_command_says_what_stands_there(tmp_path: Path, monkeypat
 
 def test_what_killed_commands_left_goes_with_the_next_one(tmp_path: Path):
     """But not what another command writes just now, nor what is of another name."""
-    old, used, other = (tmp_path / name for name in (".p.1.part", ".p.2.part", ".pp.3.part"))
+    old, used, other = (tmp_path / name for name in (".p.1.hexcite.part", ".p.2.hexcite.part", ".pp.3.hexcite.part"))
     for place in (old, used, other):
         place.mkdir()
         (place / "plan.json").write_text("{")
         os.utime(place, (0, 0))
-    (young := tmp_path / ".p.4.part").mkdir()
+    (young := tmp_path / ".p.4.hexcite.part").mkdir()
     handle = os.open(used, os.O_RDONLY)
     try:
         fcntl.flock(handle, fcntl.LOCK_EX)
