@@ -1,7 +1,8 @@
-"""Round bodies that cover the collision geometry of links: spheres, cylinders, boxes, and meshes that are there.
+"""Bodies that cover the collision geometry of links: spheres, cylinders, boxes, and meshes that are there.
 
-Each element is covered by one capsule: whatever keeps clear of it keeps clear of the geometry. Capsules are larger than
-what they cover, most of all around boxes and bent links.
+Each element is covered by one body: whatever keeps clear of it keeps clear of the geometry. Spheres and cylinders are
+covered by capsules, boxes by the hull of their corners, meshes by that of some of theirs, made larger all around by
+what it does not hold; what is hollow or bent is filled up to its convex hull.
 """
 
 import math
@@ -12,6 +13,7 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
+from cases.base.convex import capsule_around, corners_around
 from cases.base.errors import FileProblem
 from cases.base.files import read_whole
 from cases.base.units import MM, Array
@@ -22,6 +24,7 @@ _TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attrib
 _HEAD = 84  # bytes of a binary STL before its triangles
 _VERTEX = re.compile(rb"^\s*(?:vertex|v)\s+(\S+)\s+(\S+)\s+(\S+)", re.MULTILINE)
 _MOST = 1e3  # [m] of a point
+FEWEST_CORNERS = 4  # of a body; fewer points get a capsule
 
 
 class Uncovered(ValueError):
@@ -29,31 +32,33 @@ class Uncovered(ValueError):
 
 
 def covering(link: Element, place: Array, folder: Path, name: str) -> Iterator[Tool | str]:
-    """Capsules that cover the `<collision>` elements of a link, or why one cannot be covered.
+    """Bodies that cover the `<collision>` elements of a link, or why one cannot be covered.
 
     Args:
-        place: the link in the frame that capsules are wanted in, shape (4, 4) [-, m].
+        place: the link in the frame that bodies are wanted in, shape (4, 4) [-, m].
         folder: folder of the URDF file, from which meshes are looked for.
-        name: of the capsules; numbered where there are several.
+        name: of the bodies; numbered where there are several.
     """
     elements = link.findall("collision")
     for k, element in enumerate(elements, 1):
         own = name if len(elements) == 1 else f"{name} {k}"
         try:
-            ends, radius = _capsule(element, folder)
+            points, radius = _hull(element, folder)
         except Uncovered as reason:
             yield str(reason)
             continue
-        ends = (place @ _place(element) @ np.column_stack([ends, np.ones(2)]).T).T[:, :3] / MM
-        first, last = (tuple(round(float(v), 3) + 0.0 for v in end) for end in ends)
-        # Rounding of ends is in the radius.
-        yield Tool.model_validate(
-            {"name": own, "from_mm": first, "to_mm": last, "radius_mm": math.ceil(1e2 * radius / MM + 1.0) / 1e2}
-        )
+        points = (place @ _place(element) @ np.column_stack([points, np.ones(len(points))]).T).T[:, :3] / MM
+        rounded = [tuple(round(float(v), 2) + 0.0 for v in point) for point in points]
+        shape = {"from_mm": rounded[0], "to_mm": rounded[1]} if len(rounded) == 2 else {"corners_mm": rounded}
+        # Rounding of points is in the radius.
+        yield Tool.model_validate({"name": own, **shape, "radius_mm": math.ceil(1e2 * radius / MM + 1.0) / 1e2})
 
 
-def _capsule(element: Element, folder: Path) -> tuple[Array, float]:
-    """Ends of the axis, shape (2, 3), and the radius [m] of a capsule that covers an element, in its own frame."""
+def _hull(element: Element, folder: Path) -> tuple[Array, float]:
+    """Points, shape (k, 3), whose convex hull, larger by a radius [m], covers an element, in its own frame.
+
+    Two are the ends of the axis of a capsule.
+    """
     geometry = element.find("geometry")
     shape = next(iter(geometry), None) if geometry is not None else None
     if shape is None:
@@ -65,56 +70,12 @@ def _capsule(element: Element, folder: Path) -> tuple[Array, float]:
         return np.array([[0.0, 0.0, -half], [0.0, 0.0, half]]), _numbers(shape, "radius", 1)[0]
     if shape.tag == "box":
         half_sizes = _numbers(shape, "size", 3) / 2.0
-        return around(np.array([[(-1) ** (k >> i & 1) for i in range(3)] for k in range(8)]) * half_sizes)
+        return np.array([[(-1) ** (k >> i & 1) for i in range(3)] for k in range(8)]) * half_sizes, 0.0
     if shape.tag == "mesh":
         scale = _numbers(shape, "scale", 3) if shape.get("scale") else np.ones(3)
-        return around(_points(shape.get("filename", ""), folder) * scale)
+        corners, more = corners_around(points := _points(shape.get("filename", ""), folder) * scale)
+        return (corners, more) if len(corners) >= FEWEST_CORNERS else capsule_around(points)
     raise Uncovered(f"a collision of {shape.tag[:40]}")
-
-
-def around(points: Array) -> tuple[Array, float]:
-    """Ends of the axis, shape (2, 3), and the radius of a small capsule that covers points, shape (n, 3) [m].
-
-    The smallest of those along the principal axes of the points and along their coordinates; a smaller one may exist.
-    """
-    centred = points - points.mean(axis=0)
-    _, _, principal = np.linalg.svd(centred, full_matrices=False) if len(points) > 2 else (0, 0, np.eye(3))
-    found = [_along(points, axis) for axis in (*principal, *np.eye(3))]
-    return min(found, key=lambda capsule: _volume(*capsule))
-
-
-def _volume(ends: Array, radius: float) -> float:
-    return math.pi * radius**2 * (float(np.linalg.norm(ends[1] - ends[0])) + 4.0 / 3.0 * radius)
-
-
-def _along(points: Array, axis: Array) -> tuple[Array, float]:
-    """The capsule along a direction, shape (3,)."""
-    beside = np.eye(3) - np.outer(axis, axis)
-    flat, along = points @ beside, points @ axis
-    _, _, directions = np.linalg.svd(beside)  # the first two span the plane
-    plane = flat @ directions[:2].T
-    middle = (plane.min(axis=0) + plane.max(axis=0)) / 2.0
-    for _ in range(200):  # towards the farthest point, ever less: Badoiu and Clarkson 2003
-        off = plane - middle
-        far = int(np.argmax(np.einsum("ni,ni->n", off, off)))
-        middle = middle + off[far] / (_ + 2.0)
-    distances = np.linalg.norm(plane - middle, axis=1)
-    radius = float(distances.max())
-    cap = np.sqrt(np.maximum(radius**2 - distances**2, 0.0))
-    low, high = float((along + cap).min()), float((along - cap).max())
-    if low > high:  # the two caps alone cover it
-        low = high = (low + high) / 2.0
-    origin = middle @ directions[:2]
-    ends = origin + np.outer([low, high], axis)
-    return ends, _farthest(points, ends)
-
-
-def _farthest(points: Array, ends: Array) -> float:
-    """Largest distance of points from a segment."""
-    way = ends[1] - ends[0]
-    square = float(way @ way)
-    share = np.zeros(len(points)) if square == 0.0 else np.clip((points - ends[0]) @ way / square, 0.0, 1.0)
-    return float(np.linalg.norm(points - ends[0] - share[:, None] * way, axis=1).max())
 
 
 def _points(uri: str, folder: Path) -> Array:

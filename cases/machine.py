@@ -8,6 +8,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import Field, model_validator
 
+from cases.base.convex import MOST_CORNERS, capsule_around
 from cases.base.units import DEG, MM, Array, Flags
 from cases.tables import (
     NonNegative,
@@ -222,20 +223,52 @@ class KeepOut(Part):
 
 
 class Tool(Part):
-    """A round body on the platform, a tool or a workpiece, which must not enter the boxes of `keep_out` either."""
+    """A body on the platform, a tool or a workpiece, which must not enter the boxes of `keep_out` either.
+
+    It is round about an axis, or the convex hull of some corners.
+    """
 
     name: Text
     """What it is; messages use it."""
     from_mm: Vector = (0.0, 0.0, 0.0)
     """One end of its axis in {P}, like `to_mm`."""
-    to_mm: Vector
+    to_mm: Vector | None = None
+    """The other end; left out where `corners_mm` are stated."""
+    corners_mm: Annotated[tuple[Vector, ...], Field(min_length=4, max_length=MOST_CORNERS)] | None = None
+    """Corners of a convex body in {P}, in place of an axis. Machines with struts count the capsule around it."""
     radius_mm: NonNegative = 0.0
-    """Radius about that axis."""
+    """Radius about that axis, or by which the convex body is larger all around."""
+
+    @model_validator(mode="after")
+    def _one_shape(self) -> "Tool":
+        if (self.to_mm is None) == (self.corners_mm is None):
+            raise ValueError(f"{self.name}: state the axis (from_mm, to_mm) or corners_mm, one of them")
+        if self.corners_mm is not None and "from_mm" in self.model_fields_set:
+            raise ValueError(f"{self.name}: from_mm goes with to_mm; remove it beside corners_mm")
+        return self
 
     @cached_property
+    def points(self) -> Array:
+        """Points whose convex hull is the body without its radius: ends of the axis, or corners, shape (k, 3) [m]."""
+        stated = (self.from_mm, self.to_mm) if self.corners_mm is None else self.corners_mm
+        return frozen(np.array(stated, dtype=float) * MM)
+
+    @cached_property
+    def _capsule(self) -> tuple[Array, float]:
+        if self.corners_mm is None:
+            return self.points, self.radius_mm * MM
+        ends, radius = capsule_around(self.points)
+        return frozen(ends), radius + self.radius_mm * MM
+
+    @property
     def axis(self) -> Array:
-        """Both ends of its axis in {P}, shape (2, 3) [m]."""
-        return frozen(np.array([self.from_mm, self.to_mm]) * MM)
+        """Both ends of the axis in {P} of the body, or of a capsule that covers it, shape (2, 3) [m]."""
+        return self._capsule[0]
+
+    @property
+    def radius(self) -> float:
+        """Radius about `axis` [m]."""
+        return self._capsule[1]
 
 
 class StrutLengths(Part):

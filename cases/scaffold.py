@@ -149,7 +149,9 @@ def begin_arm(
     )
     templates.filters |= {"keys": _keys, "comment": lambda text: "\n".join(_comment(printable(text)))}
     templates.filters["commented"] = lambda text: "\n".join(f"# {line}" for line in text.splitlines())
-    templates.filters["bodies"] = lambda bodies: toml_value([json.loads(b.model_dump_json()) for b in bodies])
+    templates.filters["bodies"] = lambda bodies: toml_value(
+        [json.loads(b.model_dump_json(exclude_unset=True)) for b in bodies]
+    )
     arm = read_urdf(Path(urdf), flange, sensor)
     text = templates.get_template("arm.toml.jinja").render(
         arm._asdict(), name=name, urdf=Path(urdf).name, flange_link=flange, sensor_link=sensor or flange

@@ -11,7 +11,7 @@ from cases.base.units import MM
 from cases.chain import Chain
 from cases.machine import KeepOut, turned
 from cases.schema import Case
-from hexcite.reports.scene import AXIS, drawn_pose, frames_at_sensor, tool_outlines
+from hexcite.reports.scene import AXIS, drawn_pose, frames_at_sensor, hull_outlines, tool_outlines
 from identification.limits.chain import chain_frames
 from identification.motion.motion import Array, StandingPoses
 
@@ -61,7 +61,10 @@ def _hexapod(case: Case) -> tuple[Lines, Labels, tuple[KeepOut, ...]]:
         "base": ("0.3", [np.vstack([base, base[:1]])]),
         "platform": ("tab:blue", [np.vstack([platform, platform[:1]])]),
         "struts 1 to 6": ("tab:gray", np.stack([base, platform], axis=1)),
-        "tools": ("tab:purple", [placed(line) for line in tool_outlines(workspace.tool)]),
+        "tools": (
+            "tab:purple",
+            [placed(line) for line in (*tool_outlines(workspace.tool), *hull_outlines(workspace.tool))],
+        ),
     }
     ends = [base, platform]
     if (bars := case.sensor_frame.bars) is not None:
@@ -87,7 +90,9 @@ def chain_outline(chain: Chain) -> tuple[Lines, Labels, tuple[KeepOut, ...]]:
         ("tool", "tab:purple", [(frames[-1], chain.tool)]),
         ("links", "tab:blue", zip(frames[1:], (joint.bodies for joint in chain.joints), strict=False)),
     ):
-        outlines = [(frame, line) for frame, bodies in owners for line in tool_outlines(bodies)]
+        outlines = [
+            (frame, line) for frame, bodies in owners for line in (*tool_outlines(bodies), *hull_outlines(bodies))
+        ]
         lines[name] = colour, [line @ frame[:3, :3].T + frame[:3, 3] / MM for frame, line in outlines]
     labels = list(zip(origins[1:], chain.names, strict=False))
     size = AXIS * float(np.ptp(origins, axis=0).max())

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from cases.base.convex import sharp_edges
 from cases.base.units import MM
 from cases.chain import Chain
 from cases.machine import KeepOut, Tool
@@ -231,7 +232,8 @@ def _hexapod(case: Case, motion: Motion) -> tuple[Array, tuple[Part, ...]]:
         sensors = _still([*np.stack([lower, upper], axis=1), _closed(upper)], 1)
         parts.append(Part("sensors", tuple(sensors), 5.0, COLOURS[4]))
     if workspace.tool:
-        parts.append(Part("tools", tuple(_still(tool_outlines(workspace.tool), 1)), 4.0, COLOURS[5]))
+        outlines = [*tool_outlines(workspace.tool), *hull_outlines(workspace.tool)]
+        parts.append(Part("tools", tuple(_still(outlines, 1)), 4.0, COLOURS[5]))
     parts.append(Part("origin of {P}", tuple(_still([np.zeros((1, 3))], 1)), 4.0, COLOURS[2], in_legend=False))
     return _rows([place]), tuple(parts)
 
@@ -250,8 +252,11 @@ def _chain(chain: Chain, motion: Motion) -> tuple[Array, tuple[Part, ...]]:
     links = [line for frame, bodies in owners for line in _still(tool_outlines(bodies), frame)]
     if links:
         parts.append(Part("links", tuple(links), 9.0, COLOURS[1]))
-    if chain.tool:
-        parts.append(Part("tools", tuple(_still(tool_outlines(chain.tool), last)), 7.0, COLOURS[5]))
+    if tools := _still(tool_outlines(chain.tool), last):
+        parts.append(Part("tools", tuple(tools), 7.0, COLOURS[5]))
+    hulls = [line for frame, bodies in (*owners, (last, chain.tool)) for line in _still(hull_outlines(bodies), frame)]
+    if hulls:
+        parts.append(Part("convex bodies", tuple(hulls), 2.0, COLOURS[1]))
     size = _size(_rows(places)[:, 1:])
     for k, (name, place) in enumerate(frames_at_sensor(chain)):
         origin, turn = place[:3, 3] / MM, place[:3, :3]
@@ -293,8 +298,13 @@ def box_outlines(boxes: Iterable[KeepOut], low: Array, high: Array) -> list[Arra
 
 
 def tool_outlines(tools: Iterable[Tool]) -> list[Array]:
-    """Axes of tools in {P}: lines of shape (2, 3) [mm]."""
-    return [tool.axis / MM for tool in tools]
+    """Axes of round tools in {P}: lines of shape (2, 3) [mm]."""
+    return [tool.axis / MM for tool in tools if tool.corners_mm is None]
+
+
+def hull_outlines(tools: Iterable[Tool]) -> list[Array]:
+    """Edges of convex tools in {P}, without what rounds them: lines of shape (2, 3) [mm]."""
+    return [edge / MM for tool in tools if tool.corners_mm is not None for edge in sharp_edges(tool.points)]
 
 
 USED_RATE = 1000.0  # [1/s] at which limits are looked at between the instants of a scene

@@ -13,10 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cases.base.convex import least_separation
 from cases.base.units import MM, Array, Flags
 from cases.chain import Chain, Joint
 from cases.machine import Frame as Place
-from cases.machine import Tool
+from cases.machine import KeepOut, Tool
 from cases.schema import Case
 from cases.sensors import RigidBody, payload_words
 from identification.limits.hexapod import distance_of_segments
@@ -187,14 +188,26 @@ def _moved(joint: Joint, position: Array, rate: Array, acceleration: Array) -> _
 
 
 class _Body(NamedTuple):
-    """A round body: number of its link, ends of its axis, shapes (n, 3), radius, way of the axis in half a step [m]."""
+    """A body in {B}: round about an axis, or the hull of some corners, and the way of these in half a step."""
 
-    link: int
+    link: int  # number of its link
     name: str
-    start: Array
+    start: Array  # ends of its axis, or of that of a capsule that covers it, shapes (n, 3) [m]
     end: Array
-    radius: float
-    way: Array
+    radius: float  # about that axis [m]
+    way: Array  # shape (n,) [m]
+    corners: Array | None  # of a convex body, shape (n, k, 3) [m]; None of a round one
+    more: float  # by which a convex body is larger all around [m]
+
+    @property
+    def points(self) -> Array:
+        """Points whose convex hull it is but for `rounding`, shape (n, k, 3) [m]."""
+        return np.stack([self.start, self.end], axis=1) if self.corners is None else self.corners
+
+    @property
+    def rounding(self) -> float:
+        """By which it is larger than the hull of `points`, all around [m]."""
+        return self.radius if self.corners is None else self.more
 
 
 def body_clearances(t: Array, frames: Frames, chain: Chain) -> Iterable[Quantity]:
@@ -217,11 +230,7 @@ def body_clearances(t: Array, frames: Frames, chain: Chain) -> Iterable[Quantity
     moving = [body for body in bodies if body.link]
     for box in chain.keep_out:
         if moving:
-            columns = [
-                distance_of_segments(body.start[:, None], (body.end - body.start)[:, None], box.corners)[:, 0]
-                - (body.radius + body.way)
-                for body in moving
-            ]
+            columns = [_from_box(body, box) for body in moving]
             limit = Limit(LimitKind.DISTANCE_FROM_BOX, box.name)
             yield Quantity.clear(limit, tuple(body.name for body in moving), np.column_stack(columns), box.vicinity)
     pairs = [(a, b) for k, a in enumerate(bodies) for b in bodies[k + 1 :] if abs(a.link - b.link) > 1]
@@ -235,15 +244,50 @@ def body_clearances(t: Array, frames: Frames, chain: Chain) -> Iterable[Quantity
 
 
 def _body(link: int, frames: tuple[Array, Array, Array], body: Tool, half: Array) -> _Body:
-    """A body in {B}, and its way in half a step, shape (n,) [s]: of its axis no point is faster than the faster end."""
-    ends = [[frame[:, :3, :3] @ point + frame[:, :3, 3] for point in body.axis] for frame in frames]
-    speed, acceleration = (np.linalg.norm(both, axis=2).max(axis=0) for both in ends[1:])
+    """A body in {B}, and its way in half a step, shape (n,) [s]: no point between others is faster than all of them."""
+    places = [[frame[:, :3, :3] @ point + frame[:, :3, 3] for point in body.points] for frame in frames]
+    speed, acceleration = (np.linalg.norm(own, axis=2).max(axis=0) for own in places[1:])
     way = (speed + acceleration * half / 2) * half
-    return _Body(link, body.name, ends[0][0], ends[0][1], body.radius_mm * MM, way)
+    if body.corners_mm is None:
+        return _Body(link, body.name, places[0][0], places[0][1], body.radius, way, None, 0.0)
+    start, end = (frames[0][:, :3, :3] @ point + frames[0][:, :3, 3] for point in body.axis)
+    corners = np.stack(places[0], axis=1)
+    return _Body(link, body.name, start, end, body.radius, way, corners, body.radius_mm * MM)
+
+
+def _from_box(body: _Body, box: KeepOut) -> Array:
+    """Distance of a body from a box, shape (n,) [m].
+
+    Of a round one along the axis of the box that separates most, which is less than the true one beside its edges; of
+    a convex one the true one where it is closest.
+    """
+    segment = body.start[:, None], (body.end - body.start)[:, None]
+    distance = distance_of_segments(*segment, box.corners)[:, 0] - body.radius
+    if body.corners is not None:
+        corners = np.array([np.where(upper, box.corners[1], box.corners[0]) for upper in np.ndindex(2, 2, 2)])
+        far = np.abs(body.corners).max() + FAR  # a side that is left open is far away
+        others = np.broadcast_to(np.clip(corners, -far, far), (len(distance), 8, 3))
+        distance = least_separation(body.corners, others, distance + body.more) - body.more
+    return np.asarray(distance - body.way)
+
+
+FAR = 1e3  # [m] beyond every corner, where the open sides of boxes are
 
 
 def _between(one: _Body, other: _Body) -> Array:
-    """Distance of two bodies, shape (n,) [m]: that of their axes (Ericson, Real-Time Collision Detection, 5.1.9)."""
+    """Distance of two bodies, shape (n,) [m]; of convex ones where they are closest, elsewhere less."""
+    distance = _of_capsules(one, other)
+    if one.corners is not None or other.corners is not None:
+        more = one.rounding + other.rounding
+        distance = least_separation(one.points, other.points, distance + more) - more
+    return np.asarray(distance - one.way - other.way)
+
+
+def _of_capsules(one: _Body, other: _Body) -> Array:
+    """Distance of the capsules of two bodies, shape (n,) [m]: that of their axes less the radii.
+
+    Ericson, Real-Time Collision Detection, 5.1.9.
+    """
     d, e, r = one.end - one.start, other.end - other.start, one.start - other.start
     dd, ee, de, dr, er = (np.einsum("ni,ni->n", u, v) for u, v in ((d, d), (e, e), (d, e), (d, r), (e, r)))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -251,4 +295,4 @@ def _between(one: _Body, other: _Body) -> Array:
         t = np.nan_to_num(np.clip((de * s + er) / ee, 0.0, 1.0))
         s = np.nan_to_num(np.clip((de * t - dr) / dd, 0.0, 1.0))
     gap = r + s[:, None] * d - t[:, None] * e
-    return np.asarray(np.linalg.norm(gap, axis=1) - one.radius - other.radius - one.way - other.way)
+    return np.asarray(np.linalg.norm(gap, axis=1) - one.radius - other.radius)

@@ -162,7 +162,7 @@ def distances(box: KeepOut, workspace: Workspace, origin: Array, turn: Array, ba
     if not workspace.tool:
         return np.hstack([points, struts])
     low, high = (np.array([tool.axis[end] for tool in workspace.tool]) @ turn.transpose(0, 2, 1) for end in (0, 1))
-    radii = np.array([tool.radius_mm for tool in workspace.tool]) * MM
+    radii = np.array([tool.radius for tool in workspace.tool])
     tools = distance_of_segments(origin[:, None] + low, high - low, box.corners) - radii
     return np.hstack([points, struts, tools])
 

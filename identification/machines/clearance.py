@@ -4,8 +4,8 @@ A hexapod has limits of struts, joints, singularity and boxes, the latter for th
 points of struts and tools. Joint angles enter by their cosine, smooth at zero: (1 - cos angle) / (1 - cos limit).
 
 A chain has limits of the distances of its bodies from boxes and from each other; a body is balls along its axis, half a
-radius apart. A clearance allows for what is between points. The proof, which has its own distances, finds what remains
-beyond it, and the motion then shrinks.
+radius apart, of a convex one along that of a capsule around it. A clearance allows for what is between points. The
+proof, which has its own distances, finds what remains beyond it, and the motion then shrinks.
 """
 
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
-from cases.base.units import MM, Array
+from cases.base.units import Array
 from cases.chain import Chain
 from cases.machine import Tool
 from identification.limits.limit import LimitKind
@@ -47,22 +47,30 @@ def clearance_shares(chain: Chain, q: ca.SX, middle: Array, frames: Sequence[tup
     still, last = (ca.SX(3, 1), ca.SX.eye(3)), len(chain.joints)
     moved = zip(range(1, last + 1), frames, (joint.bodies for joint in chain.joints), strict=False)
     places = ((0, still, chain.base), *moved, (last, frames[-1], chain.tool))
-    bodies = [(link, _balls(frame, body), body.radius_mm * MM) for link, frame, own in places for body in own]
-    distances = []
-    for k, (link, centres, radius) in enumerate(bodies):
+    bodies = [
+        (link, _balls(frame, body), body.radius, body.corners_mm is not None)
+        for link, frame, own in places
+        for body in own
+    ]
+    distances, around = [], []
+    for k, (link, centres, radius, hull) in enumerate(bodies):
         if link:
             distances += [
                 _least([distance_from_box(c, box.corners, BALL_ROUNDING) for c in centres], radius)
                 for box in chain.keep_out
             ]
-        for other_link, others, other_radius in bodies[k + 1 :]:
+            around += [hull] * len(chain.keep_out)
+        for other_link, others, other_radius, other_hull in bodies[k + 1 :]:
             if abs(other_link - link) > 1:
                 gaps = [ca.norm_2(a - b) for a in centres for b in others]
                 distances.append(_least(gaps, radius + other_radius))
+                around.append(hull or other_hull)
     if not distances:
         return []
     clearances = ca.Function("distances", [q], [ca.vertcat(*distances)])(middle).full()[:, 0]
     margins = np.clip(clearances / 2, 0.0, BALL_CLEARANCE)
+    # Capsules around convex bodies may overlap where these are apart: the search then keeps them from coming closer.
+    margins = np.where(np.array(around) & (clearances < 0.0), clearances, margins)
     return [
         (LimitKind.DISTANCE_FROM_BOX, 0, ca.exp((k - distance) / VICINITY))
         for k, distance in zip(margins, distances, strict=True)
@@ -72,7 +80,7 @@ def clearance_shares(chain: Chain, q: ca.SX, middle: Array, frames: Sequence[tup
 def _balls(frame: tuple[ca.SX, ca.SX], body: Tool) -> list[ca.SX]:
     """Centres of balls along the axis of a body."""
     (origin, turn), (low, high) = frame, body.axis
-    length, radius = float(np.linalg.norm(high - low)), body.radius_mm * MM
+    length, radius = float(np.linalg.norm(high - low)), body.radius
     count = int(np.clip(np.ceil(2 * length / max(radius, 1e-3)) + 1, 2, MOST_BALLS))
     return [origin + turn @ ca.DM(low + s * (high - low)) for s in np.linspace(0.0, 1.0, count)]
 

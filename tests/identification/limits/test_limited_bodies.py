@@ -13,6 +13,7 @@ from identification.limits.chain import body_clearances, chain_frames
 from identification.machines.casadi_batch import over_samples
 from identification.machines.serial_chain import SerialChain
 from identification.motion.motion import Motion
+from tests.cases.base.test_convex import geometry
 from tests.chains import ROBOT
 from tests.robots import odd
 
@@ -124,6 +125,97 @@ def test_a_box_with_one_side_is_the_plane_that_coal_knows(name: str) -> None:
         for label, values in distances.items():
             measured = apart(bodies[label.removeprefix("distance from wall (")[:-1]], half_space)
             assert values[row] == pytest.approx(measured, abs=1e-9)
+
+
+def convex(of: Chain) -> Chain:
+    """The same chain with hulls of corners about the axes of its links, 5 mm larger all around; its tool is round."""
+    draw, joints = np.random.default_rng(3), []
+    for joint in of.joints:
+        (body,) = joint.bodies
+        axis, radius = body.axis / 1e-3, body.radius / 1e-3
+        corners = axis[draw.integers(0, 2, 14)] + draw.normal(size=(14, 3)) * radius / 2.0
+        hull = Tool(name=body.name, corners_mm=tuple(map(tuple, corners.tolist())), radius_mm=5.0)
+        joints.append(joint.model_copy(update={"bodies": (hull,)}))
+    return of.model_copy(update={"joints": tuple(joints)})
+
+
+def frames_of(chain: Chain, q: np.ndarray) -> list[np.ndarray]:
+    """The moved frame of each joint, by SciPy's rotations."""
+    frames = [np.eye(4)]
+    for joint, value in zip(chain.joints, q, strict=True):
+        move, axis = np.eye(4), np.array(joint.axis) / np.linalg.norm(joint.axis)
+        if joint.turns:
+            move[:3, :3] = Rotation.from_rotvec(value * axis).as_matrix()
+        else:
+            move[:3, 3] = value * axis
+        frames.append(placed(joint, frames[-1]) @ move)
+    return frames[1:]
+
+
+Shape = tuple[coal.CollisionGeometry, coal.Transform3s, float]
+
+
+def shapes(chain: Chain, q: np.ndarray) -> dict[str, Shape]:
+    """The bodies of a chain for coal: hulls with what they are larger, capsules with 0."""
+    bare = chain.model_copy(update={"joints": tuple(j.model_copy(update={"bodies": ()}) for j in chain.joints)})
+    every = {name: (*shape, 0.0) for name, shape in capsules(bare, q).items()}
+    for frame, joint in zip(frames_of(chain, q), chain.joints, strict=True):
+        for body in joint.bodies:
+            place = coal.Transform3s(frame[:3, :3], frame[:3, 3])
+            every[body.name] = geometry(np.array(body.corners_mm) / 1e3), place, body.radius_mm / 1e3
+    return every
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_coal_measures_the_same_distances_of_convex_bodies(name: str) -> None:
+    """One instant at a time, for of several the closest alone is exact; boxes too are convex bodies then."""
+    chain, table = convex(CHAINS[name]), coal.Box(*np.diff(TABLE.corners, axis=0)[0])
+    at_table = coal.Transform3s(np.eye(3), TABLE.corners.mean(axis=0))
+    apart_some = 0
+    for coordinates in states(chain, 25):
+        bodies = shapes(chain, coordinates)
+        bodies["table"] = table, at_table, 0.0
+        for label, (value,) in found(chain, coordinates[None]).items():
+            names = label.partition("(")[2].removesuffix(")").split(", ")
+            if label.startswith("distance from"):
+                names.append("table")
+            if names == ["tool", "table"]:
+                continue  # a capsule and a box, along one axis
+            (one, place, more), (other, elsewhere, further) = (bodies[own] for own in names)
+            measured = apart((one, place), (other, elsewhere))
+            if measured > 1e-6:
+                assert value == pytest.approx(measured - more - further, abs=3e-6), label
+                apart_some += 1
+            else:
+                assert value <= 3e-6 - more - further, label
+    assert apart_some > 100
+
+
+def test_overlapping_convex_bodies_exceed_their_limit() -> None:
+    """Corners that are within a box: the share is above 1, whatever the radius."""
+    block = KeepOut(name="block", x_mm=(-500.0, 500.0), y_mm=(-500.0, 500.0), z_mm=(-500.0, 500.0))
+    cone = {"name": "cone", "corners_mm": [[0.0, 0.0, 0.0], [1.0, 0.0, 20.0], [-1.0, 1.0, 20.0], [0.0, -1.0, 20.0]]}
+    chain = Chain.model_validate(slide(block).model_dump(exclude_none=True) | {"tool": [cone]})
+    still = np.zeros((1, 1))
+    inside, outside = (Motion(np.zeros(1), still + x, still, still, still) for x in (0.0, 0.9))
+    (quantity,) = body_clearances(inside.t, chain_frames(inside, chain), chain)
+    assert quantity.ratio.max() > 1.0
+    (quantity,) = body_clearances(outside.t, chain_frames(outside, chain), chain)
+    assert quantity.values[0, 0] == pytest.approx(0.4 - 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({}, "one of them"),
+        ({"to_mm": (0.0, 0.0, 1.0), "corners_mm": ((0.0, 0.0, 0.0),) * 4}, "one of them"),
+        ({"from_mm": (0.0, 0.0, 1.0), "corners_mm": ((0.0, 0.0, 0.0),) * 4}, "from_mm"),
+        ({"corners_mm": ((0.0, 0.0, 0.0),) * 3}, "corners_mm"),
+    ],
+)
+def test_a_body_has_one_shape(keys: dict, words: str) -> None:
+    with pytest.raises(ValidationError, match=words):
+        Tool(name="odd", **keys)
 
 
 def test_a_box_without_sides_is_refused() -> None:
