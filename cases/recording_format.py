@@ -256,8 +256,6 @@ class FileFormat(TextFile):
     def _nothing_left_to_guess(self) -> Self:
         if self.names_row is not None and self.names_row > (self.header_rows or 0):
             raise ValueError(f"names_row = {self.names_row} is not among header_rows = {self.header_rows or 0} lines")
-        if self.delimiter is not None and self.delimiter == self.decimal:
-            raise ValueError(f"delimiter and decimal are both {self.decimal!r}; one of them must differ")
         clock = () if self.column_names and self.file_name(CLOCK) in self.column_names else ("clock.period_ms",)
         needed = {
             "halsampler": ("column_names", *clock),

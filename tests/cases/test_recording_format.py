@@ -75,7 +75,6 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "unit of another kind": ('units = { struts = "N" }', "recording", "units.struts = 'N' is not known; give mm, m"),
     "two characters between numbers": ('delimiter = ";;"', "recording.delimiter", "';;': is not one character"),
     "a letter between numbers": ('delimiter = "x"', "recording.delimiter", "'x': is not one character"),
-    "comma for both": ('delimiter = ","\ndecimal = ","', "recording", "delimiter and decimal are both ','"),
     "another decimal sign": ('decimal = "\'"', "recording.decimal", "'.' or ','"),
     "header rows below zero": ("header_rows = -1", "recording.header_rows", "-1: .*greater than or equal to 0"),
     "half a header row": ("header_rows = 1.5", "recording.header_rows", "1.5: "),

@@ -232,8 +232,8 @@ def _dialect(file: Path, lines: Sequence[str], encoding: str) -> tuple[FileForma
         count, often = Counter(map(len, rows)).most_common(1)[0] if rows else (0, 0)
         columns = list(zip(*(row for row in rows if len(row) == count), strict=True))
         for decimal in ".,":
-            if decimal == separator:
-                continue
+            if decimal == separator and not any(separator in field for row in rows for field in row):
+                continue  # only fields in quotation marks can hold it
             form = FileFormat(delimiter=separator, decimal=decimal, encoding=encoding)
             numbers = [_is_numeric(column, form) for column in columns]
             if (sum(numbers), often) > most:

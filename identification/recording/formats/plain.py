@@ -61,8 +61,10 @@ def is_aligned(sample: Sequence[str], separator: str) -> bool:
     """Whether rows separated by blanks have any number of them between two fields, and before the first."""
     if separator != " ":
         return False
-    single = {len(line.split(" ")) for line in sample}
-    return len(single) > 1 or any(line[:1] == " " or line[-1:] == " " for line in sample)
+    rows = [line.split(" ") for line in sample]
+    if len(set(map(len, rows))) > 1 or any(line[:1] == " " or line[-1:] == " " for line in sample):
+        return True
+    return any(not any(column) for column in zip(*rows, strict=True))  # two blanks between two fields, in each row
 
 
 def _rows(sample: Sequence[str], form: FileFormat, aligned: bool) -> list[list[str]]:

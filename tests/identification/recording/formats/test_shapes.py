@@ -53,6 +53,10 @@ READABLE: dict[str, str] = {
     "aligned, a remark's sign before the names": aligned(names="# " + " ".join(NAMES)),
     "aligned names": aligned(names="".join(name.rjust(16) for name in NAMES)),
     "aligned, blanks behind each row": aligned().replace("\n", "  \n"),
+    "aligned by two blanks each": "\n".join(["  ".join(NAMES), *(row.replace(",", "  ") for row in ROWS)]) + "\n",
+    "the decimal comma in quotation marks": "\n".join(
+        [",".join(NAMES), *('"' + row.replace(";", '","') + '"' for row in rows(RUN.numbers(), ";", ","))]
+    ),
     "aligned with tabs": aligned().replace("    ", "\t "),
     "as MATLAB saves": "\n".join([" ".join(NAMES), *("".join(f"{v:16.7e}" for v in row) for row in RUN.numbers())]),
     "as Fortran writes": "\n".join(
