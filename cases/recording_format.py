@@ -78,7 +78,7 @@ Count = Annotated[int, Field(strict=True, ge=0)]
 FormatName = Literal["csv", "halsampler", "twincat-scope", "sinumerik-trace", "lvm"]
 StreamName = Literal["struts", "pose", "rotation", "accelerometer", "forces"]
 SHIFTED: Mapping[StreamName, tuple[str, ...]] = {
-    "struts": (*STRUTS, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS), "pose": POSE, "rotation": ROTATION,
+    "struts": (*STRUTS, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS), "pose": POSE, "rotation": (*ROTATION, *QUATERNION),
     "accelerometer": ACCELEROMETER, "forces": (*BAR_FORCES, *WRENCH),
 }  # fmt: skip
 """Columns whose clock `clock.offset_s` may shift, by the names that it uses."""
@@ -94,7 +94,8 @@ class Clock(Part):
     period_ms: Positive | None = None
     """Time between rows, for files without stamps."""
     offset_s: dict[StreamName, Number] = Field(default_factory=dict)
-    """Added to the stamps of a stream: where clocks count from different epochs, or stamps are late."""
+    """Added to the stamps of a stream: where clocks count from different epochs, or stamps are late. Streams of one
+    file may have different ones."""
 
     @property
     def period(self) -> float | None:

@@ -43,6 +43,7 @@ TRAVELLING = 1e-4  # [m/s] of the struts from which a sensor that never changes 
 MOST_BAD = 0.3  # of the samples; a run that is worse is to be recorded again
 SMALL_STEP = 2.0 * MM  # of the struts between rows: standstills further apart are not samples of a motion
 SMALL_TURN = 0.01  # [rad] the same for orientations
+SMALL_SHARE = 0.02  # the same, of the range of the drive that moves most
 LEAST_ROWS = 50  # without a clock, from which on a smooth sequence is taken for a motion
 
 
@@ -313,6 +314,12 @@ def cut_off(recording: Recording) -> list[Finding]:
     return [warning(Kind.WINDOW, sentence, recording.lines.place(len(recording.trigger) - 1))]
 
 
+def _distance(step: float, drive: int, of_drives: bool, case: Case) -> str:
+    """How far apart rows are, in words, by the drive that moves most."""
+    turns = not of_drives or (case.chain is not None and case.chain.joints[drive].turns)
+    return f"{step:.2g} rad" if turns else f"{step / MM:.3g} mm"
+
+
 def _require_standstills(recording: Recording, case: Case) -> None:
     """Raises RecordingError where rows without a clock follow each other as samples of a motion do."""
     for values, small in ((recording.struts, SMALL_STEP), (recording.rotations, SMALL_TURN)):
@@ -320,15 +327,17 @@ def _require_standstills(recording: Recording, case: Case) -> None:
             continue
         flat = values.reshape(len(values), -1)
         first, second = np.diff(flat, axis=0), np.diff(flat, n=2, axis=0)
-        step = float(np.median(np.abs(first).max(axis=1)))
-        if 0.0 < step < small and np.mean(second**2) < SMOOTH**2 * np.mean(first**2):
-            distance = f"{step / MM:.3g} mm" if values is recording.struts else f"{step:.2g} rad"
+        steps = np.abs(first).max(axis=1)
+        step = float(np.median(steps[steps > 0.0])) if steps.any() else 0.0  # a motion may stand now and then
+        most = int(np.argmax(np.sum(first**2, axis=0)))
+        near = 0.0 < step < max(small, SMALL_SHARE * float(np.ptp(flat[:, most])))
+        if near and np.mean(second**2) < SMOOTH**2 * np.mean(first**2):
+            distance = _distance(step, most, values is recording.struts, case)
             clock = case.recording.columns.get(CLOCK)
             no_clock = "has no t_s column" if clock is None else f"has no column {clock!r} for t_s, as the case says"
             raise RecordingError(
                 place=recording.source,
-                problem=f"{no_clock}, yet its {len(values)} rows are {distance} apart and smooth like samples "
-                "of a "
+                problem=f"{no_clock}, yet its {len(values)} rows are {distance} apart and smooth like samples of a "
                 "motion, not averaged standstills",
                 remedy="add the time, map its name in [recording.columns] or give recording.clock.period_ms",
                 code=Code.CLOCK,

@@ -200,6 +200,11 @@ class Standstills(Samples):
     standing: MotionOfSamples | None = None  # how the load stands at each
     each: ClassVar[tuple[str, ...]] = (*Samples.each, "matrices", "scale")
 
+    def without(self, left_out: Flags) -> Self:
+        """As of all samples; the motion at each is one of their values."""
+        kept = super(Standstills, self).without(left_out)
+        return kept if self.standing is None else replace(kept, standing=self.standing.at(np.flatnonzero(~left_out)))
+
     def regressors(self, delay: float) -> Array:
         """Weighted A, shape (n, 6, u)."""
         del delay

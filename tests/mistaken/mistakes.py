@@ -371,6 +371,15 @@ def _clock() -> Iterator[Mistake]:
         r"samples are # ms apart",
         (2.0,),
     )
+    yield Mistake(
+        "forces 150 ms late", "clock", lambda run, r, c: (replace(r, forces=_after(r.forces, round(0.15 / r.step))), c),
+        r"forces are stamped 1[45]\d ms late",
+    )  # fmt: skip
+
+
+def _after(forces: Array, rows: int) -> Array:
+    """Forces so many rows later."""
+    return np.concatenate([np.repeat(forces[:1], rows, axis=0), forces[:-rows]])
 
 
 def others_of(name: str) -> list[Mistake]:

@@ -46,6 +46,7 @@ class Instants:
     machine: Machine | None  # that the drives move; None where the orientation was recorded
     step: float | None  # between recorded samples [s]; None for standstills
     rows: Indices  # rows of the recording, shape (n,)
+    t: Array | None = None  # their times, shape (n,) [s]; None for standstills
     delays: Array  # of the forces after the motion, shape (D,) [s]
     forces: Array  # recorded that much later, shape (D, n, 6) [N, or N and N m]
     # positions of the drives and two derivatives, shape (n, d); None where the orientation was recorded
@@ -72,7 +73,8 @@ class Instants:
                 specific=None if turning.specific is None else turning.specific[part],
             )  # fmt: skip
         return replace(
-            self, rows=self.rows[part], forces=self.forces[:, part], drives=drives, turning=turning,
+            self, rows=self.rows[part], t=None if self.t is None else self.t[part], forces=self.forces[:, part],
+            drives=drives, turning=turning,
             weights=self.weights[part], shaking=None,
         )  # fmt: skip
 
@@ -178,8 +180,9 @@ def _moving(recording: Recording, case: Case, model: Model) -> Instants | None:
     shaking = decimated(low_pass, draw, rows, [(order, 0.0) for order in range(3)])
     spread = _spread(late[len(DELAYS) // 2], case)
     return Instants(
-        case=case, model=model, machine=machine_of(case), step=low_pass.step, rows=begin + margin + rows, delays=DELAYS,
-        forces=np.array(late), drives=(drives[0], drives[1], drives[2]), posed=recording.poses is not None,
+        case=case, model=model, machine=machine_of(case), step=low_pass.step, rows=begin + margin + rows,
+        t=recording.t[begin + margin + rows], delays=DELAYS, forces=np.array(late),
+        drives=(drives[0], drives[1], drives[2]), posed=recording.poses is not None,
         noise=_floor(noise, spread), least=white * np.sqrt(gain), shaking=(shaking[0], shaking[1], shaking[2]),
         weights=np.ones(len(rows)),
     )  # fmt: skip
@@ -233,7 +236,7 @@ def _wrist(recording: Recording, case: Case, model: Model) -> Instants | None:
     noise = white if stated is None else np.maximum(white, stated * np.sqrt(run.filter.noise_gain))
     forces = np.array([smooth(t + delay) for delay in DELAYS])
     return Instants(
-        case=case, model=model, machine=None, step=run.filter.step, rows=rows, delays=DELAYS, forces=forces,
+        case=case, model=model, machine=None, step=run.filter.step, rows=rows, t=t, delays=DELAYS, forces=forces,
         turning=Turning(rotations=turning[0], omega=turning[1], alpha=turning[2], specific=turning[3]),
         noise=_floor(noise, _spread(forces[len(DELAYS) // 2], case)), least=white, weights=np.ones(len(rows)),
     )  # fmt: skip

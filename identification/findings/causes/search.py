@@ -29,6 +29,7 @@ from identification.findings.causes.hypothesis import (
     together,
 )
 from identification.findings.causes.instants import Instants, instants_of
+from identification.findings.causes.lateness import late_forces
 from identification.findings.causes.leaps import leaps_of
 from identification.findings.causes.readings import of_recording
 from identification.findings.causes.trials import Left, closing, left_by, moments_about, tried
@@ -114,7 +115,8 @@ def search(recording: Recording, case: Case, model: Model, fit: Fit | None = Non
         if _near(recorded):
             return Search(recorded, (), None, ())
     readings: list[tuple[Trial, Instants]] = []
-    for reading in of_recording(recording, case):
+    late = None if base is None else late_forces(base, recording, case)
+    for reading in (*of_recording(recording, case), *([] if late is None else [late])):
         instants = _of_reading(reading, recording, case, model)
         if instants is not None:
             readings.append(((reading,), instants))

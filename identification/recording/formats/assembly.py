@@ -116,22 +116,32 @@ def _require(table: ColumnTable, ours: str, good: Flags, problem: str, remedy: s
         )
 
 
+def by_clock(table: ColumnTable) -> list[ColumnTable]:
+    """A table in parts whose stamps `clock.offset_s` shifts by different times; what it does not name stays first."""
+    if table.stamps is None:
+        return [table]
+    parts: dict[float, dict[str, Array]] = {}
+    for name, columns in SHIFTED.items():
+        if own := {ours: values for ours, values in table.values.items() if ours in columns}:
+            parts.setdefault(table.form.clock.offset_s.get(name, 0.0), {}).update(own)
+    if len(parts) < 2:
+        return [table]
+    named = {ours for own in parts.values() for ours in own}
+    shifts = sorted(parts, key=abs)
+    parts[shifts[0]] |= {ours: values for ours, values in table.values.items() if ours not in named}
+    return [
+        replace(table, values=parts[shift], findings=table.findings if shift == shifts[0] else ()) for shift in shifts
+    ]
+
+
 def start_of(table: ColumnTable) -> Fraction:
-    """Time of the first sample [s], exact: a double has too few digits for epochs in ns. Raises RecordingError."""
+    """Time of the first sample [s], exact: a double has too few digits for epochs in ns."""
     assert table.stamps is not None
-    shifts = {
-        table.form.clock.offset_s.get(name, 0.0) for name, columns in SHIFTED.items() if {*columns} & {*table.values}
-    }
-    if len(shifts) > 1:
-        raise RecordingError(
-            place=table.source,
-            problem="its columns share a clock, recording.clock.offset_s shifts them by different times",
-            remedy="give them one offset",
-            code=Code.CLOCK,
-        )
+    offsets = table.form.clock.offset_s
+    shift = next((offsets.get(name, 0.0) for name, columns in SHIFTED.items() if {*columns} & {*table.values}), 0.0)
     # the tick is a decimal fraction of a second, which limit_denominator finds behind its binary rounding
     tick = Fraction(table.tick).limit_denominator(10**12)
-    return Fraction(table.stamps[0].item()) * tick + Fraction(max(shifts, default=0.0))
+    return Fraction(table.stamps[0].item()) * tick + Fraction(shift)
 
 
 def _group(table: ColumnTable, channels: tuple[str, ...]) -> Array | None:

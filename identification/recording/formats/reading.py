@@ -19,7 +19,7 @@ from cases.orientation import ROTATION
 from cases.recording_format import CLOCK, FileFormat, FileOfRun, RecordingFormat
 from cases.schema import Case
 from identification.recording.formats import binary, known
-from identification.recording.formats.assembly import require_clock, start_of, stream_of
+from identification.recording.formats.assembly import by_clock, require_clock, start_of, stream_of
 from identification.recording.formats.joining import on_one_axis
 from identification.recording.formats.quantities import with_units
 from identification.recording.formats.sampling import clocked
@@ -75,7 +75,7 @@ def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
         require_room(file, max(table.rows for table in own), sum(len(table.values) for table in own), others)
     for table in tables:
         require_clock(table)  # before the first of them is taken for the run's beginning
-    tables = [clocked(table) for table in tables]
+    tables = [part for table in tables for part in by_clock(clocked(table))]
     origin = min((start_of(table) for table in tables if table.stamps is not None), default=Fraction(0))
     streams = [stream_of(table, case, origin) for table in tables]
     _require_whole(streams, case, [name for table in tables for name in table.names])

@@ -18,7 +18,8 @@ from identification.samples.moving_window import stands_only
 from identification.samples.standstills import among, average, find_standstills, match
 from identification.simulate import simulate_recording
 from tests.helpers import one_line
-from tests.simulated_machine import PoseExecution
+from tests.mistaken import machines as mistaken
+from tests.simulated_machine import PoseExecution, simulate_standstills
 
 CASE = load_case("hexapod")
 HOME = np.array([0.0, 0.0, 0.9, 0.0, 0.0, 0.0])
@@ -206,3 +207,25 @@ def test_averages_without_a_clock_have_no_standstills_to_find() -> None:
     standing = average(RUN, find_standstills(RUN, SETTLE))
     with pytest.raises(RecordingError, match="with a clock"):
         find_standstills(standing, SETTLE)
+
+
+def test_thousands_of_standstills_are_identified() -> None:
+    result = identify(simulate_standstills(CASE, poses(2300), 100, 2), CASE)
+    mass = result.parameters["m"]
+    assert CASE.simulation is not None
+    assert abs(mass.value - CASE.simulation.parameters.body.mass_kg) < 4.0 * mass.reported
+
+
+@pytest.mark.parametrize("name", ["hexapod", "ur10_wrist"])
+def test_a_motion_without_a_clock_is_told_from_standstills(name: str) -> None:
+    """Though it stands more than half of the time, and encoders count steps."""
+    whole = RUN if name == "hexapod" else mistaken.run(name, 0).recording
+    rest = np.r_[np.arange(len(whole.forces)), np.full(2 * len(whole.forces), len(whole.forces) - 1)]
+    struts = np.round(whole.struts[rest] / 1e-6) * 1e-6  # type: ignore[index]
+    run = replace(whole, t=None, trigger=None, struts=struts, forces=whole.forces[rest])
+    with pytest.raises(RecordingError) as caught:
+        identify(run, load_case(name))
+    said = one_line(caught.value)
+    assert "clock.period_ms" in said
+    assert f"{len(rest)} rows" in said
+    assert (" rad apart" if name == "ur10_wrist" else " mm apart") in said

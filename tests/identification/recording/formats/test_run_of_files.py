@@ -56,11 +56,19 @@ def test_clocks_of_another_epoch_are_brought_together(tmp_path: Path) -> None:
     require_streams(read(files(tmp_path, late=3600.0), case))
 
 
-def test_columns_of_one_clock_cannot_be_shifted_apart(tmp_path: Path) -> None:
-    numbers = np.column_stack([RUN.t, RUN.struts * 1e3, RUN.forces])
-    file = written(tmp_path, csv(numbers, ["t_s", *STRUTS, *BAR_FORCES]))
-    with pytest.raises(RecordingError, match=r"share a clock.*recording\.clock\.offset_s"):
-        read(file, case_with(clock={"offset_s": {"struts": 0.1}}))
+@pytest.mark.parametrize("late", [0.0084, -0.02, 0.012])
+def test_columns_of_one_file_are_shifted_apart(late: float, tmp_path: Path) -> None:
+    numbers = np.column_stack([RUN.t, RUN.struts * 1e3, RUN.forces, RUN.t > 0.01])
+    file = written(tmp_path, csv(numbers, ["t_s", *STRUTS, *BAR_FORCES, "trigger"]))
+    recording = read(file, case_with(clock={"offset_s": {"forces": -late}}))
+    motion = recording.stream_with("struts")
+    assert motion is not None
+    assert motion.t is not None
+    assert recording.t is not None
+    np.testing.assert_allclose(motion.t - recording.t, late, atol=1e-9)
+    np.testing.assert_allclose(motion.struts, RUN.struts, rtol=1e-8)
+    np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
+    assert recording.stream_with("trigger") is motion  # a controller has both
 
 
 def test_files_whose_samples_coincide_are_joined(tmp_path: Path) -> None:
