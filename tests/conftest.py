@@ -16,7 +16,6 @@ from tests.helpers import EXAMPLES
 
 # A failure is told at once; `--hypothesis-profile bench` takes its time to make it small.
 AT_ONCE = (Phase.explicit, Phase.reuse, Phase.generate)
-SEEDS = 1
 settings.register_profile(
     "full", derandomize=True, deadline=None, max_examples=EXAMPLES, print_blob=True, phases=AT_ONCE
 )
@@ -32,19 +31,13 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Of a test that is repeated over seeds, `make test` runs the first; `make bench` runs the others.
-
-    Of a test marked `first(n)`, `make test` runs the first n variants; CI and `make nightly` run the others too.
-    """
+    """Of a test marked `first(n)`, `make test` runs the first n variants; CI and `make nightly` run the others too."""
     variants = Counter[tuple[str, str]]()
     for item in items:
         if first := item.get_closest_marker("first"):
             variants[own := (item.location[0], getattr(item, "originalname", item.name))] += 1
             if variants[own] > first.args[0]:
                 item.add_marker(pytest.mark.repeats)
-        repeated = getattr(item, "callspec", None)
-        if repeated is not None and repeated.indices.get("seed", 0) >= SEEDS:
-            item.add_marker(pytest.mark.slow)
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -117,6 +117,11 @@ def few(*values: object, kept: int = 1) -> list[object]:
     return [*values[:kept], *(pytest.param(*v, marks=pytest.mark.slow) for v in others)]
 
 
+def seeds(count: int, first: int = 0, at_once: int = 1) -> pytest.MarkDecorator:
+    """A test of `count` seeds from `first` on: `make test` runs the first `at_once`, `make bench` the others too."""
+    return pytest.mark.parametrize("seed", few(*range(first, first + count), kept=at_once))
+
+
 def examples(number: int) -> int:
     """How many examples a property is tried with: `number` with the profile `full`, fewer in `make test`."""
     return max(2, math.ceil(number * settings.default.max_examples / EXAMPLES))

@@ -5,7 +5,7 @@ and does not move, and the end of the strut connected to the platform. Of a moti
 the open tree, M a + c; what drives, sensors and connections do of them follows from one linear system.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import casadi as ca
 import mujoco
@@ -119,5 +119,5 @@ def _slender(mass: float, first_moment: float, inertia: float, way: float) -> st
     return f'<inertial pos="0 0 {way * centre!r}" mass="{mass}" diaginertia="{across!r} {across!r} {NOTHING}"/>'
 
 
-def _list(values: object) -> str:
+def _list(values: Any) -> str:
     return " ".join(repr(float(v)) for v in np.ravel(values))

@@ -49,9 +49,13 @@ def _field(declared: Declared) -> tuple[Any, tuple[object]]:
     return values[kind if declared.default is not None else kind | None], (declared.default,)
 
 
-_FIELDS: dict[str, Any] = {"family": (Values[str], ("fourier",))}
-_FIELDS |= {key: _field(declared) for key, declared in OPTIONS.items()}
-Grid = create_model("Grid", __base__=Part, __module__=__name__, **_FIELDS)
+def _made() -> Any:
+    """The model of a grid, which no type checker knows before this module runs."""
+    fields: dict[str, Any] = {key: _field(declared) for key, declared in OPTIONS.items()}
+    return create_model("Grid", __base__=Part, __module__=__name__, family=(Values[str], ("fourier",)), **fields)
+
+
+Grid = _made()
 """Values of most options of `hexcite plan`, one or a list each; every combination is a cell.
 
 A model that is not stated is the machine's largest; period, moves and knots fit the duration, as they do there.
@@ -81,7 +85,7 @@ class Spec(Part):
 
     schema_version: Literal[1]
     name: str = Field(pattern=r"^[A-Za-z0-9_-]{1,60}$")
-    grid: Grid = Grid()
+    grid: Grid = Grid()  # type: ignore[valid-type]
     execute: ExecutionSpec | None = None
     cells: Cells = Cells()
 

@@ -100,8 +100,8 @@ def tally(title: str, trials: Iterator[tuple[str, Sequence[Mistake], int]], name
         if kind != (RIGHT if mistakes else QUIET) and (verbose or kind == WRONG):
             print(f"  {name}, seed {seed}: {label}: {kind} {said}", flush=True)
     figures = ", ".join(f"{kind} {counts[kind]}" for kind in KINDS if counts[kind])
-    took = f"; {np.mean(seconds):.2f} s, at most {np.max(seconds):.2f} s" if seconds else ""
-    print(f"{name:16s} {title:8s} {counts.total():5d}: {figures}{took}", flush=True)
+    times = f"; {np.mean(seconds):.2f} s, at most {np.max(seconds):.2f} s" if seconds else ""
+    print(f"{name:16s} {title:8s} {counts.total():5d}: {figures}{times}", flush=True)
     return counts
 
 

@@ -52,7 +52,7 @@ def criteria_table() -> None:
                     f"{bound.efficiency(values[letter]['D']):.3f}",
                     f"{-values[letter]['K']:.4g}",
                     f"{values[letter]['N']:.4g}",
-                    gain(letter, values[letter], values["D"]),
+                    gain(letter, values[Criterion(letter)], values[Criterion.D]),
                     WANTED[letter],
                     f"{max(seconds):.0f} s",
                 ]

@@ -156,7 +156,7 @@ def validated(results: Path) -> Figure:
 def style() -> None:
     """Small letters, no frame, the same file from the same figures."""
     plain = {"axes.spines.top": False, "axes.spines.right": False}
-    mpl.rcParams.update({"font.size": 9, "svg.hashsalt": "hexcite", **plain})
+    mpl.rcParams.update({"font.size": 9, "svg.hashsalt": "hexcite", **plain})  # type: ignore[dict-item]
 
 
 def main() -> None:

@@ -61,5 +61,5 @@ def pose_figures() -> list[list[str]]:
 
 
 def _scaled(model: object, poses: np.ndarray) -> np.ndarray:
-    regressors = pose_regressors(model, poses)  # type: ignore[arg-type]
+    regressors = pose_regressors(model, poses)
     return np.asarray(regressors * candidate_scaling(regressors))

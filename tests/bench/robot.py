@@ -78,9 +78,9 @@ def robot_figures() -> None:
         result = identify(execute(program, case, "virtual", seed)[1], case)
         assert result.estimate is not None
         shares += [abs(row["error"]) / row["std"] for row in truth_rows(case, result.estimate)]
-    inside = np.mean(np.array(shares) < 1.96)
+    within = np.mean(np.array(shares) < 1.96)
     print(
-        f"{RUNS} runs: {100 * inside:.1f} % of the truths in their 95 % intervals, worst {max(shares):.2f} deviations"
+        f"{RUNS} runs: {100 * within:.1f} % of the truths in their 95 % intervals, worst {max(shares):.2f} deviations"
     )
 
 

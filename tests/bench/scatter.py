@@ -36,7 +36,7 @@ def _estimates(program: Path, method: str) -> np.ndarray:
     case = load_case("hexapod")
     found = case.need_simulation("the scatter").disturbances
     assert found is not None
-    _, run = carried_out(read_program(program, case), case, "virtual")
+    run = carried_out(read_program(program, case), case, "virtual")
     rows = []
     for k in range(MACHINES):
         machine = found.model_copy(update={"pose_error_seed": 100 + k})

@@ -2,6 +2,7 @@
 
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -54,7 +55,7 @@ def test_joints_of_a_ring_stand_in_pairs_minus_side_first(hexapod_case: Case) ->
 
 def test_a_case_cannot_be_changed(hexapod_case: Case) -> None:
     with pytest.raises(ValidationError, match="frozen"):
-        hexapod_case.nominal.mass_kg = 1.0
+        hexapod_case.nominal.mass_kg = 1.0  # type: ignore[misc]
     for array in (hexapod_case.gravity, hexapod_case.machine.base.points, hexapod_case.limits.motion.pose):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1.0
@@ -74,10 +75,10 @@ def values(data: object, path: tuple[str | int, ...] = ()) -> list[tuple[tuple[s
     return [(path, data)]
 
 
-def changed(data: object, path: tuple[str | int, ...], value: object) -> object:
+def changed(data: Any, path: tuple[str | int, ...], value: object) -> object:
     if not path:
         return value
-    copy = dict(data) if isinstance(data, dict) else list(data)
+    copy: Any = dict(data) if isinstance(data, dict) else list(data)
     copy[path[0]] = changed(data[path[0]], path[1:], value)
     return copy
 

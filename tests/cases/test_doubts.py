@@ -12,7 +12,7 @@ import pytest
 from cases.schema import Case, load_case
 from cases.tables import built_in_cases
 from tests.cases.editing import edited
-from tests.helpers import few
+from tests.helpers import seeds
 
 Data = dict[str, Any]
 
@@ -190,7 +190,7 @@ def other_machine(name: str, seed: int) -> Data:
 MACHINES = ("hexapod", "strut_sensors", "ur10_wrist", "five_axis_table")
 
 
-@pytest.mark.parametrize("seed", few(*range(100), kept=15))
+@seeds(100, at_once=15)
 def test_sound_machines_are_not_accused(seed: int) -> None:
     for name in MACHINES:
         assert Case.model_validate(other_machine(name, seed)).doubts == ()
@@ -200,7 +200,7 @@ def test_sound_machines_are_not_accused(seed: int) -> None:
 UNITS = {"mm_s": 1e-3, "m_s2": 1e3, "m_s3": 1e3, "deg_s": np.pi / 180.0, "rad_s2": 180.0 / np.pi, "m_s": 1e3}
 
 
-@pytest.mark.parametrize("seed", few(*range(20), kept=3))
+@seeds(20, at_once=3)
 def test_any_limit_in_a_mistaken_unit_is_the_one_that_is_accused(seed: int) -> None:
     """Angular jerks are left out, which nothing but angular accelerations tells: they are found in three of four."""
     for name in ("hexapod", "strut_sensors"):

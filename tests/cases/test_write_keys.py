@@ -66,12 +66,12 @@ def test_what_makes_no_case_is_not_written(file: Path, key: tuple[str | int, ...
 def test_one_entry_of_a_list_of_tables_is_changed_alone(tmp_path: Path) -> None:
     file = new_case("arm", "ur10_wrist", tmp_path / "arm")
     before = file.read_text()
-    joints = load_case(str(file)).chain.joints  # type: ignore[union-attr]
+    joints = load_case(str(file)).chain.joints
     place = ("machine", "chain", "joints", 1, "rpy_deg")
     turned = [1.0, *joints[1].rpy_deg[1:]]
     assert placed(place) == "machine.chain.joints[2].rpy_deg"
     write_keys(file, [Write(place, turned)])
-    after = load_case(str(file)).chain.joints  # type: ignore[union-attr]
+    after = load_case(str(file)).chain.joints
     assert list(after[1].rpy_deg) == turned
     assert (after[0], *after[2:]) == (joints[0], *joints[2:])
     assert comments(file.read_text()) == comments(before)

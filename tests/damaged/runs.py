@@ -2,7 +2,7 @@
 
 import copy
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -113,7 +113,7 @@ LENGTHS, LOADS, NOISES = (0.6, 1.5), (0.4, 2.5), (0.3, 3.0)  # of what a chain i
 def machine(name: str) -> Machine:
     """A built-in machine, a hexapod or robot of the bench, or a drawn one, by name: `hexapod_SEED`, `chain_SEED`."""
     if name.startswith(HEXAPOD):
-        tables = case_tables(name, drawn(int(name.removeprefix(HEXAPOD))))
+        tables: Mapping[str, Any] = case_tables(name, drawn(int(name.removeprefix(HEXAPOD))))
     elif name.startswith(CHAIN):
         tables = _drawn_chain(int(name.removeprefix(CHAIN)))
     elif (ROBOTS / name).is_dir():

@@ -6,7 +6,7 @@ velocities and accelerations by polynomials of degree five.
 """
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -98,7 +98,7 @@ def joint_trajectory(message: str | dict[str, Any], names: tuple[str, ...], stan
     if np.any(np.diff(times) <= 0.0) or np.any(rows[-1][1] != 0.0):
         raise RuntimeError("times do not increase, or the last point moves")
     coefficients = [
-        _quintic(*a, *b, end - begin) for a, b, begin, end in zip(rows, rows[1:], times, times[1:], strict=False)
+        _quintic((*a, *b), end - begin) for a, b, begin, end in zip(rows, rows[1:], times, times[1:], strict=False)
     ]
     starts, powers = np.array(times), np.arange(6)
 
@@ -111,8 +111,9 @@ def joint_trajectory(message: str | dict[str, Any], names: tuple[str, ...], stan
     return Run(at, times[-1])
 
 
-def _quintic(p: Array, v: Array, a: Array, q: Array, w: Array, b: Array, t: float) -> Array:
+def _quintic(ends: Sequence[Array], t: float) -> Array:
     """Coefficients, shape (6, n), of the polynomial between two states that are t apart."""
+    p, v, a, q, w, b = ends
     rest = np.array([q - p - v * t - a * t**2 / 2, w - v - a * t, b - a])
     matrix = np.array([[t**3, t**4, t**5], [3 * t**2, 4 * t**3, 5 * t**4], [6 * t, 12 * t**2, 20 * t**3]])
     return np.vstack([p, v, a / 2, np.linalg.solve(matrix, rest)])

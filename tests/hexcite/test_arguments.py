@@ -1,3 +1,5 @@
+# mypy: disable-error-code="call-arg, list-item, operator"
+# arguments are wrong on purpose
 """Arguments of a wrong type: every public function names the argument, its value and what it should be."""
 
 import pickle

@@ -247,6 +247,7 @@ def test_values_are_shown_in_a_few_lines(folder: Path, by_hand: Plan, hexapod_ca
     recording = hx.run(program, hexapod_case)
     with pytest.raises(HexciteError, match=r"case hexapod, .*machine or limits"):
         hx.run(program, hx.load_case("strut_sensors").model_copy(update={"workspace": None}))
+    value: Any
     for value in (hexapod_case, by_hand, program, recording, result):
         text = repr(value)
         assert 2 <= len(text.splitlines()) <= 14

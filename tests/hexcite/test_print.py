@@ -45,7 +45,7 @@ def require_whole(page: Page, name: str, heading: str) -> None:
     page.emulate_media(media="print")
     for paper, (width, height) in PAPERS.items():
         size = {"width": int((width - 2 * MARGIN) / 25.4 * 96), "height": int((height - 2 * MARGIN) / 25.4 * 96)}
-        page.set_viewport_size(size)  # type: ignore[arg-type]
+        page.set_viewport_size(size)
         assert page.evaluate(CUT) == [], (name, paper)
         assert page.evaluate(CONTROLS) == [], (name, paper)
         margin: Any = dict.fromkeys(("top", "bottom", "left", "right"), f"{MARGIN:g}mm")

@@ -51,11 +51,11 @@ def test_what_no_argument_can_be_is_refused_by_its_name(name: str, hexapod_case:
 
 
 def test_numbers_of_numpy_are_numbers(hexapod_case: Case) -> None:
-    assert hx.PointToPoint(moves=np.int64(40)) == hx.PointToPoint(moves=40)  # type: ignore[arg-type]
-    assert hx.ValidationSettings(seed=np.int32(3)).seed == 3  # type: ignore[arg-type]
-    assert type(hx.ValidationSettings(seed=np.uint8(3)).seed) is int  # type: ignore[arg-type]
+    assert hx.PointToPoint(moves=np.int64(40)) == hx.PointToPoint(moves=40)
+    assert hx.ValidationSettings(seed=np.int32(3)).seed == 3
+    assert type(hx.ValidationSettings(seed=np.uint8(3)).seed) is int
     with pytest.raises(hx.HexciteError, match=r"model .*99"):
-        hx.identify(RECORDING, hexapod_case, model=np.int64(99))  # type: ignore[arg-type]
+        hx.identify(RECORDING, hexapod_case, model=np.int64(99))
 
 
 @pytest.mark.parametrize("kind", [hx.Plan, hx.Program, hx.Result, hx.Recording], ids=lambda kind: kind.__name__)
@@ -69,6 +69,6 @@ def test_what_is_loaded_is_a_path(kind: Any, hexapod_case: Case) -> None:
 def test_known_values_are_finite_numbers() -> None:
     for known in ({"m": "2"}, {"m": np.nan}, {3: 1.0}):
         with pytest.raises(hx.HexciteError, match="not a finite number"):
-            hx.Method(known=known)  # type: ignore[dict-item]
+            hx.Method(known=known)
     with pytest.raises(hx.HexciteError, match="m = 'x': is not a finite number"):
-        hx.Method(priors=(hx.Prior("m", "x", 1.0),))  # type: ignore[arg-type]
+        hx.Method(priors=(hx.Prior("m", "x", 1.0),))

@@ -17,7 +17,7 @@ from identification.model.model import identification_model
 from identification.model.parameters import linear_parameters, physical_form
 from identification.recording.recording import Recording
 from identification.simulate import simulate_recording
-from tests.helpers import HOME, Harmonic, few, ideal, simulated
+from tests.helpers import HOME, Harmonic, few, ideal, seeds, simulated
 from tests.simulated_machine import PoseExecution
 
 CASE = load_case("hexapod")
@@ -42,7 +42,7 @@ def test_an_ideal_machine_gives_its_parameters_back() -> None:
     assert (estimate.fit.rank, estimate.model.number) == (20, 9)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@seeds(4)
 def test_the_default_machine_gives_its_parameters_back_within_their_errors(seed: int) -> None:
     """With encoder steps, noise, delay and sampling between cycles, on four motions: 80 values within 4.5 std."""
     estimate = estimate_parameters(run(CASE, Harmonic(seed=seed), seed), CASE)

@@ -11,6 +11,7 @@ from identification.machines.executed import Execution
 from identification.machines.serial_chain import SerialChain
 from identification.recording.recording import Recording
 from identification.simulate import truth_rows
+from tests.helpers import seeds
 from tests.plant import Plant
 from tests.postprocessors.joint_walks import walk
 
@@ -51,7 +52,7 @@ def errors(seed: int) -> np.ndarray:
     return np.array([row["error"] / row["std"] for row in rows])
 
 
-@pytest.mark.parametrize("seed", range(3))
+@seeds(3)
 def test_all_sixteen_parameters_are_found_within_their_deviations(seed: int) -> None:
     assert np.abs(errors(seed)).max() < 3.5
 

@@ -54,7 +54,7 @@ def test_weights_give_the_theoretical_values_behind_table_7(weights: int, mass: 
 
 def test_forces_of_weights_are_those_of_a_heavier_platform():
     t = np.linspace(0.0, 3.0, 50)
-    loaded = true_forces(CASE, EXECUTION, t, Circumstances(WEIGHTS[:2]))
+    loaded: np.ndarray = true_forces(CASE, EXECUTION, t, Circumstances(WEIGHTS[:2]))
     model = identification_model(CASE, 9)
     difference = linear_parameters(model, loaded_truth(TRUTH, WEIGHTS[:2])) - linear_parameters(model, TRUTH)
     assert difference[model.names.index("m")] == pytest.approx(2 * 19.93)

@@ -12,7 +12,7 @@ from identification.machines.hexapod import Hexapod
 from identification.model.model import identification_model, regressors
 from identification.model.parameters import linear_parameters
 from identification.simulate import loaded_truth, simulate_recording
-from tests.helpers import HOME, Harmonic, tells
+from tests.helpers import HOME, Harmonic, seeds, tells
 from tests.simulated_machine import PoseExecution, kinematics_of_coordinates
 from tests.strut_plant import StrutPlant, Struts
 
@@ -37,7 +37,7 @@ KINDS = (
 
 @pytest.mark.first(1)
 @pytest.mark.parametrize("changes", KINDS, ids=("drive", "platform", "each", "friction"))
-@pytest.mark.parametrize("seed", [1, 2])
+@seeds(2, first=1)
 def test_parameters_are_found_within_their_deviations(changes: dict[str, object], seed: int) -> None:
     case = of_kind(**changes)
     assert case.simulation is not None

@@ -1,3 +1,5 @@
+# mypy: disable-error-code="misc"
+# lambdas with defaults
 """Mistakes that people make with a recording or a case, each with words by which its cause is known again."""
 
 import re
@@ -349,7 +351,7 @@ def _drawing(case: Case) -> Iterator[Mistake]:
     )  # fmt: skip
 
     def one_end(t: dict[str, Any]) -> None:
-        points = (case.sensor_frame.bars.upper.points * 1e3).tolist()  # type: ignore[union-attr]
+        points = (case.sensor_frame.bars.upper.points * 1e3).tolist()
         points[2], points[3] = points[3], points[2]
         t["sensor_frame"]["bars"]["upper"] = {"points_mm": points}
 

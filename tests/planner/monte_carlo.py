@@ -1,6 +1,7 @@
 """Runs simulated from Newton's law for point masses, fitted by least squares: spread and bias of each parameter."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -41,7 +42,7 @@ def body_of(masses: PointMasses) -> RigidBody:
 
 def vibrating(case: Case, force_noise: float, acceleration: float, angular: float, weights: str) -> Case:
     """The case with its noise stated."""
-    noise = {"acceleration_noise_m_s2": acceleration, "angular_acceleration_noise_rad_s2": angular}
+    noise: dict[str, Any] = {"acceleration_noise_m_s2": acceleration, "angular_acceleration_noise_rad_s2": angular}
     noise |= {"force_noise_N": force_noise, "weights": weights}
     return case.model_copy(update={"sensors": case.sensors.model_copy(update=noise)})
 

@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -59,7 +60,8 @@ def plans(tmp_path_factory: pytest.TempPathFactory) -> Plans:
 @pytest.mark.slow
 def test_phases_of_moves_are_absent_or_last_as_long_as_their_controller_needs(plans: Plans) -> None:
     """What a solver leaves of an absent phase is some microseconds, for which no program has room."""
-    case, parts = chain_case(5), plans[5].motion.parts
+    motion: Any = plans[5].motion
+    case, parts = chain_case(5), motion.parts
     phases = np.array([part.profile.lengths for part in parts])
     shortest = shortest_phase(case.controller.cycle)
     assert np.all((phases == 0.0) | (phases >= shortest * (1 - 1e-6)))

@@ -14,6 +14,7 @@ from cases.tables import find_case
 from identification.estimation.criteria import box_middle, pose_regressors, reference_scaling
 from identification.machines.hexapod import Hexapod
 from identification.model.model import identification_model
+from identification.motion.motion import Trajectory
 from planner.families.family import Family
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion, sequence_file
@@ -164,7 +165,7 @@ def test_a_case_that_states_none_is_rated_as_before():
 def test_predictions_are_the_scatter_over_machines_that_err_otherwise(name: str):
     """Machines err by a smoother field over the poses; the stated one over the struts is what identify makes of it."""
     case = erring(SIZE, LENGTH)
-    motion = manual_motion(CASE, sequence_file(CASE))
+    motion: Trajectory = manual_motion(CASE, sequence_file(CASE))
     if name != "manual":
         family = FAMILIES[name]
         motion = family.motion(

@@ -2,6 +2,7 @@
 
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -64,7 +65,7 @@ def test_a_controller_takes_whole_cycles_and_is_faster_than_a_slow_plan():
     assert after.duration < plan.duration
     for before, part in zip(plan.parts, after.parts, strict=True):
         ends = [p.at([0.0, p.duration]).pose for p in (before, part)]
-        assert np.allclose(*ends, atol=1e-12)
+        assert np.allclose(ends[0], ends[1], atol=1e-12)
 
 
 def test_what_a_controller_makes_of_a_hasty_plan_satisfies_the_limits_of_coordinates_and_struts():
@@ -145,8 +146,9 @@ def test_a_move_that_leaves_the_box_is_refused():
 
 
 def test_a_path_keeps_its_pace_where_it_satisfies_every_limit_and_else_its_way(series: Path):
-    motion = Plan.load(series).motion
-    assert np.array_equal(fastest_within_limits(CASE, motion.slowed, "series", "").a, motion.a)
+    motion: Any = Plan.load(series).motion
+    kept: Any = fastest_within_limits(CASE, motion.slowed, "series", "")
+    assert np.array_equal(kept.a, motion.a)
     case = changed(CASE, limits__motion__velocity_mm_s=[200.0] * 3)
     slower = fastest_within_limits(case, motion.slowed, "series", "")
     report, pace = prove(slower, case), motion.duration / slower.duration

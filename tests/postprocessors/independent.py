@@ -60,6 +60,6 @@ def share_of_limits(times: Array, poses: Array, case: Case) -> float:
     lengths = strut_lengths(poses, case)
     short, long = box.strut_length
     shares.append(np.abs(lengths - (short + long) / 2) / ((long - short) / 2))
-    for order, limit in enumerate((box.strut_velocity_m_s, box.strut_acceleration_m_s2), start=1):
-        shares.append(np.abs(derivatives_reached(times, lengths, order)) / limit)
+    for order, most in enumerate((box.strut_velocity_m_s, box.strut_acceleration_m_s2), start=1):
+        shares.append(np.abs(derivatives_reached(times, lengths, order)) / most)
     return max(float(s.max()) for s in shares)

@@ -90,7 +90,8 @@ def renumbered(table: Table, cycle: float = CYCLE) -> Table:
 def with_its_struts(table: Table) -> Table:
     """The struts that belong to the poses: damage that no comparison of columns can see."""
     si = table * UNITS
-    motion = Motion(si[:, T], *(si[:, part].copy() for part in (POSE, RATES, ACCELERATIONS)), np.zeros((len(si), 6)))
+    pose, rates, accelerations = (si[:, part].copy() for part in (POSE, RATES, ACCELERATIONS))
+    motion = Motion(si[:, T], pose, rates, accelerations, np.zeros((len(si), 6)))
     table[:, STRUTS] = np.hstack(limited_machine(CASE).drives(motion)) / UNITS[STRUTS]
     return table
 

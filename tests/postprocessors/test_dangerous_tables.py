@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cases.base.errors import ProgramError
-from tests.helpers import few
+from tests.helpers import few, seeds
 from tests.postprocessors.damaged_tables import DAMAGE
 from tests.postprocessors.programs import HOME
 from tests.postprocessors.tables import (
@@ -60,7 +60,7 @@ def test_an_outlier_of_20_nm_is_refused_where_the_jerk_is_near_its_limit():
     assert refused(as_csv(table))
 
 
-@pytest.mark.parametrize("seed", range(5))
+@seeds(5)
 def test_whatever_a_jerk_within_its_limit_does_between_rows_the_table_is_read(seed: int):
     """Jerk changes at random ten times a cycle, then backwards and turned, until the machine stands again."""
     draw, fine = np.random.default_rng(seed), CYCLE / 10

@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -69,7 +70,7 @@ def programs(draw: st.DrawFn) -> Blocks:
     """Home, then moves, arcs, paths, dwells and triggers in any order."""
     limits = CASE.limits.motion
     share = [0.8 * limits.rate, 0.8 * limits.acceleration, 0.8 * limits.jerk]
-    blocks = [ToHome(HOME, draw(st.floats(1e-3, 0.5)))]
+    blocks: list[Any] = [ToHome(HOME, draw(st.floats(1e-3, 0.5)))]
     pose = HOME
     for _ in range(draw(st.integers(1, 4))):
         kind = draw(st.sampled_from(["move", "turn", "arc", "path"]))

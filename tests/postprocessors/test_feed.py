@@ -14,7 +14,9 @@ CASE = load_case("hexapod")
 
 
 def last_move(body: str) -> Untimed:
-    return read_linuxcnc(typed(body), "p.ngc").stretches[-1]
+    last = read_linuxcnc(typed(body), "p.ngc").stretches[-1]
+    assert isinstance(last, Untimed)
+    return last
 
 
 def duration(body: str) -> float:

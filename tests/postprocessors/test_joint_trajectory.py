@@ -5,6 +5,7 @@ from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -85,7 +86,7 @@ SPEEDS = few(("moves", 1.0), ("swing", 0.3), ("spline", 1.0), ("swing", 1.0), ke
 @pytest.mark.first(1)
 @pytest.mark.parametrize(("name", "speed"), SPEEDS)
 def test_between_its_points_the_message_is_the_planned_motion(name: str, speed: float) -> None:
-    motion = MOTIONS[name]
+    motion: Any = MOTIONS[name]
     times, values, names = message(written_motion(name, speed))
     assert names == list(ROBOT.chain.names)
     made = BPoly.from_derivatives(times, values)

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from postprocessors.dialects.linuxcnc.promises import linuxcnc_guarantees
 from postprocessors.dialects.linuxcnc.write import write_linuxcnc
 from postprocessors.program import read_program
 from postprocessors.proof.proof import prove_program
+from tests.helpers import seeds
 from tests.postprocessors.edited import moves as written_moves
 from tests.postprocessors.edited import proof
 from tests.postprocessors.programs import HEAD, linuxcnc_text, read_linuxcnc, typed
@@ -23,7 +25,7 @@ LEFT = ["G20", "G90.1", "G91", "G93", "G7", "G18", "G64 P5", "G92 X50 Y20", "G55
 SETTINGS = ("G21", "G90", "G94", "G40", "G49", "G54", "G92.1")
 
 
-def moves(commands: object) -> list:
+def moves(commands: Any) -> list:
     """Moves of a program as the interpreter sends them, each with the feed and the plane that are in force."""
     found, state = [], {}
     assert not isinstance(commands, str), commands
@@ -122,7 +124,7 @@ def test_under_g61_moves_are_read_where_they_turn_or_wait(turn: float, between: 
 
 
 @pytest.mark.linuxcnc
-@pytest.mark.parametrize("seed", [0, 1, 2])
+@seeds(3)
 def test_linuxcnc_takes_as_long_as_is_proven_also_where_moves_are_in_one_direction(
     seed: int, hexapod_case: Case, tmp_path: Path
 ):

@@ -1,6 +1,7 @@
 """SINUMERIK and TwinCAT programs of a machine whose axes are its joints: what F counts, and what is refused."""
 
 import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -68,7 +69,8 @@ def test_f_counts_lengths_in_mm_and_turns_in_degrees_as_the_text_says(name: str)
     home, box = CASE.need_motion("a test")
     turned = home + np.array([0.0, 0.0, 0.0, 0.3, -0.5])
     limits = 0.9 * box.rate, 0.9 * box.acceleration, 0.9 * box.jerk
-    there = [StraightMove.fastest(a, b, *limits) for a, b in ((home, turned), (turned, walk(CASE).parts[0].start))]
+    first: Any = walk(CASE).parts[0]
+    there = [StraightMove.fastest(a, b, *limits) for a, b in ((home, turned), (turned, first.start))]
     motion = Joined((*there, *walk(CASE).parts))
     text = proven_program(motion, CASE, dialect(name), FILES[name], ()).content.decode()
     lines, reading = text.splitlines(), read(name, text)

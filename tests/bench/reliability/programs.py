@@ -1,3 +1,5 @@
+# mypy: disable-error-code="misc"
+# lambdas with defaults
 """Damaged programs of every dialect: what is still called proven other judges must let pass.
 
 The judges share nothing with the readers: a naive reading of moves at a feed, divided differences of timed points, and
@@ -73,14 +75,14 @@ def edited(text: str, draw: random.Random) -> str:
     match = draw.choice(found)
     old = match[0]
     k = draw.randrange(len(old))
-    new = {
+    word = {
         "digit": lambda: old[:k] + (str(draw.randrange(10)) if old[k].isdigit() else old[k]) + old[k + 1 :],
         "sign": lambda: old[1:] if old[0] == "-" else f"-{old}",
         "point": lambda: f"{float(old) * 10 ** draw.choice([-1, 0, 1]):.6f}",
         "word": lambda: "",
         "letter": lambda: draw.choice("XYZABC"),
     }[kind]()
-    return text[: match.start()] + new + text[match.end() :]
+    return text[: match.start()] + word + text[match.end() :]
 
 
 def _proven(name: str, content: bytes, case: Case) -> tuple[Reading, ProgramProof]:

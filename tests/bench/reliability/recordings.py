@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import combinations
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -112,7 +113,7 @@ def sign_turned(rows: Array, draw: Draw) -> Array:
 
 
 def unit_mistaken(rows: Array, draw: Draw) -> Array:
-    group = [T, LENGTHS, FORCES, _channel(draw)][int(draw.integers(4))]
+    group: Any = [T, LENGTHS, FORCES, _channel(draw)][int(draw.integers(4))]
     rows[:, group] *= draw.choice([1e-3, 1e3, 25.4, 1 / 25.4, 9.81, 1 / 9.81, 60.0, 10.0])
     return rows
 
@@ -252,7 +253,7 @@ def file_of(rows: Array) -> bytes:
 
 def damaged(seed: int) -> tuple[tuple[str, ...], bytes]:
     """The kinds of damage of a seed, and the file."""
-    kinds = ALONE_AND_IN_PAIRS[seed % len(ALONE_AND_IN_PAIRS)]
+    kinds: Any = ALONE_AND_IN_PAIRS[seed % len(ALONE_AND_IN_PAIRS)]
     draw, rows = np.random.default_rng(seed), simulated().rows.copy()
     for kind in kinds:
         if kind is not stained and len(rows) > 1:

@@ -64,7 +64,7 @@ def test_there_are_fifteen_kinds_of_damage_alone_and_in_pairs() -> None:
 
 @pytest.mark.linuxcnc
 def test_linuxcncs_own_interpreter_sees_what_is_dangerous() -> None:
-    assert 0.3 < interpreted_share(moves("linuxcnc").encode(), CASE) <= 1.0
+    assert 0.3 < float(interpreted_share(moves("linuxcnc").encode(), CASE)) <= 1.0
     for edit in ("a feed ten times as high", "a height below ground", "a position ten times as far"):
-        assert interpreted_share(changed(moves("linuxcnc"), *EVERY_DIALECT[edit]).encode(), CASE) > 1.0
+        assert float(interpreted_share(changed(moves("linuxcnc"), *EVERY_DIALECT[edit]).encode(), CASE)) > 1.0
     assert "zero feed rate" in str(interpreted_share(b"G94\nG1 X1\nM2\n", CASE))

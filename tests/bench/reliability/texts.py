@@ -9,6 +9,7 @@ import random
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from cases.schema import Case
 from identification.recording.formats.words import MISSING
@@ -27,7 +28,12 @@ SIGNALS = dict(zip(NAMES[1:], test_sinumerik.SIGNALS, strict=True))
 def bases() -> dict[str, tuple[Case, str]]:
     """A file of each layout, and a case that reads it; by name."""
     pins, numbers = {"column_names": NAMES[1:], "clock": {"period_ms": 1.0}}, RUN.numbers()[:, 1:]
-    scope = {"shared": [True, False], "eof": [True, False], "delimiter": ["\t", ";"], "decimal": [",", "."]}
+    scope: dict[str, list[Any]] = {
+        "shared": [True, False],
+        "eof": [True, False],
+        "delimiter": ["\t", ";"],
+        "decimal": [",", "."],
+    }
     found: dict[str, tuple[Case, str]] = {
         "commas": (HEXAPOD, csv(RUN.numbers())),
         "semicolons": (case_with(delimiter=";", decimal=","), csv(RUN.numbers(), delimiter=";", decimal=",")),

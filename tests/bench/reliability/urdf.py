@@ -19,7 +19,7 @@ from tests.cases.test_urdf import HOMES, ROBOTS, filled_in
 
 Array = NDArray[np.float64]
 
-ODD = (
+ODD: tuple[str, ...] = (
     "",
     "nan",
     "inf",

@@ -45,7 +45,7 @@ def test_a_remedy_of_a_result_is_shown_and_written(client: TestClient, root: Pat
         assert file.read_text() == before
     answer = client.post("/m/+arm/do/apply", data=form)
     assert answer.status_code == 303
-    assert load_case(str(file)).chain.sensor.rpy_deg == (0.0, 0.0, 32.7)  # type: ignore[union-attr]
+    assert load_case(str(file)).chain.sensor.rpy_deg == (0.0, 0.0, 32.7)
     assert (file.parent / "case-1.toml").read_text() == before
     page = client.get("/m/+arm/data?recording=rec.csv").text
     assert "hexcite case set arm/case.toml" in page

@@ -43,7 +43,7 @@ def root(own: Path) -> Path:
 def asked(root: Path, action: str, **fields: str) -> Job:
     machine = machine_of(root, "+mill")
     assert machine is not None
-    context = Context(root, machine, NoJobs())  # type: ignore[arg-type]
+    context = Context(root, machine, NoJobs())
     typed: Fields = {name.replace("__", "."): [value] for name, value in fields.items()}
     return actions.asked(actions.ACTIONS[action], context, typed)
 
@@ -148,8 +148,12 @@ def test_a_result_is_judged_once(client: TestClient, root: Path, monkeypatch: py
     from hexcite.page.views import result
 
     judged: list[str] = []
-    accept = result.accept
-    monkeypatch.setattr(result, "accept", lambda of: judged.append(of.source) or accept(of))
+
+    def judge(of: hx.Result) -> hx.Verdict:
+        judged.append(of.source)
+        return hx.accept(of)
+
+    monkeypatch.setattr(result, "accept", judge)
     result._verdict.cache_clear()
     for _ in range(3):
         client.get("/m/+mill/result?result=res")

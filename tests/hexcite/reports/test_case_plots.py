@@ -62,7 +62,7 @@ def test_a_robot_of_a_urdf_alone_is_drawn_with_its_joints_at_0(tmp_path: Path) -
     elbow = np.degrees(np.mean(arm.joints[3].end))
     assert f"joints without a home at 0, joint_4 at {elbow:.3g}" in space.get_title()
     (way,) = [line for line in space.get_lines() if line.get_label() == "joints and sensor"]
-    x, y, z = (np.asarray(v) for v in way.get_data_3d())
+    x, y, z = (np.asarray(v) for v in way.get_data_3d())  # type: ignore[attr-defined]
     assert np.hypot(x[4] - x[3], z[4] - z[3]) == pytest.approx(82.5)  # from elbow to forearm
     assert np.allclose(y, 0.0)  # joints at 0 leave it in a plane
 

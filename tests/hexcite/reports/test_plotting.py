@@ -36,7 +36,7 @@ def test_a_run_is_drawn_with_what_moved_and_what_was_measured(run: hx.Recording)
     assert measured.max() == pytest.approx(run.forces[:, 2].max())
     assert measured.min() == pytest.approx(run.forces[:, 2].min())
     assert drives.get_lines()[5].get_ydata().max() == pytest.approx(1e3 * run.struts[:, 5].max())
-    assert forces.get_lines()[0].get_xdata()[-1] == pytest.approx(run.t[-1], abs=0.05)
+    assert forces.get_lines()[0].get_xdata()[-1] == pytest.approx(run.t[-1], abs=0.05)  # type: ignore[index]
 
 
 def test_a_result_is_drawn_with_its_residuals_and_a_loaded_one_with_correlations(result: hx.Result, tmp_path: Path):
@@ -63,7 +63,7 @@ def test_plans_cases_and_forces_are_drawn(run: hx.Recording, result: hx.Result, 
 
 def test_a_notebook_shows_what_plot_returns():
     """Also one in which nothing has set matplotlib up."""
-    assert hx.plot(hx.load_case("hexapod"))._repr_png_().startswith(b"\x89PNG")
+    assert hx.plot(hx.load_case("hexapod"))._repr_png_().startswith(b"\x89PNG")  # type: ignore[attr-defined]
 
 
 def test_models_identifiability_and_a_bound_are_drawn():
@@ -81,7 +81,7 @@ def test_models_identifiability_and_a_bound_are_drawn():
     bound = Bound(10.0, 20.0, 20, "by hand", True, 8.0)
     (axes,) = hx.plot(bound).axes
     line = axes.get_lines()[0]
-    assert line.get_ydata()[-1] == pytest.approx(1.0)
+    assert line.get_ydata()[-1] == pytest.approx(1.0)  # type: ignore[index]
     assert np.interp(8.0, line.get_xdata(), line.get_ydata()) == pytest.approx(np.exp(-0.1), rel=1e-4)
 
 

@@ -23,9 +23,15 @@ from hexcite.studies import cluster, conduct
 from hexcite.studies.cell_rows import DONE, FAILED, PLANNED, file_of, read_rows, schema, work
 from hexcite.studies.conduct import best_groups, groups
 from hexcite.studies.spec import ExecutionSpec, Grid, Spec, cells_of, request_of
+from planner.families.settings import Fourier
 from planner.request import Request
 from tests.helpers import tells
 from tests.hexcite.command_line import PROGRAM, call, refused
+
+
+def order_of(request: Request) -> int:
+    assert isinstance(request.family, Fourier)
+    return request.family.order
 
 
 def study(seeds: int, orders: list[int], noise: int = 0) -> Spec:
@@ -87,7 +93,7 @@ def test_an_extended_study_computes_only_what_is_new(
 ) -> None:
     run(study(2, [2]), hexapod_case, tmp_path, monkeypatch)
     more = run(study(3, [2, 3]), hexapod_case, tmp_path, monkeypatch)
-    assert sorted((request.family.order, request.seed) for request in more.jobs) == [(2, 2), (3, 0), (3, 1), (3, 2)]
+    assert sorted((order_of(request), request.seed) for request in more.jobs) == [(2, 2), (3, 0), (3, 1), (3, 2)]
 
 
 def test_a_study_shows_its_own_cells_alone(tmp_path: Path, hexapod_case: Case, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -290,7 +296,7 @@ def test_in_one_process_cells_are_computed_without_dask_and_without_a_port(
     tried: list[int] = []
 
     def breaks(case: Case, request: Request, execute: ExecutionSpec | None) -> list[dict[str, Any]]:
-        order = int(request.family.order)
+        order = order_of(request)
         tried.append(order)
         if order == 4 or (order == 3 and tried.count(3) == 1):
             raise ZeroDivisionError("nothing\nleft")

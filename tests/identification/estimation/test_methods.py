@@ -124,5 +124,5 @@ def test_full_weights_know_channels_that_err_together() -> None:
 @pytest.mark.parametrize("how", [{"weights": "full"}, {"weights": "huber"}, {"nonlinear": True}])
 def test_full_weights_huber_and_the_non_linear_form_do_not_go_with_priors(how: dict[str, object]) -> None:
     with pytest.raises(IdentificationError, match="priors go with") as caught:
-        Method(priors=(Prior("m", 30.0, 1.0),), **how)  # type: ignore[arg-type]
+        Method(priors=(Prior("m", 30.0, 1.0),), **how)
     one_line(caught.value)

@@ -39,7 +39,7 @@ def test_it_does_not_matter_what_the_fit_took() -> None:
     """Residuals of any other parameters have the same likelihood: it knows only what no parameters explain."""
     left = left_by_fit(drawn(0, np.ones(6), np.ones(6)))
     other = (left[0] + TAKEN @ DRAW.normal(size=UNKNOWNS), left[1])
-    one, two = (likeliest(*k, KERNELS) for k in (left, other))
+    one, two = (likeliest(noise, taken, KERNELS) for noise, taken in (left, other))
     np.testing.assert_allclose(one[0], two[0], rtol=1e-3)
     assert one[1] == pytest.approx(two[1], abs=1e-3)
 

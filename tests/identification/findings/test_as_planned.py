@@ -24,7 +24,7 @@ from identification.motion.motion import Joined, Motion, Slowed, Standstill, Tra
 from identification.motion.moves import StraightMove, limits_along, ruckig_profile
 from identification.recording.recording import Recording
 from identification.simulate import simulate_recording
-from tests.helpers import Harmonic, few, tells
+from tests.helpers import Harmonic, few, seeds, tells
 
 Array = NDArray[np.float64]
 STEP = 0.002  # [s] of the recordings
@@ -92,7 +92,7 @@ def one(case: Case, plan: Planned, run: Recording) -> tuple[str, Finding]:
 
 
 @pytest.mark.parametrize("name", MACHINES)
-@pytest.mark.parametrize("seed", few(*range(20), kept=2))
+@seeds(20, at_once=2)
 def test_nothing_is_said_of_sound_runs(name: str, seed: int) -> None:
     """Whatever a recorder cuts off, a controller stretches by some percent, or a time law makes of the same moves."""
     case = load_case(name)

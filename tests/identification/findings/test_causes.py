@@ -15,8 +15,9 @@ from identification.findings.causes.search import search
 from identification.identify import estimate_parameters
 from identification.recording.recording import read
 from identification.simulate import simulate_recording
-from tests.helpers import HOME, few, one_line, tells
-from tests.identification.findings.test_findings import CASE, MODEL, MOTIONS, run
+from tests.helpers import HOME, few, one_line, seeds, tells
+from tests.identification.findings.test_findings import CASE, MOTIONS, run
+from tests.identification.moving_run import MODEL
 from tests.simulated_machine import simulate_standstills
 
 ORDERS = list(orders(6))
@@ -94,7 +95,7 @@ def test_a_turned_sign_of_a_force_torque_sensor_does_not_pass_unnoticed(channel:
     assert "sign" in said
 
 
-@pytest.mark.parametrize("seed", range(2))
+@seeds(2)
 def test_nothing_is_blamed_on_a_sound_run(seed: int) -> None:
     found = search(run(seed), CASE, MODEL)
     assert found is not None

@@ -52,7 +52,7 @@ def through(seed: int, count: int = 7, pause: float = 0.0) -> Trajectory:
     """Timed points from rest to rest, with a pause in the middle."""
     draw = np.random.default_rng(seed)
     poses = HOME + draw.uniform(-1, 1, (count, 6)) * ([0.12] * 3 + [0.15] * 3)
-    parts = [TimedPoints.through(np.arange(count) * 0.45, poses)]
+    parts: list[Trajectory] = [TimedPoints.through(np.arange(count) * 0.45, poses)]
     if pause:
         back = TimedPoints.through(np.arange(count) * 0.45, poses[::-1])
         parts += [Standstill(poses[-1], pause), back]

@@ -21,7 +21,7 @@ from identification.motion.moves import StraightMove
 from identification.recording.recording import Recording
 from identification.samples.sample_checks import scan
 from identification.simulate import simulate_recording
-from tests.helpers import HOME, Harmonic, few, one_line, simulated, tells
+from tests.helpers import HOME, Harmonic, few, one_line, seeds, simulated, tells
 from tests.identification.leaping import moves_without_jerk_limit
 from tests.identification.moving_run import MODEL
 from tests.simulated_machine import PoseExecution
@@ -58,7 +58,7 @@ def pushed(of: Recording, start: float, newtons: np.ndarray, duration: float = 0
     return with_forces(lambda f: f.__setitem__(on, f[on] - extra), of)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@seeds(6)
 def test_a_push_of_20_N_for_a_fifth_of_a_second_is_found_within_50_ms_and_left_out(seed: int) -> None:
     draw = np.random.default_rng(seed)
     direction = draw.normal(size=3)
@@ -203,7 +203,7 @@ def test_a_jerk_that_changes_its_sign_is_no_glitch() -> None:
     assert float(size[1]) == pytest.approx(5.0, abs=0.5)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@seeds(4)
 def test_a_channel_that_hardly_changes_while_others_leap_has_its_noise_and_no_contact(seed: int) -> None:
     """Where five channels leap by a hundred newtons some of that is left, and in the sixth its noise alone."""
     draw = np.random.default_rng(seed)
@@ -218,7 +218,7 @@ def test_a_channel_that_hardly_changes_while_others_leap_has_its_noise_and_no_co
     assert contact.start == pytest.approx(3.0, abs=0.05)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@seeds(4)
 def test_what_accelerations_leap_by_between_moves_is_the_motion_s(seed: int) -> None:
     """Forces leap by some fifty newtons for a sample or two; the encoders' steps nearly hide what they leap with."""
     execution = moves_without_jerk_limit(seed)

@@ -189,7 +189,7 @@ def test_moments_about_another_point_are_mended_by_the_sensor_s_origin() -> None
     found = searched(recording, case)
     mended_run, mended_case = mended(found.explanations[0].trial, recording, case)
     assert mended_case.chain is not None
-    assert mended_case.chain.sensor.origin_mm != case.chain.sensor.origin_mm  # type: ignore[union-attr]
+    assert mended_case.chain.sensor.origin_mm != case.chain.sensor.origin_mm
     of_tool = estimate_parameters(mended_run, mended_case).physical
     of_sensor = estimate_parameters(sound.recording, sound.case).physical
     moved = [1e3 * (of_sensor[name].value - of_tool[name].value) for name in ("xC", "yC", "zC")]

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from identification.model.model import identification_model
 from identification.recording.recording import Recording
 from identification.samples.samples import GAUSS_MARKOV
 from tests.damaged.runs import SOUND, STATED, Machine, Moves, machine, recorded
-from tests.helpers import few, tells
+from tests.helpers import few, seeds, tells
 
 NAMES = ("hexapod", "ur10_wrist")
 
@@ -46,7 +47,7 @@ def biases(name: str, key: str) -> np.ndarray:
 def edited(case: Case, *path: str | int, by: float) -> Case:
     """The case with one number changed."""
     data = case.model_dump(mode="json", exclude_unset=True)
-    place = data
+    place: Any = data
     for key in path[:-1]:
         place = place[key]
     place[path[-1]] += by
@@ -189,7 +190,7 @@ def test_tolerances_that_cannot_be_are_refused_by_key(wrong: dict) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(12))
+@seeds(12)
 def test_errors_of_machines_off_their_drawing_are_as_large_as_said(seed: int) -> None:
     """Joints and bars 0.03 mm off, gains 0.2 %: over machines, errors over reported deviations are about one."""
     of, draw = machine("hexapod"), np.random.default_rng(seed)

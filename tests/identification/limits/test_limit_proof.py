@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,13 +10,13 @@ import pytest
 from cases.base.errors import CaseError
 from cases.machine import MotionLimits, turned
 from cases.schema import Case, load_case
-from identification.limits.limit import LimitKind, LimitReport
+from identification.limits.limit import LimitCheck, LimitKind, LimitReport
 from identification.limits.proof import prove
 from identification.machines.casadi_batch import over_samples
 from identification.machines.hexapod import Hexapod
 from identification.motion.motion import Motion, Standstill, TimedPoints, Trajectory, sample
 from identification.motion.moves import StraightMove
-from tests.helpers import HOME, Harmonic
+from tests.helpers import HOME, Harmonic, seeds
 from tests.postprocessors.changed_case import changed
 
 CASE = load_case("hexapod")
@@ -44,12 +45,12 @@ def with_limits(**changes: object) -> Case:
     return CASE.model_copy(update={"limits": CASE.limits.model_copy(update={"motion": limits})})
 
 
-def named(report: LimitReport) -> dict[str, object]:
+def named(report: LimitReport) -> dict[str, LimitCheck]:
     return {str(check.of): check for check in report.checks}
 
 
 WIDE = [-1e4, 1e4]
-NO_LIMITS = dict.fromkeys(["x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg", "strut_length_mm"], WIDE)
+NO_LIMITS: dict[str, Any] = dict.fromkeys(["x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg", "strut_length_mm"], WIDE)
 NO_LIMITS |= {
     k: [1e9] * 3
     for k in MotionLimits.model_fields
@@ -97,7 +98,7 @@ def test_a_joint_that_is_bent_too_far_is_reported(joint: str, key: str) -> None:
         assert named(report)[f"{joint} joint angle"].kept == kept
 
 
-@pytest.mark.parametrize("seed", range(3))
+@seeds(3)
 def test_strut_motion_agrees_with_the_casadi_model(seed: int) -> None:
     """Two implementations without a line in common: product rule on matrices, algorithmic differentiation."""
     motion = Harmonic(seed=seed)

@@ -12,8 +12,8 @@ from cases.sensors import RigidBody
 from identification.limits.chain import chain_frames, joint_efforts
 from identification.machines.casadi_batch import over_samples
 from identification.machines.serial_chain import SerialChain
-from identification.model.blocks import MODELS
-from identification.model.model import WRENCH_OFFSETS, Model
+from identification.model.blocks import MODELS, WRENCH_OFFSETS
+from identification.model.model import Model
 from identification.model.parameters import body_parameters
 from identification.motion.motion import Motion
 from tests.helpers import taylor_slope
@@ -112,8 +112,8 @@ def test_mujoco_needs_the_same_torques(name: str) -> None:
     chain = weighing(CHAINS[name])
     q, rates, accelerations = states(chain)
     expected = Plant(chain, LOAD, GRAVITY).read(q, rates, accelerations)["torques"]
-    symbols = [ca.SX.sym(v, len(chain.joints)) for v in "qva"]
-    torques = ca.Function("torques", symbols, [SerialChain(chain).torques(*symbols, GRAVITY, LOAD)])
+    q_, v, a = symbols = [ca.SX.sym(v, len(chain.joints)) for v in "qva"]
+    torques = ca.Function("torques", symbols, [SerialChain(chain).torques(q_, v, a, GRAVITY, LOAD)])
     np.testing.assert_allclose(over_samples(torques, q, rates, accelerations)[0], expected, rtol=1e-10, atol=1e-9)
     motion = Motion(np.arange(len(q)) * 1.0, q, rates, accelerations, np.zeros_like(q))
     found = {

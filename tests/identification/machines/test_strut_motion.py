@@ -1,12 +1,11 @@
 """Platform motion from strut motion, (8) and (9), against the motion of the platform itself."""
 
 import numpy as np
-import pytest
 
 from cases.schema import load_case
 from identification.machines.casadi_batch import over_samples
 from identification.machines.hexapod import Hexapod
-from tests.helpers import HOME, Harmonic
+from tests.helpers import HOME, Harmonic, seeds
 from tests.simulated_machine import kinematics_of_coordinates
 
 CASE = load_case("hexapod")
@@ -14,7 +13,7 @@ HEXAPOD = Hexapod.of(CASE)
 TIMES = np.linspace(0.0, 3.0, 200)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@seeds(3)
 def test_strut_motion_determines_platform_motion(seed: int) -> None:
     motion = Harmonic(seed=seed).at(TIMES)
     struts = over_samples(HEXAPOD.strut_motion, motion.pose, motion.rates, motion.accelerations)

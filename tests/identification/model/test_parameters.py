@@ -9,6 +9,7 @@ from cases.schema import load_case
 from cases.sensors import Compensation, RigidBody, Truth
 from identification.model.model import identification_model
 from identification.model.parameters import linear_parameters, physical_form
+from tests.helpers import seeds
 from tests.identification.point_masses import PointMasses
 
 CASE = load_case("hexapod")
@@ -33,7 +34,7 @@ def rigid_body(masses: PointMasses) -> RigidBody:
     return RigidBody(mass_kg=float(mass), centre_of_gravity_mm=tuple(map(float, 1e3 * centre)), inertia_kg_m2=inertia)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@seeds(5)
 def test_parallel_axis_theorem_holds_for_point_masses(seed: int) -> None:
     """From the origin of {P} to the centre of gravity and back, against the sums over the masses seen from either."""
     masses = PointMasses.drawn(seed)

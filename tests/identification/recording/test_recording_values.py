@@ -60,8 +60,8 @@ def test_what_cannot_be_is_refused_by_name(what: str) -> None:
 def test_what_means_the_same_is_taken() -> None:
     """Integers, lists, other floats, flags of 0 and 1, masks that hide nothing, and one path."""
     whole = np.rint(100.0 * FORCES)
-    other = Recording("run", T.tolist(), STRUTS.astype(np.float32), None, whole.astype(int),  # type: ignore[arg-type]
-                      (T > 0.01).astype(int), paths="run.csv")  # type: ignore[arg-type]  # fmt: skip
+    other = Recording("run", T.tolist(), STRUTS.astype(np.float32), None, whole.astype(int),
+                      (T > 0.01).astype(int), paths="run.csv")  # fmt: skip
     np.testing.assert_array_equal(other.forces, whole)
     np.testing.assert_array_equal(other.trigger, SOUND.trigger)
     assert {array.dtype.name for array in other.channels.values()} == {"float64", "bool"}

@@ -16,7 +16,6 @@ from identification.results.expected_errors import effects_in, errors_of
 from identification.results.expected_residuals import used_samples
 from identification.results.force import force
 from identification.results.frames import place_of
-from identification.results.result import Result
 from identification.results.taring import scatter_of_mean, tare
 from tests.bench.forces_in_use import Machined, Still, figures, force_errors, tare_errors
 from tests.bench.silent import way_of
@@ -82,13 +81,13 @@ def test_forces_and_tared_offsets_change_with_the_case_as_their_factors_say(name
             right_case, right_run = change(case, recording)
             as_said = (case, recording) if wrong else (right_case, right_run)
             found.append((tolerant(as_said[0], key), replace(as_said[1], case=tolerant(as_said[0], key))))
-        result = identify(found[0][1], found[0][0], model=6 if name != "hexapod" else None)
-        results.append(result)
+        estimated = identify(found[0][1], found[0][0], model=6 if name != "hexapod" else None)
+        results.append(estimated)
         for frame, of_frame in forces.items():
-            of_frame.append(force(found[1][1], result, frame=frame).wrench)
-        tared = tare(found[2][1], result)
+            of_frame.append(force(found[1][1], estimated, frame=frame).wrench)
+        tared = tare(found[2][1], estimated)
         offsets.append(tared.values[[tared.model.names.index(f"f_q0_{k}") for k in range(1, 7)]])
-    result: Result = results[0]
+    result = results[0]
     scale = size / (1e-6 * UNITS[key.rpartition("_")[2]])
     used = used_samples(replace(other, case=result.case), result, True)
     for frame, (wrong_force, right_force) in forces.items():
@@ -106,8 +105,8 @@ def test_forces_and_tared_offsets_change_with_the_case_as_their_factors_say(name
     own = [result.model.names.index(f"f_q0_{k}") for k in range(1, 7)]
     matrices[:, :, own] = 0.0
     factor = errors_of(result, matrices, effects_in(left_out, result)).by_tolerance[key][0, :, column]
-    found = offsets[0] - offsets[1]
-    np.testing.assert_allclose(scale * factor, found, atol=max(0.05 * np.abs(found).max(), 5e-4))
+    between = offsets[0] - offsets[1]
+    np.testing.assert_allclose(scale * factor, between, atol=max(0.05 * np.abs(between).max(), 5e-4))
 
 
 @pytest.mark.parametrize("name", few("chain_91001", "hexapod_91002", kept=1))

@@ -180,12 +180,12 @@ def test_an_unknown_frame_is_refused_with_those_that_there_are() -> None:
 
 def test_a_tool_without_a_flange_is_refused() -> None:
     with pytest.raises(ValueError, match="tcp lies in the flange"):
-        type(ARM.chain)(**{**ARM.chain.model_dump(), "flange": None, "tcp": {"origin_mm": (0.0, 0.0, 1.0)}})  # type: ignore[union-attr]
+        type(ARM.chain)(**{**ARM.chain.model_dump(), "flange": None, "tcp": {"origin_mm": (0.0, 0.0, 1.0)}})
 
 
 def test_stating_a_tool_leaves_plans_and_results_valid() -> None:
     from cases.basis import plan_basis, result_basis
 
-    other = arm(sensor=ARM.chain.sensor)  # type: ignore[union-attr]
+    other = arm(sensor=ARM.chain.sensor)
     assert result_basis(other) == result_basis(ARM)
     assert plan_basis(other) == plan_basis(ARM)

@@ -85,7 +85,7 @@ def test_without_a_low_pass_the_widest_is_used_and_the_effect_stands_beside_the_
 )
 def test_values_that_mean_nothing_are_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(HexciteError) as caught:
-        Treatment(**wrong)  # type: ignore[arg-type]
+        Treatment(**wrong)
     one_line(caught.value)
 
 

@@ -5,14 +5,14 @@ import pytest
 
 from identification.identify import estimate_parameters
 from tests.damaged.runs import truth_of
-from tests.helpers import few
+from tests.helpers import seeds
 from tests.wrist_runs import DELAY, case_of_wrist, wrist_machine, wrist_recording
 
 CASE = case_of_wrist()
 BODY = 6  # the model with the inertia of the load
 
 
-@pytest.mark.parametrize("seed", few(0, *range(1, 40)))
+@seeds(40)
 @pytest.mark.parametrize("memory", [None, 0.3])
 def test_sound_runs_are_not_accused_and_are_right(seed: int, memory: float | None) -> None:
     """Noise of 0.006 deg in the orientations is no motion, so that it does not move the delay."""

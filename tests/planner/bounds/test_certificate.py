@@ -3,9 +3,9 @@
 import time
 
 import numpy as np
-import pytest
 
 from planner.bounds.certificate import Bounds, maximise
+from tests.helpers import seeds
 
 
 def parabola(peak: np.ndarray, height: float):
@@ -20,7 +20,7 @@ def parabola(peak: np.ndarray, height: float):
     return bounds
 
 
-@pytest.mark.parametrize("seed", range(5))
+@seeds(5)
 def test_a_proven_maximum_is_above_the_peak_and_within_what_was_asked(seed: int):
     peak = np.random.default_rng(seed).uniform(-1.0, 1.0, 3)
     upper, lower, points = maximise(

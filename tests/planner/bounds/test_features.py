@@ -10,6 +10,7 @@ from identification.model.blocks import MODELS
 from identification.model.model import identification_model
 from planner.bounds.certificate import NODES, control_tables, enclosure_errors, rate_products
 from planner.bounds.features import GIBBS, PAIRS, PRODUCTS, Features, box_features
+from tests.helpers import seeds
 
 CASE = load_case("hexapod")
 
@@ -41,7 +42,7 @@ def test_the_form_gives_the_directional_derivative():
     assert np.allclose(np.einsum("nk,kl,nl->n", y, features.form(inverse), y), expected, rtol=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@seeds(12)
 def test_every_direction_is_largest_at_a_control_point(seed: int):
     """The hull of the control points, widened by the errors, holds every state: no linear functional tells them apart.
 

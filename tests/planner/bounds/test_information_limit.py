@@ -18,7 +18,7 @@ from planner.bounds.design import Design, improved_weights, optimal_design
 from planner.bounds.features import box_features
 from planner.families.fourier import FourierFamily
 from planner.noise import mean_information
-from tests.helpers import examples
+from tests.helpers import examples, seeds
 from tests.postprocessors.changed_case import changed
 
 CASE = load_case("hexapod")
@@ -62,7 +62,7 @@ def test_the_proof_ends_with_the_gap_that_it_promises(found: Bound, design: Desi
     assert found.logdet == pytest.approx(found.design_logdet + SIZE * np.log(found.dmax / SIZE))
 
 
-@pytest.mark.parametrize("seed", range(3))
+@seeds(3)
 def test_no_random_state_has_a_larger_derivative_than_what_was_proven(seed: int, design: Design):
     matrices = scaled_matrices(20_000, seed)
     derivative = np.einsum("nki,ij,nkj->n", matrices, inverse_of(design), matrices, optimize=True)
@@ -123,7 +123,7 @@ def test_no_design_of_states_in_the_box_passes_the_bound(seed: int, count: int, 
     assert np.linalg.slogdet(information)[1] < found.logdet
 
 
-@pytest.mark.parametrize("seed", range(6))
+@seeds(6)
 def test_no_motion_inside_the_limits_passes_the_bound(seed: int, found: Bound):
     half = np.ptp(CASE.limits.motion.pose, axis=0) / 2
     family = FourierFamily(2 + seed, 3.0, 1, CASE.machine.home.vector, half)
@@ -159,7 +159,7 @@ def test_without_time_the_answer_calls_itself_an_estimate():
     assert hasty.design_logdet <= hasty.logdet
 
 
-@pytest.mark.parametrize("seed", range(4))
+@seeds(4)
 def test_a_step_of_the_multiplicative_algorithm_never_loses_information(seed: int):
     matrices = scaled_matrices(60, seed)
     products = np.einsum("nki,nkj->nij", matrices, matrices).reshape(len(matrices), -1)

@@ -1,6 +1,7 @@
 """Hand-made motions: what the file says, as fast as the limits allow, or one line that says why not."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -144,10 +145,15 @@ def test_a_motion_that_does_not_excite_the_model_is_refused_and_nothing_is_writt
     assert not (tmp_path / "plan").exists()
 
 
+def moves_of(motion: Any) -> Any:
+    """Its moves, one after the other."""
+    return motion.parts
+
+
 def test_a_machine_without_a_sequence_moves_each_coordinate_to_both_ends(hexapod_case: Case):
     """Each alone, up, down and back, then all at once, inside every limit; from home to home."""
     motion = in_turn(hexapod_case)
-    ways = np.array([np.abs(part.end - part.start) > 0 for part in motion.parts])
+    ways = np.array([np.abs(part.end - part.start) > 0 for part in moves_of(motion)])
     alone = ways[ways.sum(axis=1) == 1]
     assert (alone.sum(axis=0) == 3).all()
     assert (ways.sum(axis=1) == 6).sum() == 3
@@ -170,6 +176,6 @@ def test_a_box_that_cannot_be_reached_is_moved_in_as_far_as_it_can(hexapod_case:
         update={"motion": hexapod_case.limits.motion.model_copy(update={"z_mm": (-900.0, 900.0)})}
     )
     wide = hexapod_case.model_copy(update={"limits": motion})
-    heights = np.vstack([part.end for part in in_turn(wide).parts])[:, 2] - HOME[2]
+    heights = np.vstack([part.end for part in moves_of(in_turn(wide))])[:, 2] - HOME[2]
     assert 0.08 < heights.max() < 0.89
     assert prove(in_turn(wide), wide).kept

@@ -1,5 +1,7 @@
 """Point-to-point excitations: what the optimiser sees is the motion that comes out, and controllers can run it."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -137,12 +139,13 @@ def test_an_optimised_motion_is_proven_and_carries_far_more_than_a_random_one(
 
 
 def test_every_phase_lasts_three_cycles_of_the_controller_or_is_absent(found: Start):
-    for part in found.family.motion(found.unknowns).parts:
+    family: Any = found.family
+    for part in family.motion(found.unknowns).parts:
         assert isinstance(part, StraightMove)
         for phase in part.profile[1:]:
             assert phase == 0.0 or phase >= 0.003 - 1e-12
         assert max(part.profile.jerk_time, part.profile.hold_time) >= 0.003 - 1e-12
-        assert (part.profile.jerk_time == 0.0) == found.family.steps
+        assert (part.profile.jerk_time == 0.0) == family.steps
 
 
 def test_limits_of_poses_are_constrained_at_every_waypoint(

@@ -13,6 +13,7 @@ from planner.families.spline import FINE, SplineFamily
 from planner.families.states import state_size
 from planner.search.nlp import NonlinearProgram
 from planner.search.problem import build_program, state_limits
+from tests.helpers import seeds
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +48,7 @@ def test_its_derivatives_are_those_of_its_poses(start: np.ndarray, family: Splin
     assert (after.accelerations - before.accelerations) / (2 * h) == pytest.approx(now.jerks, abs=1e-3)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@seeds(6)
 def test_what_satisfies_the_rows_satisfies_the_limits_at_every_instant(
     seed: int, family: SplineFamily, problem: NonlinearProgram, hexapod_case: Case
 ):
@@ -63,7 +64,7 @@ def test_what_satisfies_the_rows_satisfies_the_limits_at_every_instant(
     assert max(np.abs(s).max() for s in shares) > 0.95
 
 
-@pytest.mark.parametrize("seed", range(4))
+@seeds(4)
 def test_strut_velocities_peak_near_the_instants_at_which_they_are_constrained(
     seed: int, family: SplineFamily, problem: NonlinearProgram, hexapod_case: Case
 ):

@@ -26,8 +26,19 @@ from tests.hexcite.command_line import call, refused
 from tests.postprocessors.changed_case import changed
 
 SECONDS, MOVES = 3.0, 14
-PLAN = ("plan", "hexapod", "--family", "ptp", "--for", "linuxcnc", "--without", "jerk", "--duration", SECONDS)
-PLAN += ("--starts", 1)
+PLAN: tuple[Any, ...] = (
+    "plan",
+    "hexapod",
+    "--family",
+    "ptp",
+    "--for",
+    "linuxcnc",
+    "--without",
+    "jerk",
+    "--duration",
+    SECONDS,
+)
+PLAN = (*PLAN, "--starts", 1)
 ACCEPT = ("--accept", "jerk,strut-velocity,strut-acceleration,sensor-force")  # of other plans than such
 PLACES = np.array([[0.0, 0.0, 0.9, 0, 0, 0], [0.1, -0.1, 0.95, 0.1, 0, 0.2], [-0.1, 0.1, 0.9, 0, 0.2, 0]])
 
@@ -108,7 +119,8 @@ def test_the_proof_sees_steps_of_acceleration(hexapod_case: Case):
     assert told.kept
     jerk = next(c for c in told.checks if c.kind == "jerk")
     assert jerk.status is Status.LEFT_OUT
-    largest = max(part.profile.acceleration * np.abs(part.end - part.start)[:3].max() for part in motion.parts)
+    parts: Any = motion.parts
+    largest = max(part.profile.acceleration * np.abs(part.end - part.start)[:3].max() for part in parts)
     assert largest / 1e-3 <= abs(jerk.worst) <= 2 * largest / 1e-3 * (1 + 1e-9)  # from one side to the other in a cycle
     assert jerk.ratio == pytest.approx(abs(jerk.worst) / jerk.limit if jerk.worst > 0 else jerk.worst / jerk.limit)
     assert "jerk" not in "".join(c.name for c in prove(motion, own).checks)

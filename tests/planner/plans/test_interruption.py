@@ -53,7 +53,7 @@ def test_ctrl_c_before_a_search_keeps_it_from_beginning(hexapod_case: Case, monk
 
     def make(request: Request, case: Case, listener: Listener, run: Callable) -> Found:
         ctrl_c()
-        told.append(run(Schedule.of([object()]), listener))  # no task: it would fail
+        told.append(run(Schedule.of([object()]), listener))  # type: ignore[list-item]  # no task: it would fail
         return Found()
 
     planned(make, "fourier", hexapod_case, monkeypatch)
@@ -70,7 +70,7 @@ def test_a_second_ctrl_c_gives_up_and_where_nothing_is_searched_the_first(
     family: str, times: int, hexapod_case: Case, monkeypatch: pytest.MonkeyPatch
 ):
     def make(*_: object) -> Found:
-        for _ in range(times):
+        for _time in range(times):
             ctrl_c()
         return Found()
 

@@ -26,6 +26,7 @@ INSTANTS = 10 * DENSITY * 5  # instants of a period: ten times the optimiser's g
 
 @pytest.fixture(scope="module")
 def motion(saved_plan: Plan) -> FourierMotion:
+    assert isinstance(saved_plan.motion, FourierMotion)
     return saved_plan.motion
 
 
@@ -78,7 +79,7 @@ def test_it_rests_at_both_ends(motion: FourierMotion):
     ends = motion.at([0.0, motion.duration])
     assert np.abs(ends.rates).max() < 1e-9
     assert np.abs(ends.accelerations).max() < 1e-9
-    assert np.allclose(*ends.pose, atol=1e-12)
+    assert np.allclose(ends.pose[0], ends.pose[1], atol=1e-12)
 
 
 def test_it_carries_more_information_than_any_of_many_random_motions(saved_plan: Plan, hexapod_case: Case):

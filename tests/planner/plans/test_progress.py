@@ -4,6 +4,7 @@ import io
 import json
 import math
 import sys
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +16,6 @@ import hexcite as hx
 from cases.schema import Case
 from hexcite.cli import console
 from planner.families.settings import Fourier, PointToPoint
-from planner.plans import progress
 from planner.plans.progress import Follower, Standing, expected_best
 from planner.request import Request
 from planner.search.parallel import Planned, UnderWay
@@ -40,7 +40,7 @@ def test_the_best_of_many_draws_is_what_few_of_them_let_expect():
 def test_it_says_which_start_how_good_and_how_long(hexapod_case: Case, monkeypatch: pytest.MonkeyPatch):
     lines: list[str] = []
     clock = [100.0]
-    monkeypatch.setattr(progress.time, "monotonic", lambda: clock[0])
+    monkeypatch.setattr(time, "monotonic", lambda: clock[0])
     request = Request(Fourier(order=3), 3.0, model=6)
     (family,) = request.family.families(hexapod_case, 3.0)
     unknowns = family.start(np.random.default_rng(1), lambda unknowns: 4.0 * float(np.abs(unknowns).max()))

@@ -10,7 +10,6 @@ import hexcite as hx
 from cases.base.errors import HexciteError
 from cases.schema import Case
 from planner.families.settings import FamilySettings, Fourier, PointToPoint, Spline
-from planner.plans import making
 from planner.plans.making import search
 from planner.request import Request
 from planner.search.parallel import Listener, Outcome, Schedule, run_here, silent
@@ -40,7 +39,7 @@ def test_nothing_is_begun_that_has_no_time_to_end(
     those that need 3 s, 1 s is left: less than a refinement would need to end.
     """
     clock, refined = [50.0], list[bool]()
-    monkeypatch.setattr(making.time, "monotonic", lambda: clock[0])
+    monkeypatch.setattr(time, "monotonic", lambda: clock[0])
     request = Request(Fourier(order=3), 2.0, model=6, seconds=10.0)
     (family,) = request.family.families(hexapod_case, 2.0)
     unknowns = family.start(np.random.default_rng(1), lambda unknowns: 4.0 * float(np.abs(unknowns).max()))

@@ -22,7 +22,7 @@ def test_the_approximate_design_is_that_of_a_convex_solver(sample: Setting) -> N
     products = some.transpose(0, 2, 1) @ some
     weights = cp.Variable(60, nonneg=True)
     information = sum(weights[k] * products[k] for k in range(60))
-    problem = cp.Problem(cp.Maximize(cp.log_det(information)), [cp.sum(weights) == 1])
+    problem = cp.Problem(cp.Maximize(cp.log_det(information)), [cp.sum(weights) == 1])  # type: ignore[attr-defined]
     problem.solve(solver=cp.CLARABEL)
     best = float(problem.value)
     assert design.logdet <= best + 1e-6

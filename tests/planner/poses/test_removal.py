@@ -52,7 +52,7 @@ def test_the_fast_algorithm_keeps_its_word_where_bounds_must_be_renewed(grid: Se
 
 
 @pytest.mark.parametrize("letter", LETTERS)
-def test_values_after_a_removal_are_those_of_the_smaller_set(sample: Setting, letter: str) -> None:
+def test_values_after_a_removal_are_those_of_the_smaller_set(sample: Setting, letter: Criterion) -> None:
     criterion, information = letter, total_information(sample.regressors[:40])
     quick = criterion.after_removal(information, sample.regressors[:40])
     slow = [by_definition(letter, np.delete(sample.regressors[:40], k, axis=0)) for k in range(40)]

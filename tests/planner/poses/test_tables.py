@@ -130,7 +130,7 @@ def test_models_1_and_2_say_the_same_with_different_numbers_of_parameters(models
     for name in ("m", "xC", "yC", "zC", "f_q0_1", "f_q0_6"):
         scale = 1e3 if name.endswith("C") else 1.0
         assert scale * value(models, 1, name) == pytest.approx(scale * value(models, 2, name), abs=0.05)
-    s0 = [models[k].fit.white_noise for k in (0, 1, 2, 5)]  # type: ignore[union-attr]
+    s0 = [models[k].fit.white_noise for k in (0, 1, 2, 5)]
     assert s0[0] > 3 * s0[1]
     assert s0[1] == pytest.approx(s0[2], rel=0.05)
     assert s0[3] < 0.2 * s0[2]

@@ -147,7 +147,7 @@ def test_each_choice_is_looked_at_and_the_best_get_all_other_starts(
 ):
     """With results made up: the shorter the period the better, and refinements better still."""
     request = Request(Fourier(order=2, free_period=True), criterion=criterion, duration=3.0)
-    periods = sorted(family.period for family in request.family.families(hexapod_case, 3.0))
+    periods = sorted(family.period for family in request.family.families(hexapod_case, 3.0))  # type: ignore[attr-defined]
     request = replace(request, starts=len(periods) + 2 * KEPT)
     tried: list[Task] = []
 
@@ -169,11 +169,11 @@ def test_each_choice_is_looked_at_and_the_best_get_all_other_starts(
 
 
 def test_moves_are_as_many_as_there_is_room_for_and_fewer(hexapod_case: Case):
-    found = [family.moves for family in PointToPoint().families(hexapod_case, 12.0)]
+    found = [family.moves for family in PointToPoint().families(hexapod_case, 12.0)]  # type: ignore[attr-defined]
     assert found[0] == PointToPoint().count(hexapod_case, 12.0) == 40
     assert len(found) >= 3
     assert found == sorted(found, reverse=True)
-    short = [family.moves for family in PointToPoint().families(hexapod_case, 2.4)]
+    short = [family.moves for family in PointToPoint().families(hexapod_case, 2.4)]  # type: ignore[attr-defined]
     assert short == [ptp.FEWEST]
 
 

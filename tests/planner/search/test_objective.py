@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner.search.objective import Local, criterion_at
-from tests.helpers import taylor_slope
+from tests.helpers import seeds, taylor_slope
 
 SIZE = 6
 LETTERS = [("A", 0), ("D", 0), ("K", 1), ("K", 4), ("N", 1), ("N", 4)]
@@ -49,7 +49,7 @@ def test_k_and_n_approach_singular_values_from_one_side_as_fast_as_they_promise(
 
 
 @pytest.mark.parametrize(("letter", "halvings"), LETTERS)
-@pytest.mark.parametrize("seed", range(3))
+@seeds(3)
 def test_first_and_second_derivatives_are_those_of_the_value(letter: str, halvings: int, seed: int):
     at, along = information(seed), 0.05 * symmetric(seed)
     local = criterion_at(letter, at, halvings)

@@ -18,6 +18,7 @@ from planner.search.parallel import run_here, silent
 from tests.bench.machines.description import case_of, reachable, write_machine
 from tests.bench.machines.designed import DESIGNED
 from tests.bench.machines.drawn import HOME, drawn, of_poses
+from tests.helpers import seeds
 
 
 @pytest.mark.parametrize("name", DESIGNED)
@@ -36,7 +37,7 @@ def test_more_than_half_of_the_boxes_are_not_reachable_as_a_whole():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(20))
+@seeds(20)
 def test_a_drawn_machine_is_a_case_whose_home_is_within_reach(seed: int, tmp_path: Path):
     hexapod = drawn(seed)
     case = load_case(str(write_machine(tmp_path, f"drawn_{seed}", hexapod)))

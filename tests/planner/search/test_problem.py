@@ -21,7 +21,7 @@ from planner.search.nlp import NonlinearProgram
 from planner.search.problem import build_program, near_limits, state_limits
 from tests.bench.machines.description import case_of
 from tests.bench.machines.designed import DESIGNED
-from tests.helpers import few
+from tests.helpers import few, seeds
 from tests.planner.search.conftest import Small, family_of
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.independent import strut_lengths
@@ -164,7 +164,7 @@ def test_tightening_lowers_bounds_of_what_slips_and_never_loosens(small: Small):
             assert new.bound == pytest.approx(old.bound * np.array(factors)[old.order])
 
 
-@pytest.mark.parametrize("seed", range(3))
+@seeds(3)
 @pytest.mark.parametrize("name", ["fourier", "spline"])
 def test_a_random_start_is_inside_all_limits_and_far_from_rest(seed: int, name: str, hexapod_case: Case):
     model = identification_model(hexapod_case, 0)

@@ -57,7 +57,7 @@ def valley() -> NonlinearProgram:
     plane = LinearRows(
         csr_array(np.array([[-1.0, -1.0, 1.0]])), np.zeros(1, int), np.ones(1, bool), np.ones(1), equal=0.0
     )
-    return Valley(None, None, (plane, Disc()), np.full(3, -2.0), np.full(3, 2.0))  # type: ignore[arg-type]
+    return Valley(None, None, (plane, Disc()), np.full(3, -2.0), np.full(3, 2.0))
 
 
 def solved(
@@ -160,7 +160,7 @@ def test_a_problem_of_which_nothing_can_be_computed_is_a_failure_and_no_error():
             raise np.linalg.LinAlgError("made up")
 
     plain = valley()
-    broken = Broken(None, None, plain.rows, plain.lower, plain.upper)  # type: ignore[arg-type]
+    broken = Broken(None, None, plain.rows, plain.lower, plain.upper)
     x, status, _ = solve(broken, np.array([0.1, 0.1, 0.2]), 10, lambda objective: False, solver=Solver.SQP)
     assert not status.converged
     assert np.isfinite(x).all()

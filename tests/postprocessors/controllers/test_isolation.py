@@ -94,7 +94,7 @@ def test_a_process_that_cannot_be_killed_is_named(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr(isolation, "GRACE", 0.05)
-    monkeypatch.setattr(isolation.signal, "SIGKILL", 0)
+    monkeypatch.setattr(signal, "SIGKILL", 0)
     with subprocess.Popen(["sleep", "1000"], env={"HEXCITE_TEST_STAYS": "1", "PATH": os.environ["PATH"]}) as process:
         try:
             wait_for(lambda: marked_processes("HEXCITE_TEST_STAYS") == ["sleep"], "start")

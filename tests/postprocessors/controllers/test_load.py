@@ -7,6 +7,7 @@ import pytest
 
 from cases.schema import Case
 from identification.stretches import windows
+from tests.helpers import seeds
 from tests.postprocessors.controllers.runs import run_text
 from tests.postprocessors.controllers.stuttering import stuttering
 from tests.postprocessors.programs import typed
@@ -20,7 +21,7 @@ POSES = "\n".join(
 
 @pytest.mark.slow
 @pytest.mark.linuxcnc
-@pytest.mark.parametrize("seed", [0, 1])
+@seeds(2)
 def test_the_trigger_brackets_standstills_whenever_the_servo_thread_is_stopped(
     seed: int, tmp_path: Path, hexapod_case: Case
 ) -> None:

@@ -16,6 +16,7 @@ from postprocessors.controllers.executed_run import ExecutedRun
 from postprocessors.controllers.virtual import REST, commanded, run_virtual
 from postprocessors.dialects.linuxcnc.promises import linuxcnc_guarantees
 from postprocessors.reading import Timed
+from tests.helpers import seeds
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.independent import strut_lengths
 from tests.postprocessors.programs import parts, read_linuxcnc, small_excitation, there_and_back, timed, typed
@@ -174,7 +175,7 @@ def test_a_path_that_asks_too_much_is_followed_later_inside_the_limits(hexapod_c
     assert path_error(path, executed.execution, executed.trigger) < 2e-6
 
 
-@pytest.mark.parametrize("seed", range(5))
+@seeds(5)
 def test_a_distance_from_a_path_does_not_depend_on_where_its_points_lie(seed: int):
     """A path that turns back onto itself again and again, as moves between few places do, seen anywhere on it."""
     draw = np.random.default_rng(seed)

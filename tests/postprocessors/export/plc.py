@@ -6,6 +6,7 @@ checked, constants cannot be written, nothing is initialised silently to anythin
 
 import contextlib
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,7 +18,7 @@ from tests.postprocessors.export.plc_text import PLACEHOLDER, elements_of, is_co
 _ZERO = {"LREAL": 0.0, "INT": 0, "DINT": 0, "BOOL": False}
 _PYTHON = {"LREAL": float, "INT": int, "DINT": int, "BOOL": bool}
 _RANGE = {"INT": 2**15, "DINT": 2**31}
-_MATH = {
+_MATH: dict[str, Callable[[Any], Any]] = {
     "sin": math.sin,
     "cos": math.cos,
     "sqrt": math.sqrt,

@@ -60,11 +60,11 @@ def run_rig(
     driver.write_bytes((Path(session.__file__).parent / "driver.py").read_bytes())
     driver.chmod(0o755)
     warp = Path(session.__file__).parent / "warp.c"
-    for library, source, more in (
+    for library, c_file, more in (
         (session.CLOCK_FILE, warp, ["-pthread"]),
         ("modules.so", HERE / "modules.c", []),
     ):
-        subprocess.run(["gcc", "-O2", "-shared", "-fPIC", *more, "-o", library, source, "-ldl"], cwd=folder, check=True)
+        subprocess.run(["gcc", "-O2", "-shared", "-fPIC", *more, "-o", library, c_file, "-ldl"], cwd=folder, check=True)
     environment = {
         "HEXCITE_SPEEDUP": repr(SPEEDUP),
         "HEXCITE_MODULES": "{folder}",

@@ -113,7 +113,7 @@ def test_look_knows_numbers_of_samples_and_overruns(tmp_path: Path) -> None:
     assert seen.settings["format"] == "halsampler"
     assert seen.settings["column_names"] == [f"column {k}" for k in range(1, 13)]
     assert "period_ms" in str(seen)
-    settings = seen.settings | {"column_names": NAMES[1:], "clock": {"period_ms": 1.0}}
+    settings = dict(seen.settings) | {"column_names": NAMES[1:], "clock": {"period_ms": 1.0}}
     recording = read(file, case_with(**settings))
     assert recording.t[20] - recording.t[19] == pytest.approx(1e-3)
     assert int(recording.missing.sum()) == 3

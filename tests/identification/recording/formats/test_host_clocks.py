@@ -13,7 +13,7 @@ from identification.finding import Finding
 from identification.identify import identify
 from identification.recording.formats.clocks import Even, Unsteady, evened
 from identification.recording.recording import Recording, read
-from tests.helpers import one_line, tells
+from tests.helpers import one_line, seeds, tells
 from tests.identification.recording.formats.loaded_hexapod import CASE, CENTRE, MASS, Array, Run, run
 from tests.identification.recording.formats.runs import case_with, written
 
@@ -242,7 +242,7 @@ def test_samples_that_were_taken_when_their_stamps_say_are_interpolated(tmp_path
     identified(recording)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@seeds(4)
 def test_a_recorder_that_loses_many_samples_for_a_while_keeps_its_rate(seed: int) -> None:
     """As many as four of ten in each of several stretches; no two rates."""
     draw, numbers = np.random.default_rng(seed), np.arange(3000)

@@ -20,7 +20,7 @@ RIGHT = ["t_s", *STRUTS, *FORCES, "trigger"]
 def headless(tmp_path_factory: pytest.TempPathFactory, hexapod_case: Case) -> Path:
     """A motion of 2 s at 250 Hz in a file without names: time, struts, forces with noise, switch."""
     t = np.arange(500) / 250.0
-    poses = np.tile(hexapod_case.hexapod.home.vector, (len(t), 1))  # type: ignore[union-attr]
+    poses = np.tile(hexapod_case.hexapod.home.vector, (len(t), 1))
     poses[:, 0] += 0.02 * np.sin(3.0 * t)
     poses[:, 2] += 0.02 * np.sin(4.0 * t)
     lengths = 1e3 * Hexapod.of(hexapod_case).strut_lengths(poses)

@@ -1,6 +1,7 @@
 """Poses in the conventions of controllers: angles in any order, rotation vectors, quaternions, matrices."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -41,7 +42,7 @@ def wrist(folder: Path, names: list[str], numbers: np.ndarray, **recording: obje
     return written(folder, text), case_with(WRIST, **recording)
 
 
-def hexapod(folder: Path, names: list[str], numbers: np.ndarray, motion: object = RUN) -> Path:
+def hexapod(folder: Path, names: list[str], numbers: np.ndarray, motion: Any = RUN) -> Path:
     rows = np.column_stack([motion.t, motion.position * 1e3, numbers, motion.forces])
     return written(folder, csv(rows, ["t_s", "X", "Y", "Z", *names, *BAR_FORCES]))
 
@@ -50,13 +51,13 @@ def of_pose(names: list[str], ours: tuple[str, ...] = ANGLES, **recording: objec
     return case_with(columns=dict(zip((*POSITIONS, *ours), ("X", "Y", "Z", *names), strict=True)), **recording)
 
 
-def require_load(result: object, mass: float, centre: np.ndarray) -> None:
+def require_load(result: Any, mass: float, centre: np.ndarray) -> None:
     for name, truth in zip(("m", "xC", "yC", "zC"), (mass, *centre), strict=True):
         assert abs(result[name].value - truth) < 4.0 * result[name].reported
 
 
 @pytest.mark.parametrize("convention", OF_ANGLES, ids=lambda c: c.name)
-def test_orientations_of_every_convention_are_read(convention: object, tmp_path: Path) -> None:
+def test_orientations_of_every_convention_are_read(convention: Any, tmp_path: Path) -> None:
     vector = convention.form == "rotation vector"
     turns = TURNS.inv() if convention.inverse else TURNS
     angles = np.degrees(turns.as_rotvec()) if vector else turns.as_euler(convention.axes, degrees=True)

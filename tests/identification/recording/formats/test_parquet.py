@@ -1,6 +1,7 @@
 """Parquet holds the same run as CSV; what is not Parquet any more is named."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -19,7 +20,7 @@ from tests.identification.recording.formats.runs import HEXAPOD, NAMES, Truth, c
 RUN = Truth()
 
 
-def columns(run: Truth = RUN) -> dict[str, object]:
+def columns(run: Truth = RUN) -> dict[str, Any]:
     return {n: run.numbers()[:, k] for k, n in enumerate(NAMES)}
 
 

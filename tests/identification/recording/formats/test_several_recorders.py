@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -55,7 +56,7 @@ def case_of(*tables: dict[str, object]) -> Case:
 @pytest.mark.first(1)
 @pytest.mark.parametrize("by_name", [True, False])
 def test_each_file_is_read_by_its_table_and_clocks_are_joined(by_name: bool, tmp_path: Path) -> None:
-    patterns = ({"match": "struts*"}, {"match": "*.csv"}) if by_name else ({}, {})
+    patterns: Any = ({"match": "struts*"}, {"match": "*.csv"}) if by_name else ({}, {})
     case = case_of(SAMPLER | patterns[0], AMPLIFIER | patterns[1])
     files = [amplified(tmp_path, late=0.2731), sampled(tmp_path)]
     for paths in (files, files[::-1]):

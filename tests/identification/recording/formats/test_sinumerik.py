@@ -5,6 +5,7 @@ The layouts are those of a genuine session and of public programs (see the reade
 
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -59,7 +60,7 @@ def session(lines: list[str], frames: int = 1, mark: str = "") -> str:
     )  # fmt: skip
 
 
-def require_the_run(recording: object) -> None:
+def require_the_run(recording: Any) -> None:
     np.testing.assert_allclose(recording.t, RUN.t, atol=1e-9)
     np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-8)
     np.testing.assert_allclose(recording.forces, HELD, rtol=1e-8)
