@@ -55,7 +55,7 @@ def test_joints_of_a_ring_stand_in_pairs_minus_side_first(hexapod_case: Case) ->
 
 def test_a_case_cannot_be_changed(hexapod_case: Case) -> None:
     with pytest.raises(ValidationError, match="frozen"):
-        hexapod_case.nominal.mass_kg = 1.0  # type: ignore[misc]
+        hexapod_case.nominal.mass_kg = 1.0
     for array in (hexapod_case.gravity, hexapod_case.machine.base.points, hexapod_case.limits.motion.pose):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1.0

@@ -1,5 +1,3 @@
-# mypy: disable-error-code="misc"
-# lambdas with defaults
 """Remedies as people follow them: what a message proposes, done to the command or to the case."""
 
 import re

@@ -1,5 +1,3 @@
-# mypy: disable-error-code="misc"
-# lambdas with defaults
 """Mistakes that people make with a recording or a case, each with words by which its cause is known again."""
 
 import re

@@ -1,5 +1,3 @@
-# mypy: disable-error-code="misc"
-# lambdas with defaults
 """Damaged programs of every dialect: what is still called proven other judges must let pass.
 
 The judges share nothing with the readers: a naive reading of moves at a feed, divided differences of timed points, and

@@ -92,7 +92,7 @@ def one(case: Case, plan: Planned, run: Recording) -> tuple[str, Finding]:
 
 
 @pytest.mark.parametrize("name", MACHINES)
-@seeds(20, at_once=2)
+@seeds(20)
 def test_nothing_is_said_of_sound_runs(name: str, seed: int) -> None:
     """Whatever a recorder cuts off, a controller stretches by some percent, or a time law makes of the same moves."""
     case = load_case(name)

@@ -102,7 +102,7 @@ def test_loading_undoes_saving(result: Result) -> None:
 @settings(deadline=None, max_examples=examples(5))
 def test_nobody_can_change_a_result(result: Result) -> None:
     with pytest.raises(ValidationError, match="frozen"):
-        result.record.samples = 1  # type: ignore[misc]
+        result.record.samples = 1
     with pytest.raises(TypeError):
         result.record.covariance[0][0] = 1.0  # type: ignore[index]
 
