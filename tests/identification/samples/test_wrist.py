@@ -19,7 +19,7 @@ def test_sound_runs_are_not_accused_and_are_right(seed: int, memory: float | Non
     estimate = estimate_parameters(wrist_recording(seed, memory=memory), CASE, BODY)
     assert estimate.warnings == ()
     assert estimate.delay is not None
-    assert estimate.delay.value == pytest.approx(DELAY, abs=3e-4)
+    assert abs(estimate.delay.value - DELAY) < 4.0 * estimate.delay.std < 2e-3
     truth = truth_of(wrist_machine().plant)
     errors = [(p.value - truth[k]) / p.reported for k, p in estimate.physical.items() if k in truth]
     assert np.abs(errors).max() < 5.0
