@@ -41,6 +41,7 @@ from identification.recording.formats.proposal import (
 )
 from identification.recording.formats.quantities import CONTRADICTED, contradiction
 from identification.recording.formats.reading import bag_of, is_bag, is_parquet, read_tables
+from identification.recording.formats.reasons import NO_REASON, Reason, Why, because
 from identification.recording.formats.table import listed
 from identification.recording.formats.topics import BagTopic, bag_topics
 from identification.recording.recording import Recording, read
@@ -61,8 +62,8 @@ class Column:
     guessed: bool  # whether meaning or unit follow from the values alone
     values: Array  # numbers, shape (n,); empty where the column holds text
     t: Array | None = None  # its own clock, shape (n,) [s]; None: that of the column `t_s`
-    reason: str = ""  # why it is taken for what it is; empty where nothing is
-    unit_reason: str = ""  # why it has this unit
+    reason: Reason = NO_REASON  # why it is taken for what it is; empty where nothing is
+    unit_reason: Reason = NO_REASON  # why it has this unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +73,7 @@ class FileLook:
     file: Path
     columns: tuple[Column, ...]  # in the order of the file
     table: int | None  # position of its table in `files` of the settings; None: these are its table
-    reasons: Mapping[str, str]  # key of its settings -> why it has this value
+    reasons: Mapping[str, Reason]  # key of its settings -> why it has this value
 
 
 @dataclass(frozen=True, slots=True)
@@ -345,7 +346,8 @@ def _columns(table: TextColumns, proposal: Proposal) -> Iterator[Column]:
             ours, values = ours_of.get(k), table.numbers.get(k, np.zeros(0))
             own = clock if clock is not None and len(clock) == len(values) else None
             unit, guessed = proposal.units.get(ours or "", ""), ours in proposal.guessed
-            why, why_unit = proposal.reasons.get(ours or "", ""), proposal.unit_reasons.get(ours or "", "")
+            why = proposal.reasons.get(ours or "", NO_REASON)
+            why_unit = proposal.unit_reasons.get(ours or "", NO_REASON)
             yield Column(name, ours, unit, guessed, values, own, why, why_unit)
 
 
@@ -488,14 +490,13 @@ def _channels(topic: BagTopic, case: Case | None, settings: Mapping[str, Any]) -
         names = {} if chain is None else dict(zip(chain.columns, chain.names, strict=True))
         own = {*names.values()} <= {*topic.channels}
         ours = {theirs: column for column, theirs in (names if own else names | settings.get("columns", {})).items()}
-    what = "positions of joints" if topic.what == "joints" else "forces and moments"
+    taken = because(Why.JOINTS_OF if topic.what == "joints" else Why.WRENCH_OF, topic=topic.name)
     for name, values in zip(topic.channels, topic.values.T, strict=True):
         unit = "rad" if topic.what == "joints" else "N" if name.startswith("force") else "Nm"
         if topic.what == "joints" and ours.get(name, "").endswith("_mm"):
             unit = "m"
         there = np.isfinite(values)
-        why = "" if name not in ours else f"{what} of {topic.name} by their names"
-        why_unit = "that of messages of this type" if why else ""
+        why, why_unit = (taken, because(Why.MESSAGES)) if name in ours else (NO_REASON, NO_REASON)
         yield Column(name, ours.get(name), unit, False, values[there], topic.t[there], why, why_unit)
 
 

@@ -280,11 +280,13 @@ def look(
         pictures = _draw(report, file, overwrite)
     columns = [
         {"name": c.name, "meaning": c.ours, "unit": c.unit, "guessed": c.guessed, "reason": c.reason,
-         "unit_reason": c.unit_reason} for c in report.columns
+         "unit_reason": c.unit_reason, "reason_codes": c.reason.codes, "unit_reason_codes": c.unit_reason.codes}
+        for c in report.columns
     ]  # fmt: skip
     files = [
         {"file": str(part.file), "columns": [c.name for c in part.columns], "table": part.table,
-         "reasons": dict(part.reasons)} for part in report.parts
+         "reasons": dict(part.reasons),
+         "reason_codes": {key: why.codes for key, why in part.reasons.items()}} for part in report.parts
     ]  # fmt: skip
     answer = {
         "recording": str(report.file),

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Collection, Mapping, Sequence
 
+from hexcite.page.refusals import Unfit
 from hexcite.page.stages import Machine
 
 Fields = Mapping[str, Sequence[str]]
@@ -10,10 +11,6 @@ BY_HAND = "manual"  # the family that others are compared with
 FAMILIES = ("best", "ptp", "spline", "fourier", BY_HAND, "poses")
 EFFORTS: Mapping[str, tuple[str, ...]] = {"quick": ("--seconds", "20"), "minute": ("--seconds", "60"), "thorough": ()}
 SPEEDS: Mapping[str, tuple[str, ...]] = {"full": (), "slow": ("--speed", "0.1")}
-
-
-class Unfit(ValueError):
-    """A field that cannot be used; a sentence."""
 
 
 def field(fields: Fields, name: str, default: str = "") -> str:
@@ -25,7 +22,7 @@ def chosen(fields: Fields, name: str, among: Collection[str], default: str | Non
     """The choice of a field; raises Unfit where it is none of those that there are."""
     text = field(fields, name, default or "")
     if text not in among:
-        raise Unfit(f"{name}: {text!r} is not a choice")
+        raise Unfit("no_choice", name=name, text=text)
     return text
 
 
@@ -37,7 +34,7 @@ def number(fields: Fields, name: str, low: float, high: float) -> str:
     except ValueError:
         value = math.nan
     if not low <= value <= high:
-        raise Unfit(f"{name}: {text!r} is not a number from {low:g} to {high:g}")
+        raise Unfit("no_number_between", name=name, text=text, low=low, high=high)
     return text
 
 

@@ -44,6 +44,7 @@ class Job:
         beside: jobs that start with it, and whose panels nobody needs.
         number: of this server.
         name: of its record.
+        code: kind of the error that it was refused with.
     """
 
     machine: str
@@ -67,6 +68,7 @@ class Job:
     progress: list[dict[str, Any]] = field(default_factory=list)
     messages: list[str] = field(default_factory=list)
     answer: dict[str, Any] | None = None
+    code: str = ""
     process: asyncio.subprocess.Process | None = None
     changed: asyncio.Event = field(default_factory=asyncio.Event)
 
@@ -100,7 +102,7 @@ class Job:
             "command": self.command, "output": self.output, "about": self.about, "query": self.query,
             "goto": self.goto, "search": self.search, "before": self.before, "notes": self.notes, "state": self.state,
             "seconds": self.seconds, "finished": self.finished, "progress": self.progress, "messages": self.messages,
-            "answer": self.answer,
+            "answer": self.answer, "code": self.code,
         }  # fmt: skip
 
     @classmethod
@@ -114,7 +116,7 @@ class Job:
             name=name, state=state, began=0.0, ended=float(kept["seconds"]), finished=float(kept["finished"]),
             progress=[each for each in kept["progress"] if isinstance(each, dict)],
             messages=list(map(str, kept["messages"])),
-            answer=kept["answer"] if isinstance(kept["answer"], dict) else None,
+            answer=kept["answer"] if isinstance(kept["answer"], dict) else None, code=str(kept["code"]),
         )  # fmt: skip
 
     def tell(self) -> None:
@@ -262,6 +264,7 @@ class Jobs:
             with suppress(ValueError):
                 answer = json.loads(said)
                 job.answer = None if answer.keys() == {"error"} else answer  # an error is among the messages
+                job.code = str((answer.get("error") or {}).get("code", ""))
             self._end(job, self._state(job, code))
 
     def _state(self, job: Job, code: int) -> State:

@@ -28,14 +28,18 @@ class Near:
     """What a machine comes closest to at home.
 
     Args:
-        name: limit, with joint, strut or bodies.
-        value: there, with its unit; of distances what is left.
+        limit: its name.
+        place: joint, strut or bodies.
+        value: there; of distances what is left.
+        unit: of both.
         ends: between which it has to stay; empty of distances.
         mark: "hit" where it is exceeded, "close", or "free".
     """
 
-    name: str
+    limit: str
+    place: str
     value: str
+    unit: str
     ends: str
     mark: str
 
@@ -59,7 +63,7 @@ def near(case: Case | None, chain: Chain | None) -> tuple[Near, ...]:
             low, high = quantity.limits[:, k] * kind.scale
             mark = "hit" if share > 1.0 else "close" if share > CLOSE else "free"
             ends = "" if kind.least else f"{low:.4g} .. {high:.4g}"
-            rows.append((share, Near(quantity.of.at(label), f"{value:.4g} {kind.unit}", ends, mark)))
+            rows.append((share, Near(str(quantity.of), label, f"{value:.4g}", kind.unit, ends, mark)))
     return tuple(row for _, row in sorted(rows, key=lambda row: -row[0])[:MOST_ROWS])
 
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
 
+from markupsafe import Markup
 from pydantic import ValidationError
 
 from cases.base.errors import HexciteError
@@ -21,7 +22,9 @@ from cases.recording_format import (
 )
 from cases.schema import Case
 from hexcite.page import forms
-from hexcite.page.forms import Fields, Unfit, field
+from hexcite.page.forms import Fields, field
+from hexcite.page.refusals import Unfit
+from hexcite.page.words import Words
 
 SEPARATORS: Mapping[str, str] = {"comma": ",", "semicolon": ";", "tab": "\t", "bar": "|", "blank": " "}
 """Name in a menu -> character between two fields."""
@@ -51,7 +54,7 @@ class Row:
     column: str
     unit: str
     guessed: bool
-    reasons: tuple[str, ...]
+    reasons: tuple[Markup, ...]
     scale: str
 
 
@@ -76,11 +79,11 @@ class Table:
     columns: tuple[str, ...]
     units: tuple[tuple[str, str, tuple[str, ...]], ...]
     settings: Mapping[str, str]
-    reasons: Mapping[str, str]
+    reasons: Mapping[str, Markup]
     conventions: tuple[tuple[str, str], ...]
 
 
-def tables(answer: Mapping[str, Any], case: Case | None) -> tuple[Table, ...]:
+def tables(words: Words, answer: Mapping[str, Any], case: Case | None) -> tuple[Table, ...]:
     """The forms of what `look` answered; none of a bag, or where there are no columns.
 
     Args:
@@ -91,29 +94,30 @@ def tables(answer: Mapping[str, Any], case: Case | None) -> tuple[Table, ...]:
         return ()
     files, settings = answer["files"], answer["settings"]
     if "files" not in settings:
-        reasons = {key: why for file in reversed(files) for key, why in file["reasons"].items()}
-        return (_table("", "", answer["columns"], settings, reasons, _needed(case, answer["columns"])),)
+        reasons = {key: why for file in reversed(files) for key, why in _reasons(words, file).items()}
+        return (_table(words, "", "", answer["columns"], settings, reasons, _needed(case, answer["columns"])),)
     made, begin = [], 0
     for file in files:
         own = answer["columns"][begin : (begin := begin + len(file["columns"]))]
         if file["table"] is not None:
             stated, name = settings["files"][file["table"]], str(file["file"]).rpartition("/")[2]
-            made.append(_table(f"@{file['table']}", name, own, stated, file["reasons"], ()))
+            made.append(_table(words, f"@{file['table']}", name, own, stated, _reasons(words, file), ()))
     return tuple({table.mark: table for table in made}.values())
 
 
 def _table(
+    words: Words,
     mark: str,
     file: str,
     columns: list[Mapping[str, Any]],
     settings: Mapping[str, Any],
-    reasons: Mapping[str, str],
+    reasons: Mapping[str, Markup],
     needed: tuple[str, ...],
 ) -> Table:
     read_from = {column["meaning"]: column for column in columns if column["meaning"]}
     names = tuple(dict.fromkeys([*needed, *sorted(read_from, key=COLUMNS.index)]))
     scales = settings.get("scale", {})
-    rows = tuple(_row(name, read_from.get(name), scales) for name in names)
+    rows = tuple(_row(words, name, read_from.get(name), scales) for name in names)
     roles = dict.fromkeys(ROLE_OF[name] for name in names if name in ROLE_OF)
     stated = settings.get("units", {})
     units = tuple((str(role), stated.get(str(role), ""), tuple(ROLE_UNITS[role])) for role in roles)
@@ -127,15 +131,22 @@ def _table(
     )  # fmt: skip
 
 
+def _reasons(words: Words, file: Mapping[str, Any]) -> dict[str, Markup]:
+    codes = file.get("reason_codes") or {}
+    return {key: words.reasons(codes.get(key), why) for key, why in file["reasons"].items()}
+
+
 def _text(value: Any) -> str:
     return "" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
 
 
-def _row(name: str, column: Mapping[str, Any] | None, scales: Mapping[str, Any]) -> Row:
+def _row(words: Words, name: str, column: Mapping[str, Any] | None, scales: Mapping[str, Any]) -> Row:
     scale = _text(scales.get(name))
     if column is None:
         return Row(name, "", "", False, (), scale)
-    reasons = tuple(why for why in (column.get("reason"), column.get("unit_reason")) if why)
+    reasons = tuple(
+        words.reasons(column.get(f"{key}_codes"), column[key]) for key in ("reason", "unit_reason") if column.get(key)
+    )
     return Row(name, column["name"], column["unit"], column["guessed"], reasons, scale)
 
 
@@ -184,7 +195,7 @@ def chosen_settings(answer: Mapping[str, Any], fields: Fields) -> dict[str, Any]
         RecordingFormat.model_validate(settings)
     except ValidationError as error:
         said = (str(problem["msg"]).removeprefix("Value error, ") for problem in error.errors())
-        raise Unfit("; ".join(said)) from error
+        raise Unfit.of(said) from error
     return settings
 
 
@@ -204,9 +215,9 @@ def _with(settings: dict[str, Any], chosen: Mapping[str, str], names: set[str]) 
     trigger = dict(settings.pop("trigger", None) or {})
     for ours, theirs in _group(chosen, "c"):
         if theirs and theirs not in names:
-            raise Unfit(f"{ours}: {theirs!r} is not a column of the file")
+            raise Unfit("no_column", name=ours, text=theirs)
         if not theirs and ours in names:
-            raise Unfit(f"{ours}: the file has a column of this name, which is read; choose that or another one")
+            raise Unfit("column_is_read", name=ours)
         columns.pop(ours, None)
         if ours == TRIGGER:
             trigger.pop("column", None)
@@ -214,14 +225,14 @@ def _with(settings: dict[str, Any], chosen: Mapping[str, str], names: set[str]) 
             columns[ours] = theirs
     twice = [name for name in {*columns.values()} if list(columns.values()).count(name) > 1]
     if twice:
-        raise Unfit(f"{twice[0]!r} is chosen twice; a column is one channel")
+        raise Unfit("chosen_twice", name=twice[0])
     for ours, text in _group(chosen, "s"):
         scales.pop(ours, None)
         if text:
             scales[ours] = _number(ours, text, -1e12, 1e12)
     for role, unit in _group(chosen, "u"):
         if unit and (role not in {*Role} or unit not in ROLE_UNITS[Role(role)]):
-            raise Unfit(f"{role}: {unit!r} is not a choice")
+            raise Unfit("no_choice", name=role, text=unit)
         units.pop(role, None)
         if unit:
             units[role] = unit
@@ -246,7 +257,7 @@ def _with(settings: dict[str, Any], chosen: Mapping[str, str], names: set[str]) 
 def _number(name: str, text: str, low: float, high: float, whole: bool = False) -> float:
     value = float(forms.number({name: [text]}, name, low, high))
     if whole and value != int(value):
-        raise Unfit(f"{name}: {text!r} is not a whole number")
+        raise Unfit("no_whole_number", name=name, text=text)
     return value
 
 
@@ -255,7 +266,7 @@ def _clock(clock: dict[str, Any], chosen: Mapping[str, str]) -> dict[str, Any]:
         clock.pop("unit", None)
         if unit:
             if unit not in CLOCK_UNITS:
-                raise Unfit(f"unit: {unit!r} is not a choice")
+                raise Unfit("no_choice", name="unit", text=unit)
             clock["unit"] = unit
     if (period := chosen.get("l.period_ms")) is not None:
         clock.pop("period_ms", None)
@@ -269,10 +280,10 @@ def _layout(settings: dict[str, Any], chosen: Mapping[str, str]) -> dict[str, An
     for key, text in _group(chosen, "l"):
         if key in CHOICES:
             if text and text not in CHOICES[key]:
-                raise Unfit(f"{key}: {text!r} is not a choice")
+                raise Unfit("no_choice", name=key, text=text)
         elif key == "orientation":
             if text and text not in CONVENTIONS:
-                raise Unfit(f"{key}: {text!r} is not a choice")
+                raise Unfit("no_choice", name=key, text=text)
         elif key not in COUNTS:
             continue
         settings.pop(key, None)

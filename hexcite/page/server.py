@@ -26,13 +26,14 @@ from cases.base.files import ABANDONED, tidy
 from hexcite.page import actions, views
 from hexcite.page.actions.common import Context
 from hexcite.page.arrivals import Runs, TooLarge, left_over, received
-from hexcite.page.forms import Unfit, field
+from hexcite.page.forms import field
 from hexcite.page.jobs import Job, Jobs
 from hexcite.page.journal import Address, keep_address
+from hexcite.page.refusals import Refusal
 from hexcite.page.security import MOST_UPLOAD, PICTURE, REPORT, Guard, Outside, file_name, form_of, inside
 from hexcite.page.stages import BAG_INDEX, PROGRAMS, RECORDINGS, STAGES, machine_of
 from hexcite.page.texts import LANGUAGES, Language, language_of, text
-from hexcite.page.values import Refused
+from hexcite.page.words import Words
 from hexcite.reports.page import space_page
 
 STATIC = {"page.css": "text/css", "page.js": "text/javascript"}
@@ -90,7 +91,7 @@ def app_of(
         Route("/sheet/{name}", page.sheet),
         Route("/static/{name}", page.static),
     ]
-    errors: Any = {Outside: page.lost, HTTPException: page.lost, 404: page.lost, Unfit: page.unfit, Refused: page.unfit}
+    errors: Any = {Outside: page.lost, HTTPException: page.lost, 404: page.lost, Refusal: page.unfit}
     guard = Middleware(Guard, hosts=hosts, token=token, cookie=cookie)
     return Starlette(routes=routes, middleware=[guard], exception_handlers=errors, lifespan=life)
 
@@ -140,13 +141,14 @@ class _Page:
         def say(key: str, **places: object) -> str:
             return text(key, language, **places)
 
-        return self.templates.get_template(template).render(t=say, language=language, root=str(self.root), **values)
+        own = {"t": say, "w": Words(language), "language": language, "root": str(self.root)}
+        return self.templates.get_template(template).render(**own, **values)
 
     def _context(self, request: Request) -> Context:
         machine = machine_of(self.root, request.path_params["key"])
         if machine is None:
             raise HTTPException(404)
-        return Context(self.root, machine, self.jobs)
+        return Context(self.root, machine, self.jobs, Words(self._language(request)))
 
     async def machines(self, request: Request) -> Response:
         """The first stage without a machine: which one?"""
@@ -198,10 +200,10 @@ class _Page:
 
     async def _save(self, request: Request, context: Context, fields: Any) -> Response:
         saved = await run_in_threadpool(actions.machine.save, context, fields)
-        if not saved.refused:
+        if saved.refused is None:
             said = "".join(f"&said={quote(sentence, safe='')}" for sentence in saved.converted[:20])
             return RedirectResponse(f"/m/{quote(context.machine.key, safe='+')}/machine?saved=1{said}", 303)
-        error = text(saved.refused, self._language(request)) if saved.refused == "changed_elsewhere" else saved.refused
+        error = context.words.refused(saved.refused)
         given = actions.machine.given_values(fields)
         return await self._stage(request, context, "machine", 409, error=error, given=given)
 
@@ -354,7 +356,8 @@ class _Page:
 
     async def unfit(self, request: Request, error: Exception) -> Response:
         """A form with a field that cannot be used."""
-        return HTMLResponse(self._rendered(request, "lost.html.jinja", message=str(error)), 400)
+        said = Words(self._language(request)).refused(error) if isinstance(error, Refusal) else ""
+        return HTMLResponse(self._rendered(request, "lost.html.jinja", message=said), 400)
 
 
 def _event(kind: str, data: str) -> str:

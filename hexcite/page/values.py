@@ -17,14 +17,11 @@ from cases.editing import Place, at, case_of_text, with_values, write_keys
 from cases.schema import Case
 from cases.tables import CASE_FILE, Part, is_needed
 from hexcite.page.keys import choices_of, example_of, is_text, leaves, missing, part_of, typical, words_of
+from hexcite.page.refusals import Refused
 from hexcite.page.units import Spelling, noun, spellings
 
 FIXED = frozenset({"schema_version", "name", "template"})  # what a form does not change
 _COMMA = re.compile(r"[+-]?\d+,\d+")  # a decimal sign
-
-
-class Refused(ValueError):
-    """A value that cannot be, with the place where it stands; a sentence."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +34,7 @@ class Entry:
         mark: whose it is: "mine", "example" (that of the case that this one was begun from), "typical", or "missing".
         needed: whether its table cannot do without it.
         doubts: sentences of the case's check about it.
+        owners: names of the classes whose key it is.
     """
 
     name: str
@@ -49,6 +47,7 @@ class Entry:
     spellings: tuple[Spelling, ...]
     needed: bool = False
     doubts: tuple[str, ...] = ()
+    owners: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -59,6 +58,7 @@ class Section:
     words: str
     entries: tuple[Entry, ...]
     more: tuple[Entry, ...] = ()
+    owners: tuple[str, ...] = ()
 
     @property
     def calls(self) -> bool:
@@ -102,9 +102,7 @@ def sections(content: str, case: Case | None) -> tuple[Section, ...]:
     for place, value in missing(data, case, content).items():
         more.setdefault(_table_of(place)[0], []).append(_entry(place, value, part_of(place[:-1], data), "missing"))
     tables = dict.fromkeys([*there, *more])
-    return tuple(
-        Section(name, _about(name, data), tuple(there.get(name, ())), tuple(more.get(name, ()))) for name in tables
-    )
+    return tuple(_section(name, data, there.get(name, ()), more.get(name, ())) for name in tables)
 
 
 def _usual(data: Mapping[str, Any], example: Mapping[str, Any], place: Place, part: type[Part]) -> Any:
@@ -129,7 +127,7 @@ def _entry(place: Place, value: Any, part: type[Part] | None, mark: str, doubts:
     field = None if part is None else part.model_fields.get(key)
     needed = mark == "missing" and field is not None and is_needed(field)
     words = words_of(part).get(key, "")
-    return Entry(named(place), key, noun(key), str(shown), words, mark, choices, ways, needed, own)
+    return Entry(named(place), key, noun(key), str(shown), words, mark, choices, ways, needed, own, _owners(part))
 
 
 def _keys(doubt: Doubt) -> list[str]:
@@ -162,9 +160,14 @@ def _place(table: str) -> Place:
     return tuple(int(key) if key.isdigit() else key for key in re.findall(r"\w+", table))
 
 
-def _about(table: str, data: Mapping[str, Any]) -> str:
-    part = part_of(_place(table), data) if table else None
-    return "" if part is None else " ".join((part.__doc__ or "").split())
+def _section(name: str, data: Mapping[str, Any], entries: Iterable[Entry], more: Iterable[Entry]) -> Section:
+    part = part_of(_place(name), data) if name else None
+    words = "" if part is None else " ".join((part.__doc__ or "").split())
+    return Section(name, words, tuple(entries), tuple(more), _owners(part))
+
+
+def _owners(part: type[Part] | None) -> tuple[str, ...]:
+    return () if part is None else tuple(base.__name__ for base in part.__mro__ if issubclass(base, Part))
 
 
 def edited(content: str, fields: Mapping[str, str], file: Path = Path(CASE_FILE)) -> Written:
@@ -178,7 +181,7 @@ def edited(content: str, fields: Mapping[str, str], file: Path = Path(CASE_FILE)
     try:
         return Written(with_values(file, content, wanted), converted)
     except HexciteError as error:
-        raise Refused("; ".join(error.lines)) from error
+        raise Refused.of(error.lines) from error
 
 
 def changed(content: str, fields: Mapping[str, str]) -> tuple[dict[str, Any], tuple[str, ...]]:
@@ -197,7 +200,7 @@ def changed(content: str, fields: Mapping[str, str]) -> tuple[dict[str, Any], tu
         if kind == "w" and not on:
             continue
         if name not in own or own[name][0][0] in FIXED:
-            raise Refused(f"{name}: there is no such value")
+            raise Refused("no_such_value", name=name)
         place, before = own[name]
         part = part_of(place[:-1], data)
         if kind == "w" and not any(name == each or (name.startswith(f"{each}.") and text.strip()) for each in on):
@@ -229,12 +232,12 @@ def write_motion_box(file: Path, box: Mapping[str, Any]) -> None:
             k, joint = joints[key]
             place = ("limits", "motion", "joints", k, next(name for name in joint if name.startswith("position_")))
         elif key not in motion:
-            raise Refused(f"limits.motion.{key}: there is no such value")
+            raise Refused("no_such_value", name=f"limits.motion.{key}")
         writes.append(Write(place, [float(end) for end in ends]))
     try:
         write_keys(file, writes)
     except HexciteError as error:
-        raise Refused("; ".join(error.lines)) from error
+        raise Refused.of(error.lines) from error
 
 
 _ANY = object()  # a number or a list, where nothing stood before
@@ -271,7 +274,7 @@ def _value(name: str, text: str, before: Any) -> Any:
     text = text.strip()
     if isinstance(before, str):
         if len(text) > 2000 or any(ord(letter) < 32 for letter in text):
-            raise Refused(f"{name}: is too long, or has control characters")
+            raise Refused("no_line", name=name)
         return text
     if _COMMA.fullmatch(text):
         text = text.replace(",", ".")
@@ -286,8 +289,8 @@ def _value(name: str, text: str, before: Any) -> Any:
         kinds = (type(before),)
     after = value.get("value")
     if len(value) != 1 or not isinstance(after, kinds) or (bool not in kinds and isinstance(after, bool)):
-        kind = "true or false" if bool in kinds else "a list such as [1.0, 2.0]" if kinds == (list,) else "a number"
-        raise Refused(f"{name}: {text!r} is not {kind}")
+        key = "no_true_or_false" if bool in kinds else "no_list" if kinds == (list,) else "no_number"
+        raise Refused(key, name=name, text=text)
     whole = isinstance(before, float) or before is _ANY
     return float(after) if whole and isinstance(after, int) and not isinstance(after, bool) else after
 
@@ -297,7 +300,7 @@ def case_of(content: str, file: Path) -> Case:
     try:
         return case_of_text(content, Path(file.parent.name, CASE_FILE))
     except HexciteError as error:
-        raise Refused("; ".join(error.lines)) from error
+        raise Refused.of(error.lines) from error
 
 
 def save(file: Path, content: str) -> None:

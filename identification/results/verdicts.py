@@ -31,6 +31,8 @@ class Check(NamedTuple):
     limit: float  # in the same unit
     unit: str
     least: bool = False  # whether the limit is the smallest value, else the largest
+    code: str = ""  # what is judged, for programs
+    of: str = ""  # its channel or parameter; empty where there is but one
 
     @property
     def passed(self) -> bool:
@@ -40,7 +42,8 @@ class Check(NamedTuple):
     def to_json(self) -> dict[str, Any]:
         """Entries of an answer."""
         limit = {"at_least" if self.least else "at_most": self.limit}
-        return {"check": self.name, "passed": self.passed, "value": self.value, **limit, "unit": self.unit}
+        about = {"code": self.code} | ({"of": self.of} if self.of else {})
+        return {"check": self.name, **about, "passed": self.passed, "value": self.value, **limit, "unit": self.unit}
 
 
 class Verdict(NamedTuple):
@@ -129,7 +132,7 @@ def accept(result: Result, case: Case | None = None) -> Verdict:
 
 def _warnings(result: Result) -> Iterator[Check | str]:
     doubts = sum(finding.doubts_values for finding in result.findings)
-    yield Check("warnings that no deviation counts", float(doubts), 0.0, "")
+    yield Check("warnings that no deviation counts", float(doubts), 0.0, "", code="warnings")
 
 
 def _noise(result: Result, limits: Acceptance) -> Iterator[Check | str]:
@@ -142,7 +145,8 @@ def _noise(result: Result, limits: Acceptance) -> Iterator[Check | str]:
         return
     ratios = np.array(noise["measured"], dtype=float) / np.array(noise["stated"], dtype=float)
     worst = int(np.argmax(ratios))
-    yield Check(f"noise of channel {worst + 1} over the stated one", float(ratios[worst]), limits.noise_times, "")
+    name = f"noise of channel {worst + 1} over the stated one"
+    yield Check(name, float(ratios[worst]), limits.noise_times, "", code="noise", of=str(worst + 1))
 
 
 def _mass(result: Result, case: Case, limits: Acceptance) -> Iterator[Check | str]:
@@ -153,7 +157,7 @@ def _mass(result: Result, case: Case, limits: Acceptance) -> Iterator[Check | st
         yield "mass: a payload was mounted, [nominal] is the machine without it"
     else:
         off = 100.0 * abs(mass.value / case.nominal.mass_kg - 1.0)
-        yield Check("mass, difference from nominal", off, limits.mass_percent, "%")
+        yield Check("mass, difference from nominal", off, limits.mass_percent, "%", code="mass")
 
 
 def _run(result: Result, limits: Acceptance) -> Iterator[Check | str]:
@@ -163,16 +167,16 @@ def _run(result: Result, limits: Acceptance) -> Iterator[Check | str]:
         yield "the run beside its plan: identify with --plan"
     else:
         share = 100.0 * float(figures["share_of_path"])
-        yield Check("the plan's path in the run", share, limits.path_percent, "%", least=True)
+        yield Check("the plan's path in the run", share, limits.path_percent, "%", least=True, code="path")
         if (longer := figures.get("times_longer")) is not None:
             off = 100.0 * abs(float(longer) - 1.0)
-            yield Check("duration, difference from plan", off, limits.duration_percent, "%")
+            yield Check("duration, difference from plan", off, limits.duration_percent, "%", code="duration")
     if limits.path_error_mm is not None:
         error = None if result.record.run is None else result.record.run.path_error_mm
         if error is None:
             yield "path error: the recording does not say it"
         else:
-            yield Check("path error", float(error), limits.path_error_mm, "mm")
+            yield Check("path error", float(error), limits.path_error_mm, "mm", code="path_error")
 
 
 def _deviations(result: Result, largest: LargestDeviations) -> Iterator[Check | str]:
@@ -185,7 +189,7 @@ def _deviations(result: Result, largest: LargestDeviations) -> Iterator[Check | 
             yield f"deviations.{key}: the model has no such parameter"
             continue
         worst = max(of, key=lambda name: of[name])
-        yield Check(f"deviation of {parameter_words(worst)}", of[worst], limit, unit)
+        yield Check(f"deviation of {parameter_words(worst)}", of[worst], limit, unit, code="deviation", of=worst)
 
 
 def of_reference(parameters: Mapping[str, Value], reference: Reference) -> Iterator[Check | str]:
@@ -201,7 +205,7 @@ def of_reference(parameters: Mapping[str, Value], reference: Reference) -> Itera
             yield f"reference of {name}: it is not determined here"
         else:
             of = parameters[name]
-            yield Check(f"E_n of {parameter_words(name)}", en(of, value, expanded), 1.0, "")
+            yield Check(f"E_n of {parameter_words(name)}", en(of, value, expanded), 1.0, "", code="reference", of=name)
 
 
 def en(of: Value, value: float, expanded: float) -> float:

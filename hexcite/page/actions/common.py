@@ -6,18 +6,21 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from hexcite.page.forms import Fields, Unfit, chosen
+from hexcite.page.forms import Fields, chosen
 from hexcite.page.jobs import Job, Jobs
+from hexcite.page.refusals import Unfit
 from hexcite.page.stages import Machine, Recording, Workspace, free
+from hexcite.page.words import ENGLISH, Words
 
 
 @dataclass(frozen=True)
 class Context:
-    """The machine that a request is about, the root folder, and the commands under way."""
+    """The machine that a request is about, the root folder, the commands under way, and the language."""
 
     root: Path
     machine: Machine
     jobs: Jobs
+    words: Words = ENGLISH
 
     @property
     def address(self) -> str:
@@ -35,7 +38,7 @@ Action = Callable[[Context, Workspace, Fields], Job]
 def case_name(context: Context) -> str:
     """Name of the machine's case; raises Unfit where its file is not read."""
     if context.machine.case is None:
-        raise Unfit(context.machine.problem)
+        raise Unfit("", sentence=context.machine.problem)
     return context.machine.case.name
 
 
@@ -58,5 +61,5 @@ def result_of(there: Workspace, fields: Fields, name: str = "result") -> str:
 def line(name: str, text: str) -> str:
     """A text of one line; raises Unfit for any other."""
     if len(text) > 500 or not text.isprintable():
-        raise Unfit(f"{name}: is too long, or has control characters")
+        raise Unfit("no_line", name=name)
     return text

@@ -10,8 +10,9 @@ from cases.base.files import toml_value
 from cases.editing import placed, write_keys, write_table
 from hexcite.page import forms, reading
 from hexcite.page.actions.common import Action, Context, job_of, recording_of, result_of
-from hexcite.page.forms import Fields, Unfit, chosen, field
+from hexcite.page.forms import Fields, chosen, field
 from hexcite.page.jobs import Job
+from hexcite.page.refusals import Unfit
 from hexcite.page.stages import Workspace
 
 RUN_FILE = "recording.csv"  # in the folder of a rehearsal
@@ -39,7 +40,7 @@ def _look(context: Context, there: Workspace, fields: Fields, write: bool = Fals
 def _take(context: Context, there: Workspace, fields: Fields) -> Job:
     """`look --write`: the proposal becomes the case's; and with `identify` in the form what was written is used."""
     if not context.machine.own:
-        raise Unfit("a built-in case is not changed")
+        raise Unfit("built_in_stays")
     writing = _look(context, there, fields, write=True)
     if not field(fields, "identify"):
         return writing
@@ -53,14 +54,14 @@ def _looked(context: Context, recording: str) -> Mapping[str, Any]:
     """What the latest look at a recording answered, by the case as it is now."""
     looked = context.jobs.latest(context.machine.key, "look", recording)
     if looked is None or looked.answer is None or looked.finished < context.machine.file.stat().st_mtime:
-        raise Unfit(f"{recording}: look at it first")
+        raise Unfit("look_at_it_first", recording=recording)
     return looked.answer
 
 
 def _menus(context: Context, there: Workspace, fields: Fields) -> Job:
     """What menus say of the columns becomes the `[recording]` of the case, and the file is looked at again."""
     if not context.machine.own:
-        raise Unfit("a built-in case is not changed")
+        raise Unfit("built_in_stays")
     settings = reading.chosen_settings(_looked(context, recording_of(there, fields).name), fields)
     write_table(context.machine.file, "recording", settings)
     return _look(context, there, fields)
@@ -69,19 +70,19 @@ def _menus(context: Context, there: Workspace, fields: Fields) -> Job:
 def _apply(context: Context, there: Workspace, fields: Fields) -> Job:
     """Writes the keys of a remedy into the case, and identifies again where the recording is there."""
     if not context.machine.own:
-        raise Unfit("a built-in case is not changed")
+        raise Unfit("built_in_stays")
     found = remedies(context, there, fields)
     number = field(fields, "remedy")
     if not number.isdecimal() or int(number) >= len(found):
-        raise Unfit("remedy: there is none of this number any more; identify again")
+        raise Unfit("no_such_remedy")
     remedy = found[int(number)]
     if field(fields, "words") != remedy.words.strip():
-        raise Unfit("remedy: it was identified again meanwhile; look at the stage anew")
+        raise Unfit("other_remedy")
     job = _identify(context, there, fields)
     try:
         written = write_keys(context.machine.file, remedy.keys)
     except HexciteError as error:
-        raise Unfit("; ".join(error.lines)) from error
+        raise Unfit.of(error.lines) from error
     arguments = [placed(place) + ("" if value is None else f"={toml_value(value)}") for place, value, _ in remedy.keys]
     job.before = ("case", "set", context.machine.argument, *arguments)
     notes = [f"{key}: {_shown(before)} → {_shown(after)}" for key, before, after in written.changes]

@@ -8,8 +8,9 @@ from urllib.parse import quote
 from cases.tables import built_in_cases
 from hexcite.page import forms, values
 from hexcite.page.actions.common import Action, Context, job_of
-from hexcite.page.forms import Fields, Unfit, chosen, field
+from hexcite.page.forms import Fields, chosen, field
 from hexcite.page.jobs import Job
+from hexcite.page.refusals import Refusal, Refused, Unfit
 from hexcite.page.stages import Workspace
 
 
@@ -23,7 +24,7 @@ def _box(context: Context, there: Workspace, fields: Fields) -> Job:
     checked = context.jobs.latest(context.machine.key, "case", "check")
     proposal = ((checked.answer if checked is not None else None) or {}).get("proposal")
     if not context.machine.own or not proposal:
-        raise Unfit("there is no proposal for this machine; look for the largest reachable box first")
+        raise Unfit("no_proposal")
     values.write_motion_box(context.machine.file, proposal["limits_motion"])
     return _check(context, there, {})
 
@@ -32,7 +33,7 @@ def new(root: Path, fields: Fields) -> Job:
     """`hexcite case new`, from a built-in case or from a URDF file of the root."""
     name = field(fields, "name")
     if not name or name.startswith("-") or "/" in name or "\\" in name or len(name) > 100:
-        raise Unfit(f"{name!r} is not a name of a machine")
+        raise Unfit("no_machine_name", name=name)
     urdf, like = field(fields, "urdf"), field(fields, "like")
     if urdf:
         chosen(fields, "urdf", [file.name for file in root.glob("*.urdf")])
@@ -45,30 +46,30 @@ def new(root: Path, fields: Fields) -> Job:
 
 
 class Saved(NamedTuple):
-    """What became of a form of values: why it was not written, a sentence or the key of a text; what was converted."""
+    """What became of a form of values: why it was not written, None where it was; what was converted."""
 
-    refused: str
+    refused: Refusal | None
     converted: tuple[str, ...] = ()
 
 
 def save(context: Context, fields: Fields) -> Saved:
     """Writes changed values into a case of one's own."""
     if not context.machine.own:
-        raise Unfit("a built-in case is not changed")
+        raise Unfit("built_in_stays")
     content = context.machine.file.read_text(encoding="utf-8")
     if values.digest(content) != field(fields, "digest"):
-        return Saved("changed_elsewhere")
+        return Saved(Refused("changed_elsewhere"))
     try:
         written = values.edited(content, given_values(fields), context.machine.file)
-    except values.Refused as error:
-        return Saved(str(error))
+    except Refused as error:
+        return Saved(error)
     if context.machine.case is not None:  # one that cannot be read yet is filled in step by step
         try:
             values.case_of(written.text, context.machine.file)
-        except values.Refused as error:
-            return Saved(str(error))
+        except Refused as error:
+            return Saved(error)
     values.save(context.machine.file, written.text)
-    return Saved("", written.converted)
+    return Saved(None, written.converted)
 
 
 def given_values(fields: Fields) -> dict[str, str]:

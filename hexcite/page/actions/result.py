@@ -5,8 +5,9 @@ from urllib.parse import quote
 
 from hexcite.page import forms
 from hexcite.page.actions.common import Action, Context, case_name, job_of, recording_of, result_of
-from hexcite.page.forms import Fields, Unfit, chosen, field
+from hexcite.page.forms import Fields, chosen, field
 from hexcite.page.jobs import Job
+from hexcite.page.refusals import Unfit
 from hexcite.page.stages import Workspace
 
 REFERENCES: Mapping[str, tuple[str, float, float]] = {
@@ -58,7 +59,7 @@ def _pool(context: Context, there: Workspace, fields: Fields) -> Job:
     known = [result.name for result in there.results]
     names = [name for name in known if name in fields.get("results", ())]
     if len(names) < 2:
-        raise Unfit("results: choose two or more to pool")
+        raise Unfit("too_few_results")
     output = context.free(f"{case_name(context)}-pooled")
     command = ["pool", *map(forms.place, names), "--case", context.machine.argument, "-o", output]
     goto = f"{context.address}/result?result={quote(output)}"

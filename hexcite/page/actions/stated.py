@@ -6,7 +6,8 @@ from cases.base.errors import HexciteError, Write
 from cases.editing import write_keys
 from hexcite.page import forms
 from hexcite.page.actions.common import Context, line
-from hexcite.page.forms import Fields, Unfit, chosen, field
+from hexcite.page.forms import Fields, chosen, field
+from hexcite.page.refusals import Unfit
 
 LIMITS = (
     "noise_times", "mass_percent", "path_percent", "duration_percent", "path_error_mm", "deviations.mass_kg",
@@ -26,7 +27,7 @@ def state(context: Context, fields: Fields) -> str:
         Unfit: a value cannot be, or the case is built in.
     """
     if not context.machine.own:
-        raise Unfit("a built-in case is not changed")
+        raise Unfit("built_in_stays")
     writes = list[Write]()
     for key in LIMITS:
         if f"accept.{key}" in fields:
@@ -40,6 +41,6 @@ def state(context: Context, fields: Fields) -> str:
     try:
         write_keys(context.machine.file, writes)
     except HexciteError as error:
-        raise Unfit("; ".join(error.lines)) from error
+        raise Unfit.of(error.lines) from error
     stage = chosen(fields, "stage", ("result", "use"))
     return f"{context.address}/{stage}?result={quote(field(fields, 'result'))}&stated=1"

@@ -6,8 +6,9 @@ from urllib.parse import quote
 
 from hexcite.page import forms
 from hexcite.page.actions.common import Action, Context, case_name, job_of, line, recording_of, result_of
-from hexcite.page.forms import Fields, Unfit, chosen, field
+from hexcite.page.forms import Fields, chosen, field
 from hexcite.page.jobs import Job
+from hexcite.page.refusals import Unfit
 from hexcite.page.stages import Workspace
 
 
@@ -83,7 +84,7 @@ def _history(context: Context, there: Workspace, fields: Fields) -> Job:
     output = context.free(f"{case_name(context)}-history", ".html")
     names = [forms.place(result.name) for result in there.results]
     if not names:
-        raise Unfit("results: there is none yet")
+        raise Unfit("no_results")
     command = ["history", *names, "--case", case_name(context), "-o", output]
     goto = f"{context.address}/use#history"
     return job_of(context, "use", command, output=output, about="history", goto=goto)

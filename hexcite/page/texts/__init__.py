@@ -1,13 +1,13 @@
-"""The words of the page in English and German, by stage; what commands answer is English."""
+"""The words of the page in English and German, by stage; of what commands answer by code in `answers`."""
 
 from typing import Literal
 
-from hexcite.page.texts import common, data, machine, plan, program, result, use
+from hexcite.page.texts import common, data, machine, plan, program, refusals, result, use
 
 Language = Literal["en", "de"]
 LANGUAGES: tuple[Language, ...] = ("en", "de")
 
-PARTS = (common, machine, plan, program, data, result, use)
+PARTS = (common, machine, plan, program, data, result, use, refusals)
 TEXTS: dict[str, tuple[str, str]] = {key: words for part in PARTS for key, words in part.TEXTS.items()}
 """Key -> English, German."""
 

@@ -60,7 +60,7 @@ TEXTS: dict[str, tuple[str, str]] = {
         "Masse, Schwerpunkt und Nullpunkte ohne Dynamik, ohne Trägheit. Für langsame Maschinen.",
     ),
     "by_hand_runs": ("The motion by hand is being planned.", "Die Bewegung von Hand wird geplant."),
-    "by_hand_not": ("There is no motion by hand: {why}", "Es gibt keine Bewegung von Hand: {why}"),
+    "by_hand_not": ("There is no motion by hand:", "Es gibt keine Bewegung von Hand:"),
     "search": ("Search", "Suchen"),
     "plans": ("Plans", "Pläne"),
     "efficiency": (

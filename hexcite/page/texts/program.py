@@ -21,6 +21,7 @@ TEXTS: dict[str, tuple[str, str]] = {
     ),
     "exceeded": ("Exceeded", "Überschritten"),
     "line": ("line", "Zeile"),
+    "proven": ("Proven, and written.", "Bewiesen und geschrieben."),
     "worst_of_lines": (
         "Beside a line: its worst limit. Where the program itself states the times, only lines in which a limit comes "
         "closest have one. It is shown for the program that this page wrote last.",

@@ -13,6 +13,7 @@ from hexcite.page.stages import STAGES, Workspace, built_in, workspace
 from hexcite.page.texts import Language, text
 from hexcite.page.views import data, machine, plan, program, result, use
 from hexcite.page.views.common import Query
+from hexcite.page.words import Words
 from hexcite.reports.page import space_page
 
 STAGE_VIEWS: Mapping[str, Callable[[Context, Workspace, Query], dict[str, Any]]] = {
@@ -52,8 +53,9 @@ def job(job: Job, language: Language) -> dict[str, Any]:
     last = job.progress[-1] if job.progress else None
     drawn: Markup = drawing.curve(job.progress, job.seconds, text("best_curve", language)) if job.search else Markup("")
     return {
-        "line": str(last.get("line", "")) if last is not None and not job.over else "",
+        "line": Words(language).progress(last) if last is not None and not job.over else "",
         "curve": drawn,
         "messages": job.messages[-8:] if job.state in ("failed", "stopped", "killed") else [],
+        "refusal": Words(language).refusal(job.code) if job.state == "failed" else "",
         "warnings": job.messages[-8:] if job.state == "done" else [],
     }

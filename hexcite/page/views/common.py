@@ -9,9 +9,11 @@ from cases.base.errors import Remedy, Write
 from cases.base.files import toml_value
 from cases.editing import placed
 from hexcite.page.stages import Made
+from hexcite.page.words import Words
 from identification.estimation.fit import COVERAGE_FACTOR
-from identification.texts import legible, parameter_words, std_text, value_text
+from identification.texts import legible, std_text, value_text
 
+BOUND = 0.99  # share from which a limit is used to its end
 MOST_TEXT = 40_000  # characters of a program or export that are shown
 
 
@@ -42,14 +44,15 @@ def beginning(path: Path) -> tuple[str, bool]:
     return content[:MOST_TEXT].decode("utf-8", "replace"), len(content) > MOST_TEXT
 
 
-def limits(limits: Mapping[str, Any]) -> list[dict[str, Any]]:
+def limits(words: Words, limits: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Limits with the share that is used, the most used first."""
     rows = [
         {
-            "name": str(check.get("at", name)),
+            "name": words.limit_at(name, str(check.get("at", name))),
             "share": min(max(float(check["ratio"]), 0.0), 1.2),
             "text": f"{100 * float(check['ratio']):.1f} %",
-            "status": str(check.get("status", "")),
+            "status": words.status(str(check.get("status", ""))),
+            "bound": float(check["ratio"]) >= BOUND,
         }
         for name, check in limits.items()
         if isinstance(check, Mapping) and isinstance(check.get("ratio"), int | float)
@@ -68,15 +71,15 @@ def remedies(stated: Sequence[Remedy]) -> list[dict[str, Any]]:
     ]
 
 
-def parameter(name: str, value: Mapping[str, Any]) -> tuple[str, str, str, str, str]:
+def parameter(words: Words, name: str, value: Mapping[str, Any]) -> tuple[str, str, str, str, str]:
     """A parameter in words, its value, its deviation, its expanded uncertainty (k = 2) and its unit."""
     scale, unit = legible(str(value.get("unit", "")))
     std = max((float(value[key]) for key in ("std", "std_robust") if value.get(key) is not None), default=math.nan)
     if not math.isfinite(std) or std <= 0.0:
-        return parameter_words(name), f"{float(value['value']) * scale:.6g}", "", "", unit
+        return words.parameter(name), f"{float(value['value']) * scale:.6g}", "", "", unit
     shown = value_text(float(value["value"]) * scale, std * scale)
     expanded = std_text(COVERAGE_FACTOR * std * scale)
-    return parameter_words(name), shown, std_text(std * scale), expanded, unit
+    return words.parameter(name), shown, std_text(std * scale), expanded, unit
 
 
 def _line(write: Write) -> str:

@@ -30,7 +30,7 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "cannot_run": context.machine.lacks("run"),
         "looked": answer,
         "remedies": remedies(stated),
-        "forms": () if answer is None else reading.tables(answer, context.machine.case),
+        "forms": () if answer is None else reading.tables(context.words, answer, context.machine.case),
         "reading": reading,
         "picture": picture if answer is not None and (context.root / picture).is_file() else "",
     }

@@ -17,6 +17,7 @@ from hexcite.page.actions.common import Context
 from hexcite.page.actions.machine import given_values
 from hexcite.page.forms import Fields
 from hexcite.page.machine_at_home import chain_in, near, scene_of, scene_of_links, sensor_angles, sliders
+from hexcite.page.refusals import Refused
 from hexcite.page.stages import Workspace, built_in, own_machines
 from hexcite.page.views.common import Query
 from hexcite.reports.page import script_json
@@ -80,8 +81,8 @@ def preview(context: Context, fields: Fields) -> dict[str, Any]:
     content = context.machine.file.read_text(encoding="utf-8")
     try:
         data, converted = values.changed(content, given_values(fields))
-    except values.Refused as error:
-        return drawn(None, {}, str(error))
+    except Refused as error:
+        return drawn(None, {}, context.words.refused(error))
     try:
         case, problem = tables_of(Case, Path(context.machine.argument), data), ""
     except HexciteError as error:

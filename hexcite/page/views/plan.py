@@ -11,9 +11,10 @@ from hexcite.page.actions.common import Context
 from hexcite.page.forms import BY_HAND, EFFORTS, FAMILIES
 from hexcite.page.stages import Made, Workspace, workspace
 from hexcite.page.views.common import Query, chosen_plan, limits
+from hexcite.page.words import Words
 from hexcite.reports.page import script_json
 from hexcite.reports.plan import scene_of
-from identification.texts import legible, parameter_words, std_text
+from identification.texts import legible, std_text
 from planner.plans.plan import Plan
 
 
@@ -35,8 +36,8 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "chosen": plan,
         "facts": None if plan is None else _facts(plan),
         "plans": [(p, _facts(p)) for p in there.plans],
-        "predicted": _predicted([plan, *others]) if plan is not None else None,
-        "limits": limits(plan.record.get("limits", {})) if plan is not None else [],
+        "predicted": _predicted(context.words, [plan, *others]) if plan is not None else None,
+        "limits": limits(context.words, plan.record.get("limits", {})) if plan is not None else [],
     }
 
 
@@ -79,12 +80,12 @@ def _deviation(name: str, value: object) -> str:
     return std_text(value * legible(_unit(name))[0])
 
 
-def _predicted(plans: Sequence[Made]) -> dict[str, Any]:
+def _predicted(words: Words, plans: Sequence[Made]) -> dict[str, Any]:
     """Predicted deviations of plans side by side, a row a parameter."""
     stds = [plan.record.get("predicted_std") or {} for plan in plans]
     names = list(dict.fromkeys(name for std in stds for name in std))
     rows = [
-        (parameter_words(name), legible(_unit(name))[1], [_deviation(name, std.get(name)) for std in stds])
+        (words.parameter(name), legible(_unit(name))[1], [_deviation(name, std.get(name)) for std in stds])
         for name in names
     ]
     return {"heads": [plan.name for plan in plans], "rows": rows}

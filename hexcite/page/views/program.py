@@ -7,7 +7,8 @@ from typing import Any
 from hexcite.page.actions.common import Context
 from hexcite.page.how_to_record import Recipe, recipe
 from hexcite.page.stages import Made, Program, Workspace
-from hexcite.page.views.common import Query, beginning, chosen_plan, limits
+from hexcite.page.views.common import BOUND, Query, beginning, chosen_plan, limits
+from hexcite.page.words import Words
 
 
 def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
@@ -25,7 +26,9 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "chosen": plan,
         "programs": programs,
         "program": program,
-        "lines": _lines(content, last.answer if last is not None and last.state == "done" else None, program),
+        "lines": _lines(
+            context.words, content, last.answer if last is not None and last.state == "done" else None, program
+        ),
         "cut": cut,
         "dialects": context.machine.dialects,
         "preferred": _preferred(plan, context) if plan is not None else "",
@@ -33,9 +36,11 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "home": _home(context),
         "refused": refused,
         "exceeded": exceeded[:20],
-        "answerable": [kind.replace(" ", "-") for kind in kinds] if refused else [],
+        "answerable": [(kind.replace(" ", "-"), context.words.limit(kind)) for kind in kinds] if refused else [],
         "written": last.answer if last is not None and last.state == "done" else None,
-        "limits": limits((last.answer or {}).get("limits", {})) if last is not None and last.state == "done" else [],
+        "limits": limits(context.words, (last.answer or {}).get("limits", {}))
+        if last is not None and last.state == "done"
+        else [],
     }
 
 
@@ -56,7 +61,9 @@ def _recipe(context: Context, plan: Made | None, program: Program | None) -> Rec
     return None if dialect is None else recipe(case, dialect, Path(program.name).stem, float(plan.record["duration_s"]))
 
 
-def _lines(content: str, answer: Mapping[str, Any] | None, program: Program | None) -> list[tuple[int, str, str, bool]]:
+def _lines(
+    words: Words, content: str, answer: Mapping[str, Any] | None, program: Program | None
+) -> list[tuple[int, str, str, bool]]:
     """Lines of a program: number, text, the worst limit there in words, and whether it is used to its end."""
     worst: dict[int, Mapping[str, Any]] = {}
     if answer is not None and program is not None and Path(str(answer.get("program"))).name == program.name:
@@ -64,12 +71,11 @@ def _lines(content: str, answer: Mapping[str, Any] | None, program: Program | No
     rows = []
     for number, line in enumerate(content.splitlines(), 1):
         of = worst.get(number)
-        words = "" if of is None else f"{of['limit']} {100.0 * of['ratio']:.0f} %, {of['status']}"
-        rows.append((number, line, words, of is not None and of["ratio"] >= BOUND))
+        beside = ""
+        if of is not None:
+            beside = f"{words.limit_of(of['limit'])} {100.0 * of['ratio']:.0f} %, {words.status(of['status'])}"
+        rows.append((number, line, beside, of is not None and of["ratio"] >= BOUND))
     return rows
-
-
-BOUND = 0.99  # share from which a limit is used to its end
 
 
 def _preferred(plan: Made, context: Context) -> str:

@@ -5,6 +5,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from markupsafe import Markup
+
 from cases.base.errors import HexciteError
 from hexcite.page.actions.common import Context
 from hexcite.page.actions.data import remedies_of
@@ -12,12 +14,13 @@ from hexcite.page.actions.result import REFERENCES
 from hexcite.page.actions.stated import LIMITS
 from hexcite.page.stages import Made, Workspace, case_of
 from hexcite.page.views.common import Query, beginning, chosen, parameter, remedies
+from hexcite.page.words import Words
 from identification.finding import ABOUT_THE_RUN
 from identification.results.agreement import Difference, differences
 from identification.results.pooling import UNLIKELY
 from identification.results.result import Result, pooled_rows, scatter_rows
 from identification.results.verdicts import Check, Verdict, accept
-from identification.texts import legible, parameter_words, std_text
+from identification.texts import legible, std_text
 
 
 def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
@@ -30,12 +33,12 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     return {
         "results": there.results,
         "chosen": result,
-        **(about := outcome(result)),
+        **(about := outcome(context.words, result)),
         "remedies": remedies([each for finding in result.record.get("findings", ()) for each in remedies_of(finding)]),
         "written": made.notes if made is not None else (),
         "stated": query.get("stated") == "1",
         **_judged(context, result),
-        "budget": _budget(result.record),
+        "budget": _budget(context.words, result.record),
         "pooled": _pooled(result.record),
         "channels": _channels(context, result.record),
         "other": _beside(context, result, there.results, query.get("other")),
@@ -64,14 +67,16 @@ def _judged(context: Context, result: Made) -> dict[str, Any]:
     limits = {} if case is None or case.accept is None else case.accept.model_dump(exclude_unset=True)
     return {
         "verdict": None if verdict is None else {"passed": verdict.passed, "unjudged": verdict.unjudged},
-        "checks": [] if verdict is None else [(c.passed, *row[1:]) for c, row in _rows(verdict)],
+        "checks": [] if verdict is None else [_check_row(context.words, check) for check in verdict.checks],
         "limits_stated": case is not None and case.accept is not None,
         "limits_form": [(key, _stated(limits, key)) for key in LIMITS],
     }
 
 
-def _rows(verdict: Verdict) -> list[tuple[Check, tuple[str, ...]]]:
-    return list(zip(verdict.checks, verdict.rows()[1:], strict=True))
+def _check_row(words: Words, check: Check) -> tuple[bool | str, ...]:
+    limit = words.say("at_least" if check.least else "at_most", limit=f"{check.limit:.3g}")
+    judged = words.check(check.code, check.of, check.name)
+    return (check.passed, judged, f"{check.value:.3g}", limit, check.unit or "-")
 
 
 def _stated(values: Any, key: str) -> str:
@@ -81,7 +86,7 @@ def _stated(values: Any, key: str) -> str:
     return "" if values is None else f"{values:g}" if isinstance(values, float | int) else str(values)
 
 
-def _budget(record: Mapping[str, Any]) -> dict[str, Any] | None:
+def _budget(words: Words, record: Mapping[str, Any]) -> dict[str, Any] | None:
     """Of each parameter the parts of its variance by their causes; None where the case states no tolerances."""
     budget = record.get("budget") or {}
     if not budget:
@@ -96,20 +101,22 @@ def _budget(record: Mapping[str, Any]) -> dict[str, Any] | None:
         scale, unit = legible(str((record.get("parameters", {}).get(name) or {}).get("unit", "")))
         bars, begin = [], 0.0
         for k, share in enumerate(each / total for each in power):
-            bars.append((k % 8, f"{200 * begin:.1f}", f"{200 * share:.1f}", kinds[k], f"{100 * share:.0f}"))
+            bars.append(
+                (k % 8, f"{200 * begin:.1f}", f"{200 * share:.1f}", words.cause(kinds[k]), f"{100 * share:.0f}")
+            )
             begin += share
         largest = max(range(len(kinds)), key=lambda k: power[k])
         rows.append(
             {
-                "words": parameter_words(name),
+                "words": words.parameter(name),
                 "bars": [bar for bar in bars if bar[4] != "0"],
-                "largest": kinds[largest],
+                "largest": words.cause(kinds[largest]),
                 "share": f"{100 * power[largest] / total:.0f}",
                 "cells": [std_text(float(parts[kind]) * scale) if parts[kind] else "" for kind in kinds],
                 "unit": unit,
             }
         )
-    return {"kinds": kinds, "rows": rows}
+    return {"kinds": [words.cause(kind) for kind in kinds], "rows": rows}
 
 
 def _pooled(record: Mapping[str, Any]) -> dict[str, Any] | None:
@@ -175,12 +182,12 @@ def _beside(context: Context, result: Made, results: Sequence[Made], name: str |
         before = other.record.get("parameters", {}).get(name)
         if not before:
             continue
-        words, now, _, _, unit = parameter(name, value)
+        words, now, _, _, unit = parameter(context.words, name, value)
         scale = legible(str(value.get("unit", "")))[0]
         off = float(value["value"]) - float(before["value"])
         en = between[name].en if name in between else None
         apart = "–" if en is None else f"{en:.2g}"
-        rows.append((words, parameter(name, before)[1], now, f"{off * scale:+.3g}", unit, apart))
+        rows.append((words, parameter(context.words, name, before)[1], now, f"{off * scale:+.3g}", unit, apart))
     return {"name": other.name, "rows": rows}
 
 
@@ -193,24 +200,29 @@ def _payload(context: Context, result: Made) -> dict[str, Any]:
     answer = job.answer if job is not None and job.arrived and job.answer is not None else {}
     reference, in_frame = answer.get("reference") or {}, answer.get("in_frame") or {}
     return {
-        "payload": [parameter(name, value) for name, value in (answer.get("parameters") or {}).items()],
+        "payload": [parameter(context.words, name, value) for name, value in (answer.get("parameters") or {}).items()],
         "payload_checks": [
-            (c["passed"], c["check"], f"{c['value']:.3g}", f"{c.get('at_most', 1.0):.3g}")
+            (
+                c["passed"],
+                context.words.check("reference", c.get("of", ""), c["check"]),
+                f"{c['value']:.3g}",
+                f"{c.get('at_most', 1.0):.3g}",
+            )
             for c in reference.get("checks", ())
         ],
-        "payload_in": [parameter(name, value) for name, value in in_frame.get("parameters", {}).items()],
+        "payload_in": [parameter(context.words, name, value) for name, value in in_frame.get("parameters", {}).items()],
         "payload_frame": in_frame.get("frame", ""),
         "payload_report": Path(answer["report"]).name if "report" in answer else "",
         "payload_file": Path(answer["file"]).name if "file" in answer else "",
         "payload_text": beginning(context.root / answer["file"])[0] if "file" in answer else "",
         "payload_warnings": answer.get("warnings", ()),
-        "loads": [(name, SINGLE_FILES[name].what) for name in LOADS],
+        "loads": [(name, context.words.target(name, SINGLE_FILES[name].what)) for name in LOADS],
         "frames": FRAMES,
         "references": [(name, unit) for name, (unit, _, _) in REFERENCES.items()],
     }
 
 
-def outcome(result: Made) -> dict[str, Any]:
+def outcome(words: Words, result: Made) -> dict[str, Any]:
     """The verdict of a result, its findings and its parameters in words."""
     record = result.record
     findings = [f for f in record.get("findings", ()) if isinstance(f, Mapping) and f.get("sentence")]
@@ -220,10 +232,14 @@ def outcome(result: Made) -> dict[str, Any]:
     run = record.get("run") or {}
     return {
         "light": "doubt" if doubts else "counted" if warnings else "good",
-        "first": "" if first is None else str(first["sentence"]),
-        "more": [str(f["sentence"]) for f in findings if f is not first],
+        "first": "" if first is None else _finding(words, first),
+        "more": [_finding(words, f) for f in findings if f is not first],
         "simulated": bool(run.get("simulated")),
         "recording": Path(str(record.get("recording", ""))),
-        "parameters": [parameter(name, value) for name, value in record.get("parameters", {}).items()],
-        "not_counted": ", ".join(map(str, record.get("not_counted") or ())),
+        "parameters": [parameter(words, name, value) for name, value in record.get("parameters", {}).items()],
+        "not_counted": ", ".join(words.cause(str(each)) for each in record.get("not_counted") or ()),
     }
+
+
+def _finding(words: Words, finding: Mapping[str, Any]) -> Markup:
+    return words.finding(str(finding.get("kind")), str(finding["sentence"]))

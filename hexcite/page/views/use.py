@@ -9,12 +9,13 @@ from hexcite.page.actions.common import Context
 from hexcite.page.stages import Made, Workspace
 from hexcite.page.views.common import Query, beginning, chosen, parameter
 from hexcite.page.views.result import outcome
-from identification.texts import parameter_words, std_text
+from hexcite.page.words import Words
+from identification.texts import std_text
 
 BODY = ("m", "xC", "yC", "zC")  # parameters of a history that are shown on the stage
 
 
-def _history(answer: Mapping[str, Any]) -> dict[str, Any]:
+def _history(words: Words, answer: Mapping[str, Any]) -> dict[str, Any]:
     """Results of the machine in the order of time: body and offsets in a table, the page with their curves."""
     results = list(answer.get("results", ()))
     names = list(dict.fromkeys(name for each in results for name in each["parameters"] if name in BODY))
@@ -23,11 +24,11 @@ def _history(answer: Mapping[str, Any]) -> dict[str, Any]:
         cells = []
         for name in names:
             value = each["parameters"].get(name)
-            _, shown, std, _, unit = parameter(name, value) if value else ("", "", "", "", "")
+            _, shown, std, _, unit = parameter(words, name, value) if value else ("", "", "", "", "")
             cells.append(f"{shown} ± {std} {unit}" if std else f"{shown} {unit}".strip())
         when, folder = str(each["when"])[:16].replace("T", " "), Path(str(each["result"])).parent.name
         rows.append((when, folder, f"{each['payload_kg']:g}", cells))
-    return {"report": answer["report"], "heads": [parameter_words(name) for name in names], "rows": rows}
+    return {"report": answer["report"], "heads": [words.parameter(name) for name in names], "rows": rows}
 
 
 def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
@@ -55,8 +56,11 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "results": there.results,
         "recordings": there.recordings,
         "chosen": result,
-        "outcome": None if result is None else outcome(result),
-        "targets": [(target, SINGLE_FILES[target].what if target in SINGLE_FILES else "C99") for target in TARGETS],
+        "outcome": None if result is None else outcome(context.words, result),
+        "targets": [
+            (target, context.words.target(target, SINGLE_FILES[target].what if target in SINGLE_FILES else "C99"))
+            for target in TARGETS
+        ],
         "to": query.get("to", "c"),
         "texts": shown,
         "files": export.get("files") or (),
@@ -74,5 +78,7 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "about": about,
         "serials": about.serial_numbers or {},
         "stated": query.get("stated") == "1",
-        "history": _history(past.answer) if past is not None and past.state == "done" and past.answer else None,
+        "history": _history(context.words, past.answer)
+        if past is not None and past.state == "done" and past.answer
+        else None,
     }

@@ -37,6 +37,7 @@ from identification.recording.formats.families import words_of
 from identification.recording.formats.labels import StatedUnit, counted, stated_unit
 from identification.recording.formats.layout import TextColumns
 from identification.recording.formats.meaning import groups_of, meaning_of, span
+from identification.recording.formats.reasons import NO_REASON, Reason, Why, because
 from identification.recording.formats.stated_rates import stated_step
 from identification.recording.formats.table import listed
 from identification.recording.formats.triggers import changing_bits, switched
@@ -74,9 +75,9 @@ class Proposal:
     settings: Mapping[str, Any]  # `[recording]` by key
     doubts: tuple[str, ...]  # what a person should compare or complete, a sentence each
     rate: float | None = None  # rows per second; None where there is no clock
-    reasons: Mapping[str, str] = field(default_factory=dict)  # our name -> why the column is taken for it
-    unit_reasons: Mapping[str, str] = field(default_factory=dict)  # our name -> why it has this unit
-    setting_reasons: Mapping[str, str] = field(default_factory=dict)  # key of `settings` -> why it has this value
+    reasons: Mapping[str, Reason] = field(default_factory=dict)  # our name -> why the column is taken for it
+    unit_reasons: Mapping[str, Reason] = field(default_factory=dict)  # our name -> why it has this unit
+    setting_reasons: Mapping[str, Reason] = field(default_factory=dict)  # key of `settings` -> why it has this value
     clock_counts: float = 1.0  # numbers of the clock for one of its unit, as its label says
 
     @property
@@ -137,8 +138,8 @@ class _Draft:
         self.counts = 1.0  # of the clock, for one of its unit
         self.clock_unit_stated = False  # whether the settings must state it, though it is the usual one
         self.doubts: list[str] = []
-        self.reasons: dict[str, str] = {}  # our name -> why the column is taken for it
-        self.unit_reasons: dict[str, str] = {}  # our name -> why it has this unit
+        self.reasons: dict[str, Reason] = {}  # our name -> why the column is taken for it
+        self.unit_reasons: dict[str, Reason] = {}  # our name -> why it has this unit
 
     @property
     def _says_its_unit(self) -> bool:
@@ -173,9 +174,9 @@ class _Draft:
         self.places = {ours: k for ours, k in self.said.places.items() if k in self.numbers and k not in taken}
         self.places |= {ours: k for ours, k in given.items() if k in self.numbers or ours == CLOCK}
         self.reasons = {
-            ours: "it has our name" if self.names[k] == ours else "its name" for ours, k in self.places.items()
+            ours: because(Why.OUR_NAME if self.names[k] == ours else Why.NAME) for ours, k in self.places.items()
         }
-        self.reasons |= {ours: "the case names it" for ours in given if ours in self.places}
+        self.reasons |= {ours: because(Why.CASE_NAMES) for ours in given if ours in self.places}
         if lacking:
             theirs = listed([own[ours] for ours in own if ours in lacking])
             self.doubts.append(f"recording.columns of the case names {theirs}, which the file does not have")
@@ -183,7 +184,7 @@ class _Draft:
     def choose_clock(self) -> None:
         """The clock: that of the format or of the case, else the first of its candidates that runs on."""
         if self.table.clock is not None:
-            self.places[CLOCK], self.reasons[CLOCK] = self.table.clock[0], "the format of the file says so"
+            self.places[CLOCK], self.reasons[CLOCK] = self.table.clock[0], because(Why.FORMAT)
             return
         if CLOCK in self.places:
             return
@@ -191,11 +192,11 @@ class _Draft:
         if (parts := self._clock_in_two()) is not None:
             seconds, nanoseconds = parts
             self.places[CLOCK], self.nanoseconds = seconds, self.names[nanoseconds]
-            self.reasons[CLOCK] = f"its name; whole seconds that {self.nanoseconds} adds nanoseconds to"
+            self.reasons[CLOCK] = because(Why.TWO_COLUMNS, column=self.nanoseconds)
             whole = self.numbers[seconds] - self.numbers[seconds][0]
             self.numbers = {**self.numbers, seconds: whole + 1e-9 * self.numbers[nanoseconds]}
         elif running:
-            self.places[CLOCK], self.reasons[CLOCK] = running[0], "its name, and its numbers run on with the rows"
+            self.places[CLOCK], self.reasons[CLOCK] = running[0], because(Why.RUNS_ON)
             if others := [self.names[k] for k in running[1:]]:
                 self.doubts.append(f"{self.name(CLOCK)} is taken for the clock; {', '.join(others)} runs on too")
         elif self.said.clocks:
@@ -221,8 +222,7 @@ class _Draft:
             chosen = possible if len(possible) == 1 else changing
             if len(chosen) == 1:
                 self.places[ours] = chosen[0]
-                alone = "its name" if chosen is possible else "of those that may be it by their names it alone changes"
-                self.reasons[ours] = alone
+                self.reasons[ours] = because(Why.NAME if chosen is possible else Why.ALONE_CHANGES)
                 if ours == TRIGGER and "trigger" not in self.stated:
                     self.choose_bit()
             elif possible:
@@ -248,11 +248,11 @@ class _Draft:
         if whole and _strut_unit(drives, self.case):
             for strut, drive in zip(STRUTS, DRIVES, strict=True):
                 self.places[strut] = self.places.pop(drive)
-                self.reasons[strut] = f"{self.reasons.pop(drive)}, and its values are lengths that the struts can have"
+                self.reasons[strut] = self.reasons.pop(drive).also(Why.ARE_LENGTHS)
         if self.case.sensor_frame.channels == WRENCH and BAR_FORCES[0] in self.places and WRENCH[0] not in self.places:
             for channel, force in zip(WRENCH, BAR_FORCES, strict=True):
                 self.places[channel] = self.places.pop(force)
-                self.reasons[channel] = f"{self.reasons.pop(force)}, and the sensor of the case has forces and moments"
+                self.reasons[channel] = self.reasons.pop(force).also(Why.WRENCH)
 
     def choose_orientation(self) -> None:
         """The convention of the orientation that the file has, where the case does not state it."""
@@ -281,20 +281,20 @@ class _Draft:
             role, usual = ROLE_OF.get(ours), _usual_unit(ours)
             label = _stated_unit(ours, self.names[k], self.table.units[k] if k < len(self.table.units) else "")
             if role is not None and str(role) in own:
-                self.units[ours], why = str(own[str(role)]), "the case states it"
+                self.units[ours], why = str(own[str(role)]), because(Why.CASE_STATES)
             elif ours == CLOCK and k in self.table.dates:
-                self.units[ours], why = "ns", "dates or times of day"
+                self.units[ours], why = "ns", because(Why.DATES)
             elif ours == CLOCK and (clock is not None or self.table.clock is not None):
                 self.units[ours] = str(clock) if self.table.clock is None else self.table.clock[1]
-                why = "the case states it" if self.table.clock is None else "the format of the file says so"
+                why = because(Why.CASE_STATES if self.table.clock is None else Why.FORMAT)
             elif label is not None and (label.symbol is not None or ours != CLOCK):
-                self.units[ours], why = label.symbol or label.text, "its label or the row of units says it"
+                self.units[ours], why = label.symbol or label.text, because(Why.LABEL)
             elif ours in by_values and by_values[ours] != usual and self.names[k] != ours:
                 self.units[ours] = self.guessed[ours] = by_values[ours]
                 why = self._fits(ours)
             else:
-                fits = ", which its values fit" if by_values.get(ours) == usual else ""
-                self.units[ours], why = usual, f"no unit is stated; that of our name{fits}" if usual else ""
+                fits = because(Why.OUR_UNIT_FITS if by_values.get(ours) == usual else Why.OUR_UNIT)
+                self.units[ours], why = usual, fits if usual else NO_REASON
             self.unit_reasons[ours] = why
             if ours == CLOCK and label is not None and label.symbol is not None and label.counts != 1.0:
                 self.counts = label.counts
@@ -336,18 +336,14 @@ class _Draft:
         self.units[CLOCK] = self.guessed[CLOCK] = unit
         self.unit_reasons[CLOCK] = self._fits(CLOCK)
 
-    def _fits(self, ours: str) -> str:
+    def _fits(self, ours: str) -> Reason:
         """Why the unit of a column was taken from its values."""
         if ours == CLOCK:
             step = float(np.median(np.diff(self.values(CLOCK)))) * TICKS[self.units[CLOCK]]
-            return f"its steps are then {1.0 / step:.4g} rows a second, which recorders have"
+            return because(Why.RATE, rate=f"{1.0 / step:.4g}")
         if ours in STRUTS:
-            return "its values are then lengths that the struts can have"
-        return (
-            "its values are then within the joints' ends"
-            if ROLE_OF.get(ours) is Role.JOINTS
-            else "its values are small"
-        )
+            return because(Why.LENGTHS)
+        return because(Why.ENDS if ROLE_OF.get(ours) is Role.JOINTS else Why.SMALL)
 
     def _check_motion_units(self, values: Mapping[str, Array]) -> None:
         """Says where joints, in the unit that is stated, are where the machine does not come."""
@@ -370,7 +366,7 @@ class _Draft:
             if counts or ROLE_UNITS[role].symbol(self.units[ours]) is None:
                 needed.append(ours)
                 self.units[ours] = "counts" if counts else self.units[ours]
-                self.unit_reasons[ours] = "no unit of this quantity; a scale has to say what a 1 is"
+                self.unit_reasons[ours] = because(Why.NO_UNIT)
         if needed:
             keys = ", ".join(f"{ours} = .." for ours in needed)
             self.doubts.append(
@@ -417,7 +413,7 @@ class _Draft:
             return {}
         period = float(f"{step.period * 1e3:.9g}")
         self.doubts.append(f"no column is a clock; {printable(step.text)!r} in the header: recording.clock.period_ms")
-        self.unit_reasons[CLOCK] = "the header says it"
+        self.unit_reasons[CLOCK] = because(Why.HEADER)
         return {"period_ms": period}
 
     def _check_stated_rate(self, rate: float | None) -> None:
@@ -430,31 +426,29 @@ class _Draft:
             "unit of the time stamps, recording.clock.unit"
         )
 
-    def why(self, settings: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    def why(self, settings: Mapping[str, Any]) -> Iterator[tuple[str, Reason]]:
         """Of each key of the settings why it has its value."""
         found = {
-            "format": "the first lines of the file say it",
-            "delimiter": "with it most columns are numbers in most rows",
-            "decimal": "with it most columns are numbers in most rows",
-            "header_rows": f"line {int(settings.get('header_rows', 0)) + 1} is the first row of numbers",
-            "names_row": "of the lines above the numbers the one whose names are known best",
-            "trailing_rows": "lines below the last row of numbers",
-            "column_names": "no line of the file names the columns",
-            "encoding": "the text is not UTF-8",
-            "empty": "rows of several clocks stand among each other"
-            if settings.get("empty") == "apart"
-            else "values stand only where they change",
-            "columns": "names that differ from ours",
-            "units": "units that differ from those of our names",
-            "clock": self.unit_reasons.get(CLOCK, ""),
-            "trigger": f"bit {self.bit} alone changes",
-            "orientation": f"{', '.join(self.said.orientations)} by the names; by the values this may be",
-            "filter_cutoff_Hz": "usual, and a fifth of the rows a second at most",
-            "rate_Hz": "by the clock of the file",
+            "format": because(Why.FIRST_LINES),
+            "delimiter": because(Why.NUMBERS),
+            "decimal": because(Why.NUMBERS),
+            "header_rows": because(Why.FIRST_ROW, line=int(settings.get("header_rows", 0)) + 1),
+            "names_row": because(Why.KNOWN_NAMES),
+            "trailing_rows": because(Why.LAST_ROW),
+            "column_names": because(Why.NO_NAMES),
+            "encoding": because(Why.NOT_UTF8),
+            "empty": because(Why.SEVERAL_CLOCKS if settings.get("empty") == "apart" else Why.WHERE_CHANGED),
+            "columns": because(Why.OTHER_NAMES),
+            "units": because(Why.OTHER_UNITS),
+            "clock": self.unit_reasons.get(CLOCK, NO_REASON),
+            "trigger": because(Why.BIT, bit=self.bit),
+            "orientation": because(Why.ORIENTATION, conventions=", ".join(self.said.orientations)),
+            "filter_cutoff_Hz": because(Why.FILTER),
+            "rate_Hz": because(Why.CLOCK),
         }
+        states = because(Why.CASE_STATES)
         for key, value in settings.items():
-            stated = key in self.stated and self.stated[key] == value
-            why = "the case states it" if stated else found.get(key, "the case states it")
+            why = states if key in self.stated and self.stated[key] == value else found.get(key, states)
             if why:
                 yield key, why
 

@@ -211,4 +211,8 @@ def test_a_window_goes_on_after_its_server_was_killed(browser: Browser, root: Pa
         expect(page.get_by_role("link", name="Next: Program")).to_be_visible()
         page.reload()
         expect(page.get_by_role("link", name="Next: Program")).to_be_visible()
-    assert not [each for each in root.iterdir() if each.name.endswith(".hexcite.part")]
+        for _ in range(60):
+            if not [*root.glob(".*.hexcite.part")]:
+                break
+            page.wait_for_timeout(1000)
+        assert not [*root.glob(".*.hexcite.part")]

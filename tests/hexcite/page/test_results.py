@@ -14,8 +14,9 @@ import hexcite as hx
 from cases.schema import load_case
 from hexcite.page import actions
 from hexcite.page.actions.common import Context
-from hexcite.page.forms import Fields, Unfit
+from hexcite.page.forms import Fields
 from hexcite.page.jobs import Job
+from hexcite.page.refusals import Unfit
 from hexcite.page.stages import machine_of
 from identification.results.estimate import entries_of_parameters, physical_values
 

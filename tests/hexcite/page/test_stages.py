@@ -12,11 +12,12 @@ from cases.schema import Case, load_case
 from hexcite.page import forms
 from hexcite.page.actions import ACTIONS, asked
 from hexcite.page.actions.common import Context
-from hexcite.page.forms import Unfit
 from hexcite.page.jobs import Job, Jobs
 from hexcite.page.reading import chosen_settings
+from hexcite.page.refusals import Unfit
 from hexcite.page.stages import Workspace, free, machine_of, own_machines, workspace
 from hexcite.page.views.common import chosen_plan
+from hexcite.page.words import ENGLISH
 
 
 @pytest.fixture
@@ -256,7 +257,7 @@ def test_each_line_of_a_program_has_its_worst_limit():
             {"line": 3, "limit": "jerk (x)", "ratio": 1.0, "status": "NOT enforced"},
         ],
     }
-    shown = _lines("G90\nG1 X1\nG1 X2\n", answer, Program("run.mpf", "plan", 0.0))
+    shown = _lines(ENGLISH, "G90\nG1 X1\nG1 X2\n", answer, Program("run.mpf", "plan", 0.0))
     assert [row[0] for row in shown] == [1, 2, 3]
     assert shown[0][2] == ""
     assert "velocity (x)" in shown[1][2]
@@ -264,7 +265,7 @@ def test_each_line_of_a_program_has_its_worst_limit():
     assert not shown[1][3]
     assert "NOT enforced" in shown[2][2]
     assert shown[2][3]
-    assert all(not row[2] for row in _lines("G90\n", answer, Program("other.mpf", "plan", 0.0)))
+    assert all(not row[2] for row in _lines(ENGLISH, "G90\n", answer, Program("other.mpf", "plan", 0.0)))
 
 
 def test_a_search_brings_the_motion_by_hand_along_once(root: Path, case: Case):

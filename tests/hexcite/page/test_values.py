@@ -10,7 +10,8 @@ from starlette.testclient import TestClient
 from cases.scaffold import new_arm, new_case, readiness
 from cases.schema import load_case
 from hexcite.page import values
-from hexcite.page.values import Refused, digest, edited, sections
+from hexcite.page.refusals import Refused
+from hexcite.page.values import digest, edited, sections
 
 
 @pytest.fixture

@@ -1,0 +1,33 @@
+"""What the page itself refuses: texts by their keys, so that they are in its language, or sentences of the library."""
+
+from collections.abc import Iterable
+from typing import Self
+
+from hexcite.page.texts import text
+
+
+class Refusal(ValueError):
+    """Something that cannot be.
+
+    Args:
+        key: of the text that says it; empty where the library does.
+        sentence: of the library.
+        places: values in the text.
+    """
+
+    def __init__(self, key: str, *, sentence: str = "", **places: object) -> None:
+        self.key, self.sentence, self.places = key, sentence, places
+        super().__init__(sentence or text(key, "en", **places))
+
+    @classmethod
+    def of(cls, lines: Iterable[str]) -> Self:
+        """What an error of the library says."""
+        return cls("", sentence="; ".join(lines))
+
+
+class Unfit(Refusal):
+    """A field that cannot be used."""
+
+
+class Refused(Refusal):
+    """A value that cannot be, with the place where it stands."""

@@ -1,0 +1,44 @@
+"""What the page itself refuses: key -> English, German."""
+
+TEXTS: dict[str, tuple[str, str]] = {
+    "no_line": ("{name}: is too long, or has control characters", "{name}: ist zu lang oder enthält Steuerzeichen"),
+    "built_in_stays": ("a built-in case is not changed", "eine eingebaute Maschine bleibt, wie sie ist"),
+    "look_at_it_first": ("{recording}: look at it first", "{recording}: zuerst fragen, wie sie gelesen wird"),
+    "no_such_remedy": (
+        "there is no remedy of this number any more; identify again",
+        "diesen Vorschlag gibt es nicht mehr; die Parameter neu bestimmen",
+    ),
+    "other_remedy": (
+        "it was identified again meanwhile; look at the stage anew",
+        "inzwischen wurde neu bestimmt; die Seite neu ansehen",
+    ),
+    "no_proposal": (
+        "there is no proposal for this machine; look for the largest reachable box first",
+        "für diese Maschine gibt es keinen Vorschlag; zuerst den größten erreichbaren Bereich suchen",
+    ),
+    "no_machine_name": ("{name!r} is not a name of a machine", "{name!r} ist kein Name einer Maschine"),
+    "too_few_results": ("choose two or more results to pool", "zwei oder mehr Ergebnisse wählen"),
+    "no_results": ("there are no results yet", "es gibt noch keine Ergebnisse"),
+    "no_such_value": ("{name}: there is no such value", "{name}: diesen Wert gibt es nicht"),
+    "no_true_or_false": ("{name}: {text!r} is not true or false", "{name}: {text!r} ist weder true noch false"),
+    "no_list": (
+        "{name}: {text!r} is not a list such as [1.0, 2.0]",
+        "{name}: {text!r} ist keine Liste wie [1.0, 2.0]",
+    ),
+    "no_number": ("{name}: {text!r} is not a number", "{name}: {text!r} ist keine Zahl"),
+    "no_number_between": (
+        "{name}: {text!r} is not a number from {low:g} to {high:g}",
+        "{name}: {text!r} ist keine Zahl von {low:g} bis {high:g}",
+    ),
+    "no_whole_number": ("{name}: {text!r} is not a whole number", "{name}: {text!r} ist keine ganze Zahl"),
+    "no_choice": ("{name}: {text!r} is not a choice", "{name}: {text!r} steht nicht zur Wahl"),
+    "no_column": ("{name}: {text!r} is not a column of the file", "{name}: {text!r} ist keine Spalte der Datei"),
+    "column_is_read": (
+        "{name}: the file has a column of this name, which is read; choose that or another one",
+        "{name}: die Datei hat eine Spalte dieses Namens, die gelesen wird; diese oder eine andere wählen",
+    ),
+    "chosen_twice": (
+        "{name!r} is chosen twice; a column is one channel",
+        "{name!r} ist zweimal gewählt; eine Spalte ist ein Kanal",
+    ),
+}

@@ -1,0 +1,161 @@
+"""What commands and cases answer, in the language of the page: by codes where they have some, else as a quotation."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from markupsafe import Markup, escape
+
+from hexcite.page.refusals import Refusal
+from hexcite.page.texts import Language, text
+from hexcite.page.texts import answers as german
+from hexcite.page.texts.case_keys import KEYS, NOUNS, TABLES
+from hexcite.page.values import Entry, Section
+from identification.limits.limit import Limit
+from identification.recording.formats.reasons import Why
+from identification.texts import parameter_words
+
+
+@dataclass(frozen=True)
+class Words:
+    """Words in one language. English ones are those of the commands; what has no other is quoted, and marked so."""
+
+    language: Language
+
+    @property
+    def _own(self) -> bool:
+        return self.language == "en"
+
+    def quoted(self, sentence: object) -> Markup:
+        """A sentence of the command line, which is English."""
+        if self._own or not str(sentence) or isinstance(sentence, Markup):  # which is ours already
+            return escape(sentence)
+        return Markup('<q lang="en">{}</q>').format(sentence)
+
+    def all_quoted(self, sentences: Iterable[object]) -> Markup:
+        """Sentences behind each other."""
+        return Markup("; ").join(self.quoted(each) for each in sentences)
+
+    def noun(self, noun: str) -> str:
+        """The noun of a key."""
+        return noun if self._own else NOUNS.get(noun, noun)
+
+    def meaning(self, entry: Entry) -> Markup:
+        """What a key means."""
+        return self._of(KEYS, (f"{owner}.{entry.key}" for owner in entry.owners), entry.words)
+
+    def table(self, section: Section) -> Markup:
+        """What a table is."""
+        return self._of(TABLES, section.owners, section.words)
+
+    def _of(self, table: Mapping[str, str], names: Iterable[str], english: str) -> Markup:
+        if self._own:
+            return escape(english)
+        found = next((table[name] for name in names if name in table), None)
+        return self.quoted(english) if found is None else escape(found)
+
+    def limit(self, name: str, place: str = "") -> str:
+        """A limit by its name, with the strut, joint or body that comes closest."""
+        if self._own:
+            return f"{name} ({place})" if place else name
+        try:
+            limit = Limit.named(name)
+        except ValueError:
+            return name
+        words = german.LIMITS[str(limit.kind)] + (f" {limit.box}" if limit.box else "")
+        words += "" if limit.move is None else f", {german.LIMITS[str(limit.move)]}"
+        return f"{words} ({self.place(place)})" if place else words
+
+    def limit_at(self, name: str, at: str) -> str:
+        """A limit as an answer has it: its name, and its name with a place."""
+        return self.limit(name, at[len(name) + 2 : -1] if at.startswith(f"{name} (") else "")
+
+    def limit_of(self, at: str) -> str:
+        """A limit as lines of programs have it: a name, with a place in brackets or without."""
+        name, bracket, place = at.partition(" (")
+        return self.limit(name, place[:-1]) if bracket else self.limit(at)
+
+    def place(self, place: str) -> str:
+        """A strut, joint or sensor with its number, or the name of a body."""
+        first, blank, rest = place.partition(" ")
+        return place if self._own else f"{german.PLACES.get(first, first)}{blank}{rest}"
+
+    def unit(self, unit: str) -> str:
+        """A unit, or what stands in place of one."""
+        return unit if self._own else german.UNITS.get(unit, unit)
+
+    def status(self, status: str) -> str:
+        """Who ensures a limit."""
+        return status if self._own else german.STATUSES.get(status, status)
+
+    def parameter(self, name: str) -> str:
+        """A parameter in words with its letter."""
+        if self._own or name not in german.PARAMETERS:
+            return parameter_words(name)
+        return f"{german.PARAMETERS[name]} ({name})"
+
+    def check(self, code: str, of: str, english: str) -> Markup:
+        """What is judged."""
+        if self._own or code not in german.CHECKS:
+            return self.quoted(english)
+        return escape(german.CHECKS[code].format(of=self.parameter(of)))
+
+    def cause(self, kind: str) -> str:
+        """What a part of a deviation is by."""
+        return kind if self._own else german.CAUSES.get(kind, kind)
+
+    def finding(self, kind: str, sentence: str) -> Markup:
+        """A finding: what it is about, and its sentence."""
+        if self._own or kind not in german.FINDINGS:
+            return self.quoted(sentence)
+        return Markup("{} {}").format(german.FINDINGS[kind], self.quoted(sentence))
+
+    def refusal(self, code: str) -> str:
+        """What a refused command lacks; empty in English, whose sentence says it."""
+        return "" if self._own else german.ERRORS.get(code, "")
+
+    def reasons(self, codes: object, sentence: str) -> Markup:
+        """Why a file is taken for what it is."""
+        if self._own or not isinstance(codes, list) or not codes:
+            return self.quoted(sentence)
+        return Markup("; ").join(self._reason(code) for code in codes)
+
+    def _reason(self, code: Mapping[str, Any]) -> Markup:
+        words = german.REASONS.get(str(code.get("code")))
+        places = {name: str(value) for name, value in code.items() if name != "code"}
+        if words is None:
+            why = Why.__members__.get(str(code.get("code")).upper())
+            return self.quoted("" if why is None else why.value.format(**places))
+        return escape(words.format(**places))
+
+    def progress(self, standing: Mapping[str, Any]) -> Markup:
+        """How far a search is."""
+        if self._own or "done" not in standing:
+            return self.quoted(standing.get("line", ""))
+        parts = []
+        if standing.get("least"):
+            parts.append(text("progress_starts", self.language, done=standing["done"], least=standing["least"]))
+        if standing.get("best") is not None:
+            parts.append(text("progress_best", self.language, best=f"{float(standing['best']):.3g}"))
+        if standing.get("left_s") is not None:
+            parts.append(text("progress_left", self.language, seconds=f"{float(standing['left_s']):.0f}"))
+        return escape(", ".join(parts) or text("progress_begins", self.language))
+
+    def title(self, machine: str, english: str) -> Markup:
+        """The title of a machine: of built-in ones ours, of others the user's own."""
+        return escape(english if self._own else german.TITLES.get(machine, english))
+
+    def target(self, target: str, english: str) -> str:
+        """What an export is."""
+        return english if self._own else german.TARGETS.get(target, english)
+
+    def refused(self, refusal: Refusal) -> Markup:
+        """What the page refuses."""
+        return self.quoted(refusal.sentence) if refusal.sentence else escape(self.say(refusal.key, **refusal.places))
+
+    def say(self, key: str, **places: object) -> str:
+        """A text of the page."""
+        return text(key, self.language, **places)
+
+
+ENGLISH = Words("en")

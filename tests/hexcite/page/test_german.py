@@ -1,0 +1,193 @@
+"""The German page is German; what commands say in English is quoted, and marked as English."""
+
+import json
+import re
+import shutil
+from collections.abc import Iterator
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from starlette.testclient import TestClient
+
+from cases.base.errors import Code
+from cases.tables import built_in_cases
+from cases.tolerances import KINDS, PRIORS
+from hexcite.page import values
+from hexcite.page.jobs import Job
+from hexcite.page.journal import PLACE, Journal
+from hexcite.page.keys import example_of
+from hexcite.page.refusals import Unfit
+from hexcite.page.server import app_of
+from hexcite.page.stages import built_in
+from hexcite.page.texts import answers
+from hexcite.page.texts.case_keys import KEYS, NOUNS, TABLES
+from hexcite.page.words import ENGLISH, Words
+from identification.finding import Kind
+from identification.findings.tolerances import MEMORY, NOISE, SHOWN
+from identification.limits.limit import LimitKind, OwnMove, Status
+from identification.recording.formats.reasons import Why, because
+from identification.results.verdicts import accept
+from identification.texts import _BODY, _WORDS
+from tests.hexcite.command_line import call
+
+from .conftest import HOST, OWN, TOKEN
+
+GERMAN = Words("de")
+ENGLISH_WORDS = frozenset(
+    re.findall(
+        r"\w+",
+        """the of is are and with for not by from this that which where has have been to or its be than each other they
+        mass velocity limit joint strut force jerk value file run machine recording result search share time noise
+        offset angle length height name unit column row largest smallest distance between about until into before after
+        there what how when who does do can must should found written file nothing""",
+    )
+)
+SILENT = frozenset({"script", "style", "code", "pre", "q", "title"})
+
+
+class Spoken(HTMLParser):
+    """What a page says in its own language: texts and labels, without quotations, code and values."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.said: list[str] = []
+        self._silent: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        about = dict(attrs)
+        value = about.get("class") == "printed" or (tag == "option" and "value" not in about)  # of a file, or a name
+        if tag in SILENT or value or about.get("lang") == "en" or self._silent:
+            if tag not in ("input", "br", "meta", "link", "img", "circle", "path", "polyline", "rect"):
+                self._silent.append(tag)
+            return
+        self.said += [about[name] or "" for name in ("aria-label", "placeholder", "alt") if name in about]
+
+    def handle_endtag(self, tag: str) -> None:
+        if self._silent and self._silent[-1] == tag:
+            self._silent.pop()
+
+    def handle_data(self, data: str) -> None:
+        if not self._silent:
+            self.said.append(data)
+
+
+def english_in(page: str) -> set[str]:
+    """English words that a page says, each with the text around it."""
+    spoken = Spoken()
+    spoken.feed(page)
+    texts = (re.sub(r"`[^`]*`|\S*[._/\[\]]\S+", " ", text) for text in spoken.said)
+    return {
+        f"{word.lower()}: {text.strip()[:80]}"
+        for text in texts
+        for word in re.findall(r"[A-Za-zäöüß]+", text)
+        if word in ENGLISH_WORDS
+    }
+
+
+def test_what_is_said_and_what_is_quoted_are_told_apart():
+    page = '<p>Die mass <q lang="en">the mass</q> ist <code>of</code></p><label aria-label="for it">x</label>'
+    assert english_in(page) == {"mass: Die mass", "for: for it"}
+
+
+@pytest.fixture
+def answered(root: Path, calibrated: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[TestClient]:
+    """A client of a folder in which each stage has an answer of a command."""
+    shutil.copytree(calibrated, root, dirs_exist_ok=True, ignore=shutil.ignore_patterns(PLACE))
+    monkeypatch.chdir(root)
+    case = root / "mill" / "case.toml"
+    case.write_text(case.read_text().replace("what it is, in a line", "Unser Hexapod"))
+    table = (root / "rec" / "recording.csv").read_text().splitlines()
+    head = table[0].replace("_mm", "").replace("_N", "").replace("f2", "force no 2")
+    (root / "trace.csv").write_text("\n".join([head, *table[1:4000]]).replace(",", ";"))
+    commands = {
+        ("machine", "check"): ("case", "check", "mill/case.toml", "--propose"),
+        ("program", "plan"): ("post", "plan", "--dialect", "sinumerik", "-o", "again.mpf"),
+        ("data", "trace.csv"): ("look", "trace.csv", "--case", "mill/case.toml", "-o", "trace-look.svg"),
+        ("use", "res"): ("export", "res", "--to", "c", "--case", "mill/case.toml", "--preview"),
+    }
+    journal = Journal(root)
+    for number, ((stage, about), command) in enumerate(commands.items(), 1):
+        answer = call(*command, "--json")
+        job = Job("+mill", stage, command, about=about, number=number, state="done" if answer.code == 0 else "failed")
+        job.ended, job.finished, job.answer = job.began, 4e9, json.loads(answer.out)
+        job.messages = ["the limit of this machine is reached"]
+        if "error" in (job.answer or {}):
+            job.code, job.answer = job.answer["error"]["code"], None
+        journal.write(f"{number}-1-1", job.record)
+    with TestClient(app_of(root, frozenset({HOST}), TOKEN), follow_redirects=False) as client:
+        client.get(f"/?token={TOKEN}")
+        client.headers.update(OWN | {"accept-language": "de"})
+        yield client
+
+
+def test_all_stages_speak_german(answered: TestClient):
+    urdf = '<robot name="r"><link name="a"/><link name="b"/><joint name="j" type="revolute"><parent link="a"/>'
+    urdf += '<child link="b"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="9" velocity="1"/></joint></robot>'
+    assert answered.put("/upload/arm.urdf", content=urdf.encode()).status_code == 200
+    places = ["/", "/urdf/arm.urdf", "/nowhere", "/m/+mill/data?recording=trace.csv"]
+    places += [f"/m/{key}/machine" for key in built_in_cases()]
+    places += [f"/m/+mill/{stage}" for stage in ("machine", "plan", "program", "data", "result", "use")]
+    found = {}
+    for place in places:
+        answer = answered.get(place)
+        assert answer.status_code in (200, 404), place
+        assert '<html lang="de">' in answer.text
+        if english := english_in(answer.text):
+            found[place] = english
+    assert found == {}
+    data = answered.get("/m/+mill/data?recording=trace.csv").text
+    assert "ihre Beschriftung" in data or "keine Einheit angegeben" in data
+    result = answered.get("/m/+mill/result").text
+    assert "Masse (m)" in result
+    assert "Zeichnung" in result
+    refused = answered.post("/m/+mill/do/program", data={"plan": "none"})
+    assert refused.status_code == 400
+    assert "steht nicht zur Wahl" in refused.text
+
+
+def test_everything_with_a_code_has_german_words():
+    assert {*map(str, LimitKind), *map(str, OwnMove)} == answers.LIMITS.keys()
+    assert {*map(str, Status)} == answers.STATUSES.keys()
+    assert {*map(str, Kind)} == answers.FINDINGS.keys()
+    assert {*map(str, Code)} == answers.ERRORS.keys()
+    assert {why.name.lower() for why in Why} == answers.REASONS.keys()
+    assert _BODY.keys() | _WORDS.keys() == answers.PARAMETERS.keys()
+    assert {*KINDS.values(), PRIORS, NOISE, MEMORY, SHOWN} <= answers.CAUSES.keys()
+    assert built_in_cases().keys() == answers.TITLES.keys()
+
+
+def test_reasons_have_the_same_places_in_both_languages():
+    for why in Why:
+        assert re.findall(r"{(\w+)}", why.value) == re.findall(r"{(\w+)}", answers.REASONS[why.name.lower()]), why
+    reason = because(Why.RATE, rate="500")
+    assert (
+        GERMAN.reasons(reason.codes, reason) == "ihre Schritte sind dann 500 Zeilen je Sekunde, wie Rekorder sie haben"
+    )
+    assert ENGLISH.reasons(reason.codes, reason) == str(reason)
+
+
+def test_every_check_has_german_words(calibrated: Path):
+    import hexcite as hx
+
+    verdict = accept(hx.Result.load(calibrated / "res", hx.load_case(str(calibrated / "mill")), stale=True))
+    assert verdict.checks
+    for check in verdict.checks:
+        assert not GERMAN.check(check.code, check.of, check.name).startswith("<q")
+
+
+def test_keys_and_tables_of_cases_have_german_words():
+    for machine in built_in():
+        content = machine.file.read_text(encoding="utf-8")
+        assert example_of
+        for section in values.sections(content, machine.case):
+            assert not section.words or {*section.owners} & TABLES.keys(), section.name
+            for entry in (*section.entries, *section.more):
+                assert not entry.words or {f"{owner}.{entry.key}" for owner in entry.owners} & KEYS.keys(), entry.name
+                assert len(entry.noun) < 3 or entry.noun in NOUNS or not entry.noun.isalpha(), entry.noun
+
+
+def test_a_refusal_of_the_page_is_a_text_and_one_of_the_library_a_quotation():
+    assert GERMAN.refused(Unfit("no_choice", name="plan", text="x")) == "plan: &#39;x&#39; steht nicht zur Wahl"
+    assert GERMAN.refused(Unfit.of(["it is <b>"])) == '<q lang="en">it is &lt;b&gt;</q>'
+    assert str(Unfit("no_choice", name="plan", text="x")) == "plan: 'x' is not a choice"
