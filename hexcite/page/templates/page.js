@@ -141,14 +141,20 @@ function space(place) {
   let scene = null, ready = false;
   const send = (next = scene) => {
     scene = next;
-    if (ready && scene) frame.contentWindow.postMessage({ scene: { ...scene, pick: Boolean(place.dataset.pick) }, words: { play, pause, pose, of } }, "*");
+    if (ready && scene) frame.contentWindow.postMessage({ scene: { ...scene, pick: Boolean(place.dataset.pick), picked: document.getElementById(place.dataset.pick ?? "")?.value }, words: { play, pause, pose, of } }, "*");
   };
   addEventListener("message", (event) => {
     if (event.source !== frame.contentWindow) return;
     if (event.data.ready) { ready = true; frame.removeAttribute("tabindex"); send(); }
     if (event.data.failed) place.textContent = place.dataset.failed;
     const menu = document.getElementById(place.dataset.pick ?? "");
-    if (menu && [...menu.options].some((each) => each.value === event.data.picked)) menu.value = event.data.picked;
+    if (menu && [...menu.options].some((each) => each.value === event.data.picked)) {
+      menu.value = event.data.picked;
+      menu.dispatchEvent(new Event("change"));
+    }
+  });
+  document.getElementById(place.dataset.pick ?? "")?.addEventListener("change", (event) => { // chosen by the keyboard
+    if (event.isTrusted) send();
   });
   frame.setAttribute("sandbox", "allow-scripts");
   frame.title = place.dataset.title;

@@ -52,6 +52,7 @@ const machine = (div, scene, words) => (player ??= playerOf(div)).take(scene, wo
 const alone = () => document.body.classList.contains("space"); // nothing but the machine
 const escaped = (text) => text.replace(/&/g, "&amp;").replace(/</g, "&lt;"); // plotly reads some HTML in labels
 const LIT = 0.99, MOST_LIMITS = 8;
+const HELD = 6, NEAR = 28; // [px] that a click may move, and from a label
 
 function playerOf(div) {
   const slider = document.getElementById("scrub"), button = document.getElementById("play");
@@ -78,7 +79,7 @@ function playerOf(div) {
     const text = scene.labels.map(([text]) => escaped(text));
     return {
       type: "scatter3d", x, y, z, text, hoverinfo: scene.pick ? "text" : "skip", showlegend: false,
-      mode: scene.pick ? "markers+text" : "text", marker: { size: 7, color: PALETTE[1] }, customdata: scene.labels.map(([text]) => text),
+      mode: scene.pick ? "markers+text" : "text", marker: { size: 7, color: scene.labels.map(([text]) => PALETTE[text === scene.picked ? 0 : 1]) }, customdata: scene.labels.map(([text]) => text),
       textposition: "top right", textfont: { size: 11, color: colour("--ink") },
     };
   };
@@ -94,6 +95,11 @@ function playerOf(div) {
     return [...still, ...scene.parts.map((part) => trace(part, 0)), ...(scene.labels.length ? [named()] : [])];
   };
   const axis = (title, range) => ({ title: { text: title }, range, autorange: false });
+  const aspect = () => { // as mode "data" has it, which fails where all points lie in a plane
+    const lengths = scene.ends.map(([low, high]) => high - low);
+    const [x, y, z] = lengths.map((length) => length / Math.cbrt(lengths[0] * lengths[1] * lengths[2]));
+    return { x, y, z };
+  };
   const layout = () => {
     const far = alone() ? 1.25 : narrow.matches ? 1.55 : 1.0; // labels need room beside the machine
     const height = alone() ? Math.max(260, innerHeight - div.closest("figure").querySelector(".player").offsetHeight - 8)
@@ -101,7 +107,7 @@ function playerOf(div) {
     return {
       height, uirevision: "keep", showlegend: !alone(), margin: { l: 0, r: 0, t: alone() ? 0 : 30, b: 0 },
       scene: {
-        aspectmode: "data", uirevision: "keep",
+        aspectmode: "manual", aspectratio: aspect(), uirevision: "keep",
         camera: { eye: { x: 1.35 * far, y: -1.6 * far, z: 0.7 * far }, center: { x: 0, y: 0, z: -0.2 } },
         xaxis: axis("x [mm]", scene.ends[0]), yaxis: axis("y [mm]", scene.ends[1]), zaxis: axis("z [mm]", scene.ends[2]),
       },
@@ -176,6 +182,57 @@ function playerOf(div) {
   });
   slider.addEventListener("input", () => { stop(); show(Number(slider.value)); });
 
+  // Where plotly draws a point of the machine, in pixels of the picture; it has no public function that says so.
+  function seen(point) {
+    const inner = div._fullLayout.scene._scene, { model, view, projection } = inner.glplot.cameraParams;
+    const times = (m, v) => [0, 1, 2, 3].map((row) => m[row] * v[0] + m[4 + row] * v[1] + m[8 + row] * v[2] + m[12 + row] * v[3]);
+    const at = [model, view, projection].reduce((v, m) => times(m, v), [...point.map((x, k) => x * inner.dataScale[k]), 1]);
+    const { clientWidth: width, clientHeight: height } = inner.container;
+    return [(0.5 + at[0] / at[3] / 2) * width, (0.5 - at[1] / at[3] / 2) * height];
+  }
+  // A click or a tap chooses the nearest label; a drag turns the machine, and chooses nothing.
+  function picking() {
+    const still = new Map();
+    const place = (event) => {
+      const box = div._fullLayout.scene._scene.container.getBoundingClientRect();
+      return [event.clientX - box.left, event.clientY - box.top];
+    };
+    const far = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
+    div.addEventListener("pointerdown", (event) => still.set(event.pointerId, place(event)), true);
+    addEventListener("pointerup", (event) => {
+      const from = still.get(event.pointerId), to = place(event);
+      still.delete(event.pointerId);
+      if (!scene.pick || !from || far(from, to) > HELD) return;
+      const ways = scene.labels.map(([, point, frame]) => far(to, seen(placed(point, frame, wanted))));
+      const nearest = ways.indexOf(Math.min(...ways));
+      if (ways[nearest] <= NEAR) choose(scene.labels[nearest][0]);
+    }, true);
+    addEventListener("pointercancel", (event) => still.delete(event.pointerId), true);
+  }
+  // Two fingers zoom, which plotly takes for a drag of the first one.
+  function pinching() {
+    let before = null;
+    const apart = (touches) => Math.hypot(touches[0].clientX - touches[1].clientX, touches[0].clientY - touches[1].clientY);
+    for (const kind of ["touchstart", "touchmove"]) {
+      div.addEventListener(kind, (event) => {
+        if (event.touches.length !== 2) { before = null; return; }
+        event.preventDefault();
+        event.stopPropagation();
+        const inner = div._fullLayout.scene._scene;
+        if (kind === "touchstart" || before === null) { before = { apart: apart(event.touches), eye: inner.getCamera().eye }; return; }
+        const times = before.apart / Math.max(1, apart(event.touches)), { eye } = before;
+        Plotly.relayout(div, { "scene.camera.eye": { x: eye.x * times, y: eye.y * times, z: eye.z * times } });
+      }, { capture: true, passive: false });
+    }
+    div.addEventListener("touchend", () => { before = null; }, true);
+  }
+  async function choose(name) {
+    scene = { ...scene, picked: name };
+    parent.postMessage({ picked: name }, "*");
+    const marker = { size: 7, color: scene.labels.map(([text]) => PALETTE[text === name ? 0 : 1]) };
+    await Plotly.restyle(div, { marker: [marker] }, [div.data.length - 1]);
+  }
+
   async function take(next, said) {
     scene = next;
     words = said ?? words;
@@ -192,10 +249,8 @@ function playerOf(div) {
     if (drawn) await Plotly.react(div, data(), { ...layout(), template: template() });
     else {
       await draw(div, data(), layout());
-      div.on("plotly_click", (event) => {
-        const name = event.points[0]?.customdata;
-        if (scene.pick && name) parent.postMessage({ picked: name }, "*");
-      });
+      picking();
+      pinching();
     }
     drawn = true;
     busy = false;
