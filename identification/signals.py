@@ -97,6 +97,13 @@ class Filter(NamedTuple):
         curvature += (curvature @ t) * slope
         return np.asarray(curvature / (curvature @ t**2 / 2))
 
+    def autocovariance(self, order: int) -> Array:
+        """Autocovariance of a derivative of filtered white noise, in steps of `stride`, 1 at lag zero, shape (l,)."""
+        kernel = self.kernel(order, 0.0)
+        ends = range(len(kernel), 0, -self.stride)
+        lagged = np.array([kernel[:end] @ kernel[len(kernel) - end :] for end in ends])
+        return np.asarray(lagged / lagged[0])
+
     def require(self, values: Array, delay: float) -> None:
         """Raises RecordingError for fewer values than the filter is long, ValueError for a delay [s] out of reach."""
         if abs(delay) > self.reach:

@@ -4,7 +4,7 @@ An alternative is a set of columns D beside those of the regression, the effect 
 model does not know (a gain of a channel, an offset of a strut, a spring, time). What the fit cannot take over of it,
 D_ = D - A A^+ D, is compared with the residuals r: the scores c = U^T r, U an orthonormal basis of D_, are zero but for
 noise where the model is right (Rao's test). Their covariance is that of noise as what r leaves beside this alternative
-shows it (`force_noise.mixtures`): a large effect so never hides in the noise by which it is judged, and noise with
+shows it (`noise_mixtures.mixtures`): a large effect so never hides in the noise by which it is judged, and noise with
 memory is not taken for one. What is left shows the noise itself by few independent numbers, the fewer the slower it is
 and the more the alternative takes: by that much more must be seen (`small_sample`).
 
@@ -21,7 +21,8 @@ from scipy.fft import next_fast_len, rfft
 
 from cases.base.units import Array, Indices
 from identification.estimation.fit import orthonormal
-from identification.estimation.force_noise import LEAST_SAMPLES, in_turned_channels, mixtures, toeplitz
+from identification.estimation.force_noise import LEAST_SAMPLES, in_turned_channels, toeplitz
+from identification.estimation.noise_mixtures import mixtures
 from identification.estimation.small_sample import Noise, chance_of
 
 UNSEEN = 1e-8  # of a column's square, below which what the fit leaves of it is rounding
@@ -321,11 +322,11 @@ def noise_of(basis: Array, rest: Remainder, noise: Array) -> Noise:
     own = slice(rest.basis.shape[2], None)
     if rest.coloured and len(noise) >= LEAST_SAMPLES:
         each = mixtures(found)
-        parts = [mixture.covariances[:, own, own] for mixture in each]
-        spreads = [mixture.spread for mixture in each]
-        total = np.sum([np.einsum("c,cij->ij", m.shares, part) for m, part in zip(each, parts, strict=True)], axis=0)
+        parts = [mixture.parts.covariances[:, own, own] for mixture in each]
+        spreads, shares = [mixture.parts.spread for mixture in each], [mixture.parts.shares for mixture in each]
+        total = np.sum([np.tensordot(of, part, 1) for of, part in zip(shares, parts, strict=True)], axis=0)
         # how much slow noise there is in the band of these scores follows from what is left of it in that band alone
-        slow = np.array([np.einsum("c,cij->ij", m.shares[1:], p[1:]) for m, p in zip(each, parts, strict=True)])
+        slow = np.array([np.tensordot(of[1:], part[1:], 1) for of, part in zip(shares, parts, strict=True)])
         bands = np.sum(np.abs(rfft(found.series(found.answer[:, :, own]), axis=0)) ** 2, axis=2).T
         known = [_left_in_band(band, mixture.free) for band, mixture in zip(bands, each, strict=True)]
         return Noise(total, (*parts, slow), (*spreads, np.diag(2.0 / np.array(known))))

@@ -84,6 +84,8 @@ class Robust(NamedTuple):
     covariance: Array  # covariance of u, shape (u, u)
     findings: tuple[Finding, ...] = ()
     field: PoseField | None = None  # errors that depend on the pose, where the run shows them
+    # that for noise which is white before the filter, where a part of it is noise of accelerations, shape (u, u)
+    sources: Array | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +93,9 @@ class Fit:
     """An estimate of u."""
 
     values: Array  # u, shape (u,)
-    covariance: Array  # s^2 F^-1, (28), s the white noise, shape (u, u): right where the recorded noise is white
+    # s^2 F^-1, (28), s the white noise, shape (u, u): right where the recorded noise is white; where residuals show
+    # noise of the drives' accelerations, its counterpart for that
+    covariance: Array
     covariance_robust: Array  # autocorrelation-robust, shape (u, u): right also where it is not
     # standard deviation of white noise of a force by filtered residuals, s0 of (27) where nothing was filtered;
     # dimensionless where weights are given, else [N]

@@ -20,7 +20,8 @@ import numpy as np
 
 from cases.base.units import Array, Flags, Indices
 from identification.estimation.fit import Fit, Robust, joint_triangle
-from identification.estimation.force_noise import coloured_covariance, turned
+from identification.estimation.force_noise import turned
+from identification.estimation.noise_mixtures import coloured_covariance, source_covariance
 from identification.estimation.pose_noise import covariance_by_pose
 from identification.finding import Finding, Kind, note
 from identification.machines.hexapod import StrutsDoNotClose
@@ -141,13 +142,14 @@ class Run(Moving):
             share, matrices, residuals = len(part) / len(residuals), matrices[part], residuals[part]
             top = joint_triangle(matrices, residuals, np.sqrt(weights))
             residuals = residuals - matrices @ np.linalg.lstsq(top[:, :-1], top[:, -1], rcond=None)[0]
-        data = turned(matrices, residuals, weights, self._places_of(part))._replace(share=share)
+        data = turned(matrices, residuals, weights, self._places_of(part))
+        data = data._replace(share=share, sources=self.sources)
         assert self.recording.struts is not None
         if self.machine.of_pose:  # the field is one over the lengths of struts
             struts = self.recording.struts[self.filter.margin + self.rows[part]]
             placed = covariance_by_pose(data, struts, residuals if whitening is None else None)
             if placed is not None:
-                return placed
+                return placed._replace(sources=source_covariance(data))
         return coloured_covariance(data)
 
     def _places_of(self, part: Indices) -> Indices:

@@ -185,6 +185,11 @@ class Moving(Samples):
         return Filtered(self.filter.noise_gain, self.filter.stride)
 
     @property
+    def sources(self) -> Array:
+        """Autocovariances behind the filter of what is white before it, as of `Turned`, shape (2, l)."""
+        return np.array([self.filter.autocovariance(order) for order in (0, 2)])
+
+    @property
     def noise_correlation(self) -> float:
         """Correlation of white noise behind the filter, between evaluated samples."""
         return self.filter.noise_correlation
@@ -307,6 +312,8 @@ def fit_samples(
             findings = (*fit.findings, *robust.findings)
             covariance = basis @ robust.covariance @ basis.T
             fit = replace(fit, covariance_robust=covariance, findings=findings, field=robust.field)
+            if robust.sources is not None:
+                fit = replace(fit, covariance=basis @ robust.sources @ basis.T)
     fit = replace(fit, covariance=raised * fit.covariance, covariance_robust=raised * fit.covariance_robust)
     w = np.diag(fit.weights)
     if whitening is not None:  # the residuals are those of the forces themselves

@@ -16,7 +16,8 @@ from cases.base.errors import Code, IdentificationError, RecordingError
 from cases.base.units import Array, Flags
 from cases.schema import Case
 from identification.estimation.fit import Robust
-from identification.estimation.force_noise import coloured_covariance, turned
+from identification.estimation.force_noise import turned
+from identification.estimation.noise_mixtures import coloured_covariance
 from identification.machines.machine import Kinematics
 from identification.model.blocks import MASS
 from identification.model.model import Model
@@ -114,7 +115,7 @@ class WristRun(Moving):
         self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
     ) -> Robust | None:
         """Covariance of u for noise of any colour, shape (u, u), from A and residuals; None for short runs."""
-        return coloured_covariance(turned(matrices, residuals, weights, self.places))
+        return coloured_covariance(turned(matrices, residuals, weights, self.places)._replace(sources=self.sources))
 
     def series(self, delay: float, values: Array) -> Residuals:
         """Forces as recorded at the evaluated samples beside the model's."""

@@ -8,8 +8,10 @@ from scipy.signal import lfilter
 
 from cases.schema import load_case
 from identification.estimation.fit import Fit, Regression, Robust, gauss_markov
-from identification.estimation.force_noise import Turned, coloured_covariance, turned
+from identification.estimation.force_noise import Turned, turned
+from identification.estimation.noise_mixtures import coloured_covariance
 from identification.machines.hexapod import Hexapod
+from identification.signals import Filter
 from tests.bench.coverage import coloured_coverage
 from tests.helpers import Harmonic, few
 from tests.simulated_machine import PoseExecution
@@ -73,6 +75,73 @@ def test_white_noise_gives_the_covariance_of_28_and_a_little_for_what_300_sample
         fit = gauss_markov(Regression(A, A @ U + memory(seed, 0.0), NAMES), ONES)
         ratio.append(coloured(fit) / np.sqrt(np.diag(fit.covariance)))
     assert 1.0 < np.mean(ratio) < 1.2
+
+
+@pytest.mark.parametrize("phi", [0.0, 0.6, 0.9])
+def test_deviations_are_as_wide_as_errors_are(phi: float) -> None:
+    """Root mean square of true over reported deviations: the mixture finds its maximum, and channels tell together."""
+    true = np.var([gauss_markov(Regression(A, memory(1000 + s, phi), NAMES), ONES).values for s in range(200)], axis=0)
+    ratios = []
+    for seed in range(8):
+        fit = gauss_markov(Regression(A, A @ U + memory(seed, phi), NAMES), ONES)
+        ratios.append(np.sqrt(true) / coloured(fit))
+    assert 0.88 < np.sqrt(np.mean(np.square(ratios))) < 1.1
+
+
+def test_a_channel_that_remembers_alone_is_judged_by_itself() -> None:
+    """Offsets of six channels, of which the third drifts: its deviation is as large as its errors, and no other's."""
+    offsets = np.tile(np.eye(6), (SAMPLES, 1, 1))
+
+    def fitted(seed: int) -> Fit:
+        noise = memory(seed, 0.0)
+        noise[:, 2] += 2.0 * memory(seed + 5000, 0.95)[:, 2]
+        return gauss_markov(Regression(offsets, noise, NAMES), ONES)
+
+    true = np.std([fitted(100 + seed).values for seed in range(200)], axis=0)
+    found = []
+    for seed in range(8):
+        fit = fitted(seed)
+        found.append(np.sqrt(np.diag(robust(turned(offsets, fit.residuals, ONES)).covariance)))
+    ratio = true / np.median(found, axis=0)
+    assert 0.6 < ratio[2] < 1.4
+    assert np.all(ratio[[0, 1, 3, 4, 5]] > 0.5)
+    assert np.all(np.delete(np.array(found), 2, axis=1).mean(axis=0) < 0.4 * np.array(found)[:, 2].mean())
+
+
+def test_noise_of_accelerations_is_not_taken_for_white() -> None:
+    """White noise of encoders, differentiated twice behind a filter: parameters of a slow motion hardly have it."""
+    low_pass, size = Filter(20.0, 0.002), np.r_[5.0, 2.0, 8.0, 1.0, 1.0, 3.0]
+    rows = np.arange(SAMPLES) * low_pass.stride
+    sources = np.array([low_pass.autocovariance(order) for order in (0, 2)])
+    bent = float(np.linalg.norm(low_pass.kernel(2, 0.0)))
+
+    def fitted(seed: int) -> Fit:
+        draw = np.random.default_rng(seed)
+        raw = draw.normal(size=(2, rows[-1] + 1 + 2 * low_pass.margin, 6))
+        noise = 0.5 * low_pass.apply(raw[0])[rows] + size * low_pass.apply(raw[1], 2)[rows] / bent
+        return gauss_markov(Regression(A, noise, NAMES), ONES)
+
+    true, ratios, white = np.std([fitted(50 + seed).values for seed in range(100)], axis=0), [], []
+    for seed in range(6):
+        fit = fitted(seed)
+        found = robust(turned(A, fit.residuals, ONES)._replace(sources=sources))
+        assert found.sources is not None
+        ratios.append(true / np.sqrt(np.diag(found.sources)))
+        white.append(true / np.sqrt(np.diag(fit.covariance)))
+    assert 0.8 < np.sqrt(np.mean(np.square(ratios))) < 1.15
+    assert np.sqrt(np.mean(np.square(white))) < 0.5
+
+
+def test_white_noise_of_forces_alone_leaves_28_as_it_is() -> None:
+    low_pass, told = Filter(20.0, 0.002), []
+    rows = np.arange(SAMPLES) * low_pass.stride
+    sources = np.array([low_pass.autocovariance(order) for order in (0, 2)])
+    for seed in range(10):
+        raw = np.random.default_rng(seed).normal(size=(rows[-1] + 1 + 2 * low_pass.margin, 6))
+        fit = gauss_markov(Regression(A, low_pass.apply(raw)[rows], NAMES), ONES)
+        kept = robust(turned(A, fit.residuals, ONES)._replace(sources=sources)).sources
+        told.append(1.0 if kept is None else float(np.mean(np.sqrt(np.diag(kept) / np.diag(fit.covariance)))))
+    assert min(told) > 0.8
 
 
 def test_noise_nearly_as_slow_as_the_run_is_no_surprise() -> None:

@@ -8,7 +8,8 @@ from scipy.signal import lfilter
 
 from cases.schema import load_case
 from identification.estimation.fit import Regression, gauss_markov
-from identification.estimation.force_noise import Turned, coloured_covariance, turned
+from identification.estimation.force_noise import Turned, turned
+from identification.estimation.noise_mixtures import coloured_covariance
 from identification.estimation.pose_noise import FREEDOM, covariance_by_pose, spectrum_of
 from identification.identify import estimate_parameters
 from identification.machines.hexapod import Hexapod
