@@ -24,7 +24,7 @@ from identification.texts import efficiency_text
 from planner._plan import plan as motion
 from planner.controller_limits import steps_of
 from planner.families.settings import FamilySettings, Fourier, Manual, PointToPoint
-from planner.options import PlanOptions
+from planner.options import FAMILY_WORDS, PlanOptions
 from planner.plans.plan import Plan
 from planner.request import Solver, require_seed, require_starts
 from planner.retiming import retime
@@ -50,7 +50,7 @@ class Tried:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Demo:
-    """Results of the steps: of seven-segment moves, and of a hand-made motion and a Fourier series beside them."""
+    """Results of the steps: of moves, and of a manual motion and a Fourier series beside them."""
 
     moves: Tried
     others: tuple[Tried, ...]
@@ -115,8 +115,8 @@ def demo(
 ) -> Demo:
     """Plan, program, proof, run, identification and comparison, end to end.
 
-    A hand-made motion (where the case has one), a Fourier series and seven-segment moves go the same way, and are
-    compared as planned, as run, and with the truth.
+    A manual motion (where the case has one), a Fourier series and moves go the same way, and are compared as planned,
+    as run, and with the truth.
 
     Args:
         case: case with a simulated machine.
@@ -168,13 +168,13 @@ def demo(
 def without_jerk(plan: Plan) -> str:
     """What the path of a plan is worth as fast as toppra times it, for a controller that does not limit jerk."""
     before = f"{plan.duration:.3g} s, D-efficiency {plan.of_motion[1].d_efficiency:.3f}"
-    limited = plan.case.need_motion("a demo")[1].limits_jerk
+    words, limited = FAMILY_WORDS[plan.family], plan.case.need_motion("a demo")[1].limits_jerk
     try:
         timed = retime(plan, "toppra", LimitKind.JERK if limited else None)
     except HexciteError as error:
-        return f"{plan.family} is not timed by toppra: {error.typed}"
+        return f"{words}: not timed by toppra: {error.typed}"
     return (
-        f"{plan.family} timed by toppra, for a controller that does not limit jerk: {timed.duration:.3g} s, "
+        f"{words} timed by toppra, for a controller that does not limit jerk: {timed.duration:.3g} s, "
         f"D-efficiency {timed.of_motion[1].d_efficiency:.3f} ({before} with its own time)"
     )
 
@@ -201,7 +201,7 @@ class _Way:
         worth = plan.of_motion[1]
         without = ", without jerk" if plan.without else ""
         progress(
-            f"plan: {plan.family} of {plan.duration:.3g} s for {language.name}{without}, D-efficiency "
+            f"plan: {FAMILY_WORDS[plan.family]} of {plan.duration:.3g} s for {language.name}{without}, D-efficiency "
             f"{worth.d_efficiency:.3f} against the bound ({worth.bound.label}), found in {plan.solve_s:.0f} s"
         )
         file = place / f"excitation{language.suffix}"

@@ -126,6 +126,7 @@ class FourierOptions:
     """Settings of a Fourier series."""
 
     name: ClassVar[str] = "fourier"
+    words: ClassVar[str] = "Fourier series"
 
     order: Annotated[int, Option("harmonics, 1 to 7; 1 is ellipses, with half a period for each way in and out.")] = 5
     period: Annotated[
@@ -147,6 +148,7 @@ class MoveOptions:
     """Settings of point-to-point moves."""
 
     name: ClassVar[str] = "ptp"
+    words: ClassVar[str] = "moves"
 
     moves: Annotated[
         int | None, Option("point-to-point moves, 8 to 64; by default the best of a few numbers, by trying.")
@@ -167,6 +169,7 @@ class SplineOptions:
     """Settings of a spline."""
 
     name: ClassVar[str] = "spline"
+    words: ClassVar[str] = "spline"
 
     knots: Annotated[int | None, Option("intervals, 20 to 150; by default ten a second, 150 at most.")] = None
 
@@ -176,6 +179,7 @@ class ManualOptions:
     """Settings of a hand-made motion."""
 
     name: ClassVar[str] = "manual"
+    words: ClassVar[str] = "manual motion"
 
     sequence: Annotated[
         Path | str | None,
@@ -187,7 +191,9 @@ class ManualOptions:
     ] = None
 
 
-OF_FAMILIES: Mapping[str, type] = {
+OF_FAMILIES: Mapping[str, type[FourierOptions | MoveOptions | SplineOptions | ManualOptions]] = {
     kind.name: kind for kind in (FourierOptions, MoveOptions, SplineOptions, ManualOptions)
 }
 """Declarations of the settings that one family alone has, by its name."""
+FAMILY_WORDS = {name: kind.words for name, kind in OF_FAMILIES.items()} | {"poses": "poses"}
+"""What families are called in texts for people, by their names in files and on the command line."""

@@ -22,7 +22,7 @@ def demo(
 ) -> None:
     """Show the whole chain on a machine, from plan to report.
 
-    A hand-made motion, a Fourier series and seven-segment moves go the same way and are compared with the truth.
+    A manual motion, a Fourier series and moves go the same way and are compared with the truth.
     """
     from hexcite.cli.method_options import answer_of_result
     from hexcite.cli.plan import answer_of_plan

@@ -14,7 +14,7 @@ from cases.base.options import options_of
 from hexcite.cli import console
 from hexcite.cli.console import argument, option, out
 from hexcite.cli.declared import takes
-from planner.options import OF_FAMILIES, Duration, PlanOptions
+from planner.options import FAMILY_WORDS, OF_FAMILIES, Duration, PlanOptions
 
 SEARCHED = (
     "duration",
@@ -81,10 +81,9 @@ def plan(
     require_plannable(request, loaded)  # before anything is said
     optimised = own.optimised
     if not json:
+        words = FAMILY_WORDS.get(family or "", "any family")
         motion = f"{'up to ' if request.target else ''}{request.duration:g} s, criterion {request.criterion}, "
-        console.say(
-            f"Planning for {loaded.name}: {family or 'any family'}, {motion if optimised else ''}model {request.model}"
-        )
+        console.say(f"Planning for {loaded.name}: {words}, {motion if optimised else ''}model {request.model}")
     with console.status("searching" if optimised else "timing", json) as remark:
         result = planned(request, loaded, console.as_lines() if json and progress else remark)
     with console.status("writing", json), first_ctrl_c():  # this takes a short time

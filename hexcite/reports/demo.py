@@ -13,6 +13,7 @@ from hexcite.reports.page import Head, note, page, section, table, tiles
 from hexcite.reports.scene import moving_machine
 from identification.limits.limit import Status
 from identification.texts import legible, parameter_words, std_text, value_text
+from planner.options import FAMILY_WORDS
 from postprocessors.proof.homing import planned_excitation
 
 
@@ -88,7 +89,6 @@ def demo_page(chain: Demo) -> str:
 MOTION_COLUMNS = (
     "motion", "s planned", "s run", "D-efficiency planned", "as executed", "s0", "largest error in std", "deviations",
 )  # fmt: skip
-MOTIONS = {"manual": "by hand", "fourier": "Fourier series", "ptp": "seven-segment moves"}
 
 
 def motion_rows(chain: Demo) -> list[tuple[str, ...]]:
@@ -100,7 +100,7 @@ def motion_rows(chain: Demo) -> list[tuple[str, ...]]:
         ratio = f"{ratios[number]:.2f} times" if len(ratios) == len(chain.all) else "-"
         rows.append(
             (
-                MOTIONS.get(each.plan.family, each.plan.family),
+                FAMILY_WORDS[each.plan.family],
                 f"{run.planned_s:.2f}",
                 f"{run.executed_s:.2f}",
                 f"{each.plan.of_motion[1].d_efficiency:.3f}",

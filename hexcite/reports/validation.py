@@ -22,7 +22,7 @@ THEORY = (
 
 UNDISTURBED = (
     "The order of the methods is that of this machine with its vibration, ripple and errors of the pose. Without them "
-    "it may be another, as for a motion by hand (D9M) and a Fourier series (D9N), Table 6: compare results of runs on "
+    "it may be another, as for a manual motion (D9M) and a Fourier series (D9N), Table 6: compare results of runs on "
     "the virtual controller, which are undisturbed."
 )
 

@@ -155,7 +155,7 @@ def in_turn(case: Case) -> Joined:
     Raises:
         InfeasiblePlan: nothing can move.
     """
-    home, limits = case.need_motion("a hand-made sequence")
+    home, limits = case.need_motion("a manual motion")
     ends = np.array(limits.pose) * (1.0 - UNUSED_SHARE)
     parts: list[Trajectory] = []
     for moved in (*np.eye(len(home)), np.ones(len(home))):
@@ -170,7 +170,7 @@ def in_turn(case: Case) -> Joined:
             break
     if not parts:
         raise InfeasiblePlan(
-            place="a hand-made sequence",
+            place="a manual motion",
             problem="no coordinate can move from home",
             remedy="write manual.toml",
             code=Code.INFEASIBLE,
@@ -185,7 +185,7 @@ def manual_motion(case: Case, file: Path) -> Joined:
         FileProblem, CaseError: the file cannot be used.
         InfeasiblePlan: a step leaves the limits however slow it is.
     """
-    home, limits = case.need_motion("a hand-made sequence")
+    home, limits = case.need_motion("a manual motion")
     if file.suffix.lower() == ".csv":
         builds = _through(home, [*load_poses(file, limits.columns), home], case)
     else:
@@ -200,7 +200,7 @@ def manual_motion(case: Case, file: Path) -> Joined:
 
 
 def _limits(case: Case, speed: float) -> tuple[Array, Array, Array]:
-    box = case.need_motion("a hand-made sequence")[1]
+    box = case.need_motion("a manual motion")[1]
     share = speed * (1.0 - UNUSED_SHARE)
     return box.rate * share, box.acceleration * share**2, box.jerk * share**3
 

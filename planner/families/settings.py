@@ -406,7 +406,7 @@ IN_TURN = "each coordinate to both ends of its way, then all at once"
 @documented(ManualOptions)
 @dataclass(frozen=True, slots=True)
 class Manual(ManualOptions, FamilySettings):
-    """The hand-made motion of a file, as fast as the limits allow.
+    """The manual motion of a file, as fast as the limits allow.
 
     Args:
         OPTIONS
@@ -423,7 +423,7 @@ class Manual(ManualOptions, FamilySettings):
 
     def require_plannable(self, case: Case, duration: float) -> None:
         """Raises HexciteError unless such files suit the machine and the file can be read."""
-        limits = case.need_motion("a hand-made sequence")[1]
+        limits = case.need_motion("a manual motion")[1]
         file = self.file(case)
         if file is None:
             return

@@ -29,6 +29,7 @@ from identification.texts import (
     use_text,
 )
 from planner.families.plan_settings import PlanSettings
+from planner.options import FAMILY_WORDS
 from planner.plans.figures import PoseWorth, Worth, bound_by
 from planner.plans.folder import (
     LONGEST_OF_POSES,
@@ -321,7 +322,7 @@ class Plan:
     @property
     def headline(self) -> str:
         """What it is, in a line."""
-        subject = f"{len(self.poses)} poses" if isinstance(self.worth, PoseWorth) else f"{self.family} motion"
+        subject = f"{len(self.poses)} poses" if isinstance(self.worth, PoseWorth) else FAMILY_WORDS[self.family]
         criterion = f"criterion {self.request.criterion}, model {self.model}"
         left_out = f", without {', '.join(self.without)}" if self.without else ""
         return f"Plan for {self.case.name}: {subject}, {self.duration:.2f} s, {criterion}{left_out}"

@@ -19,6 +19,7 @@ from planner.families.plan_settings import FourierSettings, MoveSettings, PlanSe
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import Fourier, PointToPoint
 from planner.noise import mean_information
+from planner.options import FAMILY_WORDS
 from planner.plans.figures import Worth, figures_of, prediction_of, predictions_of
 from planner.plans.plan import Plan
 from planner.plans.prediction import Gain, Promise
@@ -165,9 +166,9 @@ def choice_notes(tried: Mapping[str, float]) -> tuple[str, ...]:
     if not tried:
         return ()
     (name, most), *others = tried.items()
-    behind = ", ".join(f"{other} {efficiency:.3f}" for other, efficiency in others)
+    behind = ", ".join(f"{FAMILY_WORDS[other]} {efficiency:.3f}" for other, efficiency in others)
     path = "" if name == PointToPoint.name else "; for a controller that times moves itself --family ptp"
-    return (f"{name} by trying: D-efficiency {most:.3f}, first starts of {behind}{path}",)
+    return (f"{FAMILY_WORDS[name]} by trying: D-efficiency {most:.3f}, first starts of {behind}{path}",)
 
 
 def fourier_notes(case: Case, model: Model, request: Request, motion: Trajectory, logdet: float) -> tuple[str, ...]:

@@ -123,7 +123,7 @@ def test_a_hand_made_motion_a_series_and_moves_are_compared_as_planned_run_and_w
     demo: dict[str, Any], page: Page
 ):
     motions = {row["motion"]: row for row in demo["motions"]}
-    assert list(motions) == ["by hand", "Fourier series", "seven-segment moves"]
+    assert list(motions) == ["manual motion", "Fourier series", "moves"]
     assert demo["left_out"] == []
     for row in motions.values():
         assert float(row["largest error in std"]) < 4.0
