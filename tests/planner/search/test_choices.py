@@ -15,7 +15,7 @@ from hexcite.cli.plan import FLAGS, SEARCHED, plan, refuse_foreign
 from planner.families import ptp, spline
 from planner.families.plan_settings import FourierSettings, PlanSettings
 from planner.families.settings import FAMILIES, Best, Fourier, PointToPoint, Spline
-from planner.options import MoveOptions, SplineOptions
+from planner.options import FAMILY_WORDS, MoveOptions, SplineOptions
 from planner.plans.making import KEPT, search
 from planner.plans.rating import PlannedMotion, choice_notes, tried_families
 from planner.request import OWNERS, Request
@@ -209,7 +209,7 @@ def test_without_a_family_each_has_a_start_and_the_best_has_the_others(best: str
     assert set(tried) == set(MOVING)
     others = [efficiency for name, efficiency in tried.items() if name != best]
     assert all(0.25 < other < 0.4 for other in others)  # 0.5 exp(-10 / 20), a little more of what is refined
-    assert best in choice_notes(tried)[0]
+    assert choice_notes(tried)[0].startswith(f"{FAMILY_WORDS[best]} by trying")
 
 
 def test_a_controller_with_a_time_law_of_its_own_is_planned_moves_for(hexapod_case: Case):
