@@ -1,22 +1,55 @@
 """`hexcite identify`: parameters with error bars from a recording; `hexcite look`: what one of unknown format holds."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields
+from functools import partial
 from itertools import count
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, TypedDict
 
 import typer
 
 import hexcite as hx
 from cases.base.errors import Code, IdentificationError, RecordingError, printable
 from cases.base.files import RESULT, check_file, check_folder, output_place
+from cases.base.options import Option
 from cases.editing import Change
 from hexcite.cli import console
 from hexcite.cli.cases import toml_shown
 from hexcite.cli.console import argument, option, out
+from hexcite.cli.declared import takes
+from identification.options import TreatmentOptions
 from identification.texts import aligned, carries_rods, value_cells
 
 
+class MethodOptions(TypedDict, total=False):
+    """What is known beforehand, and how residuals are weighed, as it is written on the command line."""
+
+    weights: Annotated[
+        str | None,
+        Option(
+            "W: equal, per_channel or per_unit (from the residuals), full (from their covariance between channels), "
+            "stated (from the noise of forces and accelerations in the case, through the model), huber (per_channel, "
+            "and gross errors count less); by default the case's."
+        ),
+    ]
+    fix: Annotated[list[str] | None, Option("A known value, taken as exact: m=93.1kg, xC=0mm. Repeatable.")]
+    drop: Annotated[list[str] | None, Option("A parameter to leave out, as if it were zero: k3. Repeatable.")]
+    prior: Annotated[list[str] | None, Option("An uncertain value: m=33+-0.5kg. Repeatable.")]
+    symmetric: Annotated[
+        bool, Option("A symmetric platform without accessories: xC = yC = 0, I12 = I13 = I23 = 0.", False)
+    ]
+    estimator: Annotated[
+        str,
+        Option(
+            "linear (17)-(22), or nonlinear: the form (18) by its local Jacobian, where central inertia can be fixed "
+            "too.",
+            "linear",
+        ),
+    ]
+
+
+@takes(MethodOptions, TreatmentOptions)
 def identify(
     recordings: Annotated[
         list[Path],
@@ -32,42 +65,6 @@ def identify(
             "Identification model, 0 to 9, or 10 (3 with inertia); by default what the run can carry. all: every model "
             "(Table 3), and that one is kept which predicts best what is left out."
         ),
-    ] = None,
-    weights: Annotated[
-        str | None,
-        option(
-            "W: equal, per_channel or per_unit (from the residuals), full (from their covariance between channels), "
-            "stated (from the noise of forces and accelerations in the case, through the model), huber (per_channel, "
-            "and gross errors count less); by default the case's."
-        ),
-    ] = None,
-    fix: Annotated[list[str] | None, option("A known value, taken as exact: m=93.1kg, xC=0mm. Repeatable.")] = None,
-    drop: Annotated[list[str] | None, option("A parameter to leave out, as if it were zero: k3. Repeatable.")] = None,
-    prior: Annotated[list[str] | None, option("An uncertain value: m=33+-0.5kg. Repeatable.")] = None,
-    symmetric: Annotated[
-        bool, option("A symmetric platform without accessories: xC = yC = 0, I12 = I13 = I23 = 0.", "--symmetric")
-    ] = False,
-    estimator: Annotated[
-        str,
-        option(
-            "linear (17)-(22), or nonlinear: the form (18) by its local Jacobian, where central inertia can be fixed "
-            "too."
-        ),
-    ] = "linear",
-    accelerated: Annotated[
-        float | None,
-        option(
-            "Evaluate samples from this share of the run's largest acceleration on alone: 0.3. Shown beside default."
-        ),
-    ] = None,
-    period: Annotated[
-        float | None,
-        option("Replace the motion by a Fourier series (34)-(36) of this period in s. Shown beside the default."),
-    ] = None,
-    harmonics: Annotated[int, option("Harmonics of that series.")] = 7,
-    cutoff: Annotated[
-        str | None,
-        option("Low-pass in Hz in place of the case's, or none: the widest there is. Shown beside the default."),
     ] = None,
     plan: Annotated[
         Path | None,
@@ -94,6 +91,7 @@ def identify(
     stale: console.Stale = False,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
+    **options: Any,
 ) -> None:
     """Identify parameters from a recorded run.
 
@@ -110,14 +108,14 @@ def identify(
     if verify is not None:
         require_file(files_of([verify])[0])  # before a result is written
     if runs:
-        _require_runs(recordings, model, prior)
+        _require_runs(recordings, model, options["prior"])
     folder = output_place(output, Path("pooled" if runs else f"{recordings[0].resolve().stem}-result"), overwrite)
     check_folder(folder, RESULT, recordings, overwrite)
     with console.remedies(json), console.status("identifying", json):
         named = None if plan is None else hx.Plan.load(plan, None if case is None else hx.load_case(case), stale=True)
 
-        def how(model: hx.Model) -> hx.Method:
-            return method_of(model, fix, drop, prior, weights, symmetric, estimator)
+        treatment = treatment_of(**{field.name: options.pop(field.name) for field in fields(TreatmentOptions)})
+        how = partial(method_of, **options)
 
         def identified(files: list[Path]) -> tuple[hx.Result, hx.ModelChoice | None]:
             """The result of one run, and all models of it where they are asked for."""
@@ -147,7 +145,7 @@ def identify(
                 average_standstills=standstills,
                 poses=planned,
                 plan=plans_at_hand(run) if named is None else named,
-                treatment=treatment_of(accelerated, period, harmonics, cutoff),
+                treatment=treatment,
             )
             return (result, None) if choice is None else (result.chosen_among(choice.to_json()), choice)
 

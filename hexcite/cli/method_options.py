@@ -22,12 +22,13 @@ ESTIMATORS = ("linear", "nonlinear")
 
 def method_of(
     model: Model,
-    fix: Sequence[str] | None = None,
-    drop: Sequence[str] | None = None,
-    prior: Sequence[str] | None = None,
-    weights: str | None = None,
-    symmetric: bool = False,
-    estimator: str = "linear",
+    *,
+    weights: str | None,
+    fix: Sequence[str] | None,
+    drop: Sequence[str] | None,
+    prior: Sequence[str] | None,
+    symmetric: bool,
+    estimator: str,
 ) -> Method:
     """The method that a user asks for by the options as typed; HexciteError where one of them is not understood."""
     units = {p.name: p.unit for p in (*model.parameters, *physical_form(model).parameters)}

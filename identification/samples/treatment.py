@@ -8,10 +8,12 @@ import numpy as np
 
 from cases.base.doors import checks_arguments
 from cases.base.errors import Code, IdentificationError, option
+from cases.base.options import documented
 from cases.base.units import Array, Flags
 from cases.schema import Case
 from identification.machines.of_case import machine_of
 from identification.model.model import Model
+from identification.options import TreatmentOptions
 from identification.recording.recording import Recording
 from identification.samples.moving import Run
 from identification.samples.moving_window import moving_run
@@ -22,18 +24,17 @@ WIDEST = 0.2  # of the samples a second: the widest low-pass behind which positi
 
 
 @checks_arguments
+@documented(TreatmentOptions)
 @dataclass(frozen=True, slots=True)
-class Treatment:
+class Treatment(TreatmentOptions):
     """How a moving run is treated; what is None is as by default.
 
-    Raises IdentificationError for values that mean nothing.
-    """
+    Args:
+        OPTIONS
 
-    # share of the run's largest translational or rotational acceleration from which samples are evaluated
-    accelerated: float | None = None
-    period: float | None = None  # of a Fourier series that replaces the measured motion, (34) to (36) [s]
-    harmonics: int = 7  # of that series
-    cutoff: float | None = None  # of the low-pass, in place of that of the case [Hz]; infinite: the widest there is
+    Raises:
+        IdentificationError: a value means nothing.
+    """
 
     def __post_init__(self) -> None:
         if self.accelerated is not None and not 0.0 < self.accelerated < 1.0:
