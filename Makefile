@@ -10,12 +10,12 @@ demo: .venv/.runtime ## the whole chain on the built-in hexapod, to hexcite-demo
 	$(BIN)/hexcite demo --overwrite
 
 test: .venv/.dev ## the tests; byte code is kept, for hexcite is started many times
-	PYTHONDONTWRITEBYTECODE= $(BIN)/pytest -n auto --dist worksteal -m "not slow and not repeats"
+	PYTHONDONTWRITEBYTECODE= $(BIN)/pytest -n auto --dist worksteal -m "not slow and not repeats and not linuxcnc"
 
 check: lint test ## format, lint, types, import contracts, tests
 
-full: check ## check, and what make test leaves out: all variants and examples; CI runs it
-	PYTHONDONTWRITEBYTECODE= $(BIN)/pytest -n auto --dist worksteal -m "not slow and (repeats or hypothesis)" --hypothesis-profile full
+full: check ## check, and what make test leaves out: all variants and examples, and the real LinuxCNC; CI runs it
+	PYTHONDONTWRITEBYTECODE= $(BIN)/pytest -n auto --dist worksteal -m "not slow and (repeats or hypothesis or linuxcnc)" --hypothesis-profile full
 
 lint: .venv/.dev
 	$(BIN)/ruff format --check .

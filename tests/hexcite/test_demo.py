@@ -20,6 +20,7 @@ from tests.helpers import tells
 from tests.hexcite.browser import opened
 from tests.hexcite.command_line import call
 
+pytestmark = pytest.mark.repeats  # its steps have tests of their own
 PLOTS = ("errors", "forces", "residuals", "spectrum")
 FETCHED = {"src", "href", "srcset", "data", "poster", "action", "background"}
 

@@ -53,6 +53,7 @@ def folder(lines: str, cache: Path, tmp_path_factory: pytest.TempPathFactory) ->
     return folder
 
 
+@pytest.mark.repeats
 def test_twelve_lines_write_what_they_are_told_to_and_nothing_else(folder: Path):
     assert {str(p.relative_to(folder)) for p in folder.rglob("*") if p.is_file()} == {
         "run.mpf", "result/result.json", "result/.hexcite", "result.html", "residuals.pdf"
@@ -195,6 +196,7 @@ def test_a_recording_comes_back_as_far_as_its_decimals_go(
         np.testing.assert_array_equal(values[1], values[2])
 
 
+@pytest.mark.repeats
 def test_a_run_is_the_same_to_identification_saved_or_not(folder: Path, hexapod_case: Case, tmp_path: Path):
     recording = hx.run(folder / "run.mpf", hexapod_case, seed=0)
     recording.save(tmp_path / "run")
@@ -206,6 +208,7 @@ def test_a_run_is_the_same_to_identification_saved_or_not(folder: Path, hexapod_
     assert saved["m"].value == pytest.approx(at_once["m"].value, abs=1e-3 * saved["m"].std)
 
 
+@pytest.mark.repeats
 def test_a_result_comes_back_as_it_was_saved(folder: Path, tmp_path: Path):
     result = hx.Result.load(folder / "result")
     result.save(tmp_path / "twin")
@@ -241,6 +244,7 @@ def test_a_search_needs_a_process(hexapod_case: Case):
     assert tells(by_hand, "--workers ", "--family manual")
 
 
+@pytest.mark.repeats
 def test_values_are_shown_in_a_few_lines(folder: Path, by_hand: Plan, hexapod_case: Case):
     result = hx.Result.load(folder / "result")
     program = hx.Program.load(folder / "run.mpf", hexapod_case)

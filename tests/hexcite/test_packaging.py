@@ -91,6 +91,7 @@ def test_every_module_and_all_data_ship(names: set[str]):
     assert any(n.endswith("licenses/LICENSE") for n in names)
 
 
+@pytest.mark.repeats
 def test_a_new_environment_takes_the_code_from_the_wheel_and_not_from_the_checkout(python: Path, tmp_path: Path):
     code = f"import {', '.join(PACKAGES)}; print(*({', '.join(f'{p}.__file__' for p in PACKAGES)},), sep='\\n')"
     files = run(python, "-c", code, cwd=tmp_path).splitlines()
@@ -99,6 +100,7 @@ def test_a_new_environment_takes_the_code_from_the_wheel_and_not_from_the_checko
         assert Path(file).is_relative_to(python.parents[1]), file
 
 
+@pytest.mark.repeats
 def test_the_command_works_outside_the_checkout(python: Path, tmp_path: Path):
     rows = json.loads(run(python.with_name("hexcite"), "cases", "--json", cwd=tmp_path))["cases"]
     assert {r["name"] for r in rows} >= {"hexapod", "ft_wrist", "clamping_table"}
@@ -107,6 +109,7 @@ def test_the_command_works_outside_the_checkout(python: Path, tmp_path: Path):
     assert checked["ok"] is True
 
 
+@pytest.mark.repeats
 def test_the_report_finds_its_template_outside_the_checkout(python: Path, tmp_path: Path):
     code = "from hexcite.reports.page import Head, page; print(page('whole', Head('', True, ''), '', (), ()))"
     assert "<h1>whole</h1>" in run(python, "-c", code, cwd=tmp_path)

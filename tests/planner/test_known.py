@@ -198,6 +198,7 @@ def test_payloads_are_one_number_where_something_is_known():
         Request(PointToPoint(moves=8), model=plan_for(NAME).model, payload=2, payload_from=0, known=known_by(3))
 
 
+@pytest.mark.repeats
 def test_the_command_takes_folders(tmp_path: Path, cache: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
     call("run", _manual(tmp_path), "--case", "hexapod", "--on", "virtual", "-o", "run")
