@@ -7,6 +7,7 @@ from typing import Any, Unpack
 from threadpoolctl import threadpool_limits
 
 from cases.base.options import documented
+from cases.base.seldom import seldom
 from cases.base.units import Array
 from cases.schema import Case
 from identification.model.model import full_model, static_model
@@ -46,14 +47,14 @@ def plan(
         family: family of motions; unless given the one of which the best motion is found, of moves, splines and series.
         duration: duration of the excitation [s], 12 s by default; with a target the longest that is tried, by default
             60 s.
-        progress: shows a line now and then.
+        progress: shows a line, at most once a second.
         OPTIONS
 
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.
     """
     request = request_of(case, family, duration, **settings)
-    return planned(request, case, None if progress is None else lambda standing: progress(standing.line))
+    return planned(request, case, None if progress is None else seldom(lambda standing: progress(standing.line)))
 
 
 def request_of(
@@ -96,7 +97,7 @@ def plan_poses(
         at: poses of one's own instead, to see what they are worth beside chosen ones: a CSV file, or coordinates of the
             machine, shape (n, k) [m or rad].
         case: machine, limits and poses.
-        progress: called with the number of poses after each step of the choice.
+        progress: called with the number of poses as the choice goes on, at most once a second.
         OPTIONS
 
     Raises:
@@ -115,4 +116,4 @@ def plan_poses(
     request = PoseRequest(**wanted)
     own = load_poses(Path(at), case.need_motion("a plan of poses")[1].columns) if isinstance(at, Path | str) else at
     with threadpool_limits(limits=1, user_api="blas"):
-        return poses_planned(request, case, progress or (lambda _: None), own)
+        return poses_planned(request, case, seldom(progress or (lambda _: None)), own)

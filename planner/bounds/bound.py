@@ -24,6 +24,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from cases.base.errors import Code, FileProblem, HexciteError, option
 from cases.base.files import json_text, write_text
+from cases.base.seldom import seldom
 from cases.base.units import as_html
 from cases.basis import bound_hash
 from cases.schema import Case
@@ -144,7 +145,7 @@ def bound(
         case: machine and limits.
         model: number in Table 2; by default the largest that a motion can identify.
         time_limit: processor time after which the answer is an estimate [s].
-        progress: called with a line about the state of the computation now and then.
+        progress: called with a line about the state of the computation, at most once a second.
 
     Raises:
         HexciteError: no duration, an unknown model, a case without machine or limits, or a machine whose motions do not
@@ -159,7 +160,7 @@ def bound(
     case.need_motion("the information limit")
     effective_model = identification_model(case, full_model(case) if model is None else model)
     require_identifiable(case, effective_model)
-    return information_limit(case, effective_model, time_limit, True, progress)
+    return information_limit(case, effective_model, time_limit, True, seldom(progress))
 
 
 def compute_bound(

@@ -104,7 +104,8 @@ class Follower:
         if best is not None:
             words.append(self._in_words(best))
         if left is not None:
-            words.append(f"about {left:.0f} s left" if left > 0.0 else "its time is over, ending")
+            ending = "its time is over, ending" if math.isfinite(self.planned.until) else "ending"
+            words.append(f"about {left:.0f} s left" if left > 0.0 else ending)
         return ", ".join(words)
 
     def _best(self) -> float:

@@ -5,6 +5,7 @@ import json
 import math
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -13,8 +14,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hexcite as hx
+from cases.base import seldom
 from cases.schema import Case
 from hexcite.cli import console
+from planner import _plan
 from planner.families.settings import Fourier, PointToPoint
 from planner.plans.progress import Follower, Standing, expected_best
 from planner.request import Request
@@ -72,7 +75,8 @@ def test_it_says_which_start_how_good_and_how_long(hexapod_case: Case, monkeypat
     assert "left" not in lines[-1].split(", ")[-1]
 
 
-def test_a_search_tells_from_its_beginning(hexapod_case: Case):
+def test_a_search_tells_from_its_beginning(hexapod_case: Case, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(seldom, "EVERY", 0.0)
     lines: list[str] = []
     hx.plan(hexapod_case, PointToPoint(moves=8), 2.0, model=6, starts=2, workers=1, progress=lines.append)
     of_starts = [line for line in lines if line.startswith("start")]
@@ -80,6 +84,30 @@ def test_a_search_tells_from_its_beginning(hexapod_case: Case):
     assert any("start 2 of 2, best 0." in line for line in of_starts)
     first = [line for line in of_starts if line.startswith("start 1")]
     assert any("s left" in line for line in first)
+
+
+def test_progress_is_shown_at_most_once_a_second(hexapod_case: Case, monkeypatch: pytest.MonkeyPatch):
+    """In a notebook each line stays: fifty steps within seven seconds are eight lines."""
+    clock = [100.0]
+    monkeypatch.setattr(seldom.time, "monotonic", lambda: clock[0])
+
+    def fifty_steps(request: Request, case: Case, show: Callable[[Standing], None]) -> None:
+        for number in range(50):
+            show(Standing(f"step {number}"))
+            clock[0] += 0.15
+
+    monkeypatch.setattr(_plan, "planned", fifty_steps)
+    lines: list[str] = []
+    hx.plan(hexapod_case, PointToPoint(moves=8), 2.0, model=6, progress=lines.append)
+    assert lines == [f"step {number}" for number in range(0, 50, 7)]
+
+
+def test_a_search_whose_time_was_not_limited_does_not_say_that_it_is_over(hexapod_case: Case):
+    follow = Follower(hexapod_case, lambda standing: None)
+    follow(Request(Fourier(order=3), 3.0, model=6))
+    follow(Planned("start", 1, True, math.inf))
+    follow(Failed(1, "made up"))
+    assert follow.standing().line == "start 1 of 1, ending"
 
 
 def test_programs_read_where_a_search_stands(capfd: pytest.CaptureFixture[str]):
