@@ -67,6 +67,16 @@ class Ros2(Part):
     controller_keeps: Promises = ()
     """Limits that ros2_control enforces behind it (`enforce_command_limits`, limits of joints); by default none: the
     controller itself enforces none."""
+    command_interfaces: tuple[Literal["position", "velocity", "acceleration", "effort"], ...] = ("position",)
+    """Its `command_interfaces`. Without positions a control loop of its own follows the set points, more or less."""
+    state_interfaces: tuple[Literal["position", "velocity", "acceleration"], ...] = ("position", "velocity")
+    """Its `state_interfaces`: what the hardware states of a joint decides how smooth the way to the first point is."""
+    interpolate_from_desired_state: Annotated[bool, Field(strict=True)] = False
+    """Whether it starts from its last command (until 2025 `open_loop_control`), not from where the joints are."""
+    decelerate_on_cancel: Annotated[bool, Field(strict=True)] = False
+    """Its `constraints.decelerate_on_cancel`: whether it slows down where a motion is cancelled or leaves its path."""
+    speed_scaling: Annotated[bool, Field(strict=True)] = False
+    """Whether a slider of speed stretches trajectories: a scaled controller, or `speed_scaling.state_interface`."""
 
 
 class Setpoints(Part):

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from enum import Enum
 from functools import cached_property, partial
 
 import numpy as np
@@ -21,6 +22,17 @@ Law = Callable[[float, float, float], Profile]
 Limits of velocity, acceleration and jerk on the share of the way [1/s, 1/s^2, 1/s^3] -> time law of that share, 0 to 1.
 """
 ALONG, ACROSS = math.sqrt(0.75), 0.5  # shares of the acceleration limit that an arc is assumed to use
+
+
+class WayToFirst(Enum):
+    """Polynomials of a way to a first point: peaks of rate and of what follows, over 1 in the time 1.
+
+    What steps has no peak.
+    """
+
+    SMOOTH = (15 / 8, 10 / math.sqrt(3.0), 60.0)  # of degree five
+    ACCELERATIONS_STEP = (1.5, 6.0)  # of degree three, where accelerations of the joints are not known
+    RATES_STEP = (1.0,)  # at one speed, where rates are not known either
 
 
 def limits_jerk(law: Law) -> bool:
@@ -64,6 +76,8 @@ class Guarantees:
     arc_along: float | None = ALONG
     # how an operator's feed override is kept at 100 % at most, for people; empty where it goes no further
     override_remedy: str = ""
+    # how it goes from where it stands to a first point of a table, from rest to rest
+    to_first: WayToFirst = WayToFirst.SMOOTH
     # what it does by settings of its own, one sentence each, for people
     own_rules: tuple[str, ...] = ()
     # allowed deviation of its polynomials from a motion that is none, beside rounding, shape (6,) or (1,) [m, rad]

@@ -10,10 +10,9 @@ import numpy as np
 from cases.base.errors import Code, NotProven, ProgramError, Violation, choice, option
 from cases.base.units import DEG, MM
 from cases.chain import Box
-from cases.schema import Case
 from identification.limits.limit import KINETIC, LimitCheck, LimitKind, LimitReport, Status, worst_of
 from identification.motion.motion import Array
-from postprocessors.proof.guarantees import Guarantees
+from postprocessors.proof.guarantees import Guarantees, WayToFirst
 from postprocessors.proof.judging import judge, require_timing
 from postprocessors.reading import Reading, Still, Stretch, Timed, Untimed
 
@@ -210,7 +209,7 @@ def remarks(reading: Reading, guarantees: Guarantees) -> Iterator[str]:
     elif reading.checked is not None:
         yield _stops_elsewhere(*reading.checked, home, limits)
     elif reading.start is not None and reading.start_time > 0.0:
-        yield _taken_home(reading.start_time, case)
+        yield _taken_home(reading.start_time, guarantees)
     elif reading.start is not None:
         yield "the machine must stand at home when it starts"
     last = moves[-1]
@@ -235,18 +234,22 @@ def override_remarks(reading: Reading, guarantees: Guarantees) -> Iterator[str]:
         yield f"a feed override above 100 % makes it faster than what is proven; {guarantees.override_remedy}"
 
 
-# Peaks of rate, acceleration and jerk of a quintic from rest to rest over 1 in the time 1
-_QUINTIC = 15 / 8, 10 / np.sqrt(3.0), 60.0
+_STEPS = {
+    WayToFirst.SMOOTH: "",
+    WayToFirst.ACCELERATIONS_STEP: "; accelerations step on that way: it does not know those of the joints",
+    WayToFirst.RATES_STEP: "; speeds step on that way: it does not know those of the joints",
+}
 
 
-def _taken_home(time: float, case: Case) -> str:
+def _taken_home(time: float, guarantees: Guarantees) -> str:
     """The remark on a controller that goes to home in some time [s], from wherever the machine stands."""
+    case, kind = guarantees.case, guarantees.to_first
     _, limits = case.need_motion("the check of a program")
     share = case.need_controller("the check of a program").safe_share
     near = [
         share * limit * time**order / peak
         for order, (limit, peak) in enumerate(
-            zip((limits.rate, limits.acceleration, limits.jerk), _QUINTIC, strict=True), 1
+            zip((limits.rate, limits.acceleration, limits.jerk), kind.value, strict=False), 1
         )
     ]
     way = np.min(near, axis=0)
@@ -258,7 +261,7 @@ def _taken_home(time: float, case: Case) -> str:
     ways = " and ".join(f"{length:.3g} {name}" for length, name in lengths)
     return (
         f"the machine must stand at home when it starts: from where it stands it is taken there in {time:.3g} s, at no "
-        f"more than {100 * share:.3g} % of its limits only if no joint is further than {ways} from home"
+        f"more than {100 * share:.3g} % of its limits only if no joint is further than {ways} from home{_STEPS[kind]}"
     )
 
 

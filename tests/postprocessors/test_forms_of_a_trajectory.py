@@ -135,6 +135,46 @@ def test_settings_of_the_controller_are_in_the_goal_and_in_the_remarks() -> None
     assert (goal.goal_time_tolerance.sec, goal.goal_time_tolerance.nanosec) == (1, 500_000_000)
 
 
+# Shares of the way in the time 1, as the controller joins two points at rest: by degree five, three and one.
+WAYS = {
+    ("position", "velocity", "acceleration"): np.polynomial.Polynomial([0, 0, 0, 10, -15, 6]),
+    ("position", "velocity"): np.polynomial.Polynomial([0, 0, 3, -2]),
+    ("position",): np.polynomial.Polynomial([0, 1]),
+}
+STEPS = ("speeds step", "accelerations step", "")  # what steps at its ends: the first derivative that is not 0 there
+
+
+@pytest.mark.parametrize("interfaces", WAYS)
+def test_the_way_to_the_first_point_is_the_one_that_the_controller_makes(interfaces: tuple[str, ...]) -> None:
+    """From as far off as it says some derivative reaches a tenth of its limit, and none more."""
+    case = with_settings(state_interfaces=interfaces)
+    (remark,) = (words for words in written(".yaml", case).proof.remarks if "it is taken there in 3 s" in words)
+    way = np.radians(float(re.search(r"further than (\S+) deg", remark)[1]))
+    assert "further" in remark
+    share, t = WAYS[interfaces], np.linspace(0.0, 1.0, 4001)
+    box, used = case.limits.motion, []
+    for order, limits in enumerate((box.rate, box.acceleration, box.jerk), 1):
+        used.append(np.abs(share.deriv(order)(t)).max() * way / 3.0**order / (0.1 * limits.min()))
+        if abs(share.deriv(order)(0.0)) > 0.0:
+            break  # what follows is without bound
+    assert max(used[: len(interfaces)]) == pytest.approx(1.0, rel=0.01)
+    assert STEPS[len(interfaces) - 1] in remark
+
+
+def test_what_the_controller_does_by_its_own_settings_is_said() -> None:
+    ways = {
+        "a control loop follows": {"command_interfaces": ("velocity",)},
+        "from its last command": {"interpolate_from_desired_state": True},
+        "slower than planned": {"speed_scaling": True},
+        "off its path, at once": {"path_tolerance_deg": 2.0},
+        "off its path, slowing down": {"path_tolerance_deg": 2.0, "decelerate_on_cancel": True},
+    }
+    plain = " ".join(written(".yaml", with_settings()).proof.remarks)
+    for words, keys in ways.items():
+        assert words in " ".join(written(".yaml", with_settings(**keys)).proof.remarks)
+        assert words not in plain
+
+
 def test_a_controller_that_steps_from_point_to_point_gets_no_program() -> None:
     with pytest.raises(CaseError, match=r"controller\.ros2\.interpolation.*splines") as caught:
         written(".yaml", with_settings(interpolation="none"))

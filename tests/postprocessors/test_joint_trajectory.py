@@ -360,21 +360,6 @@ def shifted(degrees: float) -> str:
     return "\n".join(lines) + "\n"
 
 
-def test_how_far_from_home_the_robot_may_stand_is_said() -> None:
-    """From there the controller's quintic stays below the safe share of all limits, and from further it does not."""
-    program = written_motion("moves")
-    (remark,) = (r for r in program.proof.remarks if "stand at home" in r)
-    near, time, share = float(re.search(r"further than ([\d.]+) deg", remark)[1]), 3.0, 0.1
-    assert f"in {time:g} s" in remark
-    _, box = ROBOT.need_motion("a test")
-    made = BPoly.from_derivatives([0.0, time], [[np.radians(near), 0, 0], [0, 0, 0]])
-    t = np.linspace(0.0, time, 10_001)
-    shares = [
-        np.abs(made(t, k)).max() / limit.min() for k, limit in ((1, box.rate), (2, box.acceleration), (3, box.jerk))
-    ]
-    assert max(shares) == pytest.approx(share, rel=0.01)
-
-
 @pytest.mark.slow
 @settings(max_examples=examples(25), deadline=None, derandomize=True)
 @given(st.integers(0, 999_999), st.integers(1, 12), st.sampled_from(["", "0", ",", "[", "}", "\n", "#", "e", "-"]))
