@@ -29,7 +29,8 @@ async def executed() -> list[Any]:
 
     async def interrupt() -> None:
         await asyncio.sleep(PATIENCE)
-        await client.km.interrupt_kernel()
+        manager: Any = client.km
+        await manager.interrupt_kernel()
 
     async with client.async_setup_kernel():
         for number, cell in enumerate(notebook.cells):

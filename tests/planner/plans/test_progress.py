@@ -89,7 +89,7 @@ def test_a_search_tells_from_its_beginning(hexapod_case: Case, monkeypatch: pyte
 def test_progress_is_shown_at_most_once_a_second(hexapod_case: Case, monkeypatch: pytest.MonkeyPatch):
     """In a notebook each line stays: fifty steps within seven seconds are eight lines."""
     clock = [100.0]
-    monkeypatch.setattr(seldom.time, "monotonic", lambda: clock[0])
+    monkeypatch.setattr(time, "monotonic", lambda: clock[0])
 
     def fifty_steps(request: Request, case: Case, show: Callable[[Standing], None]) -> None:
         for number in range(50):
