@@ -4,6 +4,7 @@ import ast
 import inspect
 import json
 import re
+import sys
 import textwrap
 from collections.abc import Mapping
 from functools import cache
@@ -196,13 +197,20 @@ _PARSING = Lock()
 
 
 @cache
+def _classes(module: str) -> dict[str, ast.ClassDef]:
+    """The classes of a module as they are written, parsed once for all of them."""
+    tree = ast.parse(inspect.getsource(sys.modules[module]))
+    return {node.name: node for node in tree.body if isinstance(node, ast.ClassDef)}
+
+
+@cache
 def explanations(part: type[Part]) -> Mapping[str, str]:
     """What each key of a table means: the string that stands below its field in the class, or below one before it."""
     words: dict[str, str] = {}
     for base in (base for base in reversed(part.__mro__) if issubclass(base, Part)):
         meaning = ""
         with _PARSING:
-            fields = [*ast.iter_child_nodes(ast.parse(inspect.getsource(base)).body[0]), ast.Pass()]
+            fields = [*ast.iter_child_nodes(_classes(base.__module__)[base.__name__]), ast.Pass()]
         for field, text in pairwise(fields):
             if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name):
                 if isinstance(text, ast.Expr) and isinstance(text.value, ast.Constant):

@@ -90,6 +90,12 @@ def _machine(key: str, argument: str, file: Path) -> Machine:
         return Machine(key, argument, file, None, "; ".join(error.lines))
 
 
+def case_key(machine: Machine) -> tuple[str, int, int]:
+    """What a case is read by: its file, with the time and size that it has now."""
+    status = machine.file.stat()
+    return str(machine.file), status.st_mtime_ns, status.st_size
+
+
 @lru_cache(64)
 def case_of(file: str, time_ns: int, size: int) -> Case:
     """The case of a file, read once for each time and size that it has."""

@@ -3,6 +3,7 @@
 import re
 import tomllib
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from hexcite.page.actions.machine import given_values
 from hexcite.page.forms import Fields
 from hexcite.page.machine_at_home import chain_in, near, scene_of, scene_of_links, sensor_angles, sliders
 from hexcite.page.refusals import Refused
-from hexcite.page.stages import Workspace, built_in, own_machines
+from hexcite.page.stages import Workspace, built_in, case_key, case_of, own_machines
 from hexcite.page.views.common import Query
 from hexcite.reports.page import script_json
 
@@ -42,7 +43,7 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     return {
         "saved": query.get("saved") == "1",
         "digest": values.digest(content),
-        "sections": values.sections(content, machine.case),
+        "sections": _sections(content, *case_key(machine)),
         "given": {},
         "checked": check.answer if check is not None else None,
         "doubts": machine.case.doubts if machine.case is not None else (),
@@ -50,6 +51,16 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "angles": () if chain is None else sensor_angles(chain),
         **drawn(machine.case, data),
     }
+
+
+@lru_cache(8)
+def _sections(content: str, file: str, time_ns: int, size: int) -> tuple[values.Section, ...]:
+    """The values of a case file, computed once for each content that it has."""
+    try:
+        case = case_of(file, time_ns, size)
+    except HexciteError:
+        case = None
+    return values.sections(content, case)
 
 
 def _tables(content: str) -> dict[str, Any]:
