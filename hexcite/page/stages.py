@@ -21,7 +21,9 @@ MOST_BYTES = 64 * 2**20  # of a file of JSON
 RECORDINGS = frozenset(
     {".csv", ".txt", ".dat", ".tsv", ".asc", ".lvm", ".xml", ".parquet", ".db3", ".mcap", ".bag", ".log", ".out"}
 )  # fmt: skip
-PROGRAMS = frozenset({".ngc", ".nc", ".mpf", ".spf", ".script", ".yaml", ".csv"})
+FORMS = {"ros2": (".yaml", ".json", ".py")}
+"""Controllers whose programs have several forms: their suffixes, the usual one first."""
+PROGRAMS = frozenset({".ngc", ".nc", ".mpf", ".spf", ".script", ".csv", *(s for own in FORMS.values() for s in own)})
 _PLAN_HASH = re.compile(rb"plan hash ([0-9a-f]{8,64})")
 _DIALECTS = ("linuxcnc", "sinumerik", "twincat", "setpoints", "urscript", "ros2")
 
@@ -215,6 +217,9 @@ def workspace(root: Path, machine: Machine) -> Workspace:
         status = path.stat()
         found = _plan_of(str(path), status.st_mtime_ns, status.st_size) if suffix in PROGRAMS else ""
         plan = next((plan.name for plan in plans if found and plan.fingerprint.startswith(found)), "")
+        if suffix == ".json" and _is_message(str(path), status.st_mtime_ns, status.st_size):
+            begun = [plan.name for plan in plans if path.stem.startswith(plan.name)]
+            plan = max(begun, key=len, default="")  # a message of JSON has no place for a fingerprint
         if plan:
             programs.append(Program(path.name, plan, status.st_mtime))
         elif (
@@ -288,6 +293,16 @@ def _plan_of(file: str, time_ns: int, size: int) -> str:
     except OSError:
         return ""
     return found[1].decode() if found else ""
+
+
+@lru_cache(1024)
+def _is_message(file: str, time_ns: int, size: int) -> bool:
+    """Whether a file is a joint trajectory."""
+    try:
+        with open(file, "rb") as stream:
+            return stream.read(64).lstrip().startswith(b'{"joint_names"')
+    except OSError:
+        return False
 
 
 @lru_cache(1024)

@@ -7,7 +7,7 @@ from hexcite.page import forms
 from hexcite.page.actions.common import Action, Context, job_of
 from hexcite.page.forms import Fields, chosen, field
 from hexcite.page.jobs import Job
-from hexcite.page.stages import Workspace
+from hexcite.page.stages import FORMS, Workspace
 
 
 def _program(context: Context, there: Workspace, fields: Fields) -> Job:
@@ -16,7 +16,9 @@ def _program(context: Context, there: Workspace, fields: Fields) -> Job:
     from postprocessors.program import DIALECTS
 
     slow = "-slow" if field(fields, "speed") == "slow" else ""
-    output = context.free(f"{plan}{slow}", DIALECTS[dialect].suffix)
+    forms_of = FORMS.get(dialect, ())
+    suffix = chosen(fields, "form", forms_of, forms_of[0]) if forms_of else DIALECTS[dialect].suffix
+    output = context.free(f"{plan}{slow}", suffix)
     query = f"?plan={quote(plan)}"
     goto = f"{context.address}/program?plan={quote(plan)}&program={quote(output)}"
     command = forms.post(fields, plan, dialect, output)

@@ -7,6 +7,10 @@ TEXTS: dict[str, tuple[str, str]] = {
     ),
     "which_plan": ("Plan", "Plan"),
     "controller": ("Controller", "Steuerung"),
+    "form": ("Form of a program for ROS 2", "Form eines Programms für ROS 2"),
+    "form_yaml": ("YAML, for ros2 topic pub", "YAML, für ros2 topic pub"),
+    "form_json": ("JSON, for programs of your own", "JSON, für eigene Programme"),
+    "form_py": ("a script that compares the place and sends it", "ein Skript, das den Ort vergleicht und sendet"),
     "speed": ("Speed", "Tempo"),
     "full_speed": ("as planned", "wie geplant"),
     "slow": ("a tenth, to watch the first run", "ein Zehntel, um den ersten Lauf zu beobachten"),
@@ -65,16 +69,20 @@ TEXTS: dict[str, tuple[str, str]] = {
         "Die letzte Zeile im Terminal starten, dann das Programm. Danach muss sampler.0.overruns 0 sein.",
     ),
     "rec_trace_session": (
-        "Prepare a trace session with actual positions of the drives, the forces, and {trigger} as trigger.",
-        "Eine Trace-Sitzung mit den Istpositionen der Antriebe, den Kräften und {trigger} als Trigger anlegen.",
+        "Operating area Diagnostics, Trace, new session: in the window Select variables for trace insert actual "
+        "positions of the drives, the forces, and {trigger} as trigger.",
+        "Bedienbereich Diagnose, Trace, neue Sitzung: im Fenster zur Auswahl der Variablen die Istpositionen der "
+        "Antriebe, die Kräfte und {trigger} als Trigger einfügen.",
     ),
     "rec_trace_armed": (
-        "Choose $AN_SLTRACE as its start and stop trigger and arm it before the program runs: 1 starts it, 2 stops it.",
-        "$AN_SLTRACE als Start und Stopp wählen und vor dem Programm scharf schalten: 1 startet, 2 beendet.",
+        "Choose $AN_SLTRACE as its start and stop trigger (1 starts it, 2 stops it), and arm it by the softkey "
+        "Start trace before the program runs.",
+        "$AN_SLTRACE als Start und Stopp wählen (1 startet, 2 beendet) und vor dem Programm mit dem Softkey "
+        "Trace starten scharf schalten.",
     ),
     "rec_trace_by_hand": (
-        "Start the session before the program, and stop it afterwards.",
-        "Die Sitzung vor dem Programm starten und danach anhalten.",
+        "Softkey Start trace before the program, Stop trace after it.",
+        "Softkey Trace starten vor dem Programm, Trace anhalten danach.",
     ),
     "rec_trace_save": (
         "Save the session as {file}; Operate writes XML, which is read as it is.",

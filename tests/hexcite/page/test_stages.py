@@ -307,3 +307,25 @@ def test_a_program_says_how_its_run_is_recorded(root: Path, case: Case, client: 
     assert "$A_OUT[1]" in page
     assert "run.xml" in page
     assert "z 900.0" in page
+
+
+def test_a_program_for_ros_has_the_form_that_is_chosen(root: Path, client: TestClient):
+    case = load_case(str(new_case("arm", "ur10_wrist", root / "arm")))
+    plan_folder(root, case, "arm-plan")
+    plan_folder(root, case, "arm-plan-2")
+    page = client.get("/m/+arm/program").text
+    assert [form in page for form in ('value=".yaml"', 'value=".json"', 'value=".py"')] == [True] * 3
+    assert 'name="form"' not in client.get("/m/hexapod/program").text
+    machine = machine_of(root, "+arm")
+    assert machine is not None
+    context = Context(root, machine, Jobs(root))
+    fields = {"plan": ["arm-plan-2"], "dialect": ["ros2"], "form": [".json"]}
+    assert asked(ACTIONS["program"], context, fields).command[-1] == "arm-plan-2.json"
+    assert asked(ACTIONS["program"], context, fields | {"form": [".py"]}).output == "arm-plan-2.py"
+    with pytest.raises(Unfit):
+        asked(ACTIONS["program"], context, fields | {"form": [".exe"]})
+    assert asked(ACTIONS["program"], context, fields | {"dialect": ["urscript"]}).output == "arm-plan-2.script"
+    (root / "arm-plan-2.json").write_text('{"joint_names": ["a"], "points": []}')
+    (root / "arm-plan-2-payload.json").write_text('{"parameters": {}}')
+    found = workspace(root, machine).programs
+    assert [(program.name, program.plan) for program in found] == [("arm-plan-2.json", "arm-plan-2")]
