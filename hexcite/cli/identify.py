@@ -54,7 +54,7 @@ def identify(
     recordings: Annotated[
         list[Path],
         argument(
-            "One run: a file, several files of it in any order (struts and forces, say), or a folder of hexcite run. "
+            "One run: a file, several files of it in any order (drives and forces, say), or a folder of hexcite run. "
             "With --runs each is a run of its own."
         ),
     ],

@@ -143,7 +143,7 @@ def _require_free(recording: Recording, share: float, contacts: Sequence[Contact
         raise IdentificationError(
             problem=f"the forces leave the model in {100 * share:.0f} % of the samples, as in contact "
             f"({contact_sentence(recording, contacts[0])})",
-            remedy="an identification run must be free: check columns, struts, "
+            remedy="an identification run must be free: check columns, drives, "
             "model (6 to 9 in motion) and the case's dimensions, or record again",
             code=Code.MISFIT,
         ).in_doubt()

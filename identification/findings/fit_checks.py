@@ -51,7 +51,7 @@ def check_model(recording: Recording, case: Case, fitted: Fitted) -> list[Findin
     if not (moves and len(forces) > len(fit.values) and misfit > (1.0 - LEAST_EXPLAINED) * spread):
         return []
     share = f"{100 * max(0.0, 1.0 - misfit / spread):.0f} % of the forces' variance"
-    remedy = "check order, sign and unit of forces and struts"
+    remedy = f"check order, sign and unit of forces and {case.drive_words[0]}"
     return [warning(Kind.MODEL, f"the model explains only {share}; {remedy}")]
 
 

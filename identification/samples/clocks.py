@@ -120,7 +120,7 @@ def at_the_forces(recording: Recording, motion: Stream) -> Recording:
         return recording
     t = recording.t[inside]
     hidden, struts = _reach_a_gap(at, GAP * usual, t, usual), CubicSpline(at, struts)(t)
-    return _at_clock(recording, recording, inside, hidden, "the struts there", struts, recording.forces[inside])
+    return _at_clock(recording, recording, inside, hidden, "the drives there", struts, recording.forces[inside])
 
 
 def _at_clock(

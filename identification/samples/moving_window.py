@@ -78,8 +78,8 @@ def _released(recording: Recording) -> Stream | None:
         if between is not None:
             raise RecordingError(
                 place=f"{recording.source}, {recording.lines.place(int(cuts[0]))}",
-                problem=f"the struts are held for {between[0]} rows each, and a gap breaks their rhythm",
-                remedy="cut the run there, or export struts and forces as files of their own",
+                problem=f"positions of drives are held for {between[0]} rows each, and a gap breaks their rhythm",
+                remedy="cut the run there, or export drives and forces as files of their own",
                 code=Code.CLOCK,
             )
         return None
@@ -121,7 +121,7 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
         raise RecordingError(
             place=recording.source,
             problem="has a clock and rotation matrices",
-            remedy="moving runs are evaluated from struts only, remove t_s if each row is an averaged standstill",
+            remedy="moving runs are evaluated from drives only, remove t_s if each row is an averaged standstill",
             code=Code.MISSING,
         )
     low_pass = checked_filter(recording, case)
@@ -265,7 +265,7 @@ def require_position(recording: Recording, model: Model) -> None:
         raise IdentificationError(
             place=recording.source,
             problem=f"model {model.number} needs the platform's position, the recording has orientations only",
-            remedy="choose model 0 or 6, or record the struts",
+            remedy="choose model 0 or 6, or record the drives (struts, joints)",
             code=Code.NOT_SUPPORTED,
         )
 

@@ -46,7 +46,7 @@ def find_standstills(recording: Recording, settle: float) -> list[slice]:
     if recording.struts is None or recording.t is None:
         raise RecordingError(
             place=recording.source,
-            problem="standstills are found from struts with a clock",
+            problem="standstills are found from positions of drives with a clock",
             remedy="record both",
             code=Code.MISSING,
         )

@@ -140,7 +140,7 @@ def wrist_run(
     if turning is None or accelerometer is None or turning.rotations is None or accelerometer.specific_forces is None:
         raise RecordingError(
             place=recording.source,
-            problem="a moving run without struts needs rotation matrices and an accelerometer",
+            problem="a moving run without positions of drives needs rotation matrices and an accelerometer",
             remedy="add the file that has them, or remove t_s if each row is an averaged standstill",
             code=Code.MISSING,
         )
