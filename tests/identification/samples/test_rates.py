@@ -184,7 +184,7 @@ def test_held_struts_whose_rhythm_a_gap_breaks_are_refused() -> None:
     assert on_one_clock(run, CASE).step == pytest.approx(5e-3)
     keep = np.r_[0:1500, 1512 : len(t)]
     broken = replace(run, t=t[keep], struts=held[keep], forces=run.forces[keep])
-    with pytest.raises(RecordingError, match=r"run\.csv, line 1502: .*struts.* 5 rows"):
+    with pytest.raises(RecordingError, match=r"run\.csv, line 1502: .*drives.* 5 rows"):
         on_one_clock(broken, CASE)
 
 
