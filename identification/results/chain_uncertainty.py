@@ -15,6 +15,7 @@ from identification.machines.casadi_batch import over_samples
 from identification.machines.hexapod import Hexapod
 from identification.machines.machine import Kinematics, Machine
 from identification.machines.of_case import machine_if_any
+from identification.model.model import expected_forces
 from identification.results.expected_residuals import Used, noise_left
 from identification.results.frames import Place
 from identification.results.result import Result
@@ -22,6 +23,7 @@ from identification.samples.samples import MotionOfSamples
 
 STATES = 200  # of the machine, drawn in its motion box
 SEED = 0  # of these draws
+MOMENT = 1e-5  # [s] for the derivative of forces with the delay: far below what motions change in
 
 
 class Anywhere(NamedTuple):
@@ -42,15 +44,17 @@ class Anywhere(NamedTuple):
 def anywhere(result: Result, place: Place) -> Anywhere:
     """The uncertainty of external forces of a machine in the motion box of its case.
 
-    Counted are noise of the channels behind the filter of the case, noise of the parameters, and its tolerances. A case
-    without a machine has random orientations at rest; one without limits of motion stands at home.
+    Counted are noise of the channels behind the filter of the case, noise of the parameters, the delay where it was
+    estimated, and its tolerances. A case without a machine has random orientations at rest; one without limits of
+    motion stands at home.
     """
     case = result.case_as_told
     motion = states_of(result, case)
     count = 1 if motion is None else len(motion.load.pose)
     none = np.zeros((count, 6))
     noise = noise_left(result)[1] ** 2
-    used = Used(result, case, np.arange(float(count)), none, motion, noise, None, (), None)
+    late = None if motion is None else _late(result, case, motion)
+    used = Used(result, case, np.arange(float(count)), none, motion, noise, late, (), None)
     into = np.broadcast_to(used.into(place), (count, 6, 6))
     parts = used.variances(place, into, none)
     resting = used.errors(slice(None), place, into, none).by_tolerance
@@ -81,12 +85,33 @@ def states_of(result: Result, case: Case) -> MotionOfSamples | None:
         home = case.chain.home if case.chain is not None else _home(case)
         rows = np.nan_to_num(np.broadcast_to(home, (1, len(home))))
         return _moving(result, case, machine, rows, 0.0 * rows, 0.0 * rows)
+    return _moving(result, case, machine, *_drawn(case)[:3])
+
+
+def _drawn(case: Case) -> tuple[Array, Array, Array, Array]:
+    """Coordinates, rates, accelerations and jerks anywhere within the limits of motion of a case, shapes (n, k)."""
+    draw = np.random.default_rng(SEED)
     home, limits = case.need_motion("the uncertainty of exported forces")
     low, high = limits.pose
     shape = (STATES, len(home))
     at = home + draw.uniform(low, high, shape)
-    rates, accelerations = (most * draw.uniform(-1.0, 1.0, shape) for most in (limits.rate, limits.acceleration))
-    return _moving(result, case, machine, at, rates, accelerations)
+    most = (limits.rate, limits.acceleration, limits.jerk)
+    rates, accelerations, jerks = (of * draw.uniform(-1.0, 1.0, shape) for of in most)
+    return at, rates, accelerations, jerks
+
+
+def _late(result: Result, case: Case, motion: MotionOfSamples) -> Array | None:
+    """How the forces of states change with the delay, shape (n, 6) [1/s], under jerks that are drawn as the states are.
+
+    None where they stand.
+    """
+    if case.limits is None or motion.machine is None:
+        return None
+    at, rates, accelerations, jerks = _drawn(case)
+    later = (at + MOMENT * rates, rates + MOMENT * accelerations, accelerations + MOMENT * jerks)
+    then = _moving(result, case, motion.machine, *later).load
+    now, after = (expected_forces(result.model, load, result.values) for load in (motion.load, then))
+    return np.asarray((now - after) / MOMENT)
 
 
 def _home(case: Case) -> Array:

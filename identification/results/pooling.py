@@ -95,6 +95,7 @@ def pool(results: Sequence[Result]) -> Result:
         residual_rms=tuple(
             together(column) for column in zip(*(record.residual_rms for record in records), strict=True)
         ),
+        **_noise_of_channels(records, weights),
         samples=sum(record.samples for record in records),
         degrees_of_freedom=sum(record.degrees_of_freedom for record in records),
         condition=max(record.condition for record in records),
@@ -102,7 +103,8 @@ def pool(results: Sequence[Result]) -> Result:
         pooled=pooled,
     )
     # entries of a single run
-    own = {"run", "standstills", "models", "treatment", "tared", "tared_with", "plan_hash", "channel_noise", "physical"}
+    own = {"run", "standstills", "models", "treatment", "tared", "tared_with", "plan_hash", "physical"}
+    own |= set() if all(record.channel_noise for record in records) else {"channel_noise"}
     kept = {name: getattr(entries, name) for name in entries.model_fields_set - own}
     remarks = tuple(dict.fromkeys(x for r in results for x in r.remarks))
     return Result(first.case, type(entries)(**kept), remarks=remarks).beside_physical()
@@ -356,6 +358,20 @@ def _budget(
     if not biases:
         return found
     return [*found, note(Kind.NOISE, "", budget=budget_rows(model, u, white, random, biases))]
+
+
+def _noise_of_channels(records: Sequence[Any], weights: Array) -> dict[str, Any]:
+    """Noise of each channel by the residuals of all runs, weighted by their samples; none where a run has none.
+
+    Earlier results lack what their run left behind the filter: then the mean does.
+    """
+    entries = [record.channel_noise for record in records]
+    if not all(entries):
+        return {}
+    kept = [key for key in ("measured", "evaluated") if all(key in of for of in entries)]
+    squares = {key: np.average(np.square([of[key] for of in entries]), axis=0, weights=weights) for key in kept}
+    noise = {key: np.sqrt(square).tolist() for key, square in squares.items()}
+    return {"channel_noise": {"stated": entries[0].get("stated"), **noise}}
 
 
 def _mean_delay(records: Sequence[Any]) -> Value | None:

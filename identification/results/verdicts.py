@@ -139,8 +139,8 @@ def _noise(result: Result, limits: Acceptance) -> Iterator[Check | str]:
     noise = result.record.channel_noise
     if noise is None or noise.get("stated") is None:
         why = "it was identified before results kept it" if noise is None else "sensors.force_noise_N states none"
-        if result.record.pooled is not None:
-            why = "a mean of runs has none of its own"
+        if noise is None and result.record.pooled is not None:
+            why = "a run of the mean was identified before results kept it"
         yield f"noise: {why}"
         return
     ratios = np.array(noise["measured"], dtype=float) / np.array(noise["stated"], dtype=float)

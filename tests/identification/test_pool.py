@@ -52,6 +52,17 @@ def test_a_pool_of_pools_is_the_pool_of_all() -> None:
     np.testing.assert_allclose(np.sqrt(np.diag(both.covariance_robust)) / scale, 1.0, rtol=0.1)
 
 
+def test_a_pool_knows_the_noise_of_the_channels() -> None:
+    """It is that of the machine, so that verdicts judge it, and force and exported chains count it."""
+    runs = [of_run(seed) for seed in (1, 2)]
+    pooled, noise = hx.pool(runs), machine("hexapod").noise
+    np.testing.assert_allclose(pooled.record.channel_noise["measured"], noise, rtol=0.15)
+    evaluated = [run.record.channel_noise["evaluated"] for run in runs]
+    assert np.all(np.min(evaluated, axis=0) <= pooled.record.channel_noise["evaluated"])
+    assert np.all(np.max(evaluated, axis=0) >= pooled.record.channel_noise["evaluated"])
+    assert any(check.code == "noise" for check in hx.accept(pooled).checks)
+
+
 def test_a_run_that_differs_is_named_and_deviations_allow_for_it() -> None:
     runs = [of_run(1), of_run(2), of_run(3, 1.01), of_run(4)]
     pooled, sound = hx.pool(runs), hx.pool([of_run(seed) for seed in (1, 2, 4)])

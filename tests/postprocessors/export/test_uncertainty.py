@@ -11,6 +11,7 @@ import pytest
 
 from cases.base.errors import CaseError, HexciteError
 from cases.schema import Case
+from identification.estimation.fit import Value
 from identification.identify import identify
 from identification.results.chain_uncertainty import anywhere
 from identification.results.force import force
@@ -44,6 +45,31 @@ def test_what_a_chain_promises_is_what_forces_of_a_run_have_or_more(tmp_path: Pa
     promised, found = module.uncertainty(np.zeros(6)), force(other, result).expanded.max(axis=0)
     assert np.all(found < 1.1 * promised), (found, promised)
     assert np.all(promised < 6.0 * found), (found, promised)
+
+
+def test_a_chain_promises_what_a_delay_that_is_off_makes_of_forces() -> None:
+    """It is what forces of another program's plant change by in the time that the delay may be off, within limits."""
+    result, _ = made()
+    off = 1.0  # [s] so large that nothing else counts beside it
+    late = result.record.replaced(delay_s=Value(result.delay, off, off, "s"))
+    place = place_of(result.case_as_told, "sensor", at_home=False)
+    promise = anywhere(replace(result, record=late), place)
+    assert "delay" in promise.counts
+    of, draw = machine(ARM), np.random.default_rng(1)
+    most, rates = np.array(of.limits), np.zeros(6)
+    for _ in range(200):
+        state = most * draw.uniform(-1.0, 1.0, most.shape) / np.array([[1.0], [1.0], [2.0], [6.0]])
+        steps = np.array([-1e-4, 1e-4])
+        now = of.plant.motion(lambda t, s=state: of.home + np.vander(t, 4, increasing=True) @ s, steps)
+        before, after = of.plant.forces(now, 0.0)
+        rates = np.maximum(rates, np.abs(after - before) / 2e-4)
+    ratios = promise.expanded / 2.0 / rates  # largest of 200 states each, drawn by others
+    assert np.all((ratios > 0.6) & (ratios < 1.7)), ratios
+    assert 0.8 < ratios.mean() < 1.25, ratios
+    sure = result.record.replaced(delay_s=Value(result.delay, 0.0, 0.0, "s"))
+    known = anywhere(replace(result, record=sure), place)
+    assert "delay" not in known.counts
+    assert np.all(known.expanded <= anywhere(result, place).expanded)
 
 
 @pytest.mark.parametrize("frame", ["sensor", "flange", "base"])
@@ -95,7 +121,7 @@ def test_c_and_structured_text_and_hal_state_the_same_uncertainty(tmp_path: Path
     np.testing.assert_allclose(list(expanded), promise.of(np.array(list(wrench))), rtol=2e-3)
     for text in (header, linuxcnc_component(result, "chain", "flange"), structured_text(result, "chain", "flange")):
         assert "origin of the robot's flange" in text
-        assert "It counts noise, parameters" in " ".join(text.split())
+        assert "It counts noise, delay, parameters" in " ".join(text.split())
         assert "Not stated" in text
     assert "u-mz" in linuxcnc_component(result, "chain")
 
