@@ -19,14 +19,18 @@ NOUNS: dict[str, str] = {
     "block": "Satzdauer",
     "body": "Körper",
     "centre of gravity": "Schwerpunkt",
+    "centre of gravity U": "U des Schwerpunkts",
     "clock": "Uhr",
+    "command interfaces": "Kommandoschnittstellen",
     "common gain": "gemeinsame Verstärkung",
     "conditions": "Bedingungen",
     "contour tolerance": "Konturtoleranz",
     "controller": "Steuerung",
     "controller keeps": "Steuerung hält ein",
+    "corners": "Ecken",
     "coulomb friction": "Coulombsche Reibung",
     "cycle": "Takt",
+    "decelerate on cancel": "Abbremsen bei Abbruch",
     "duration": "Dauer",
     "each": "jede für sich",
     "encoder rate": "Geberrate",
@@ -47,18 +51,21 @@ NOUNS: dict[str, str] = {
     "home": "Grundstellung",
     "included angle": "ganzer Winkel",
     "inertia": "Trägheit",
+    "interpolate from desired state": "Beginn beim letzten Sollwert",
     "interpolation": "Interpolation",
     "jerk": "Ruck",
     "joint states": "Topic der Gelenke",
     "joint zeros": "Gelenknullpunkte",
     "joints": "Gelenke",
+    "k0 N m": "k0, N/m",
+    "k1 Nm m": "k1, N m/m",
     "kind": "Art",
     "kinematic id": "Nummer der Kinematik",
     "laboratory": "Aussteller",
     "lower": "unten",
     "mass": "Masse",
     "mass U": "U der Masse",
-    "centre of gravity U": "U des Schwerpunkts",
+    "max linear jerk mm s3": "größter Ruck der Bahn, mm/s³",
     "mode": "Eigenfrequenz",
     "mode damping": "Dämpfung",
     "moment noise": "Rauschen des Moments",
@@ -116,6 +123,8 @@ NOUNS: dict[str, str] = {
     "singularity distance": "Abstand von Singularitäten",
     "slope": "Rampe",
     "source": "Quelle",
+    "speed scaling": "Skalierung der Geschwindigkeit",
+    "state interfaces": "Zustandsschnittstellen",
     "strut acceleration": "Strebenbeschleunigung",
     "strut length": "Strebenlänge",
     "strut radius": "Strebenradius",
@@ -141,9 +150,6 @@ NOUNS: dict[str, str] = {
     "velocity": "Geschwindigkeit",
     "viscous friction": "viskose Reibung",
     "weights": "Gewichtung",
-    "max linear jerk mm s3": "größter Ruck der Bahn, mm/s³",
-    "k0 N m": "k0, N/m",
-    "k1 Nm m": "k1, N m/m",
 }
 """The noun of a key, which is its English name without the unit -> German."""
 
@@ -419,7 +425,8 @@ KEYS: dict[str, str] = {
     ),
     "LinuxCnc.planner": (
         "`[TRAJ]PLANNER_TYPE` der Maschine: `trapezoidal` (0, das aller Versionen) oder `s_curve` (1, ab 2.10), "
-        "der den Ruck begrenzt."
+        "der den Ruck entlang der Bahn begrenzt und, durch `MAX_JERK` in `[AXIS_a]`, den jeder Achse. Programme dafür "
+        "sind gerade Bewegungen von Ruhe zu Ruhe; keines wurde darauf erprobt."
     ),
     "SinumerikAxes.program_name": (
         "Interner Name: 2 bis 24 Großbuchstaben, Ziffern und Unterstriche; beginnt mit zwei Buchstaben oder `_` "
@@ -512,8 +519,11 @@ KEYS: dict[str, str] = {
     "Compensation.k3_Nm": "Moment je Radiant Kippung.",
     "Tool.name": "Was es ist; Meldungen nennen es.",
     "Tool.from_mm": "Ein Ende seiner Achse in {P}, wie `to_mm`.",
-    "Tool.to_mm": "Ein Ende seiner Achse in {P}, wie `from_mm`.",
-    "Tool.radius_mm": "Radius um diese Achse.",
+    "Tool.to_mm": "Das andere Ende; entfällt, wo `corners_mm` angegeben sind.",
+    "Tool.corners_mm": (
+        "Ecken eines konvexen Körpers in {P}, an Stelle einer Achse. Bei Maschinen mit Streben zählt die Kapsel darum."
+    ),
+    "Tool.radius_mm": "Radius um diese Achse, oder um wie viel der konvexe Körper ringsum größer ist.",
     "KeepOut.name": "Was dort steht; Meldungen nennen es.",
     "KeepOut.x_mm": "Untere und obere Grenze in {B}; ohne Angabe hat er kein Ende.",
     "KeepOut.y_mm": "Untere und obere Grenze in {B}; ohne Angabe hat er kein Ende.",
@@ -540,6 +550,23 @@ KEYS: dict[str, str] = {
         "Ihr `constraints.goal_time`: wie spät das Ziel erreicht sein darf; ohne Angabe wartet sie endlos."
     ),
     "Ros2.controller_keeps": "Grenzen, die ros2_control dahinter einhält (`enforce_command_limits`); üblich keine.",
+    "Ros2.command_interfaces": (
+        "Ihre `command_interfaces`. Ohne Positionen folgt ein eigener Regelkreis den Sollwerten, mehr oder weniger."
+    ),
+    "Ros2.state_interfaces": (
+        "Ihre `state_interfaces`: Was die Hardware von einem Gelenk meldet, entscheidet, wie glatt der Weg zum ersten "
+        "Punkt ist."
+    ),
+    "Ros2.interpolate_from_desired_state": (
+        "Ob sie bei ihrem letzten Sollwert beginnt (bis 2025 `open_loop_control`) statt dort, wo die Gelenke sind."
+    ),
+    "Ros2.decelerate_on_cancel": (
+        "Ihr `constraints.decelerate_on_cancel`: ob sie abbremst, wo eine Bewegung abgebrochen wird oder von ihrer "
+        "Bahn abkommt."
+    ),
+    "Ros2.speed_scaling": (
+        "Ob ein Regler der Geschwindigkeit Bahnen dehnt: eine scaled-Steuerung oder `speed_scaling.state_interface`."
+    ),
     "LinuxCnc.max_linear_jerk_mm_s3": (
         "Bei `s_curve`: `[TRAJ]MAX_LINEAR_JERK`, entlang X, Y, Z zusammen, in deg/s^3 entlang A, B, C, wo sich nur "
         "diese bewegen. Unter 1 fährt LinuxCNC Trapeze."
@@ -630,8 +657,8 @@ TABLES: dict[str, str] = {
     "TwinCatAxes": "Einstellungen von Programmen für TF5200 und ISG.",
     "Payloads": "Bekannte Gewichte, die nacheinander montiert werden, um eine Bestimmung zu prüfen.",
     "Tool": (
-        "Ein runder Körper an der Plattform, ein Werkzeug oder Werkstück, der auch nicht in die Quader von "
-        "`keep_out` darf."
+        "Ein Körper an der Plattform, ein Werkzeug oder Werkstück, der auch nicht in die Quader von `keep_out` darf. "
+        "Er ist rund um eine Achse oder die konvexe Hülle einiger Ecken."
     ),
     "KeepOut": (
         "Ein Quader in {B}, in den weder Plattform, Streben noch Werkzeuge dürfen; nur `z_mm` ist ein Boden, nur "
