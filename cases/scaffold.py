@@ -28,6 +28,9 @@ _NAME = re.compile(r"[a-z][a-z0-9_]*")
 
 _WIDTH = 110  # characters of a comment
 
+NO_TITLE = "what it is, in a line"
+"""The title of a new case, until its owner writes one."""
+
 
 def new_case(name: str, like: str = "hexapod", folder: Path | str | None = None) -> Path:
     """Writes `folder/case.toml`, the built-in case `like` under another name, to be filled in; returns its path.
@@ -50,7 +53,7 @@ def new_case(name: str, like: str = "hexapod", folder: Path | str | None = None)
         "{B} is the frame of the base, {P} that of the platform. `hexcite case check` says what cannot be, `hexcite "
         "look` proposes the table [recording]. Delete tables of controllers that you do not have."
     )
-    own = {"name": name, "title": "what it is, in a line", "source": "where these values come from"}
+    own = {"name": name, "title": NO_TITLE, "source": "where these values come from"}
     comments, latest = explanations(Case), ""
     for line in find_case(like).read_text(encoding="utf-8").splitlines():
         if line.startswith("#"):

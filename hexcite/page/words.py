@@ -6,6 +6,7 @@ from typing import Any
 
 from markupsafe import Markup, escape
 
+from cases.scaffold import NO_TITLE
 from hexcite.page.refusals import Refusal
 from hexcite.page.texts import Language, text
 from hexcite.page.texts import answers as german
@@ -81,8 +82,8 @@ class Words:
         return place if self._own else f"{german.PLACES.get(first, first)}{blank}{rest}"
 
     def unit(self, unit: str) -> str:
-        """A unit, or what stands in place of one."""
-        return unit if self._own else german.UNITS.get(unit, unit)
+        """A unit beside a value at home, where shares of what is at home are shares."""
+        return unit.removesuffix(" of det J^-1 at home")
 
     def status(self, status: str) -> str:
         """Who ensures a limit."""
@@ -143,6 +144,8 @@ class Words:
 
     def title(self, machine: str, english: str) -> Markup:
         """The title of a machine: of built-in ones ours, of others the user's own."""
+        if english == NO_TITLE:
+            return escape(self.say("no_title"))
         return escape(english if self._own else german.TITLES.get(machine, english))
 
     def target(self, target: str, english: str) -> str:

@@ -33,8 +33,6 @@ LIMITS = {
 PLACES = {"strut": "Strebe", "sensor": "Sensor", "joint": "Gelenk", "channel": "Kanal", "tool": "Werkzeug"}
 """First word of the place where a limit is closest."""
 
-UNITS = {"% of det J^-1 at home": "% von det J^-1 in der Grundstellung"}
-
 STATUSES = {
     "proven": "bewiesen",
     "follows from what the controller enforces": "folgt aus dem, was die Steuerung einhält",

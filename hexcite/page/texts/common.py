@@ -3,6 +3,7 @@
 TEXTS: dict[str, tuple[str, str]] = {
     "table": ("Table", "Tabelle"),
     "text_of_file": ("Text of the file", "Text der Datei"),
+    "no_title": ("(no title yet)", "(noch ohne Titel)"),
     "title": ("guided calibration", "geführte Kalibrierung"),
     "skip": ("To the content", "Zum Inhalt"),
     "stages": ("Stages", "Schritte"),

@@ -16,6 +16,7 @@ TEXTS: dict[str, tuple[str, str]] = {
     "slow": ("a tenth, to watch the first run", "ein Zehntel, um den ersten Lauf zu beobachten"),
     "write": ("Write and prove", "Schreiben und beweisen"),
     "programs": ("Programs", "Programme"),
+    "download_file": ("Download {file}", "{file} herunterladen"),
     "download": ("Download", "Herunterladen"),
     "text": ("Text", "Text"),
     "text_cut": ("The beginning; the download has all of it.", "Der Anfang; die Datei enthält alles."),

@@ -95,8 +95,6 @@ def answered(root: Path, calibrated: Path, monkeypatch: pytest.MonkeyPatch) -> I
     """A client of a folder in which each stage has an answer of a command."""
     shutil.copytree(calibrated, root, dirs_exist_ok=True, ignore=shutil.ignore_patterns(PLACE))
     monkeypatch.chdir(root)
-    case = root / "mill" / "case.toml"
-    case.write_text(case.read_text().replace("what it is, in a line", "Unser Hexapod"))
     table = (root / "rec" / "recording.csv").read_text().splitlines()
     head = table[0].replace("_mm", "").replace("_N", "").replace("f2", "force no 2")
     (root / "trace.csv").write_text("\n".join([head, *table[1:4000]]).replace(",", ";"))
