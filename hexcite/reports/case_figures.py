@@ -12,6 +12,7 @@ from cases.base.errors import CaseError, Code
 from cases.basis import values
 from cases.schema import Case, load_case
 from cases.tables import built_in_cases
+from identification.limits.limit import LimitKind
 from identification.limits.proof import prove
 from identification.motion.motion import StandingPoses
 from planner.box.reach import Reach
@@ -27,7 +28,12 @@ def case_figures(case: Case, file: str) -> dict[str, Any]:
             broken = at_home.violations[0]
             hint = "".join(f"; look at {words}" for words in case.doubts)
             key = "machine.home" if case.chain is None else "machine.chain.joints"
-            way = f"move home or {remedy(broken, case)}" if case.chain is None else "choose another home"
+            if case.chain is None:
+                way = f"move home or {remedy(broken, case)}"
+            elif broken.kind is LimitKind.DISTANCE_BETWEEN_LINKS:
+                way = "choose another home, or make one of the two bodies smaller, or leave it out"
+            else:
+                way = "choose another home"
             raise CaseError(
                 file=file,
                 key=key,
