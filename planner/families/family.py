@@ -37,6 +37,7 @@ class Family(Protocol):
 
     name: ClassVar[str]  # name on the command line
     iterations: ClassVar[int]  # number of iterations, at most, that explore from a start
+    refining: ClassVar[int]  # the same of refinements: most end before, where no more is gained
     mending: ClassVar[int]  # the same where a refined motion is solved again more tightly
     duration: float  # duration of the excitation [s]
     middle: Array  # middle of the box of coordinates, shape (n,) [m or rad]

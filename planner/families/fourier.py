@@ -93,6 +93,7 @@ class FourierFamily(Family):
 
     name: ClassVar[str] = "fourier"
     iterations: ClassVar[int] = 30
+    refining: ClassVar[int] = 200
     mending: ClassVar[int] = 60
 
     @property

@@ -115,8 +115,9 @@ class PointToPointFamily(Family):
         return cls(moves, duration, cycle, middle, half, np.array(limits))
 
     name: ClassVar[str] = "ptp"
-    iterations: ClassVar[int] = 60
-    mending: ClassVar[int] = 25  # with 10, a wider box gave 1.5 % less
+    iterations: ClassVar[int] = 20  # which show what walks are worth: of those of a robot the walk alone does not
+    refining: ClassVar[int] = 60  # a solver that has not converged by then may wander for hundreds
+    mending: ClassVar[int] = 50  # with 10, a wider box gave 1.5 % less; with 25 some had not converged
 
     @property
     def settings(self) -> MoveSettings:
@@ -240,10 +241,17 @@ class PointToPointFamily(Family):
         return Joined(tuple(moves))
 
     def shrunk(self, unknowns: Array, share: float) -> Array:
-        """Unknowns with waypoints nearer to the middle, at times that add up: those of a stopped search need not."""
+        """Unknowns with waypoints nearer to the middle, at times that a controller executes and that add up.
+
+        Those of a search that was stopped, or that only explored, need not.
+        """
         points, times = self.split(unknowns)
-        longer = float((times @ [4.0, 2.0, 1.0]).sum()) / self.moves
-        return np.concatenate([share * points.ravel(), times.ravel() / longer])
+        family = self if self.absent is not None else self.refined(unknowns)
+        least, most = family._time_bounds()
+        spare = np.clip(times, least, most) - least
+        weights = np.array([4.0, 2.0, 1.0])  # how often a move has each of its three times
+        longer = (spare @ weights).sum() / (self.moves - (least @ weights).sum())
+        return np.concatenate([share * points.ravel(), (least + spare / longer).ravel()])
 
     def refined(self, unknowns: Array) -> "PointToPointFamily":
         """The family in which phases that are too short for the controller are omitted, or last as long as it needs."""

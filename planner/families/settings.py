@@ -98,7 +98,7 @@ class FamilySettings:
         return None
 
     def refinements(self, criterion: Criterion) -> int:
-        """Number of explored starts that are refined; 0 where every start is refined at once."""
+        """Number of explored starts that are refined."""
         return 2
 
     def idle(self, criterion: Criterion) -> int:
@@ -345,10 +345,6 @@ class PointToPoint(MoveOptions, FamilySettings):
     def families(self, case: Case, duration: float) -> tuple[Family, ...]:
         """One of each number of moves."""
         return tuple(ptp.PointToPointFamily.of(case, count, duration) for count in self.counts(case, duration))
-
-    def refinements(self, criterion: Criterion) -> int:
-        """0: annealed walks are refined at once."""
-        return 0
 
     def idle(self, criterion: Criterion) -> int:
         """One for any criterion: for K and N six starts gave nothing better than two, in three times the time."""

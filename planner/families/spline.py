@@ -52,7 +52,8 @@ class SplineFamily(Family):
         return cls(intervals, duration, middle, half, slip)
 
     name: ClassVar[str] = "spline"
-    iterations: ClassVar[int] = 50
+    iterations: ClassVar[int] = 28  # which rank starts as 50 do, in 0.6 of the time
+    refining: ClassVar[int] = 200
     mending: ClassVar[int] = 40
 
     @property

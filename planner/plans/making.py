@@ -41,7 +41,8 @@ from planner.search.solving import Start, Task
 
 KEPT = 3  # number of the best orders, periods, numbers of moves and families, at most, that get more starts
 CLOSE = 0.03  # share of an efficiency by which others than the best are worse, at most, that get more starts too
-REFINING = 0.4  # share of a search of some seconds that its refinements have, where it explores first
+REFINING = 0.4  # share of what is left of a search of some seconds that the refinements of a round have
+ENDING = 3.0  # [s] at the end of a search of some seconds for proof, figures and page, but half of it at most
 AHEAD = 8  # starts that may run at a time: what a start is depends on the results of those so many before it
 
 
@@ -92,21 +93,23 @@ def require_targets(request: Request, case: Case) -> None:
 def search(request: Request, case: Case, listener: Listener, run: Runner) -> PlannedMotion:
     """Explores starts until further ones gain too little, refines the best ones, proves the winner.
 
-    A search that lasts some seconds goes on with rounds of this kind until then.
+    A search that lasts some seconds goes on with rounds of this kind, until what follows must begin.
 
     Raises:
         InfeasiblePlan: every start failed; the message is that of the first.
         Interrupted: Ctrl-C before any start was done.
     """
+    until = math.inf
+    if request.seconds is not None:
+        until = time.monotonic() + max(request.seconds - ENDING, request.seconds / 2)
     listener(request)
-    until = math.inf if request.seconds is None else time.monotonic() + request.seconds
     made_for = request.family.made_for(case)
     own, step_time = controlled(case, made_for)
     rounds = _Rounds(request, own.within_margin(), case, listener, run, until)  # the proof asks the limits themselves
     results: list[Start | Failed] = []
     ended_early = late = False
     for number in count():
-        more, ended_early, late = rounds.one(number, _best_refined(results))
+        more, ended_early, late = rounds.one(number, results)
         results += more
         if ended_early or late or request.seconds is None or all(isinstance(result, Failed) for result in more):
             break
@@ -130,8 +133,11 @@ def _without_failures(results: Sequence[Start | Failed]) -> list[Start]:
     return [result for result in results if isinstance(result, Start)]
 
 
-def _best_refined(results: Sequence[Start | Failed]) -> float:
-    return max((s.record.criterion_value for s in _without_failures(results) if s.record.refined), default=-math.inf)
+def _promising(results: Sequence[Start | Failed]) -> list[Start]:
+    """Explorations that have not been refined, the most promising first."""
+    starts = _without_failures(results)
+    refined = {s.record.seed for s in starts if s.record.refined}  # no two starts of a search have one seed
+    return sorted((s for s in starts if s.record.seed not in refined), key=lambda s: -s.promise)
 
 
 class _Round(NamedTuple):
@@ -153,31 +159,26 @@ class _Rounds:
     run: Runner
     until: float  # when the search is to end, by `time.monotonic` [s]
 
-    def one(self, number: int, score: float) -> _Round:
-        """A round: explorations, then refinements of the best where there is time for them.
+    def one(self, number: int, before: Sequence[Start | Failed]) -> _Round:
+        """A round: explorations, then refinements of the best until now where there is time for them.
 
         A start that is stopped takes its time to end: its functions are built, its motion is brought inside the limits.
         Where less than that is left, as measured here, nothing more is begun.
 
         Args:
             number: number of the round, from 0.
-            score: criterion of the best motion of earlier rounds.
+            before: results of earlier rounds.
         """
         request = self.request
-        wanted = request.family.refinements(request.criterion)
         left = self.until - time.monotonic()
-        refining = REFINING * left if wanted and math.isfinite(left) else 0.0
+        refining = REFINING * left if math.isfinite(left) else 0.0
         schedule = self._explorations(number, self.until - refining)
         least, exactly = self._least(), request.starts is not None
         self.listener(Planned("start", least, exactly, schedule.until))
         results, early = self.run(schedule, self.listener)
         ending = max(time.monotonic() - schedule.until, 0.0)
-        explored, score = _without_failures(results), max(score, _best_refined(results))
-        # An exploration overestimates, and never underestimates: one below the best result so far cannot win.
-        promising = sorted(
-            (s for s in explored if not s.record.refined and s.promise > score), key=lambda s: -s.promise
-        )
-        refinements = [self._task(s.family, s.record.seed, s.begin) for s in promising[:wanted]]
+        promising = _promising([*before, *results])[: request.family.refinements(request.criterion)]
+        refinements = [self._task(s.family, s.record.seed, s.begin) for s in promising]
         early = early and not schedule.late  # the end of its time leaves some to refine, or to go on
         if refinements and not early and self.until - time.monotonic() > ending:
             self.listener(Planned("refinement", len(refinements), True, self.until))

@@ -140,7 +140,8 @@ def search_notes(planned: PlannedMotion, request: Request, parameters: int) -> t
         return ()
     loss = -math.expm1((values[1] - values[0]) / parameters)
     behind = f"the next one has {100 * loss:.1f} % less information"
-    return (f"the best of {len(values)} starts, {behind}: more starts gain little",)
+    tried = len({s.record.seed for s in planned.starts})  # a refinement has the seed of its exploration
+    return (f"the best of {tried} starts, {behind}: more starts gain little",)
 
 
 def tried_families(planned: PlannedMotion, d_efficiency: float, parameters: int) -> dict[str, float]:

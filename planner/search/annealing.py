@@ -26,7 +26,7 @@ HOT, COLD = 0.05, 0.003  # temperatures in units of log det F: above walks forge
 EXCESS = 2.0  # loss of log det F for each whole limit of a rate or acceleration by which a move exceeds it
 RIDGE = 1e-9  # on the diagonal of F in reference scaling: a walk that stands still has a value too
 TEMPERATURES = 40
-PROPOSALS = 60  # number of proposals for each pair of moves
+PROPOSALS = 0.75  # number of proposals for each three moves: few moves leave less to choose
 FEWEST, MOST = 16, 256  # proposals at a time
 KINDS = (0.6, 0.2, 0.2)  # shares of proposals: runs are shifted, one waypoint is chosen anew, an excursion moved
 FAR = 0.1  # share of shifts of any number of waypoints; the others shift few
@@ -253,7 +253,7 @@ def annealed_start(
     """
     points = family.split(family.start(draw, lambda unknowns: 0.0))[0]
     walk = Walk(case, model, scaling, family, draw, points)
-    proposals = PROPOSALS * family.moves**2
+    proposals = round(PROPOSALS * family.moves**3)
     for temperature in np.geomspace(HOT, COLD, TEMPERATURES):
         walk.anneal(float(temperature), proposals // TEMPERATURES)
         if watch(-walk.best / walk.size):

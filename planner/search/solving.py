@@ -32,7 +32,6 @@ FINER = 1e-4  # part of that share for excess between the instants of the quick 
 TIGHTER = 3  # times at most that limits are constrained at more instants, and tightened by the remaining excess
 NEAR = 0.8  # share of a limit from which its instants are then constrained
 DRAWN_BACK = 0.98  # share: a motion that had to shrink to less is searched for once more, from inside
-REFINE = 200  # iterations at most of refinements: most end before, where no more is gained
 FURTHER = 25  # the same of a motion that is drawn back from
 SHARPER = (2, 5, 8)  # halvings of the p-norms of K and N, one round after the other: p = 8, 64, 512
 
@@ -69,15 +68,15 @@ class Task:
         return self.begin is not None
 
     @property
-    def moves(self) -> bool:
-        """Whether the start is an annealed walk, which is refined at once."""
+    def of_moves(self) -> bool:
+        """Whether the solver begins near an optimum even in an exploration: from an annealed walk."""
         return isinstance(self.family, PointToPointFamily)
 
     @property
     def most_calls(self) -> int:
         """How often a watch is called at most, but for what is solved again."""
         stages = sum(iterations for _, _, iterations in _stages(self))
-        return stages + (TEMPERATURES if self.moves else 0)
+        return stages + (TEMPERATURES if self.of_moves and not self.refine else 0)
 
 
 # Unknowns up to which an active-set method explores: with quasi-Newton curvature it converges in less time than
@@ -94,10 +93,9 @@ def _stages(task: Task) -> Iterator[tuple[Criterion, int, int]]:
     """Stages of a start, the smooth criterion D first: criterion, halvings of its p-norm, and iterations at most."""
     if not task.refine:
         yield Criterion.D, 0, task.family.iterations
-        if not task.moves:
-            return
-    if task.criterion == Criterion.D and task.refine:
-        yield Criterion.D, 0, REFINE
+        return
+    if task.criterion == Criterion.D:
+        yield Criterion.D, 0, task.family.refining
     elif task.criterion == Criterion.A:
         yield Criterion.A, 0, OTHERWISE
     elif task.criterion in (Criterion.K, Criterion.N):
@@ -114,7 +112,7 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     start = time.perf_counter()
     run = _Run(task, watch)
     unknowns = run.begun = run.begin()
-    exploring = not (task.refine or task.moves)
+    exploring = not task.refine
     after, inside, share = -np.inf, None, 1.0
     for letter, halvings, iterations in _stages(task):
         if run.stopped and inside is not None:
@@ -198,20 +196,18 @@ class _Run:
     def solve_for(self, letter: Criterion, halvings: int, unknowns: Array, iterations: int) -> Array:
         """Solves a stage: its problem is that of all that follows until the next."""
         task, self.program = self.task, replace(self.program, letter=letter, halvings=halvings)
-        barrier = None if task.begin is None and not task.moves else _NEAR
-        # near an optimum exact curvature converges where convex one ends early; of few unknowns that finds no more
-        exact = task.moves or (task.refine and self.program.unknowns > FEW)
-        return self.solve(unknowns, iterations, barrier, convex=not exact)
+        return self.solve(unknowns, iterations, _NEAR if task.refine or task.of_moves else None)
 
-    def solve(self, unknowns: Array, iterations: int, barrier: Barrier | None, convex: bool = False) -> Array:
+    def solve(self, unknowns: Array, iterations: int, barrier: Barrier | None) -> Array:
         """Runs the solver once; where the start is to end, its functions are not even built: that takes seconds."""
         if self.stopped:
             self.status, self.converged = SolverStatus.STOPPED, False
             return unknowns
-        program = replace(self.program, convex=convex)
-        exploring = not (self.task.refine or self.task.moves)
-        usual = Solver.ACTIVE_SET if exploring and program.unknowns <= FEW else Solver.IPOPT
-        solver = self.task.solver or usual
+        task, few = self.task, self.program.unknowns <= FEW
+        # near an optimum exact curvature converges where convex one ends early; of few unknowns that finds no more
+        program = replace(self.program, convex=not (task.of_moves or (task.refine and not few)))
+        usual = Solver.ACTIVE_SET if few and not (task.of_moves or task.refine) else Solver.IPOPT
+        solver = task.solver or usual
         solution, self.status, count = solve(program, unknowns, iterations, self.stops, barrier, solver)
         self.iterations += count
         self.converged = self.status.converged and bool(np.isfinite(solution).all())
@@ -232,7 +228,7 @@ class _Run:
             self.program = self.program.with_rows_above(unknowns, NEAR)
             if number > 0:
                 self.program = self.program.tightened(shares, 1.0 - UNUSED_SHARE - SLIPPED)
-            unknowns = self.solve(unknowns, self.family.mending, _AT_HAND, convex=not self.task.moves)
+            unknowns = self.solve(unknowns, self.family.mending, _AT_HAND)
         return np.asarray(np.clip(unknowns, self.program.lower, self.program.upper))  # phases that are absent last 0
 
     def feasible(self, unknowns: Array) -> tuple[Array, float]:

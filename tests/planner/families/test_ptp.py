@@ -115,8 +115,13 @@ def test_rows_bound_every_derivative_at_every_instant(start: np.ndarray, family:
 
 
 @pytest.fixture(scope="module")
-def found(case: Case, family: PointToPointFamily) -> Start:
+def explored(case: Case, family: PointToPointFamily) -> Start:
     return run_start(Task(case, 9, family, "D", 5))
+
+
+@pytest.fixture(scope="module")
+def found(explored: Start, case: Case, family: PointToPointFamily) -> Start:
+    return run_start(Task(case, 9, family, "D", 5, begin=explored.begin))
 
 
 @pytest.mark.repeats
@@ -138,9 +143,13 @@ def test_an_optimised_motion_is_proven_and_carries_far_more_than_a_random_one(
     assert found.record.logdet == pytest.approx(after, abs=1e-9)
 
 
-def test_every_phase_lasts_three_cycles_of_the_controller_or_is_absent(found: Start):
+def test_every_phase_lasts_three_cycles_of_the_controller_or_is_absent(explored: Start, found: Start):
+    """A search that is stopped may end with what it only explored."""
+    assert not explored.record.refined
     family: Any = found.family
-    for part in family.motion(found.unknowns).parts:
+    motions: list[Any] = [start.family.motion(start.unknowns) for start in (explored, found)]
+    assert [motion.duration for motion in motions] == pytest.approx([4.0, 4.0], abs=1e-12)
+    for part in [part for motion in motions for part in motion.parts]:
         assert isinstance(part, StraightMove)
         for phase in part.profile[1:]:
             assert phase == 0.0 or phase >= 0.003 - 1e-12

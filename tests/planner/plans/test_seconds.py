@@ -10,7 +10,7 @@ import hexcite as hx
 from cases.base.errors import HexciteError
 from cases.schema import Case
 from planner.families.settings import FamilySettings, Fourier, PointToPoint, Spline
-from planner.plans.making import search
+from planner.plans.making import ENDING, search
 from planner.request import Request
 from planner.search.parallel import Listener, Outcome, Schedule, run_here, silent
 from planner.search.record import SolverStatus, StartRecord
@@ -33,14 +33,15 @@ def test_however_short_the_time_what_is_found_is_proven(family: FamilySettings, 
 def test_nothing_is_begun_that_has_no_time_to_end(
     ending: float, rounds: list[bool], hexapod_case: Case, monkeypatch: pytest.MonkeyPatch
 ):
-    """Starts run until they are stopped, and need time to end: a search of 10 s explores for 6 s and refines then.
+    """Starts run until they are stopped, and need time to end: of 13 s a search explores for 6 s and refines then.
 
-    Those that need 0.4 s leave 3.6 s for a refinement, which needs 1 s here, and 2.6 s for a round more; of
-    those that need 3 s, 1 s is left: less than a refinement would need to end.
+    The last 3 s are for proof, figures and page. Starts that need 0.4 s to end leave 3.6 s for a refinement, which
+    needs 1 s here, and 2.6 s for a round more; of those that need 3 s, 1 s is left: less than a refinement would need
+    to end.
     """
     clock, refined = [50.0], list[bool]()
     monkeypatch.setattr(time, "monotonic", lambda: clock[0])
-    request = Request(Fourier(order=3), 2.0, model=6, seconds=10.0)
+    request = Request(Fourier(order=3), 2.0, model=6, seconds=10.0 + ENDING)
     (family,) = request.family.families(hexapod_case, 2.0)
     unknowns = family.start(np.random.default_rng(1), lambda unknowns: 4.0 * float(np.abs(unknowns).max()))
     record = StartRecord(1, False, -3.0, -3.0, SolverStatus.SETTLED, True, 9, 4.0)
@@ -51,12 +52,12 @@ def test_nothing_is_begun_that_has_no_time_to_end(
         refined.append(task.refine)
         clock[0] = clock[0] + 1.0 if task.refine else schedule.until + ending
         value = -3.0 + 0.1 * len(refined)
-        own = replace(record, refined=task.refine, criterion_value=value)
+        own = replace(record, seed=task.seed, refined=task.refine, criterion_value=value)
         return [Start(own, unknowns, family, 1.0, unknowns, value)], not task.refine
 
     found = search(request, hexapod_case, silent, run)
     assert refined == rounds
-    assert clock[0] - 50.0 < request.seconds + ending
+    assert clock[0] - 50.0 < request.seconds - ENDING + ending
     assert found.out_of_time
     assert not found.interrupted
 
@@ -67,7 +68,7 @@ def test_more_time_finds_more_than_its_beginning(hexapod_case: Case):
     request = Request(PointToPoint(moves=8), 2.0, model=0, seconds=4.0)
     began = time.monotonic()
     found = search(request, hexapod_case, silent, run_here)
-    assert request.seconds <= time.monotonic() - began < request.seconds + LONG
+    assert request.seconds / 2 <= time.monotonic() - began < request.seconds + LONG
     assert found.out_of_time
     seeds = [start.record.seed for start in found.starts if start.record.refined]
     assert len(set(seeds)) == len(seeds)

@@ -64,10 +64,12 @@ def test_a_search_that_had_not_converged(interrupted: bool, found: PlannedMotion
 
 def test_a_search_that_ends_by_itself_says_how_close_its_starts_are(found: PlannedMotion, start: Start) -> None:
     """Two parameters, log det 0.02 apart: 1 % of an efficiency."""
-    other = replace(start, record=replace(start.record, logdet=start.record.logdet - 0.02))
-    two = found._replace(starts=(start, other))
+    best = start.record
+    other = replace(start, record=replace(best, seed=best.seed + 1, logdet=best.logdet - 0.02))
+    explored = [replace(start, record=replace(best, seed=best.seed + k, refined=False)) for k in range(3)]
+    two = found._replace(starts=(start, other, *explored))
     (note,) = search_notes(two, Request(), 2)
-    assert tells(note, "best of 2 starts", "1.0 % less")
+    assert tells(note, "best of 3 starts", "1.0 % less")
     assert search_notes(two, Request(starts=2), 2) == ()
     assert search_notes(found, Request(), 2) == ()
     assert search_notes(two._replace(interrupted=True), Request(), 2) == ()

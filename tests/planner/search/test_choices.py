@@ -186,8 +186,8 @@ def _searched(request: Request, case: Case, worth: dict[str, float]) -> tuple[li
         while not results.enough and (task := schedule.task(len(results.in_order), results.in_order)) is not None:
             tasks.append(task)
             unknowns = task.family.start(np.random.default_rng(task.seed), lambda unknowns: 1e3)
-            value = worth[task.family.name] + 0.1 * (task.refine or task.moves)
-            tried = StartRecord(task.seed, task.refine or task.moves, value, value, SolverStatus.SETTLED, True, 1, 0.0)
+            value = worth[task.family.name] + 0.1 * task.refine
+            tried = StartRecord(task.seed, task.refine, value, value, SolverStatus.SETTLED, True, 1, 0.0)
             results.add(len(results.in_order), Start(tried, unknowns, task.family, 1.0, unknowns, value))
         return results.in_order, False
 
