@@ -121,13 +121,14 @@ def prediction_at_poses(
     plain = replace(model, whitening=None)
     values = nominal_parameters(plain, case.body(0)) if values is None else values
     if case.tolerances is None:
-        return Prediction(plain, values, covariance)
+        return Prediction(plain, values, covariance).with_bounds(case.bounds)
     one, stated = sensor_noise(case), case.sensors.force_noise
     expected = ExpectedNoise(one, one**2 * np.eye(6), "equal", False)
     if model.whitening is not None and stated is not None:
         expected = ExpectedNoise(one, np.diag(stated**2), "stated", False)
     more = tolerated_at_poses(case, plain, values, poses, covariance, expected, noise)
-    return Prediction(plain, values, covariance + more.noise, more.biases, more.lasting)
+    found = Prediction(plain, values, covariance + more.noise, more.biases, more.lasting)
+    return found.with_bounds(case.bounds)
 
 
 def prediction_of(
@@ -154,10 +155,11 @@ def prediction_of(
     )
     covariance = noise_covariance(case, scaling, information, motion.duration, noise.sensors)
     values = nominal_parameters(model, case.body(payload)) if values is None else values
+    bounds = None if payload else case.bounds  # they are of the body alone
     if case.tolerances is None:
-        return Prediction(model, values, covariance)
+        return Prediction(model, values, covariance).with_bounds(bounds)
     more = tolerated_in_motion(case, model, values, motion, covariance, noise)
-    return Prediction(model, values, covariance + more.noise, more.biases, more.lasting)
+    return Prediction(model, values, covariance + more.noise, more.biases, more.lasting).with_bounds(bounds)
 
 
 def predictions_of(

@@ -12,8 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cases.base.units import Array
+from cases.bounds import Bounds
 from cases.schema import Case
-from cases.tolerances import KINDS
+from cases.tolerances import BOUNDS, KINDS, kind_of
 from identification.machines.machine import Kinematics
 from identification.machines.of_case import machine_of
 from identification.model.blocks import Parameter
@@ -53,6 +54,28 @@ class Prediction:
     def covariance_robust(self) -> Array:
         """As of a result: with the tolerances, shape (u, u)."""
         return np.asarray(sum((bias @ bias.T for bias in self.biases.values()), self.noise))
+
+    def with_bounds(self, bounds: Bounds | None) -> "Prediction":
+        """That of an estimate with bounds of the body as a prior, as `identify` uses them; itself without any use."""
+        if bounds is None:
+            return self
+        from identification.estimation.bounded import bounded  # plans of cases without bounds do without
+
+        known = bounded(self.model, self.values, self.noise, self.covariance_robust, bounds)
+        if known is None:
+            return self
+        endless = self.noise / LONG
+        stays = np.asarray(sum((bias @ bias.T for bias in self.lasting.values()), endless))
+        last = bounded(self.model, self.values, endless, stays, bounds)
+        lasting = dict(self.lasting)
+        if last is not None:
+            lasting = {key: last.kept @ bias for key, bias in lasting.items()} | {BOUNDS: last.biases}
+        return replace(
+            self,
+            noise=known.kept @ self.noise @ known.kept.T,
+            biases={key: known.kept @ bias for key, bias in self.biases.items()} | {BOUNDS: known.biases},
+            lasting=lasting,
+        )
 
     def beside(self, known: Known) -> "tuple[Prediction, Prediction]":
         """What is known without the run, and with it: its generalised mean with earlier results.
@@ -94,7 +117,7 @@ class Prediction:
         """Variances of the physical parameters by kinds of tolerances."""
         found: dict[str, Array] = {}
         for key, bias in biases.items():
-            found[KINDS[key]] = found.get(KINDS[key], 0.0) + np.diag(self._physical(bias @ bias.T))
+            found[kind_of(key)] = found.get(kind_of(key), 0.0) + np.diag(self._physical(bias @ bias.T))
         return found
 
     def _deviations(self, variances: Array) -> dict[str, float]:

@@ -52,6 +52,32 @@ def prediction(name: str, values: np.ndarray | None = None, case: Case | None = 
     return prediction_of(case, model, scaling, plan.motion, noise, 0, values)
 
 
+def test_bounds_of_the_body_lower_what_a_run_of_it_will_be_off_by() -> None:
+    """A mass that is known to lie in a range as narrow as its deviation is known better: as one that was identified."""
+    name = "five_axis_table"
+    plan, plain = planned(name), prediction(name)
+    std, value = plain.std["m"], float(plain.values[plain.model.names.index("m")])
+    data = plan.case.model_dump(mode="json", exclude_unset=True)
+    width = 2.0 * std
+    data["bounds"] = {"mass_kg": [value - width / 2.0, value + width / 2.0]}
+    case = Case.model_validate(data)
+    bound = prediction(name, case=case)
+    assert bound.std["m"] == pytest.approx((std**-2 + 12.0 / width**2) ** -0.5, rel=1e-6)
+    assert bound.budget["m"]["priors"] > 0.0
+    assert sum(part**2 for part in bound.budget["m"].values()) == pytest.approx(bound.std["m"] ** 2)
+    assert all(bound.std[key] <= plain.std[key] * (1.0 + 1e-9) for key in plain.std)
+    data["bounds"] = {"mass_kg": [value - 1e2 * std, value + 1e2 * std]}
+    assert prediction(name, case=Case.model_validate(data)).std == plain.std
+    data["bounds"] = {"mass_kg": [value - width / 2.0, value + width / 2.0]}
+    inertia = [0.01, 0.0, 0.0, 0.01, 0.0, 0.01]
+    weight = {"mass_kg": 5.0, "centre_of_gravity_mm": [0.0, 0.0, 50.0], "inertia_kg_m2": inertia}
+    data["payloads"] = {"source": "a disc", "weights": [weight]}
+    case = Case.model_validate(data)
+    model = identification_model(case, plan.model)
+    mounted = prediction_of(case, model, reference_scaling(case, model), plan.motion, expected_noise(case, model), 1)
+    assert "priors" not in mounted.budget["m"]
+
+
 @pytest.mark.parametrize("name", few(*MACHINES))
 def test_a_run_of_it_reports_what_it_predicts(name: str):
     """Within 15 % for the body that was mounted, but for memory that a run finds in its noise; the mass for any body.
