@@ -31,7 +31,9 @@ class Bounded(NamedTuple):
     names: tuple[str, ...]  # parameters that have a range
 
 
-def bounded(model: Model, values: Array, covariance: Array, robust: Array, bounds: Bounds | None) -> Bounded | None:
+def bounded(
+    model: Model, values: Array, covariance: Array, robust: Array, bounds: Bounds | None, judged: bool = True
+) -> Bounded | None:
     """Values of a fit with bounds of the body as prior; None where there are none, or they tell nothing.
 
     Args:
@@ -40,6 +42,7 @@ def bounded(model: Model, values: Array, covariance: Array, robust: Array, bound
         covariance: by (28), shape (v, v).
         robust: by all that counts, shape (v, v).
         bounds: of the body.
+        judged: whether ranges that the values contradict are left out; those of a plan are of a nominal body.
     """
     if bounds is None or MASS not in model.blocks:
         return None
@@ -58,7 +61,8 @@ def bounded(model: Model, values: Array, covariance: Array, robust: Array, bound
     for name, (low, high) in _ranges(bounds):
         k = names.index(name)
         std = float(np.sqrt(slope[k] @ every @ slope[k]))
-        if std > 0.0 and low - CONTRADICTS * std <= first[k] <= high + CONTRADICTS * std:
+        agrees = low - CONTRADICTS * std <= first[k] <= high + CONTRADICTS * std
+        if std > 0.0 and (agrees or not judged):
             used.append(k)
             middles.append(0.5 * (low + high))
             deviations.append((high - low) / np.sqrt(12.0))

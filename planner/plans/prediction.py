@@ -61,12 +61,12 @@ class Prediction:
             return self
         from identification.estimation.bounded import bounded  # plans of cases without bounds do without
 
-        known = bounded(self.model, self.values, self.noise, self.covariance_robust, bounds)
+        known = bounded(self.model, self.values, self.noise, self.covariance_robust, bounds, judged=False)
         if known is None:
             return self
         endless = self.noise / LONG
         stays = np.asarray(sum((bias @ bias.T for bias in self.lasting.values()), endless))
-        last = bounded(self.model, self.values, endless, stays, bounds)
+        last = bounded(self.model, self.values, endless, stays, bounds, judged=False)
         lasting = dict(self.lasting)
         if last is not None:
             lasting = {key: last.kept @ bias for key, bias in lasting.items()} | {BOUNDS: last.biases}

@@ -66,6 +66,8 @@ def test_bounds_of_the_body_lower_what_a_run_of_it_will_be_off_by() -> None:
     assert bound.budget["m"]["priors"] > 0.0
     assert sum(part**2 for part in bound.budget["m"].values()) == pytest.approx(bound.std["m"] ** 2)
     assert all(bound.std[key] <= plain.std[key] * (1.0 + 1e-9) for key in plain.std)
+    data["bounds"] = {"mass_kg": [value + 1.0, value + 1.0 + width]}  # the nominal body need not be in them
+    assert prediction(name, case=Case.model_validate(data)).std["m"] == pytest.approx(bound.std["m"], rel=0.01)
     data["bounds"] = {"mass_kg": [value - 1e2 * std, value + 1e2 * std]}
     assert prediction(name, case=Case.model_validate(data)).std == plain.std
     data["bounds"] = {"mass_kg": [value - width / 2.0, value + width / 2.0]}
