@@ -12,6 +12,7 @@ from hexcite.reports.chart import Axis, Chart, Points, colour
 from hexcite.reports.densities import compared_densities
 from hexcite.reports.page import Block, Head, note, page, section, table
 from identification.texts import legible, parameter_words, std_text, value_text
+from planner.options import FAMILY_WORDS
 
 FIGURES = {
     "planned_s": "duration as programmed [s]",
@@ -32,7 +33,7 @@ def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
     """Rows of kind, cost and information of each entry; criteria of the mean information in the reference scaling."""
     rows = [
         ["is", *(e.level for e in entries)],
-        ["family or controller", *(e.family for e in entries)],
+        ["motion or controller", *(FAMILY_WORDS.get(e.family, e.family) for e in entries)],
         ["model", *(str(e.model) for e in entries)],
         ["measuring time [s]", *("-" if e.duration is None else f"{e.duration:.2f}" for e in entries)],
         ["samples", *(str(e.samples) for e in entries)],
