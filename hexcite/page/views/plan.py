@@ -99,13 +99,17 @@ def scene(context: Context, name: str) -> str | None:
         return None
     machine = context.machine
     source = str(machine.file) if machine.own else machine.key
-    return _scene(str(context.root / name), plan.fingerprint, source, context.machine.case.hash)
+    return _scene(context.words, str(context.root / name), plan.fingerprint, source, context.machine.case.hash)
 
 
 @lru_cache(8)
-def _scene(folder: str, fingerprint: str, source: str, case_hash: str) -> str | None:
+def _scene(words: Words, folder: str, fingerprint: str, source: str, case_hash: str) -> str | None:
     try:
         case = load_case(source)
-        return str(script_json(scene_of(Plan.load(folder, case, stale=True)).to_json()))
+        entries = scene_of(Plan.load(folder, case, stale=True)).to_json()
+        if entries.get("used"):
+            names = [words.limit_of(name) for name in entries["used"]["names"]]
+            entries["used"] = {**entries["used"], "names": names}
+        return str(script_json(entries))
     except HexciteError:
         return None  # damaged: the command that uses it says so

@@ -139,6 +139,9 @@ def test_all_stages_speak_german(answered: TestClient):
     result = answered.get("/m/+mill/result").text
     assert "Masse (m)" in result
     assert "Zeichnung" in result
+    limits = answered.get("/m/+mill/motion/plan").json()["used"]["names"]
+    assert any("Strebengeschwindigkeit" in name for name in limits)
+    assert english_in("".join(f"<p>{name}</p>" for name in limits)) == set()
     refused = answered.post("/m/+mill/do/program", data={"plan": "none"})
     assert refused.status_code == 400
     assert "steht nicht zur Wahl" in refused.text
