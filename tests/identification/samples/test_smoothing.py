@@ -41,7 +41,7 @@ def test_pointwise_samples_of_leaping_forces_smooth_by_a_share_of_the_step_squar
     """Of straight lines between the ends of steps: trapezoids, midpoints, and B2(offset) / 2 between them."""
     found = estimate_parameters(run(offset, 0.05), CASE).quantities["smoothing_s2"]
     assert found["value"] == pytest.approx(share * STEP**2, abs=4.0 * found["std"] + 0.1 * abs(share) * STEP**2)
-    assert found["std"] < 0.005 * STEP**2  # the test sees it
+    assert found["std"] < 0.006 * STEP**2  # the test sees it
 
 
 @pytest.mark.slow
