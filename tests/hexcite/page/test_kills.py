@@ -204,6 +204,7 @@ def test_the_next_start_clears_leftovers_and_nothing_of_the_users(root: Path, tm
         (root / name).write_text(name)
         aged(root / name)
         aged((root / name).parent)
+    aged(root / ".res.abcdefgh.hexcite.old")
     outside = tmp_path / "outside"
     outside.mkdir()
     (outside / "mine.csv").write_text("mine")
@@ -221,6 +222,7 @@ def test_the_next_start_clears_leftovers_and_nothing_of_the_users(root: Path, tm
         with served(root, modules):
             until(lambda: (root / "run7-incomplete").is_dir() and not (root / empty).exists())
             until(lambda: not any((root / each).exists() for each in ours))
+            until((root / "res" / "result.json").exists)
         assert (root / ".held.abcdefgh.hexcite.part").exists()
     assert sorted(file.name for file in (root / "run7-incomplete").iterdir()) == ["run7-forces.csv", "run7-struts.csv"]
     assert (root / "res" / "result.json").read_text() == ".res.abcdefgh.hexcite.old/res/result.json"
