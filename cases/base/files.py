@@ -297,7 +297,7 @@ def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = (), over
         )
     if entries and not overwrite:
         _refuse_to_replace(path, kind.name)
-    if entries and not os.access(path, os.W_OK):
+    if entries and not _may_be_written(path):
         raise FileProblem(
             place=path,
             problem="cannot be replaced (Permission denied)",
@@ -308,6 +308,11 @@ def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = (), over
 
 
 _LOOKS = 100  # at a folder that other commands are replacing
+
+
+def _may_be_written(path: Path) -> bool:
+    """Whether what stands at a place may be replaced; where nothing does, another command has just set it aside."""
+    return any(os.access(path, os.W_OK) or not os.path.lexists(path) for _ in range(_LOOKS))
 
 
 def _looked_at(path: Path, kind: FolderKind) -> tuple[set[str], str]:

@@ -140,7 +140,7 @@ def test_a_hand_made_motion_a_series_and_moves_are_compared_as_planned_run_and_w
 
 
 def test_paths_timed_by_toppra_are_shorter_and_no_less_informative(demo: dict[str, Any]):
-    assert [words.split()[0] for words in demo["faster"]] == ["manual", "fourier"]
+    assert [words.split()[0] for words in demo["faster"]] == ["manual", "Fourier"]
     for words in demo["faster"]:
         found = re.findall(r"([\d.]+) s, D-efficiency ([\d.]+)", words)
         (after, better), (before, own) = (map(float, each) for each in found)

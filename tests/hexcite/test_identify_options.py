@@ -169,6 +169,7 @@ def again(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.repeats
 def test_runs_are_identified_each_and_pooled_as_single_results_are(run: Path, again: Path, tmp_path: Path) -> None:
     files = [run / "run.csv", again / "run.csv"]
     folder = tmp_path / "together"

@@ -29,6 +29,7 @@ def of_run(seed: int, gain: float = 1.0) -> Result:
     return hx.identify(replace(run, forces=run.forces * gains * gain, source=f"run_{seed}"), case)
 
 
+@pytest.mark.repeats
 def test_what_runs_have_in_common_does_not_average_out_and_their_noise_does() -> None:
     runs = [of_run(seed) for seed in (1, 2, 3, 4)]
     pooled, truth = hx.pool(runs), machine("hexapod").truth

@@ -108,6 +108,7 @@ def test_proof_and_search_move_the_sensor_alike(joints: int):
 
 
 @pytest.mark.parametrize("joints", few(6, 5, 7))
+@pytest.mark.repeats
 def test_a_plan_keeps_every_limit_and_rests_at_both_ends(joints: int, plans: Plans):
     plan = plans[joints]
     report = prove(plan.motion, plan.case)

@@ -41,6 +41,7 @@ def with_tolerances(**tolerances: float) -> Case:
     return tolerant(NAME, **tolerances)
 
 
+@pytest.mark.repeats
 def test_what_is_predicted_with_it_is_what_pooling_the_run_gives():
     gain = Gain.of(prediction(NAME, result_of(3).values), known_by(3))
     pooled = hx.pool([result_of(3), result_of(4)])
@@ -147,6 +148,7 @@ def test_what_is_reached_needs_no_motion():
         require_more(request, plan_for(NAME).case)
 
 
+@pytest.mark.repeats
 def test_a_plan_says_what_is_known_and_what_stays_loose(tmp_path: Path, cache: Path):
     result, case = result_of(3), plan_for(NAME).case
     plan = hx.plan(case, PointToPoint(moves=8), 3.0, starts=1, workers=1, known=[result])

@@ -145,6 +145,7 @@ def test_a_move_that_leaves_the_box_is_refused():
         by_controller(Joined((*slowed_moves().parts, far)), CASE, "moves")
 
 
+@pytest.mark.repeats
 def test_a_path_keeps_its_pace_where_it_satisfies_every_limit_and_else_its_way(series: Path):
     motion: Any = Plan.load(series).motion
     kept: Any = fastest_within_limits(CASE, motion.slowed, "series", "")

@@ -28,6 +28,7 @@ class Workers:
         return dict(self.answers)
 
 
+@pytest.mark.repeats
 def test_a_running_cluster_does_the_work(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(Path(__file__).parents[3]))
     with (

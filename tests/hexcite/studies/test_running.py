@@ -286,6 +286,7 @@ def test_solvers_are_compared_by_the_best_that_any_of_them_found_with_the_same_s
     assert tells(repr(result), "ipopt", "70.0 %")
 
 
+@pytest.mark.repeats
 def test_in_one_process_cells_are_computed_without_dask_and_without_a_port(
     hexapod_case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -166,6 +166,7 @@ def identified(around: Circumstances) -> Estimate:
     return estimate_parameters(recording, CASE)
 
 
+@pytest.mark.repeats
 def test_identify_says_that_errors_come_back_and_allows_for_them() -> None:
     quiet = identified(UNDISTURBED)
     disturbed = identified(Circumstances((), CASE.simulation.disturbances))

@@ -70,6 +70,7 @@ CHANGES = [
 
 @pytest.mark.first(1)
 @pytest.mark.parametrize(("name", "key", "column", "change", "size"), few(*CHANGES, kept=4))
+@pytest.mark.repeats
 def test_forces_and_tared_offsets_change_with_the_case_as_their_factors_say(name, key, column, change, size) -> None:
     """A force from outside acts: gains, bars and axes act on that too."""
     of, (run, other, still) = quiet(name)

@@ -89,6 +89,7 @@ def test_corners_that_random_poses_miss_count(hexapod_case: Case) -> None:
 
 
 @pytest.mark.parametrize("name", few("small", "with_vice"))
+@pytest.mark.repeats
 def test_the_share_is_that_of_the_proof(name: str, request: pytest.FixtureRequest) -> None:
     case = request.getfixturevalue(name)
     found = reach(case)

@@ -179,6 +179,7 @@ def test_it_carries_more_information_than_limited_jerk_does(plan: dict[str, Any]
     assert not any("made for" in note for note in smooth["notes"])
 
 
+@pytest.mark.repeats
 def test_a_program_is_written_for_the_controller_that_the_plan_is_made_for(folder: Path, tmp_path: Path):
     answer = call("post", folder, "-o", tmp_path / "run.ngc", "--json").json()
     assert answer["dialect"] == "linuxcnc"

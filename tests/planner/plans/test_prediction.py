@@ -81,6 +81,7 @@ def test_bounds_of_the_body_lower_what_a_run_of_it_will_be_off_by() -> None:
 
 
 @pytest.mark.parametrize("name", few(*MACHINES))
+@pytest.mark.repeats
 def test_a_run_of_it_reports_what_it_predicts(name: str):
     """Within 15 % for the body that was mounted, but for memory that a run finds in its noise; the mass for any body.
 

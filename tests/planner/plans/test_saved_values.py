@@ -94,6 +94,7 @@ def test_a_plan_of_any_motion_comes_back(
 
 @given(count=st.integers(8, 16), seed=st.integers(0, 99), criterion=st.sampled_from(Criterion))
 @settings(max_examples=examples(5))
+@pytest.mark.repeats
 def test_a_plan_of_poses_comes_back(count: int, seed: int, criterion: Criterion):
     request = PoseRequest(criterion, count, "backward", candidates=50, seed=seed)
     plan = poses_planned(request, CASE)
