@@ -4,7 +4,7 @@ BIN := .venv/bin
 CONSTRAINTS := .ci/constraints.txt
 SEED ?= $(shell expr $$(date +%s) / 86400 \* 100000)
 
-.PHONY: demo test check full lint docs bench nightly clean
+.PHONY: demo test check full browser lint docs bench nightly clean
 
 demo: .venv/.runtime ## the whole chain on the built-in hexapod, to hexcite-demo/report.html
 	$(BIN)/hexcite demo --overwrite
@@ -16,6 +16,9 @@ check: lint test ## format, lint, types, import contracts, tests
 
 full: check ## check, and what make test leaves out: all variants and examples, and the real LinuxCNC; CI runs it
 	PYTHONDONTWRITEBYTECODE= $(BIN)/pytest -n auto --dist worksteal -m "not slow and (repeats or hypothesis or linuxcnc)" --hypothesis-profile full
+
+browser: .venv/.dev ## the guided page in a real Chromium: from machine to certificate, by keyboard, on paper, after kills; CI runs it
+	$(BIN)/pytest -n auto --dist worksteal -q -m slow tests/hexcite/page tests/hexcite/test_print.py
 
 lint: .venv/.dev
 	$(BIN)/ruff format --check .
