@@ -43,7 +43,8 @@ TRAVELLING = 1e-4  # [m/s] of the struts from which a sensor that never changes 
 MOST_BAD = 0.3  # of the samples; a run that is worse is to be recorded again
 SMALL_STEP = 2.0 * MM  # of the struts between rows: standstills further apart are not samples of a motion
 SMALL_TURN = 0.01  # [rad] the same for orientations
-SMALL_SHARE = 0.02  # the same, of the range of the drive that moves most
+SMALL_SHARE = 0.02  # the same, of the range of the drive that moves most, where there are so many rows
+MANY_ROWS = 1000  # that nobody took them one by one along a line
 LEAST_ROWS = 50  # without a clock, from which on a smooth sequence is taken for a motion
 
 
@@ -330,8 +331,10 @@ def _require_standstills(recording: Recording, case: Case) -> None:
         steps = np.abs(first).max(axis=1)
         step = float(np.median(steps[steps > 0.0])) if steps.any() else 0.0  # a motion may stand now and then
         most = int(np.argmax(np.sum(first**2, axis=0)))
-        near = 0.0 < step < max(small, SMALL_SHARE * float(np.ptp(flat[:, most])))
-        if near and np.mean(second**2) < SMOOTH**2 * np.mean(first**2):
+        share = SMALL_SHARE if len(values) >= MANY_ROWS else 0.0
+        if 0.0 < step < max(small, share * float(np.ptp(flat[:, most]))) and np.mean(second**2) < SMOOTH**2 * np.mean(
+            first**2
+        ):
             distance = _distance(step, most, values is recording.struts, case)
             clock = case.recording.columns.get(CLOCK)
             no_clock = "has no t_s column" if clock is None else f"has no column {clock!r} for t_s, as the case says"

@@ -229,3 +229,11 @@ def test_a_motion_without_a_clock_is_told_from_standstills(name: str) -> None:
     assert "clock.period_ms" in said
     assert f"{len(rest)} rows" in said
     assert (" rad apart" if name == "ur10_wrist" else " mm apart") in said
+
+
+def test_poses_in_order_along_a_line_are_standstills() -> None:
+    """Sixty of them, further apart than rows of a motion, though they follow each other as smoothly."""
+    line = HOME + np.linspace(-1.0, 1.0, 60)[:, None] * np.r_[0.2, 0.15, 0.0, 0.25, -0.2, 0.2]
+    assert CASE.simulation is not None
+    mass = identify(simulate_standstills(CASE, line, 100, 3), CASE, 0).parameters["m"]
+    assert abs(mass.value - CASE.simulation.parameters.body.mass_kg) < 3.0 * mass.reported
