@@ -142,26 +142,29 @@ def test_the_end_of_the_server_lets_searches_write_what_they_have(root: Path):
 
 
 PARENT = """
-import subprocess, sys, time, os
+import os, subprocess, sys, threading, time
 child = subprocess.Popen([sys.executable, '-c', sys.argv[1], str(os.getpid())], start_new_session=True)
+for _ in range(8):
+    threading.Thread(target=time.sleep, args=(60.0,)).start()
 print(child.pid, flush=True)
-time.sleep(60)
 """
 CHILD = """
 import signal, sys, time
+from pathlib import Path
 from hexcite.cli.guest import end_with
-def end(*_):
-    open('ended', 'w').close()
-    sys.exit(0)
-signal.signal(signal.SIGINT, end)
+told = []
+signal.signal(signal.SIGINT, lambda *_: told.append(time.monotonic()))
 end_with(int(sys.argv[1]))
-open('began', 'w').close()
-time.sleep(60)
+Path('began').touch()
+while not told or time.monotonic() - told[0] < 0.5:
+    time.sleep(0.02)
+Path('ended.part').write_text(str(len(told)))
+Path('ended.part').rename('ended')
 """
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems do not tell a process that its parent has ended")
-def test_a_command_ends_with_a_server_that_is_killed(root: Path):
+def test_a_command_is_interrupted_once_by_the_end_of_a_server_that_is_killed_with_all_its_threads(root: Path):
     environment = {**os.environ, "PYTHONPATH": str(Path(jobs.__file__).parents[2])}
     with subprocess.Popen(
         [sys.executable, "-c", PARENT, CHILD], cwd=root, env=environment, stdout=subprocess.PIPE, text=True
@@ -173,6 +176,7 @@ def test_a_command_ends_with_a_server_that_is_killed(root: Path):
                 time.sleep(0.02)
             if name == "began":
                 parent.send_signal(signal.SIGKILL)
+    assert (root / "ended").read_text() == "1"
 
 
 def test_the_curve_rises_with_the_best():
