@@ -15,7 +15,7 @@ import numpy as np
 
 from cases.base.convex import capsule_around, corners_around
 from cases.base.errors import FileProblem
-from cases.base.files import read_whole
+from cases.base.file_reading import read_whole
 from cases.base.units import MM, Array
 from cases.machine import Tool, turned
 

@@ -8,8 +8,9 @@ from copy import deepcopy
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from cases.base.atomic import atomic_file
 from cases.base.errors import CaseError, Code, FileProblem, Write
-from cases.base.files import atomic_file, read_whole
+from cases.base.file_reading import read_whole
 
 if TYPE_CHECKING:
     from cases.schema import Case
@@ -236,7 +237,7 @@ def _comments(text: str) -> Iterator[tuple[int, Place, str, int, str]]:
 
 def _switched_on(text: str, wanted: Mapping[str, Any]) -> str:
     """The text with those keys that it has as comments, each where it stands, as far as this gives wanted values."""
-    from cases.base.files import toml_value
+    from cases.base.text_formats import toml_value
 
     before, lines = _parsed(text) or {}, text.split("\n")
     for k, place, _, header, remark in _comments(text):

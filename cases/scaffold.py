@@ -15,8 +15,9 @@ from threading import Lock
 
 import numpy as np
 
+from cases.base.atomic import write_text
 from cases.base.errors import WITH_OUTPUT, CaseError, Code, FileProblem, printable
-from cases.base.files import toml_value, write_text
+from cases.base.text_formats import toml_value
 from cases.base.units import MM
 from cases.bounds import Bounds
 from cases.schema import Case, load_case

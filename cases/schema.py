@@ -15,8 +15,10 @@ from pydantic import ModelWrapValidatorHandler, PrivateAttr, field_validator, mo
 
 from cases import doubts
 from cases.acceptance import Acceptance
+from cases.base.atomic import write_text
 from cases.base.errors import ALSO, CaseError, Code, option, printable
-from cases.base.files import check_file, toml_text, write_text
+from cases.base.output_places import check_file
+from cases.base.text_formats import toml_text
 from cases.base.units import DEG, MINUTE, MM, Array, as_html
 from cases.bounds import Bounds
 from cases.certificate import CertificateOf

@@ -17,7 +17,7 @@ from pydantic_core import ErrorDetails
 from pydantic_core.core_schema import CoreSchema, tagged_union_schema
 
 from cases.base.errors import ALSO, CaseError, Code, FileProblem
-from cases.base.files import read_whole
+from cases.base.file_reading import read_whole
 from cases.base.units import DEG, MM, MS, UM, Array
 
 

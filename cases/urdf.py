@@ -17,7 +17,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from cases.base.errors import ALSO, CaseError, Code, FileProblem, option
-from cases.base.files import read_whole
+from cases.base.file_reading import read_whole
 from cases.base.units import DEG, MM, Array
 from cases.chain import JOINT_NAME, JOINT_NAME_WORDS, LEAST_AXIS, MOST_JOINTS, Joint, JointLimit
 from cases.collision_bodies import covering

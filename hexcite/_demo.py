@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from cases.base.errors import HexciteError
-from cases.base.files import DEMO, check_folder
+from cases.base.folder_kinds import DEMO
+from cases.base.output_places import check_folder
 from cases.base.units import as_html
 from cases.controller import ControllerName
 from cases.schema import Case

@@ -8,7 +8,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from cases.base.errors import CaseError, Code, FileProblem, HexciteError, ProgramError, option
-from cases.base.files import read_whole
+from cases.base.file_reading import read_whole
 from cases.basis import motion_hash
 from cases.controller import ControllerName
 from cases.scaffold import readiness

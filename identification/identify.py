@@ -13,7 +13,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from cases.base.errors import Code, IdentificationError, RecordingError, option
-from cases.base.files import date_of
+from cases.base.provenance import date_of
 from cases.base.units import Array
 from cases.basis import changes_since, recording_basis, result_basis
 from cases.schema import Case

@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from cases.base.errors import CaseError, Code, FileProblem, HexciteError, RecordingError, option, printable
-from cases.base.files import toml_value
+from cases.base.text_formats import toml_value
 from cases.base.units import Array, as_html
 from cases.editing import Change, changes_of, write_table
 from cases.machine import POSE

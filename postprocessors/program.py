@@ -7,9 +7,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
+from cases.base.atomic import atomic_file
 from cases.base.doors import checks
 from cases.base.errors import Code, FileProblem, HexciteError, ProgramError, choice
-from cases.base.files import atomic_file, check_file, read_whole
+from cases.base.file_reading import read_whole
+from cases.base.output_places import check_file
 from cases.base.units import as_html
 from cases.controller import ControllerName
 from cases.schema import Case

@@ -25,8 +25,8 @@ from platformdirs import user_cache_path
 # not, and its worker processes take the setting from here.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+from cases.base.atomic import WRITTEN
 from cases.base.errors import FileProblem, HexciteError, Interrupted
-from cases.base.files import WRITTEN
 from hexcite.cli import cases, compare, console, demo, identify, limits, page, plan, poses, programs, results, study
 from hexcite.cli import use as force
 

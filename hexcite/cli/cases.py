@@ -6,8 +6,10 @@ from typing import Annotated
 import typer
 
 import hexcite as hx
+from cases.base.atomic import atomic_file
 from cases.base.errors import Code, Write
-from cases.base.files import atomic_file, check_file, output_place, toml_value
+from cases.base.output_places import check_file, output_place
+from cases.base.text_formats import toml_value
 from hexcite.cli import console
 from hexcite.cli.console import argument, option, out
 from identification.texts import aligned

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from cases.base.atomic import atomic_folder
 from cases.base.errors import legible
-from cases.base.files import FolderKind, atomic_folder
+from cases.base.folder_kinds import FolderKind
 from identification.texts import aligned
 
 if TYPE_CHECKING:

@@ -4,7 +4,9 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import hexcite as hx
-from cases.base.files import DEMO, check_folder, output_place, write_text
+from cases.base.atomic import write_text
+from cases.base.folder_kinds import DEMO
+from cases.base.output_places import check_folder, output_place
 from hexcite.cli.console import Json, Overwrite, answered, option, out, say
 from identification.texts import aligned
 

@@ -11,8 +11,9 @@ import typer
 
 import hexcite as hx
 from cases.base.errors import Code, IdentificationError, RecordingError, printable
-from cases.base.files import RESULT, check_file, check_folder, output_place
+from cases.base.folder_kinds import RESULT
 from cases.base.options import Option
+from cases.base.output_places import check_file, check_folder, output_place
 from cases.editing import Change
 from hexcite.cli import console
 from hexcite.cli.cases import toml_shown

@@ -4,7 +4,10 @@ from pathlib import Path
 from typing import Annotated
 
 import hexcite as hx
-from cases.base.files import PLAN, check_file, check_folder, json_text, write_text
+from cases.base.atomic import write_text
+from cases.base.folder_kinds import PLAN
+from cases.base.output_places import check_file, check_folder
+from cases.base.text_formats import json_text
 from hexcite.cli import console
 from hexcite.cli.console import argument, option, out
 from identification.texts import aligned, limit_lines

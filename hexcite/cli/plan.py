@@ -9,8 +9,9 @@ import typer
 
 import hexcite as hx
 from cases.base.errors import Code
-from cases.base.files import PLAN, check_folder, output_place
+from cases.base.folder_kinds import PLAN
 from cases.base.options import options_of
+from cases.base.output_places import check_folder, output_place
 from hexcite.cli import console
 from hexcite.cli.console import argument, option, out
 from hexcite.cli.declared import takes

@@ -4,7 +4,8 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import hexcite as hx
-from cases.base.files import PLAN, check_folder, output_place
+from cases.base.folder_kinds import PLAN
+from cases.base.output_places import check_folder, output_place
 from hexcite.cli import console
 from hexcite.cli.console import argument, option, out
 from hexcite.cli.declared import takes

@@ -7,7 +7,8 @@ from typing import Annotated, Any
 
 import hexcite as hx
 from cases.base.errors import NotProven, Violation
-from cases.base.files import RUN, check_file, check_folder, output_place
+from cases.base.folder_kinds import RUN
+from cases.base.output_places import check_file, check_folder, output_place
 from hexcite.cli import console
 from hexcite.cli.console import argument, option, out
 

@@ -7,7 +7,8 @@ import typer
 
 import hexcite as hx
 from cases.base.errors import Code
-from cases.base.files import RESULT, check_file, check_folder, output_place
+from cases.base.folder_kinds import RESULT
+from cases.base.output_places import check_file, check_folder, output_place
 from hexcite.cli import console
 from hexcite.cli.console import argument, option, out
 

@@ -6,7 +6,10 @@ from typing import Annotated, Any
 import typer
 
 import hexcite as hx
-from cases.base.files import RESULT, check_file, check_folder, json_text, output_place, write_text
+from cases.base.atomic import write_text
+from cases.base.folder_kinds import RESULT
+from cases.base.output_places import check_file, check_folder, output_place
+from cases.base.text_formats import json_text
 from hexcite.cli.console import InFrame, Json, Overwrite, OwnCase, Stale, answered, argument, option, out
 
 

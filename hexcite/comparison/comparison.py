@@ -8,8 +8,11 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from cases.base.atomic import atomic_folder
 from cases.base.errors import Code, HexciteError
-from cases.base.files import COMPARISON, atomic_folder, check_folder, json_text
+from cases.base.folder_kinds import COMPARISON
+from cases.base.output_places import check_folder
+from cases.base.text_formats import json_text
 from cases.base.units import as_html
 from cases.basis import bound_hash
 from cases.schema import Case

@@ -9,8 +9,11 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
+from cases.base.atomic import atomic_folder
 from cases.base.errors import Code, HexciteError
-from cases.base.files import VALIDATION, atomic_folder, check_folder, json_text
+from cases.base.folder_kinds import VALIDATION
+from cases.base.output_places import check_folder
+from cases.base.text_formats import json_text
 from cases.base.units import as_html
 from cases.schema import Case
 from cases.sensors import Disturbances

@@ -11,7 +11,8 @@ from pathlib import Path
 
 from starlette.concurrency import run_in_threadpool
 
-from cases.base.files import PART, abandoned, in_use, umask
+from cases.base.atomic import umask
+from cases.base.leftovers import PART, abandoned, in_use
 from hexcite.page.security import Outside
 from hexcite.page.stages import BAG_INDEX, free
 

@@ -22,7 +22,7 @@ from starlette.responses import FileResponse, HTMLResponse, JSONResponse, Redire
 from starlette.routing import Route
 
 from cases.base.errors import Code, HexciteError, Interrupted, option
-from cases.base.files import ABANDONED, tidy
+from cases.base.leftovers import ABANDONED, tidy
 from hexcite.page import actions, views
 from hexcite.page.actions.common import Context
 from hexcite.page.arrivals import Runs, TooLarge, left_over, received

@@ -10,8 +10,9 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+from cases.base.atomic import atomic_file
 from cases.base.errors import HexciteError, Write
-from cases.base.files import atomic_file, toml_value
+from cases.base.text_formats import toml_value
 from cases.doubts import Doubt
 from cases.editing import Place, at, case_of_text, with_values, write_keys
 from cases.schema import Case

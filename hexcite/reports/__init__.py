@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cases.base.files import write_text
+from cases.base.atomic import write_text
 
 if TYPE_CHECKING:
     from hexcite.comparison.comparison import Comparison

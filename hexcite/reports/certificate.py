@@ -15,9 +15,11 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from cases.base.atomic import atomic_file
 from cases.base.doors import checks
 from cases.base.errors import Code, FileProblem
-from cases.base.files import atomic_file, check_file, sha256_of
+from cases.base.output_places import check_file
+from cases.base.provenance import sha256_of
 from cases.basis import content_of
 from cases.certificate import CertificateOf
 from identification.estimation.fit import COVERAGE_FACTOR

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cases.base.files import provenance
+from cases.base.provenance import provenance
 from hexcite.comparison.comparison import Comparison
 from hexcite.comparison.entries import Entry
 from hexcite.reports.accelerations import acceleration_charts, measured_accelerations, planned_accelerations

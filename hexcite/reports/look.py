@@ -9,8 +9,9 @@ import numpy as np
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 
+from cases.base.atomic import atomic_file
 from cases.base.errors import legible, printable
-from cases.base.files import atomic_file, check_file
+from cases.base.output_places import check_file
 from cases.base.units import Array
 from cases.recording_format import CLOCK, ROLE_OF
 from identification.looks import Column, Look

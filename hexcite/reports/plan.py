@@ -2,7 +2,7 @@
 
 from markupsafe import Markup
 
-from cases.base.files import provenance
+from cases.base.provenance import provenance
 from hexcite._identifiability import identifiability_of_models
 from hexcite.reports.figures import limits_table, motion_blocks
 from hexcite.reports.identifiability import identifiability_blocks

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cases.base.files import provenance
+from cases.base.provenance import provenance
 from hexcite.comparison.trials import METHODS, SHOWN, Trial
 from hexcite.comparison.validation import Validation
 from hexcite.reports.chart import Axis, Chart, Line, colour

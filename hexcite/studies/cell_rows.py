@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cases.base.atomic import atomic_file
 from cases.base.errors import Code, FileProblem, HexciteError, Interrupted
-from cases.base.files import atomic_file
 from cases.controller import ControllerName
 from cases.schema import Case
 from hexcite.studies.spec import ExecutionSpec

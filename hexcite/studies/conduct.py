@@ -12,8 +12,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from markupsafe import Markup
 
+from cases.base.atomic import write_text
 from cases.base.errors import WITH_OUTPUT, Code, FileProblem, HexciteError, Interrupted, option
-from cases.base.files import FolderKind, check_folder, json_text, read_json, write_text
+from cases.base.file_reading import read_json
+from cases.base.folder_kinds import FolderKind
+from cases.base.output_places import check_folder
+from cases.base.text_formats import json_text
 from cases.base.units import as_html
 from cases.schema import Case
 from hexcite.reports.chart import Axis, Box, Chart

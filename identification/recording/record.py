@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import BaseModel, NonNegativeFloat, NonNegativeInt, ValidationError
 
 from cases.base.errors import Code, FileProblem, HexciteError
-from cases.base.files import json_text
+from cases.base.text_formats import json_text
 from cases.base.units import Array
 from cases.basis import recording_basis
 from cases.schema import Case

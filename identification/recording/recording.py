@@ -16,9 +16,13 @@ from typing import Any
 
 import numpy as np
 
+from cases.base.atomic import atomic_folder
 from cases.base.doors import checks
 from cases.base.errors import Code, FileProblem, HexciteError, RecordingError, option
-from cases.base.files import RUN, atomic_folder, check_folder, json_text, read_json
+from cases.base.file_reading import read_json
+from cases.base.folder_kinds import RUN
+from cases.base.output_places import check_folder
+from cases.base.text_formats import json_text
 from cases.base.units import Array, Indices, as_html
 from cases.basis import CONTENT, case_of, content_of, recording_basis, require_unchanged
 from cases.orientation import ROTATION

@@ -17,7 +17,7 @@ from pydantic import (
     PositiveInt,
 )
 
-from cases.base.files import provenance
+from cases.base.provenance import provenance
 from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.estimators import Method

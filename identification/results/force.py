@@ -11,8 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from cases.base.atomic import atomic_file
 from cases.base.errors import Code, IdentificationError
-from cases.base.files import atomic_file, check_file
+from cases.base.output_places import check_file
 from cases.base.units import Array, as_html
 from cases.recording_format import CLOCK, WRENCH
 from cases.schema import Case

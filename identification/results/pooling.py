@@ -15,7 +15,7 @@ from scipy.linalg import block_diag
 from scipy.special import chdtrc
 
 from cases.base.errors import Code, FileProblem, HexciteError, option
-from cases.base.files import provenance
+from cases.base.provenance import provenance
 from cases.base.units import Array
 from identification.estimation.covariances import Free, larger_of
 from identification.estimation.fit import Value

@@ -10,9 +10,14 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
+from cases.base.atomic import atomic_folder
 from cases.base.doors import checks
 from cases.base.errors import Code, FileProblem, HexciteError
-from cases.base.files import RESULT, atomic_folder, check_folder, json_text, read_json, sha256_of
+from cases.base.file_reading import read_json
+from cases.base.folder_kinds import RESULT
+from cases.base.output_places import check_folder
+from cases.base.provenance import sha256_of
+from cases.base.text_formats import json_text
 from cases.base.units import Array, as_html
 from cases.basis import CONTENT, case_of, content_of, require_unchanged, result_basis
 from cases.schema import Case

@@ -22,9 +22,10 @@ import numpy as np
 from platformdirs import user_cache_path
 from pydantic import TypeAdapter, ValidationError
 
+from cases.base.atomic import write_text
 from cases.base.errors import Code, FileProblem, HexciteError, option
-from cases.base.files import json_text, write_text
 from cases.base.seldom import seldom
+from cases.base.text_formats import json_text
 from cases.base.units import as_html
 from cases.basis import bound_hash
 from cases.schema import Case

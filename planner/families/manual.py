@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from cases.base.errors import Code, FileProblem, InfeasiblePlan
-from cases.base.files import MOST_JSON, read_whole
+from cases.base.file_reading import MOST_JSON, read_whole
 from cases.base.units import Array
 from cases.machine import POSE
 from cases.schema import Case

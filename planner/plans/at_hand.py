@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from cases.base.errors import HexciteError
-from cases.base.files import MOST_JSON, read_json, read_whole
+from cases.base.file_reading import MOST_JSON, read_json, read_whole
 from cases.schema import Case
 from identification.recording.recording import Recording
 from planner.plans.folder import fingerprint_of

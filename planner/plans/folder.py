@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, Field, TypeAdapter, ValidationError
 
 from cases.base.errors import Code, FileProblem, HexciteError
-from cases.base.files import DAMAGED
+from cases.base.file_reading import DAMAGED
 from cases.tables import LARGEST
 from identification.motion.curves import FourierMotion, PolynomialMotion
 from identification.motion.motion import Joined, Standstill, Trajectory

@@ -8,9 +8,13 @@ from typing import Any
 import numpy as np
 from pydantic import TypeAdapter
 
+from cases.base.atomic import atomic_folder
 from cases.base.doors import checks
 from cases.base.errors import Code, FileProblem, HexciteError
-from cases.base.files import PLAN, atomic_folder, check_folder, json_text, read_json
+from cases.base.file_reading import read_json
+from cases.base.folder_kinds import PLAN
+from cases.base.output_places import check_folder
+from cases.base.text_formats import json_text
 from cases.base.units import DEG, MM, as_html
 from cases.basis import COMPUTED_FROM, CONTENT, case_of, content_of, plan_basis, require_unchanged
 from cases.schema import Case

@@ -10,7 +10,7 @@ import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from cases.base.errors import WITH_OUTPUT, Code, FileProblem, option
-from cases.base.files import json_text
+from cases.base.text_formats import json_text
 from cases.schema import Case
 from identification.results.payload import Payload
 from identification.results.result import Result

@@ -4,8 +4,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
+from cases.base.atomic import atomic_folder, write_text
 from cases.base.errors import WITH_OUTPUT, Code, FileProblem, HexciteError, choice, option
-from cases.base.files import FolderKind, atomic_folder, check_file, check_folder, output_place, write_text
+from cases.base.folder_kinds import FolderKind
+from cases.base.output_places import check_file, check_folder, output_place
 from identification.results.frames import FrameName, frame_named
 from identification.results.payload import Payload
 from identification.results.result import Result

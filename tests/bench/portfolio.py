@@ -28,7 +28,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is not an installed package
 
-from cases.base.files import write_text
+from cases.base.atomic import write_text
 from cases.schema import load_case
 from hexcite.cli.console import print_table
 from tests.bench.machines.description import Hexapod, reachable, write_machine

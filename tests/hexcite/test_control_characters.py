@@ -9,7 +9,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from cases.base.errors import legible, printable
-from cases.base.files import toml_value
+from cases.base.text_formats import toml_value
 from cases.recording_format import BAR_FORCES, STRUTS
 from identification.finding import Kind, warning
 from identification.recording.recording import Recording

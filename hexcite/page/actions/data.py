@@ -6,7 +6,7 @@ from typing import Any
 from urllib.parse import quote
 
 from cases.base.errors import HexciteError, Remedy, Write
-from cases.base.files import toml_value
+from cases.base.text_formats import toml_value
 from cases.editing import placed, write_keys, write_table
 from hexcite.page import forms, reading
 from hexcite.page.actions.common import Action, Context, job_of, recording_of, result_of

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from cases.base.errors import Remedy, Write
-from cases.base.files import toml_value
+from cases.base.text_formats import toml_value
 from cases.editing import placed
 from hexcite.page.stages import Made
 from hexcite.page.words import Words

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases.base.errors import Code, FileProblem, choice
-from cases.base.files import read_whole
+from cases.base.file_reading import read_whole
 from cases.schema import Case
 from postprocessors.controllers.linuxcnc.configuration import PURPOSE, AxisLayout
 from postprocessors.dialects.linuxcnc.promises import acceleration_headroom, path_jerk

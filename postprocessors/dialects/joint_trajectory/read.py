@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from cases.base.errors import Code, ProgramError
-from cases.base.files import ascii_text
+from cases.base.text_formats import ascii_text
 from cases.schema import Case
 from identification.motion.motion import Array
 from postprocessors.dialects.joint_trajectory.forms import Embedded, embedded, points_of

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.base.errors import Code, ProgramError
-from cases.base.files import ascii_text
+from cases.base.text_formats import ascii_text
 from cases.schema import Case
 from identification.motion.motion import Array, Joined, Slowed, Standstill, Trajectory
 from identification.motion.moves import StraightMove

@@ -18,7 +18,8 @@ from urllib.parse import urlencode, urlsplit
 
 import pytest
 
-from cases.base import files
+from cases import base
+from cases.base.leftovers import in_use
 from hexcite.page.arrivals import MARK, Runs, left_over
 from hexcite.page.journal import PLACE, Address, address_of, keep_address
 
@@ -78,7 +79,7 @@ class Served(NamedTuple):
 
 @contextmanager
 def served(root: Path, modules: Path) -> Iterator[Served]:
-    environment = {**os.environ, "PYTHONPATH": f"{modules}:{Path(files.__file__).parents[2]}"}
+    environment = {**os.environ, "PYTHONPATH": f"{modules}:{Path(base.__file__).parents[2]}"}
     command = [sys.executable, "-P", "-c", SERVER]
     with subprocess.Popen(
         command, cwd=root, env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
@@ -210,7 +211,7 @@ def test_the_next_start_clears_leftovers_and_nothing_of_the_users(root: Path, tm
     (outside / "mine.csv").write_text("mine")
     (root / ".linked.abcdefgh.hexcite.part").symlink_to(outside)
     aged(root / ".linked.abcdefgh.hexcite.part")
-    with files.in_use(root / ".held.abcdefgh.hexcite.part"), served(root, modules) as there:
+    with in_use(root / ".held.abcdefgh.hexcite.part"), served(root, modules) as there:
         name = json.loads(there.ask("POST", "/runs")[1])["name"]
         empty = json.loads(there.ask("POST", "/runs")[1])["name"]
         for file in ("run7-struts.csv", "run7-forces.csv"):

@@ -8,7 +8,7 @@ from pypdf import PdfReader
 
 import hexcite as hx
 from cases.base.errors import FileProblem
-from cases.base.files import sha256_of
+from cases.base.provenance import sha256_of
 from cases.certificate import CertificateOf
 from identification.results.result import Result
 from identification.texts import value_text

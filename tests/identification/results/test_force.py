@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from cases.base.errors import FileProblem, HexciteError, IdentificationError
-from cases.base.files import json_text
+from cases.base.text_formats import json_text
 from cases.basis import COMPUTED_FROM, result_basis
 from cases.schema import load_case
 from identification.finding import Kind

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cases.base.files import json_text
+from cases.base.text_formats import json_text
 from cases.schema import load_case
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Value

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from cases.base.errors import FileProblem
-from cases.base.files import MARKER
+from cases.base.folder_kinds import MARKER
 from cases.schema import load_case
 from cases.tables import built_in_cases
 from identification.finding import Finding, Kind, warning

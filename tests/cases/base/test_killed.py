@@ -7,12 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from cases.base.files import MARKER, PLAN, atomic_folder, write_text
+from cases.base.atomic import atomic_folder, write_text
+from cases.base.folder_kinds import MARKER, PLAN
 
 WRITE_FILE = """
 import sys
 from pathlib import Path
-from cases.base.files import atomic_file
+from cases.base.atomic import atomic_file
 with atomic_file(Path(sys.argv[1])) as part:
     file = part.open("w")
     file.write("n" * 100_000)
@@ -24,7 +25,8 @@ with atomic_file(Path(sys.argv[1])) as part:
 WRITE_FOLDER = """
 import sys
 from pathlib import Path
-from cases.base.files import MARKER, PLAN, atomic_folder
+from cases.base.atomic import atomic_folder
+from cases.base.folder_kinds import MARKER, PLAN
 with atomic_folder(Path(sys.argv[1]), PLAN) as part:
     (part / "plan.json").write_text("new")
     print("half", flush=True)

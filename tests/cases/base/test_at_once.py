@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from cases.base.atomic import atomic_folder
 from cases.base.errors import FileProblem
-from cases.base.files import MARKER, PLAN, atomic_folder
+from cases.base.folder_kinds import MARKER, PLAN
 
 WRITERS, ROUNDS = 6, 40
 

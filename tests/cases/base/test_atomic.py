@@ -1,6 +1,5 @@
 """Files and folders appear whole or not at all, and never in the place of somebody else's."""
 
-import json
 import os
 import shutil
 import stat
@@ -10,23 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from cases.base.atomic import atomic_file, atomic_folder, write_text
 from cases.base.errors import Code, FileProblem
-from cases.base.files import (
-    MARKER,
-    PLAN,
-    RESULT,
-    RUN,
-    FolderKind,
-    atomic_file,
-    atomic_folder,
-    check_file,
-    check_folder,
-    free_name,
-    json_text,
-    output_place,
-    read_json,
-    write_text,
-)
+from cases.base.folder_kinds import MARKER, PLAN, RESULT, RUN, FolderKind
+from cases.base.output_places import check_file, check_folder, free_name, output_place
 from tests.helpers import one_line
 
 
@@ -267,41 +253,6 @@ def test_files_and_folders_have_the_rights_that_the_user_gives_new_ones(mask: in
         os.umask(before)
     assert stat.S_IMODE((tmp_path / "a.txt").stat().st_mode) == 0o666 & ~mask
     assert stat.S_IMODE((tmp_path / "p").stat().st_mode) == 0o777 & ~mask
-
-
-def test_json_survives_the_way_through_its_file(tmp_path: Path) -> None:
-    value = {"m": 31.83, "names": ["xC", "φ"], "none": None, "deep": {"k": [1, 2.5e-7]}}
-    write_text(tmp_path / "r.json", json_text(value))
-    assert read_json(tmp_path / "r.json", "hexcite identify") == value == json.loads(json_text(value))
-
-
-@pytest.mark.parametrize("value", [float("nan"), float("inf")])
-def test_what_is_not_json_is_not_written(value: float) -> None:
-    with pytest.raises(ValueError, match="not JSON compliant"):
-        json_text({"x": value})
-
-
-@pytest.mark.parametrize(
-    ("content", "says"),
-    [
-        (b"{", "is not JSON"),
-        (b"[1]", "holds no JSON object"),
-        (b"", "is not JSON"),
-        (b"\xff\xfe{}", "is not JSON"),
-        (b'{"m": NaN}', "is not JSON"),
-        (b'{"m": -Infinity}', "is not JSON"),
-    ],
-)
-def test_what_is_not_a_json_object_is_named_with_its_maker(content: bytes, says: str, tmp_path: Path) -> None:
-    (tmp_path / "r.json").write_bytes(content)
-    with pytest.raises(FileProblem, match=rf"r\.json: {says}.*hexcite plan") as caught:
-        read_json(tmp_path / "r.json", "hexcite plan")
-    one_line(caught.value)
-
-
-def test_a_json_file_that_is_missing_is_named_with_its_maker(tmp_path: Path) -> None:
-    with pytest.raises(FileProblem, match=r"r\.json: .*No such file.*hexcite plan"):
-        read_json(tmp_path / "r.json", "hexcite plan")
 
 
 def test_a_folder_that_cannot_be_replaced_at_the_last_moment_is_put_back(
