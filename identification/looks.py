@@ -40,7 +40,7 @@ from identification.recording.formats.proposal import (
     stated_of,
 )
 from identification.recording.formats.quantities import CONTRADICTED, contradiction
-from identification.recording.formats.reading import bag_of, is_bag, is_parquet, read_tables
+from identification.recording.formats.reading import is_bag, is_parquet, read_tables, recording_of
 from identification.recording.formats.reasons import NO_REASON, Reason, Why, because
 from identification.recording.formats.table import listed
 from identification.recording.formats.topics import BagTopic, bag_topics
@@ -186,14 +186,14 @@ def look(files: Path | str | Sequence[Path | str], case: Case | None = None) -> 
     (None, True)
 
     Args:
-        files: text, Parquet, or the folder of a ROS 2 bag.
+        files: text, Parquet, or the folder of a ROS 2 bag or of a run.
         case: the machine that it was recorded on, with what it states of its recordings; without one, units and
             completeness follow from the names alone.
 
     Raises:
         RecordingError: a file cannot be read, or holds no table of numbers.
     """
-    places = [bag_of(Path(files))] if isinstance(files, Path | str) else [bag_of(Path(file)) for file in files]
+    places = [recording_of(Path(file)) for file in ([files] if isinstance(files, Path | str) else files)]
     if not places:
         raise RecordingError(problem="no recording is named", remedy="give the files of one run", code=Code.MISSING)
     if is_bag(places[0]) and len(places) == 1:

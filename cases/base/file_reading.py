@@ -74,9 +74,8 @@ def read_json(path: Path, made_by: str) -> dict[str, Any]:
             place=path, problem=error.problem, remedy=f"{made_by} writes it", code=Code.UNREADABLE
         ) from error
     except ValueError as error:
-        raise FileProblem(
-            place=path, problem=f"is not JSON ({error})", remedy=f"write it again with {made_by}", code=Code.DAMAGED
-        ) from error
+        again = f"write it again with {made_by}" if path.suffix == ".json" else f"name what {made_by} wrote"
+        raise FileProblem(place=path, problem=f"is not JSON ({error})", remedy=again, code=Code.DAMAGED) from error
     except RecursionError as error:
         raise FileProblem(
             place=path, problem="is nested too deeply", remedy=f"write it again with {made_by}", code=Code.DAMAGED

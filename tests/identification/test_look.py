@@ -484,3 +484,22 @@ def test_a_layout_that_the_case_states_is_used_where_it_reads(hexapod_case: Case
     wrong = look(file, stating(header_rows=1))
     assert wrong.reads
     assert wrong.settings["header_rows"] == usual.settings["header_rows"]
+
+
+def test_a_folder_of_a_run_means_its_recording_and_other_folders_are_refused(
+    hexapod_case: Case, tmp_path: Path
+) -> None:
+    run = np.column_stack([np.arange(4.0), *(np.full(4, k) for k in range(6))])
+    (tmp_path / "run").mkdir()
+    np.savetxt(
+        tmp_path / "run" / "recording.csv", run, delimiter=",", comments="", header="t_s,f1_N,f2_N,f3_N,f4_N,f5_N,f6_N"
+    )
+    seen = look(tmp_path / "run", hexapod_case)
+    assert seen.parts[0].file == tmp_path / "run" / "recording.csv"
+    assert seen.rows == 4
+    (tmp_path / "other" / "deeper").mkdir(parents=True)
+    with pytest.raises(RecordingError, match=r"other/recording\.csv"):
+        look(tmp_path / "other", hexapod_case)
+    (tmp_path / "other" / "deeper" / "recording.csv").mkdir()
+    with pytest.raises(RecordingError, match=r"deeper.* is a folder"):
+        look([tmp_path / "other" / "deeper"], hexapod_case)

@@ -135,6 +135,15 @@ def bag_of(path: Path) -> Path:
     return path
 
 
+def recording_of(path: Path) -> Path:
+    """The file or bag that a path means: of a folder that `hexcite run` wrote the recording in it."""
+    place = bag_of(path)
+    if place.is_dir() and not is_bag(place):
+        own = [place / name for name in ("recording.parquet", "recording.csv")]
+        return next((file for file in own if file.is_file()), own[-1])
+    return place
+
+
 def files_of(paths: Sequence[Path]) -> list[Path]:
     """The files that paths mean: a folder of `hexcite run` means the recording in it, a bag all of its files."""
     places = [_file_of(path, None)[0] for path in paths]
@@ -144,13 +153,10 @@ def files_of(paths: Sequence[Path]) -> list[Path]:
 def _file_of(path: Path, case: Case | None) -> tuple[Path, tuple[FileFormat, ...]]:
     """The file or bag that a path means, and how it may be written: what `hexcite run` wrote has our names."""
     try:
-        path = bag_of(path)
+        path = recording_of(path)
         if is_bag(path):
             ways = () if case is None else case.recording.ways(path.name)
             return path, tuple(binary.bag_format(path, form, case) for form in ways if case is not None)
-        if path.is_dir():
-            parquet = path / "recording.parquet"
-            path = parquet if parquet.is_file() else path / "recording.csv"
         ours = path.stem == "recording" and path.with_name("recording.json").is_file()
     except OSError:  # a name that the system refuses; the reader explains it
         ours = False

@@ -45,3 +45,11 @@ def test_what_is_not_a_json_object_is_named_with_its_maker(content: bytes, says:
 def test_a_json_file_that_is_missing_is_named_with_its_maker(tmp_path: Path) -> None:
     with pytest.raises(FileProblem, match=r"r\.json: .*No such file.*hexcite plan"):
         read_json(tmp_path / "r.json", "hexcite plan")
+
+
+def test_who_names_another_file_is_not_told_to_write_it_again(tmp_path: Path) -> None:
+    (tmp_path / "run.ngc").write_text("G21 G90\n")
+    with pytest.raises(FileProblem) as caught:
+        read_json(tmp_path / "run.ngc", "hexcite identify")
+    assert "write it again" not in str(caught.value)
+    assert "hexcite identify" in str(caught.value)
