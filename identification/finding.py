@@ -6,6 +6,7 @@ from enum import StrEnum
 from typing import Any, Literal
 
 from cases.base.errors import Remedy, printable
+from cases.base.phrases import Phrase
 from cases.base.units import as_html
 
 
@@ -44,6 +45,7 @@ class Finding:
         quantity: entries for programs, by their key in result files.
         counted: whether the standard deviations of the result allow for it.
         remedies: keys of the case that would mend it, where some do.
+        phrase: entries of the sentence by its code, without the place; None where it has none.
     """
 
     kind: Kind
@@ -53,9 +55,12 @@ class Finding:
     quantity: Mapping[str, Any] = field(default_factory=dict)
     counted: bool = False
     remedies: tuple[Remedy, ...] = ()
+    phrase: Mapping[str, Any] | None = None
 
     def __post_init__(self) -> None:
         """Makes the sentence a printable line, whatever names of files and channels it holds."""
+        if isinstance(self.sentence, Phrase) and self.phrase is None:
+            object.__setattr__(self, "phrase", self.sentence.to_json(printable))
         object.__setattr__(self, "sentence", printable(self.sentence))
 
     @property
@@ -71,7 +76,9 @@ class Finding:
 
 def warning(kind: Kind, sentence: str, place: str = "", *, counted: bool = False, **quantity: Any) -> Finding:
     """A finding that people should act on."""
-    return Finding(kind, "warning", f"{place}: {sentence}" if place else sentence, place, quantity, counted)
+    by_code = sentence.to_json(printable) if isinstance(sentence, Phrase) else None
+    whole = f"{place}: {sentence}" if place else sentence
+    return Finding(kind, "warning", whole, place, quantity, counted, phrase=by_code)
 
 
 def changed_cases(remarks: Iterable[str]) -> tuple[Finding, ...]:

@@ -13,6 +13,8 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from cases.base.errors import Code, IdentificationError, RecordingError, option
+from cases.base.phrases import phrase
+from cases.base.phrases import said as spoken
 from cases.base.provenance import date_of
 from cases.base.units import Array
 from cases.basis import changes_since, recording_basis, result_basis
@@ -333,7 +335,7 @@ def _explained(
     kind = RecordingError if isinstance(error, RecordingError) else IdentificationError
     return kind(
         place=error.said.place,
-        problem=f"{error.said.problem} ({said.sentence})",
+        problem=phrase("explained", "{problem} ({tried})", problem=spoken(error.said.problem), tried=said.sentence),
         remedy=error.said.remedy,
         quantity=error.quantity,
         code=error.code,

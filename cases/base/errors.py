@@ -2,12 +2,14 @@
 
 import difflib
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import Any, NamedTuple, Self
+
+from cases.base.phrases import Phrase
 
 ALSO = "; also: "  # between problems of one error
 
@@ -28,18 +30,26 @@ class Remedy:
     Args:
         words: what is wrong where they mend it, a clause.
         keys: what to write.
+        phrase: entries of the words by their code; None where they have none.
     """
 
     words: str
     keys: tuple[Write, ...]
+    phrase: Mapping[str, Any] | None = None
+
+    def __post_init__(self) -> None:
+        """Keeps the code of the words."""
+        if isinstance(self.words, Phrase) and self.phrase is None:
+            object.__setattr__(self, "phrase", self.words.to_json(printable))
 
     def to_json(self) -> dict[str, Any]:
         """Entries for programs."""
-        return {
+        entries: dict[str, Any] = {
             "words": self.words,
             "keys": [[list(write.place), write.value] for write in self.keys],
             "deviations": [write.deviation for write in self.keys],
         }
+        return entries if self.phrase is None else entries | {"phrase": dict(self.phrase)}
 
 
 class Code(StrEnum):
@@ -103,7 +113,7 @@ class HexciteError(Exception):
     ) -> None:
         message = f"{problem}; {remedy}" if remedy else str(problem)
         super().__init__(f"{place}: {message}" if str(place) else message)
-        self.said = Said(str(place), str(problem), remedy)
+        self.said = Said(str(place), problem if isinstance(problem, Phrase) else str(problem), remedy)
         self.quantity, self.code = quantity, code
 
     @property
@@ -159,8 +169,15 @@ class HexciteError(Exception):
 
     def to_json(self) -> dict[str, Any]:
         """Its parts for programs, with options as they are typed on the command line."""
-        parts = {key: printable(as_typed(text)) for key, text in self.said._asdict().items()}
-        return {"code": str(self.code), **parts, "quantity": self.quantity}
+        said = self.said._asdict()
+        parts: dict[str, Any] = {key: printable(as_typed(text)) for key, text in said.items()}
+        phrases = {
+            key: text.to_json(lambda part: printable(as_typed(part)))
+            for key, text in said.items()
+            if isinstance(text, Phrase)
+        }
+        entries = {"code": str(self.code), **parts, "quantity": self.quantity}
+        return entries | ({"phrases": phrases} if phrases else {})
 
     @property
     def lines(self) -> tuple[str, ...]:

@@ -44,7 +44,7 @@ class Job:
         beside: jobs that start with it, and whose panels nobody needs.
         number: of this server.
         name: of its record.
-        code: kind of the error that it was refused with.
+        refused: the error that it was refused with, as entries for programs; empty where it was not.
     """
 
     machine: str
@@ -68,7 +68,7 @@ class Job:
     progress: list[dict[str, Any]] = field(default_factory=list)
     messages: list[str] = field(default_factory=list)
     answer: dict[str, Any] | None = None
-    code: str = ""
+    refused: Mapping[str, Any] = field(default_factory=dict)
     process: asyncio.subprocess.Process | None = None
     changed: asyncio.Event = field(default_factory=asyncio.Event)
 
@@ -102,7 +102,7 @@ class Job:
             "command": self.command, "output": self.output, "about": self.about, "query": self.query,
             "goto": self.goto, "search": self.search, "before": self.before, "notes": self.notes, "state": self.state,
             "seconds": self.seconds, "finished": self.finished, "progress": self.progress, "messages": self.messages,
-            "answer": self.answer, "code": self.code,
+            "answer": self.answer, "refused": self.refused,
         }  # fmt: skip
 
     @classmethod
@@ -116,7 +116,8 @@ class Job:
             name=name, state=state, began=0.0, ended=float(kept["seconds"]), finished=float(kept["finished"]),
             progress=[each for each in kept["progress"] if isinstance(each, dict)],
             messages=list(map(str, kept["messages"])),
-            answer=kept["answer"] if isinstance(kept["answer"], dict) else None, code=str(kept["code"]),
+            answer=kept["answer"] if isinstance(kept["answer"], dict) else None,
+            refused=kept["refused"] if isinstance(kept.get("refused"), dict) else {},
         )  # fmt: skip
 
     def tell(self) -> None:
@@ -264,7 +265,7 @@ class Jobs:
             with suppress(ValueError):
                 answer = json.loads(said)
                 job.answer = None if answer.keys() == {"error"} else answer  # an error is among the messages
-                job.code = str((answer.get("error") or {}).get("code", ""))
+                job.refused = answer.get("error") or {}
             self._end(job, self._state(job, code))
 
     def _state(self, job: Job, code: int) -> State:

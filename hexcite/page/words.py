@@ -6,9 +6,10 @@ from typing import Any
 
 from markupsafe import Markup, escape
 
+from cases.base.phrases import QUOTED
 from cases.scaffold import NO_TITLE
 from hexcite.page.refusals import Refusal
-from hexcite.page.texts import Language, text
+from hexcite.page.texts import Language, sentences, text
 from hexcite.page.texts import answers as german
 from hexcite.page.texts.case_keys import KEYS, NOUNS, TABLES
 from hexcite.page.values import Entry, Section
@@ -105,11 +106,62 @@ class Words:
         """What a part of a deviation is by."""
         return kind if self._own else german.CAUSES.get(kind, kind)
 
-    def finding(self, kind: str, sentence: str) -> Markup:
-        """A finding: what it is about, and its sentence."""
+    def finding(self, finding: Mapping[str, Any]) -> Markup:
+        """A finding of a result: its sentence by its code, else what it is about and a quotation."""
+        kind, sentence = str(finding.get("kind")), str(finding.get("sentence", ""))
         if self._own or kind not in german.FINDINGS:
             return self.quoted(sentence)
-        return Markup("{} {}").format(german.FINDINGS[kind], self.quoted(sentence))
+        by_code = self.by_code(finding.get("phrase"))
+        if by_code is None:
+            return Markup("{} {}").format(german.FINDINGS[kind], self.quoted(sentence))
+        place = str(finding.get("place") or "")
+        return Markup("{}: {}").format(place, by_code) if place else by_code
+
+    def by_code(self, entries: object) -> Markup | None:
+        """A sentence by its code and values; None in English, and where a code has no other words.
+
+        Args:
+            entries: as `Phrase.to_json` gives them.
+        """
+        if self._own or not isinstance(entries, Mapping):
+            return None
+        said = self._said(entries)
+        return None if said is None else Markup(said[:1].upper() + said[1:])
+
+    def _said(self, value: object) -> Markup | None:
+        if not isinstance(value, Mapping):
+            return escape(value)
+        code, values = str(value.get("code")), value.get("values")
+        if not isinstance(values, Mapping):
+            return None
+        if code in sentences.SIGNS:
+            parts = [self._said(part) for part in values.get("parts", ())]
+            return None if None in parts else Markup(sentences.SIGNS[code]).join(each for each in parts if each)
+        if code == QUOTED:
+            return self.quoted(values.get("text", ""))
+        words = sentences.SENTENCES.get(code)
+        inner = {str(name): self._said(each) for name, each in values.items()}
+        if words is None or None in inner.values():
+            return None
+        return Markup(words).format(**inner)
+
+    def clause(self, entries: object, english: str) -> Markup:
+        """A clause by its code, else as a quotation."""
+        found = self.by_code(entries)
+        return self.quoted(english) if found is None else found
+
+    def error(self, error: Mapping[str, Any]) -> Markup | None:
+        """A refusal of a command by its codes, with its place; None where its sentence has none."""
+        phrases = error.get("phrases")
+        if self._own or not isinstance(phrases, Mapping) or "problem" not in phrases:
+            return None
+        parts = [self.by_code(phrases["problem"])]
+        if error.get("remedy"):
+            parts.append(self.clause(phrases.get("remedy"), str(error["remedy"])))
+        if parts[0] is None:
+            return None
+        said = Markup("; ").join(each for each in parts if each is not None)
+        return Markup("{}: {}").format(error["place"], said) if error.get("place") else said
 
     def refusal(self, code: str) -> str:
         """What a refused command lacks; empty in English, whose sentence says it."""

@@ -109,7 +109,7 @@ def remedies_of(answer: Any) -> list[Remedy]:
     """Remedies in an answer, or in a finding of a result file."""
     if not isinstance(answer, Mapping):
         return []
-    return [Remedy(str(each["words"]), _writes(each)) for each in answer.get("remedies") or ()]
+    return [Remedy(str(each["words"]), _writes(each), each.get("phrase")) for each in answer.get("remedies") or ()]
 
 
 def _writes(stated: Mapping[str, Any]) -> tuple[Write, ...]:

@@ -47,6 +47,7 @@ TEXTS: dict[str, tuple[str, str]] = {
         "What stands in quotation marks is the answer of a command, as it is shown in a terminal.",
         "Was in Anführungszeichen auf Englisch steht, ist die Antwort des Befehls, wie sie auch im Terminal erscheint.",
     ),
+    "in_english": ("In the words of the terminal", "In den Worten des Terminals, auf Englisch"),
     "in_3d": ("The machine in 3-D", "Die Maschine in 3-D"),
     "space_words": ("Play Pause pose of", "Abspielen Pause Pose von"),
     "space_failed": ("This browser draws no 3-D.", "Dieser Browser zeichnet kein 3-D."),

@@ -51,11 +51,14 @@ def warm_up() -> None:
 def job(job: Job, language: Language) -> dict[str, Any]:
     """What a panel shows of a command."""
     last = job.progress[-1] if job.progress else None
+    words, failed = Words(language), job.state == "failed"
+    refused = words.error(job.refused) if failed else None
     drawn: Markup = drawing.curve(job.progress, job.seconds, text("best_curve", language)) if job.search else Markup("")
     return {
-        "line": Words(language).progress(last) if last is not None and not job.over else "",
+        "line": words.progress(last) if last is not None and not job.over else "",
         "curve": drawn,
         "messages": job.messages[-8:] if job.state in ("failed", "stopped", "killed") else [],
-        "refusal": Words(language).refusal(job.code) if job.state == "failed" else "",
+        "refused": refused,
+        "refusal": words.refusal(str(job.refused.get("code"))) if failed and refused is None else "",
         "warnings": job.messages[-8:] if job.state == "done" else [],
     }

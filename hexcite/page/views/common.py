@@ -65,6 +65,7 @@ def remedies(stated: Sequence[Remedy]) -> list[dict[str, Any]]:
     return [
         {
             "words": each.words,
+            "phrase": each.phrase,
             "lines": [_line(write) for write in each.keys],
         }
         for each in stated

@@ -242,4 +242,4 @@ def outcome(words: Words, result: Made) -> dict[str, Any]:
 
 
 def _finding(words: Words, finding: Mapping[str, Any]) -> Markup:
-    return words.finding(str(finding.get("kind")), str(finding["sentence"]))
+    return words.finding(finding)

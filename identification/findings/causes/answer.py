@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cases.base.errors import HexciteError, Remedy
+from cases.base.phrases import Phrase, enumerated, phrase, said
 from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.fit import Fit
@@ -43,7 +44,7 @@ class Answer:
     """A sentence about the cause of a run's residuals."""
 
     named: bool  # whether the cause is known; else the sentence says what was tried
-    sentence: str
+    sentence: Phrase
     # whether residuals are so large that there is a mistake; smaller ones a machine makes itself, by its structure
     large: bool = True
     remedies: tuple[Remedy, ...] = ()  # keys of the case for each explanation that keys alone mend
@@ -58,7 +59,7 @@ class Cause:
     certainty: Certainty | None  # of these sizes; None where it has none, or where they are not known
 
     @property
-    def words(self) -> str:
+    def words(self) -> Phrase:
         """What is wrong, sizes with their standard deviations."""
         return words_of(self.trial)
 
@@ -167,16 +168,16 @@ def _confirmed(entry: Tried, recording: Recording, case: Case, model: Model, eva
     return fitted if left <= max(CONFIRMED * entry.residuals, NEAR) else None
 
 
-def words_of(trial: Trial) -> str:
+def words_of(trial: Trial) -> Phrase:
     """What is wrong where a trial is right."""
-    return ", and ".join(hypothesis.words for hypothesis in trial)
+    return enumerated("and", [hypothesis.words for hypothesis in trial])
 
 
-def remedy_of(trial: Trial, case: Case, deviations: Deviations | None = None) -> str:
+def remedy_of(trial: Trial, case: Case, deviations: Deviations | None = None) -> Phrase:
     """What to write into the case, or to do, where a trial is right."""
     keyed = tuple(hypothesis for hypothesis in trial if not hypothesis.remedy)
     keys = keys_to_write(case, case_of(keyed, case), deviations)
-    return ", and ".join([*([keys] if keys else []), *(h.remedy for h in trial if h.remedy)])
+    return enumerated("and", [*([keys] if keys else []), *(h.remedy for h in trial if h.remedy)])
 
 
 def _keys(cause: Cause, case: Case) -> tuple[Remedy, ...]:
@@ -195,38 +196,61 @@ def _deviations(cause: Cause, case: Case) -> Deviations | None:
     return lambda places: deviations_of(lambda trial: numbers_of(case_of(trial, case), places), cause.trial, certainty)
 
 
-def _what_to_do(cause: Cause, case: Case) -> str:
+def _what_to_do(cause: Cause, case: Case) -> Phrase:
     """The remedy of a cause, or why its sizes are not to be written into the case."""
     if not cause.loose:
         return remedy_of(cause.trial, case, _deviations(cause, case))
-    why = f"too loosely known to be written into the case ({cause.loose})"
-    return f"{why}: measure it at the machine and write that"
+    words = "too loosely known to be written into the case ({why}): measure it at the machine and write that"
+    return phrase("too_loose", words, why=said(cause.loose))
 
 
-def _named(causes: list[Cause], found: Search, case: Case) -> str:
+def _named(causes: list[Cause], found: Search, case: Case) -> Phrase:
     named = [cause.entry for cause in causes]
     left = named[0].left()
     before = None if found.recorded is None else found.recorded.left()
-    words = " or ".join(cause.words for cause in causes)
+    words = enumerated("or", [cause.words for cause in causes])
     if before is None or found.recorded is None or not np.isfinite(found.recorded.residuals):
-        smaller = "small"
+        smaller = phrase("small", "small")
     else:
-        smaller = f"{found.recorded.residuals / max(named[0].residuals, 1e-9):.3g} times smaller"
-    noise = f"{left.newtons:.2g} N, where noise makes {left.noise:.2g} N"
-    remedies = " or ".join(dict.fromkeys(_what_to_do(cause, case) for cause in causes))
-    return f"{words}: then residuals are {smaller} ({noise}); {remedies}"
+        times = f"{found.recorded.residuals / max(named[0].residuals, 1e-9):.3g}"
+        smaller = phrase("times_smaller", "{times} times smaller", times=times)
+    return phrase(
+        "cause",
+        "{words}: then residuals are {smaller} ({newtons} N, where noise makes {noise} N); {remedies}",
+        words=words,
+        smaller=smaller,
+        newtons=f"{left.newtons:.2g}",
+        noise=f"{left.noise:.2g}",
+        remedies=enumerated("or", list(dict.fromkeys(_what_to_do(cause, case) for cause in causes))),
+    )
 
 
-def _tried(found: Search, case: Case) -> str:
+def _tried(found: Search, case: Case) -> Phrase:
     """What was tried without success."""
-    drives = case.drive_words[0]
-    families = ", ".join(family.format(drives=drives) for family in found.families)
-    left = ""
+    drives = phrase(case.drive_words[0], case.drive_words[0])
+    families = enumerated("comma", [phrase(f"family_{f.name.lower()}", f.value, drives=drives) for f in found.families])
     if found.recorded is not None and np.isfinite(found.recorded.residuals):
         before = found.recorded.left()
-        left = f" residuals of {before.newtons:.2g} N, where noise makes {before.noise:.2g} N"
-    least = ""
-    if found.best is not None and found.best.trial:
-        least = f"; least is left, {found.best.left().newtons:.2g} N, if {words_of(found.best.trial)}"
-    alone = " alone, nor two of them," if found.pairs else ""
-    return f"none of these{alone} explains{left or ' the run'}: {families}{least}"
+        left = phrase(
+            "residuals_of",
+            "residuals of {newtons} N, where noise makes {noise} N",
+            newtons=f"{before.newtons:.2g}",
+            noise=f"{before.noise:.2g}",
+        )
+    else:
+        left = phrase("the_run", "the run")
+    if found.pairs:
+        nothing = phrase(
+            "not_two", "none of these alone, nor two of them, explains {left}: {tried}", left=left, tried=families
+        )
+    else:
+        nothing = phrase("not_one", "none of these explains {left}: {tried}", left=left, tried=families)
+    if found.best is None or not found.best.trial:
+        return nothing
+    return phrase(
+        "least_left",
+        "{nothing}; least is left, {newtons} N, if {words}",
+        nothing=nothing,
+        newtons=f"{found.best.left().newtons:.2g}",
+        words=words_of(found.best.trial),
+    )

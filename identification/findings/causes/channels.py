@@ -6,6 +6,7 @@ from itertools import product
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from cases.base.phrases import NOTHING, Phrase, enumerated, phrase
 from cases.base.units import DEG, Array
 from cases.machine import Frame, turned
 from cases.recording_format import ROLE_OF, ROLE_UNITS, Role
@@ -41,17 +42,26 @@ def _pairs(places: Sequence[int], most: int) -> Iterator[tuple[tuple[int, int], 
                 yield from (((one, other), *more) for more in _pairs(left, most - 1))
 
 
-def order_words(order: Sequence[int], what: str, names: Sequence[str]) -> str:
+def order_words(order: Sequence[int], what: Phrase, names: Sequence[str]) -> Phrase:
     """What is wrong where an order of columns is the right one."""
-    pairs = [f"{names[k]} and {names[place]}" for k, place in enumerate(order) if k < place and order[place] == k]
+    pairs = [
+        phrase("pair", "{one} and {other}", one=names[k], other=names[place])
+        for k, place in enumerate(order)
+        if k < place and order[place] == k
+    ]
     moved = sum(place != k for k, place in enumerate(order))
     if 2 * len(pairs) == moved:
-        return f"{what} {', '.join(pairs)} are exchanged"
+        return phrase("exchanged", "{what} {pairs} are exchanged", what=what, pairs=enumerated("comma", pairs))
     shift = {(place - k) % len(order) for k, place in enumerate(order)}
     if len(shift) == 1:
-        return f"{what} are shifted by {shift.pop()}"
-    cycle = ", ".join(f"{names[k]} is in the place of {names[place]}" for k, place in enumerate(order) if place != k)
-    return f"{what} are in another order: {cycle}"
+        return phrase("shifted", "{what} are shifted by {places}", what=what, places=shift.pop())
+    return _reordered(what, [(names[k], names[place]) for k, place in enumerate(order) if place != k])
+
+
+def _reordered(what: Phrase, moved: Sequence[tuple[str, str]]) -> Phrase:
+    places = [phrase("in_place_of", "{one} is in the place of {other}", one=a, other=b) for a, b in moved]
+    cycle = enumerated("comma", places)
+    return phrase("reordered", "{what} are in another order: {cycle}", what=what, cycle=cycle)
 
 
 def matrix_of(order: Sequence[int], signs: Sequence[float] | None = None) -> Array:
@@ -97,7 +107,7 @@ def of_channels(case: Case) -> Iterator[Hypothesis]:
     """Hypotheses about the channels of a case's sensors."""
     names = case.sensor_frame.channels
     numbers = [str(k + 1) for k in ORDER]
-    what = "force channels"
+    what = phrase("force_channels", "force channels")
     for order in orders(6):
         pairs = sum(place != k for k, place in enumerate(order)) // 2
         swapped = all(order[place] == k for k, place in enumerate(order))
@@ -118,9 +128,10 @@ def _cycles(case: Case) -> Iterator[Hypothesis]:
     names = case.sensor_frame.channels
     for shift in (1, 2):
         order = [(k % 3 + shift) % 3 + 3 * (k // 3) for k in ORDER]
-        words = ", ".join(f"{AXES[k]} is in the place of {AXES[(k + shift) % 3]}" for k in range(3))
+        what = phrase("forces_and_moments", "forces and moments")
+        words = _reordered(what, [(AXES[k], AXES[(k + shift) % 3]) for k in range(3)])
         yield Hypothesis(
-            family=Family.CHANNELS, words=f"forces and moments are in another order: {words}",
+            family=Family.CHANNELS, words=words,
             channels=matrix_of(order), edit=mapped(names, order), mistakes=1.5,
         )  # fmt: skip
 
@@ -142,7 +153,8 @@ def _signs(case: Case) -> Iterator[Hypothesis]:
         numbers = ", ".join(str(k + 1) for k in turned_ones)
         names = [frame.channels[k] for k in turned_ones]
         yield Hypothesis(
-            family=Family.CHANNELS, words=f"the signs of force channels {numbers} are turned", channels=np.diag(signs),
+            family=Family.CHANNELS, channels=np.diag(signs),
+            words=phrase("channel_signs", "the signs of force channels {numbers} are turned", numbers=numbers),
             edit=other_sense(turned_ones) if in_frame else scaled(dict.fromkeys(names, -1.0)),
             place="either" if in_frame else "recording",
             mistakes=1.0 if every else len(turned_ones), single=1 < len(turned_ones) < 6,
@@ -185,9 +197,8 @@ def _moment_units(case: Case) -> Iterator[Hypothesis]:
     """Moments in another unit, beside forces in the right one: where a motion shows it."""
     for unit, ratio in other_units(case, Role.MOMENTS):
         scale = np.diag(np.repeat([1.0, ratio], 3))
-        yield Hypothesis(
-            family=Family.UNITS, words=f"moments are in {unit}", channels=scale, edit=in_unit(Role.MOMENTS, unit)
-        )
+        words = phrase("moments_in", "moments are in {unit}", unit=unit)
+        yield Hypothesis(family=Family.UNITS, words=words, channels=scale, edit=in_unit(Role.MOMENTS, unit))
 
 
 def excess_of(gain: float) -> float:
@@ -201,10 +212,13 @@ def of_gain(case: Case, channel: int, gain: float, std: float | None = None) -> 
     scale[channel] = gain
     ours = case.sensor_frame.channels[channel]
     name = case.recording.file_name(ours)
+    size = number(abs(excess_of(gain)), std, 3)
+    if gain > 1.0:
+        words = phrase("gain_small", "{name} is {size} % smaller than the other channels say", name=name, size=size)
+    else:
+        words = phrase("gain_large", "{name} is {size} % larger than the other channels say", name=name, size=size)
     return Hypothesis(
-        family=Family.GAINS,
-        words=f"{name} is {number(abs(excess_of(gain)), std, 3)} % {'smaller' if gain > 1.0 else 'larger'} than the "
-        "other channels say",
+        family=Family.GAINS, words=words,
         channels=np.diag(scale), edit=scaled({ours: float(f"{gain:.4g}")}), mistakes=1.5,
     )  # fmt: skip
 
@@ -236,20 +250,22 @@ def of_turn(
     main = int(np.argmax(np.abs(axis)))
     known = (None,) * 4 if stds is None else tuple(stds)
     if abs(axis[main]) > 0.9999:
-        about = f"{number(np.sign(axis[main]) * angle, known[0], 4)} deg about its {AXES[main]} axis"
+        size = number(np.sign(axis[main]) * angle, known[0], 4)
+        about = phrase("about_axis", "{angle} deg about its {axis} axis", angle=size, axis=AXES[main])
     else:
         along = ", ".join(
             f"{value + 0.0:.2f}" if std is None else with_deviation(value, std)
             for value, std in zip(axis, known[1:], strict=True)
         )
-        about = f"{number(angle, known[0], 4)} deg about ({along})"
+        about = phrase("about", "{angle} deg about ({along})", angle=number(angle, known[0], 4), along=along)
     matrix = np.kron(np.eye(2), turn.as_matrix())
     edit: Edit | None = None
-    remedy = f"turn forces and moments by {about.replace('its ', '')} in the recorder"
+    remedy = phrase("turn_it", "turn forces and moments in the recorder by {about}", about=about)
     if case.chain is not None:
-        edit, remedy = _sensor_turned(turn), ""
+        edit, remedy = _sensor_turned(turn), NOTHING
+    words = phrase("sensor_turned", "the sensor is turned by {about}", about=about)
     return Hypothesis(
-        family=Family.SENSOR, words=f"the sensor is turned by {about}", channels=matrix, edit=edit,
+        family=Family.SENSOR, words=words, channels=matrix, edit=edit,
         place="either" if edit is not None else "recording", remedy=remedy, mistakes=mistakes, single=single,
     )  # fmt: skip
 
@@ -278,13 +294,13 @@ def of_point(case: Case, point: Array, mistakes: float, stds: Sequence[float] | 
     matrix = np.eye(6)
     matrix[3:, :3] = np.cross(np.eye(3), point)  # M about the origin = M about the point + point x F
     edit: Edit | None = None
-    remedy = "record moments about the origin of the sensor"
+    remedy = phrase("record_about_origin", "record moments about the origin of the sensor")
     if case.chain is not None:
-        edit, remedy = _sensor_moved(point), ""
+        edit, remedy = _sensor_moved(point), NOTHING
+    words = "moments are about a point ({place}) mm from the sensor's origin, in its axes"
     return Hypothesis(
         family=Family.POINT, channels=matrix, edit=edit, place="either" if edit is not None else "recording",
-        words=f"moments are about a point ({place}) mm from the sensor's origin, in its axes",
-        remedy=remedy, mistakes=mistakes,
+        words=phrase("moments_about", words, place=place), remedy=remedy, mistakes=mistakes,
     )  # fmt: skip
 
 

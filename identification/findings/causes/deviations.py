@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cases.base.errors import HexciteError
+from cases.base.phrases import NOTHING, Phrase, phrase
 from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.alternatives import sizes_of
@@ -37,7 +38,8 @@ class Certainty:
     """How surely the sizes of a trial are known."""
 
     covariance: Array  # of the sizes that were found, in the order of the trial, shape (k, k)
-    loose: str = ""  # what their deviations would make of a parameter, where that is too much; empty where it is not
+    # what their deviations would make of a parameter, where that is too much; empty where it is not
+    loose: Phrase = NOTHING
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,7 +147,7 @@ def _left(fitted: Fitted, by: Fitted) -> float:
     return float(np.einsum("ni,ij,nj->", fitted.fit.residuals, by.w, fitted.fit.residuals))
 
 
-def _loose(fitted: Fitted, answer: Array, covariance: Array) -> str:
+def _loose(fitted: Fitted, answer: Array, covariance: Array) -> Phrase:
     """What the deviations of sizes make of the parameter that they move most, beside its own deviation."""
     model = fitted.samples.model
     own, fit, form = slice(len(model.names)), fitted.fit, physical_form(model)
@@ -157,10 +159,14 @@ def _loose(fitted: Fitted, answer: Array, covariance: Array) -> str:
     ratios = np.where(some, of_sizes / np.where(some, reported, 1.0), 0.0)
     worst = int(np.argmax(ratios))
     if not ratios[worst] > LOOSE:
-        return ""
+        return NOTHING
     parameter = form.parameters[worst]
     factor, unit = legible(parameter.unit)
-    return (
-        f"{parameter.name} would be off by {std_text(factor * of_sizes[worst])} {unit} "
-        f"where {std_text(factor * reported[worst])} {unit} would be reported"
+    return phrase(
+        "would_be_off",
+        "{name} would be off by {off} {unit} where {reported} {unit} would be reported",
+        name=parameter.name,
+        off=std_text(factor * of_sizes[worst]),
+        reported=std_text(factor * reported[worst]),
+        unit=unit,
     )

@@ -6,6 +6,7 @@ from itertools import combinations, product
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from cases.base.phrases import phrase
 from cases.base.units import DEG, Array
 from cases.chain import Chain, Joint
 from cases.machine import turned
@@ -26,7 +27,8 @@ def of_struts(case: Case) -> Iterator[Hypothesis]:
         pairs = sum(place != k for k, place in enumerate(order)) // 2
         swapped = all(order[place] == k for k, place in enumerate(order))
         yield Hypothesis(
-            family=Family.DRIVES, words=order_words(order, "struts", numbers), mistakes=pairs if swapped else 1.5,
+            family=Family.DRIVES, words=order_words(order, phrase("struts", "struts"), numbers),
+            mistakes=pairs if swapped else 1.5,
             drives=Affine(matrix_of(order), np.zeros(6)), single=pairs > 1 and swapped,
             edit=mapped(STRUTS, order) if drives is None else _drives_in(order),
         )  # fmt: skip
@@ -34,7 +36,8 @@ def of_struts(case: Case) -> Iterator[Hypothesis]:
     for unit, ratio in other_units(case, role):
         offset = np.zeros(6) if drives is None else (1.0 - ratio) * drives.offset
         yield Hypothesis(
-            family=Family.UNITS, words=f"{role} are in {unit}", edit=in_unit(role, unit),
+            family=Family.UNITS, words=phrase("struts_in", "{role} are in {unit}", role=role, unit=unit),
+            edit=in_unit(role, unit),
             drives=Affine(ratio * np.eye(6), offset),
         )  # fmt: skip
     if drives is None:
@@ -43,8 +46,10 @@ def of_struts(case: Case) -> Iterator[Hypothesis]:
         flipped = [k for k in range(6) if signs[k] < 0.0]
         if flipped:
             offset = np.where(np.array(signs) < 0.0, 2.0 * drives.offset, 0.0)  # mirrored where the drive stands at 0
+            which = ", ".join(numbers[k] for k in flipped)
             yield Hypothesis(
-                family=Family.SIGNS, words=f"the signs of struts {', '.join(numbers[k] for k in flipped)} are turned",
+                family=Family.SIGNS,
+                words=phrase("strut_signs", "the signs of struts {which} are turned", which=which),
                 drives=Affine(np.diag(signs), offset), edit=_with_signs(signs),
                 mistakes=1.5 if len(flipped) == 6 else len(flipped), single=1 < len(flipped) < 6,
             )  # fmt: skip
@@ -106,9 +111,9 @@ def _joint_orders(chain: Chain) -> Iterator[Hypothesis]:
         swapped = all(order[place] == k for k, place in enumerate(order))
         pairs = sum(place != k for k, place in enumerate(order)) // 2
         usual = not swapped or pairs == 1
-        words = order_words(order, "joints", labels)
+        words = order_words(order, phrase("joints", "joints"), labels)
         if order == alphabetic:
-            words += " (they were recorded in the order of the alphabet)"
+            words = phrase("alphabetic", "{words} (they were recorded in the order of the alphabet)", words=words)
         yield Hypothesis(
             family=Family.DRIVES, words=words, mistakes=pairs if swapped else 1.5, single=not usual,
             drives=Affine(matrix_of(order), np.zeros(len(order))), edit=mapped(chain.columns, order),
@@ -116,15 +121,19 @@ def _joint_orders(chain: Chain) -> Iterator[Hypothesis]:
 
 
 def _joint_units(case: Case, chain: Chain) -> Iterator[Hypothesis]:
-    for role, turning, what in ((Role.JOINTS, True, "joints that turn"), (Role.DRIVES, False, "joints that slide")):
+    turning_ones, sliding_ones = (
+        phrase("joints_turning", "joints that turn"),
+        phrase("joints_sliding", "joints that slide"),
+    )
+    for role, turning, what in ((Role.JOINTS, True, turning_ones), (Role.DRIVES, False, sliding_ones)):
         those = np.array([joint.turns == turning for joint in chain.joints])
         if those.any():
-            every = "joints" if those.all() else what
+            every = phrase("joints", "joints") if those.all() else what
             for unit, ratio in other_units(case, role):
                 matrix = np.diag(np.where(those, ratio, 1.0))
                 yield Hypothesis(
-                    family=Family.UNITS, words=f"{every} are in {unit}", edit=in_unit(role, unit),
-                    drives=Affine(matrix, np.zeros(len(those))),
+                    family=Family.UNITS, words=phrase("joints_in", "{every} are in {unit}", every=every, unit=unit),
+                    edit=in_unit(role, unit), drives=Affine(matrix, np.zeros(len(those))),
                 )  # fmt: skip
 
 
@@ -135,13 +144,19 @@ def _joint_signs(chain: Chain) -> Iterator[Hypothesis]:
         for flipped in combinations(range(count), size):
             signs = np.where(np.isin(np.arange(count), flipped), -1.0, 1.0)
             every = list(flipped) in (turning, list(range(count)))
-            plural, verb = (
-                ("s", "turn" if set(flipped) <= {*turning} else "move")
-                if size > 1
-                else ("", "turns" if set(flipped) <= {*turning} else "moves")
-            )
+            names, turns = _names(chain, flipped), set(flipped) <= {*turning}
+            if size > 1:
+                words = (
+                    phrase("joints_turn_back", "joints {names} turn the other way", names=names)
+                    if turns
+                    else phrase("joints_move_back", "joints {names} move the other way", names=names)
+                )
+            elif turns:
+                words = phrase("joint_turns_back", "joint {names} turns the other way", names=names)
+            else:
+                words = phrase("joint_moves_back", "joint {names} moves the other way", names=names)
             yield Hypothesis(
-                family=Family.SIGNS, words=f"joint{plural} {_names(chain, flipped)} {verb} the other way",
+                family=Family.SIGNS, words=words,
                 drives=Affine(np.diag(signs), np.zeros(count)), edit=_other_axes(flipped), place="either",
                 mistakes=min(size, 1.5) if every else size, single=size > 1 and not every,
             )  # fmt: skip
@@ -172,7 +187,11 @@ def of_offset(chain: Chain, k: int, angle: float, mistakes: float = 1.0, std: fl
     offset = np.zeros(len(chain.joints))
     offset[k] = angle * DEG
     return Hypothesis(
-        family=Family.OFFSETS, words=f"joint {_label(chain, k)} stands at {number(angle, std, 4)} deg where it reads 0",
+        family=Family.OFFSETS,
+        words=phrase(
+            "joint_zero", "joint {joint} stands at {angle} deg where it reads 0", joint=_label(chain, k),
+            angle=number(angle, std, 4),
+        ),
         drives=Affine(np.eye(len(offset)), offset), edit=_turned_joint(k, angle), place="either", mistakes=mistakes,
     )  # fmt: skip
 

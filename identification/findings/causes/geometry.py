@@ -6,6 +6,7 @@ from itertools import combinations
 
 import numpy as np
 
+from cases.base.phrases import Phrase, phrase
 from cases.base.units import MM
 from cases.machine import HexapodMachine, Joints, Ring
 from cases.schema import Case
@@ -28,8 +29,8 @@ class _Set:
     family: Family
     table: str  # where they stand in a case
     keys: tuple[str, str]
-    names: tuple[str, str]
-    both: str
+    names: tuple[Phrase, Phrase]
+    both: Phrase
 
     def joints(self, case: Case) -> tuple[Joints, Joints]:
         """The two."""
@@ -49,20 +50,26 @@ class _Set:
 
 
 _RINGS = _Set(
-    Family.MACHINE, "machine", ("base", "platform"), ("joints of the base", "joints of the platform"),
-    "joints of base and platform",
+    Family.MACHINE, "machine", ("base", "platform"),
+    (phrase("base_joints", "joints of the base"), phrase("platform_joints", "joints of the platform")),
+    phrase("ring_joints", "joints of base and platform"),
 )  # fmt: skip
 _BARS = _Set(
-    Family.BARS, "bars", ("lower", "upper"), ("lower ends of the bars", "upper ends of the bars"), "ends of the bars"
+    Family.BARS,
+    "bars",
+    ("lower", "upper"),
+    (phrase("lower_ends", "lower ends of the bars"), phrase("upper_ends", "upper ends of the bars")),
+    phrase("bar_ends", "ends of the bars"),
 )
 
 
 def of_machine(case: Case, machine: HexapodMachine) -> Iterator[Hypothesis]:
     """Hypotheses about joints and home of a hexapod."""
     yield from _of_set(case, _RINGS)
-    yield _hypothesis(_RINGS, "base and platform are exchanged", _exchanged(_RINGS, _whole))
+    exchanged = phrase("rings_exchanged", "base and platform are exchanged")
+    yield _hypothesis(_RINGS, exchanged, _exchanged(_RINGS, _whole))
     if machine.home.z_mm != 0.0:
-        yield _hypothesis(_RINGS, "home is upside down", _home_below)
+        yield _hypothesis(_RINGS, phrase("home_below", "home is upside down"), _home_below)
 
 
 def of_bars(case: Case, bars: Bars) -> Iterator[Hypothesis]:
@@ -71,27 +78,30 @@ def of_bars(case: Case, bars: Bars) -> Iterator[Hypothesis]:
     yield from _of_set(case, _BARS)
 
 
-def _hypothesis(of: _Set, words: str, edit: Edit, mistakes: float = 1.0, single: bool = False) -> Hypothesis:
+def _hypothesis(of: _Set, words: Phrase, edit: Edit, mistakes: float = 1.0, single: bool = False) -> Hypothesis:
     return Hypothesis(family=of.family, words=words, edit=edit, place="case", mistakes=mistakes, single=single)
 
 
 def _of_set(case: Case, of: _Set) -> Iterator[Hypothesis]:
     first, second = of.joints(case)
-    for words, change, weight in READINGS:
+    for say, change, weight in READINGS:
         for key, name, joints in zip(of.keys, of.names, (first, second), strict=True):
             if change(joints) is not None:
-                yield _hypothesis(of, words.format(name), _changed(of, (key,), change), weight)
+                yield _hypothesis(of, say(name), _changed(of, (key,), change), weight)
         if change(first) is not None and change(second) is not None:
-            yield _hypothesis(of, words.format(of.both), _changed(of, of.keys, change), 1.2 * weight)
-    for words, exchange in EXCHANGES:
+            yield _hypothesis(of, say(of.both), _changed(of, of.keys, change), 1.2 * weight)
+    for between, exchange in EXCHANGES:
         if exchange(first, second) is not None:
-            yield _hypothesis(of, words.format(*of.names), _exchanged(of, exchange))
+            yield _hypothesis(of, between(*of.names), _exchanged(of, exchange))
     for key, name in zip(of.keys, of.names, strict=True):
         for one, other in combinations(range(6), 2):
-            words = f"{name} {one + 1} and {other + 1} are exchanged"
+            pair = phrase("pair", "{one} and {other}", one=one + 1, other=other + 1)
+            words = phrase("exchanged", "{what} {pairs} are exchanged", what=name, pairs=pair)
             yield _hypothesis(of, words, _changed(of, (key,), _swapped(one, other)), single=of.table == "machine")
         for shift in range(1, 6):
-            words = f"{name} are counted from another one ({shift + 1} is 1)"
+            words = phrase(
+                "counted_from", "{what} are counted from another one ({first} is 1)", what=name, first=shift + 1
+            )
             yield _hypothesis(of, words, _changed(of, (key,), _shifted(shift)), 1.3)
 
 
@@ -203,23 +213,43 @@ def _shifted(shift: int) -> Change:
     return changed
 
 
-READINGS: tuple[tuple[str, Change, float], ...] = (
-    ("the half-angle of the {} is measured the other way", _half_angle(lambda angle: BETWEEN - angle), 1.0),
-    ("the half-angle of the {} is the full angle", _half_angle(lambda angle: angle / 2.0), 1.0),
+def _one(code: str, english: str) -> Callable[[Phrase], Phrase]:
+    return lambda what: phrase(code, english, what=what)
+
+
+def _two(code: str, english: str) -> Callable[[Phrase, Phrase], Phrase]:
+    return lambda first, second: phrase(code, english, first=first, second=second)
+
+
+READINGS: tuple[tuple[Callable[[Phrase], Phrase], Change, float], ...] = (
     (
-        "the half-angle of the {} is the full angle, measured the other way",
+        _one("half_angle_other_way", "the half-angle of the {what} is measured the other way"),
+        _half_angle(lambda angle: BETWEEN - angle),
+        1.0,
+    ),
+    (
+        _one("half_angle_full", "the half-angle of the {what} is the full angle"),
+        _half_angle(lambda angle: angle / 2.0),
+        1.0,
+    ),
+    (
+        _one("half_angle_full_other_way", "the half-angle of the {what} is the full angle, measured the other way"),
         _half_angle(lambda angle: BETWEEN - angle / 2.0),
         1.5,
     ),
-    ("the half-angle of the {} is half of it", _half_angle(lambda angle: 2.0 * angle), 1.0),
-    ("the radius of the {} is a diameter", _scaled(0.5), 1.0),
-    ("the radius of the {} is half of it", _scaled(2.0), 1.0),
-    ("the {} are on the other side of the origin along z", _on_the_other_side, 1.0),
-    ("the {} are turned by 60 deg", _turned(BETWEEN), 1.2),
-    ("the {} are turned by -60 deg", _turned(-BETWEEN), 1.2),
-    ("the {} are turned by 180 deg", _turned(3.0 * BETWEEN), 1.2),
+    (
+        _one("half_angle_half", "the half-angle of the {what} is half of it"),
+        _half_angle(lambda angle: 2.0 * angle),
+        1.0,
+    ),
+    (_one("radius_full", "the radius of the {what} is a diameter"), _scaled(0.5), 1.0),
+    (_one("radius_half", "the radius of the {what} is half of it"), _scaled(2.0), 1.0),
+    (_one("other_side", "the {what} are on the other side of the origin along z"), _on_the_other_side, 1.0),
+    (_one("turned_60", "the {what} are turned by 60 deg"), _turned(BETWEEN), 1.2),
+    (_one("turned_back_60", "the {what} are turned by -60 deg"), _turned(-BETWEEN), 1.2),
+    (_one("turned_180", "the {what} are turned by 180 deg"), _turned(3.0 * BETWEEN), 1.2),
 )  # fmt: skip
-"""What engineers take for something else in a drawing of six joints; words have a place for the joints."""
+"""What engineers take for something else in a drawing of six joints; words are of the joints."""
 
 
 def _of_two(*keys: str) -> Exchange:
@@ -256,11 +286,14 @@ def _heights(first: Joints, second: Joints) -> tuple[Joints, Joints] | None:
     )
 
 
-EXCHANGES: tuple[tuple[str, Exchange], ...] = (
-    ("the radii of {} and {} are exchanged", _of_two("radius_mm")),
-    ("the half-angles of {} and {} are exchanged", _of_two("half_angle_deg")),
-    ("radii and half-angles of {} and {} are exchanged", _of_two("radius_mm", "half_angle_deg")),
-    ("the heights of {} and {} are exchanged", _heights),
+EXCHANGES: tuple[tuple[Callable[[Phrase, Phrase], Phrase], Exchange], ...] = (
+    (_two("radii_exchanged", "the radii of {first} and {second} are exchanged"), _of_two("radius_mm")),
+    (_two("half_angles_exchanged", "the half-angles of {first} and {second} are exchanged"), _of_two("half_angle_deg")),
+    (
+        _two("radii_half_angles_exchanged", "radii and half-angles of {first} and {second} are exchanged"),
+        _of_two("radius_mm", "half_angle_deg"),
+    ),
+    (_two("heights_exchanged", "the heights of {first} and {second} are exchanged"), _heights),
 )
 
 
@@ -274,5 +307,5 @@ def _home_below(case: Case) -> Case:
 
 def of_turned_bars(angle: float, mistakes: float, std: float | None = None) -> Hypothesis:
     """All bars are turned about z by an angle; std: its standard deviation [deg]."""
-    words = f"the bars are turned by {number(angle, std, 4)} deg about z"
+    words = phrase("bars_turned", "the bars are turned by {angle} deg about z", angle=number(angle, std, 4))
     return _hypothesis(_BARS, words, _changed(_BARS, _BARS.keys, _turned(angle)), mistakes)

@@ -11,6 +11,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from cases.base.phrases import NOTHING, Phrase
 from cases.base.units import Array
 from cases.schema import Case
 from identification.recording.recording import Recording
@@ -80,7 +81,7 @@ class Hypothesis:
     """One thing that may be wrong."""
 
     family: Family
-    words: str  # what is wrong, a clause
+    words: Phrase  # what is wrong, a clause
     # how many things are wrong then: of equal hypotheses of a family the one with the fewest is named
     mistakes: float = 1.0
     size: Size | None = None  # that was found where it leaves least
@@ -90,7 +91,7 @@ class Hypothesis:
     # where the mistake is: `recording`, so that the edit has its effect when files are read; `case`, so that forces are
     # to be computed from the edited case; `either`, so that the edited case does what channels and drives below do
     place: Literal["recording", "case", "either"] = "recording"
-    remedy: str = ""  # what to do where no key mends it, or beside it
+    remedy: Phrase = NOTHING  # what to do where no key mends it, or beside it
     channels: Array | None = None  # recorded forces are multiplied by it, shape (6, 6)
     drives: Affine | None = None
     pace: float = 1.0  # true seconds in a second of the recording

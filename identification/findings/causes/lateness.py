@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from cases.base.phrases import phrase
 from cases.base.units import MS, Array
 from cases.schema import Case
 from identification.estimation.fit import column_scale
@@ -58,7 +59,11 @@ def late_forces(instants: Instants, recording: Recording, case: Case) -> Hypothe
         form = case.recording.model_copy(update={"clock": clock.model_copy(update={"offset_s": offsets})})
         return case.model_copy(update={"recording": form})
 
-    words = f"forces are stamped {abs(late) / MS:.0f} ms {'late' if late > 0.0 else 'early'} beside the motion"
+    size = f"{abs(late) / MS:.0f}"
+    if late > 0.0:
+        words = phrase("forces_late", "forces are stamped {size} ms late beside the motion", size=size)
+    else:
+        words = phrase("forces_early", "forces are stamped {size} ms early beside the motion", size=size)
     return Hypothesis(family=Family.CLOCK, words=words, edit=edit, recorded=recorded)
 
 

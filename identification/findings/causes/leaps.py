@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from cases.base.phrases import Phrase, enumerated, phrase
 from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.fit import column_scale
@@ -70,12 +71,16 @@ def leaps_of(instants: Instants, delay: float, recording: Recording, case: Case)
         what = (
             _of_offsets(case, sizes[at], deviations[at] * max(residuals, 1.0))
             if kind == "offsets"
-            else f"the load changes by {_signed(sizes[at][0], deviations[at][0] * max(residuals, 1.0))} kg"
+            else phrase(
+                "load_changes",
+                "the load changes by {size} kg",
+                size=_signed(sizes[at][0], deviations[at][0] * max(residuals, 1.0)),
+            )
         )
         if not what:
             continue
         time = "" if recording.t is None else f" ({recording.t[instants.rows[at]]:.3g} s)"
-        words = f"{what} at about {line}{time}"
+        words = phrase("at_about", "{what} at about {line}{time}", what=what, line=line, time=time)
         yield Leap(residuals, at, words), _as_two_runs(words, line, _longer(recording, int(instants.rows[at])))
 
 
@@ -113,11 +118,9 @@ def _of_offsets(case: Case, sizes: Array, deviations: Array) -> str:
     parts = []
     for k in channels:
         name, _, unit = case.sensor_frame.channels[k].rpartition("_")
-        parts.append(
-            f"{case.recording.file_name(f'{name}_{unit}')} by {_signed(sizes[k], deviations[k])} "
-            f"{'N m' if unit == 'Nm' else unit}"
-        )
-    return f"offsets leap, of {', '.join(parts)},"
+        of, size = case.recording.file_name(f"{name}_{unit}"), _signed(sizes[k], deviations[k])
+        parts.append(phrase("by", "{of} by {size} {unit}", of=of, size=size, unit="N m" if unit == "Nm" else unit))
+    return phrase("offsets_leap", "offsets leap, of {parts},", parts=enumerated("comma", parts))
 
 
 def _signed(value: float, std: float) -> str:
@@ -130,15 +133,19 @@ def _longer(recording: Recording, row: int) -> slice:
     return slice(0, row) if row >= count - row else slice(row, count)
 
 
-def _as_two_runs(words: str, line: str, part: slice) -> Hypothesis:
+def _as_two_runs(words: Phrase, line: str, part: slice) -> Hypothesis:
     def changed(recording: Recording, case: Case) -> Recording | None:
         del case
         return cut(recording, part)
 
-    side = "before" if part.start == 0 else "from"
+    if part.start == 0:
+        longer = phrase("before_line", "before {line}", line=line)
+    else:
+        longer = phrase("from_line", "from {line}", line=line)
+    what = "cut the run there and evaluate the parts alone, the longer one is {longer}"
     return Hypothesis(
         family=Family.LEAPS, words=words, recorded=changed, mistakes=1.4,
-        remedy=f"cut the run there and evaluate the parts alone, the longer one is {side} {line}",
+        remedy=phrase("cut_there", what, longer=longer),
     )  # fmt: skip
 
 

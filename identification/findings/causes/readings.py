@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from cases.base.errors import HexciteError
+from cases.base.phrases import phrase
 from cases.base.units import Array
 from cases.machine import POSE
 from cases.orientation import ANGLES, CONVENTIONS, OF_ANGLES, QUATERNION, ROLL_PITCH_YAW, Convention
@@ -51,7 +52,7 @@ def _clocks(recording: Recording, case: Case) -> Iterator[Hypothesis]:
         if tick in seen or not SHORTEST <= step * ratio <= LONGEST:
             continue
         seen.add(tick)
-        words = f"time stamps are in {unit}"
+        words = phrase("stamps_in", "time stamps are in {unit}", unit=unit)
         edit = _with_clock(unit, step * ratio, ratio)
         yield Hypothesis(family=Family.CLOCK, words=words, edit=edit, recorded=_at_pace(ratio))
 
@@ -113,7 +114,10 @@ def _leaps(recording: Recording, case: Case) -> Iterator[Hypothesis]:
         return with_joints(case, joints)
 
     names = ", ".join(f"{k + 1} ({chain.joints[k].name})" for k in leaping)
-    words = f"readings of joint{'s' if len(leaping) > 1 else ''} {names} leap by 360 deg"
+    if len(leaping) > 1:
+        words = phrase("joints_leap", "readings of joints {names} leap by 360 deg", names=names)
+    else:
+        words = phrase("joint_leaps", "readings of joint {names} leap by 360 deg", names=names)
     yield Hypothesis(family=Family.CLOCK, words=words, edit=edit, recorded=changed)
 
 
@@ -135,13 +139,14 @@ def _orientations(recording: Recording, case: Case, of: Callable[[Turns], Change
         if other is not now and other.columns == now.columns:
             users = f" ({other.users})" if other.users else ""
             yield Hypothesis(
-                family=Family.ORIENTATION, words=f"orientations are written as '{other.name}'{users}",
+                family=Family.ORIENTATION,
+                words=phrase("written_as", "orientations are written as '{name}'{users}", name=other.name, users=users),
                 edit=_in_convention(other), recorded=of(_rewritten(written, other)),
                 mistakes=1.0 if other.users or other.inverse else SIGNED,
             )  # fmt: skip
     if now.form == "quaternion":
         for order in OTHER_QUATERNIONS:
-            words = order_words(order, "the parts of the quaternion", QUATERNION)
+            words = order_words(order, phrase("quaternion", "the parts of the quaternion"), QUATERNION)
             change = _rewritten(written, now, np.eye(4)[list(order)])
             yield Hypothesis(
                 family=Family.ORIENTATION, words=words, edit=mapped(QUATERNION, order), recorded=of(change)
@@ -154,14 +159,16 @@ def _angles(case: Case, now: Convention, written: Turns, of: Callable[[Turns], C
     """Angles in another unit, or with another sign."""
     for unit, ratio in other_units(case, Role.ANGLES):
         yield Hypothesis(
-            family=Family.UNITS, words=f"angles of the pose are in {unit}", edit=in_unit(Role.ANGLES, unit),
+            family=Family.UNITS, words=phrase("angles_in", "angles of the pose are in {unit}", unit=unit),
+            edit=in_unit(Role.ANGLES, unit),
             recorded=of(_rewritten(written, now, ratio * np.eye(3))),
         )  # fmt: skip
     for signs in ((-1.0, 1.0, 1.0), (1.0, -1.0, 1.0), (1.0, 1.0, -1.0), (-1.0, -1.0, -1.0)):
         names = [name for name, sign in zip(ANGLES, signs, strict=True) if sign < 0.0]
         files = ", ".join(case.recording.file_name(name) for name in names)
         yield Hypothesis(
-            family=Family.ORIENTATION, words=f"the sign of {files} is turned", mistakes=SIGNED,
+            family=Family.ORIENTATION, mistakes=SIGNED,
+            words=phrase("sign_turned", "the sign of {name} is turned", name=files),
             edit=scaled(dict.fromkeys(names, -1.0)), recorded=of(_rewritten(written, now, np.diag(signs))),
         )  # fmt: skip
 
@@ -236,17 +243,20 @@ def _positions(case: Case) -> Iterator[Hypothesis]:
 
     for unit, ratio in other_units(case, Role.POSITIONS):
         yield Hypothesis(
-            family=Family.UNITS, words=f"positions are in {unit}", edit=in_unit(Role.POSITIONS, unit),
+            family=Family.UNITS, words=phrase("positions_in", "positions are in {unit}", unit=unit),
+            edit=in_unit(Role.POSITIONS, unit),
             recorded=of_matrix(ratio * np.eye(3)),
         )  # fmt: skip
     for order in ((1, 0, 2), (2, 1, 0), (0, 2, 1), (1, 2, 0), (2, 0, 1)):
         yield Hypothesis(
-            family=Family.DRIVES, words=order_words(order, "positions", names), edit=mapped(names, order),
+            family=Family.DRIVES, words=order_words(order, phrase("positions", "positions"), names),
+            edit=mapped(names, order),
             recorded=of_matrix(np.eye(3)[list(order)]),
         )  # fmt: skip
     for k, name in enumerate(names):
         signs = np.where(np.arange(3) == k, -1.0, 1.0)
         yield Hypothesis(
-            family=Family.SIGNS, words=f"the sign of {case.recording.file_name(name)} is turned", mistakes=SIGNED,
+            family=Family.SIGNS, mistakes=SIGNED,
+            words=phrase("sign_turned", "the sign of {name} is turned", name=case.recording.file_name(name)),
             edit=scaled({name: -1.0}), recorded=of_matrix(np.diag(signs)),
         )  # fmt: skip

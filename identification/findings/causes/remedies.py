@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from cases.base.errors import Remedy, Write
+from cases.base.phrases import NOTHING, Phrase, phrase
 from cases.base.units import Array
 from cases.schema import Case
 from identification.texts import std_text
@@ -21,7 +22,7 @@ Deviations = Callable[[Sequence[Path]], Sequence[Array]]
 """Standard deviations of what an edited case has at some places, shapes as there; 0 of what was not estimated."""
 
 
-def keys_to_write(case: Case, edited: Case, deviations: Deviations | None = None) -> str:
+def keys_to_write(case: Case, edited: Case, deviations: Deviations | None = None) -> Phrase:
     """The keys that lead from a case to another, by table, as they stand in a file; empty where none differs.
 
     Args:
@@ -37,7 +38,7 @@ def keys_to_write(case: Case, edited: Case, deviations: Deviations | None = None
         entry = f"{key} = {_toml(value)}{_plus_minus(std)}" if value is not None else f"no {key}"
         tables.setdefault(table, []).append(entry)
     parts = [_in_table(table, entries) for table, entries in tables.items()]
-    return "write " + ", and ".join(parts) if parts else ""
+    return phrase("write", "write {keys}", keys=", and ".join(parts)) if parts else NOTHING
 
 
 def _plus_minus(std: Array) -> str:

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from cases.base.phrases import Phrase, phrase
 from cases.base.units import Array
 from cases.schema import Case
 from identification.findings.causes.hypothesis import Edit, Family, Hypothesis
@@ -23,7 +24,7 @@ def leaning_of(case: Case, direction: Array) -> float:
 
 
 def of_gravity(
-    case: Case, direction: Array, mistakes: float = 1.0, words: str = "", std: float | None = None
+    case: Case, direction: Array, mistakes: float = 1.0, words: Phrase | None = None, std: float | None = None
 ) -> Hypothesis:
     """Gravity along another direction of {B}, of the size that the case says.
 
@@ -37,9 +38,11 @@ def of_gravity(
     size = float(np.linalg.norm(case.gravity))
     vector = np.asarray(direction) / np.linalg.norm(direction) * size
     entries = tuple(float(round(value, 4)) + 0.0 for value in vector)
-    if not words:
+    if words is None:
         away = number(leaning_of(case, vector), std, 3)
-        words = f"gravity points {away} deg away from gravity_m_s2: the machine stands on a slope"
+        words = phrase(
+            "on_a_slope", "gravity points {away} deg away from gravity_m_s2: the machine stands on a slope", away=away
+        )
     return Hypothesis(family=Family.GRAVITY, words=words, edit=_gravity(entries), place="case", mistakes=mistakes)
 
 
@@ -52,15 +55,21 @@ def of_surroundings(case: Case) -> Iterator[Hypothesis]:
     for axis, sign, word in DIRECTIONS:
         vector = np.eye(3)[axis] * sign
         if vector @ case.gravity < 0.999 * np.linalg.norm(case.gravity):
-            yield of_gravity(case, vector, words=f"gravity points along {word} of {{B}}")
+            yield of_gravity(
+                case, vector, words=phrase("gravity_along", "gravity points along {word} of {{B}}", word=word)
+            )
+
+
+RAW = phrase("record_raw", "record them raw, with every compensation of the tool or payload switched off")
 
 
 def of_compensation() -> Hypothesis:
     """A wrench without the weight of what the sensor carries."""
     return Hypothesis(
-        family=Family.COMPENSATED, words="the forces are compensated: they lack the weight of what the sensor carries",
+        family=Family.COMPENSATED,
+        words=phrase("compensated", "the forces are compensated: they lack the weight of what the sensor carries"),
         edit=_gravity((0.0, 0.0, 0.0)), place="case",
-        remedy="record them raw, with every compensation of the tool or payload switched off",
+        remedy=RAW,
     )  # fmt: skip
 
 
@@ -74,19 +83,20 @@ def of_share(case: Case, share: float, mistakes: float, std: float | None = None
         std: standard deviation of the share [%]; None where it is not known.
     """
     left = tuple(float(f"{(1.0 - share) * value:.5g}") for value in case.gravity)
-    lacking = f"{number(100.0 * share, std, 3)} % of the weight of what the sensor carries"
+    lacking = "the forces are compensated: they lack {share} % of the weight of what the sensor carries"
     return Hypothesis(
         family=Family.COMPENSATED, edit=_gravity(left), place="case", mistakes=mistakes,
-        words=f"the forces are compensated: they lack {lacking}",
-        remedy="record them raw, with every compensation of the tool or payload switched off",
+        words=phrase("compensated_in_part", lacking, share=number(100.0 * share, std, 3)),
+        remedy=RAW,
     )  # fmt: skip
 
 
 def of_axes() -> Hypothesis:
     """A wrench in the axes of the base."""
     return Hypothesis(
-        family=Family.AXES, words="the wrench is in the axes of the base, not of the sensor", in_base=True,
-        remedy="record it raw, in the axes of the sensor itself",
+        family=Family.AXES, in_base=True,
+        words=phrase("in_base", "the wrench is in the axes of the base, not of the sensor"),
+        remedy=phrase("record_in_sensor", "record it raw, in the axes of the sensor itself"),
     )  # fmt: skip
 
 
@@ -106,5 +116,6 @@ def of_pace(step: float, pace: float, std: float | None = None) -> Hypothesis:
         return case.model_copy(update={"recording": case.recording.model_copy(update={"clock": clock})})
 
     apart = f"{period:.4g}" if std is None else with_deviation(1e3 * step * pace, std)
-    words = f"samples are {apart} ms apart, not {step * 1e3:.4g} ms"
+    stated = f"{step * 1e3:.4g}"
+    words = phrase("samples_apart", "samples are {apart} ms apart, not {stated} ms", apart=apart, stated=stated)
     return Hypothesis(family=Family.CLOCK, words=words, pace=pace, edit=edit, mistakes=1.8)

@@ -1,16 +1,19 @@
 """The German page is German; what commands say in English is quoted, and marked as English."""
 
+import ast
 import json
 import re
 import shutil
 from collections.abc import Iterator
 from html.parser import HTMLParser
 from pathlib import Path
+from string import Formatter
 
 import pytest
 from starlette.testclient import TestClient
 
-from cases.base.errors import Code
+from cases.base.errors import Code, IdentificationError
+from cases.base.phrases import SIGNS, phrase, said
 from cases.tables import built_in_cases
 from cases.tolerances import KINDS, PRIORS
 from hexcite.page import values
@@ -20,10 +23,12 @@ from hexcite.page.keys import example_of
 from hexcite.page.refusals import Unfit
 from hexcite.page.server import app_of
 from hexcite.page.stages import built_in
-from hexcite.page.texts import answers
+from hexcite.page.texts import answers, sentences
 from hexcite.page.texts.case_keys import KEYS, NOUNS, TABLES
 from hexcite.page.words import ENGLISH, Words
 from identification.finding import Kind
+from identification.findings.causes.channels import order_words
+from identification.findings.causes.hypothesis import Family
 from identification.findings.tolerances import MEMORY, NOISE, SHOWN
 from identification.limits.limit import LimitKind, OwnMove, Status
 from identification.recording.formats.reasons import Why, because
@@ -111,7 +116,7 @@ def answered(root: Path, calibrated: Path, monkeypatch: pytest.MonkeyPatch) -> I
         job.ended, job.finished, job.answer = job.began, 4e9, json.loads(answer.out)
         job.messages = ["the limit of this machine is reached"]
         if "error" in (job.answer or {}):
-            job.code, job.answer = job.answer["error"]["code"], None
+            job.refused, job.answer = job.answer["error"], None
         journal.write(f"{number}-1-1", job.record)
     with TestClient(app_of(root, frozenset({HOST}), TOKEN), follow_redirects=False) as client:
         client.get(f"/?token={TOKEN}")
@@ -156,6 +161,55 @@ def test_everything_with_a_code_has_german_words():
     assert _BODY.keys() | _WORDS.keys() == answers.PARAMETERS.keys()
     assert {*KINDS.values(), PRIORS, NOISE, MEMORY, SHOWN} <= answers.CAUSES.keys()
     assert built_in_cases().keys() == answers.TITLES.keys()
+
+
+def places_of(words: str) -> set[str]:
+    """Names of the places in a text."""
+    return {name for _, name, _, _ in Formatter().parse(words) if name}
+
+
+def english_phrases() -> dict[str, set[frozenset[str]]]:
+    """Code of each phrase in the sources -> the sets of places that its English texts have."""
+    found: dict[str, set[frozenset[str]]] = {}
+    for package in ("cases", "identification", "planner", "postprocessors", "hexcite"):
+        for file in sorted(Path(package).rglob("*.py")):
+            tree = ast.parse(file.read_text(encoding="utf-8"))
+            texts = {
+                name.id: node.value.value
+                for node in ast.walk(tree)
+                if isinstance(node, ast.Assign) and isinstance(node.value, ast.Constant)
+                for name in node.targets
+                if isinstance(name, ast.Name)
+            }
+            for made in ast.walk(tree):
+                if not (isinstance(made, ast.Call) and isinstance(made.func, ast.Name)):
+                    continue
+                if made.func.id in ("phrase", "_one", "_two") and isinstance(made.args[0], ast.Constant):
+                    english = made.args[1]
+                    words = english.value if isinstance(english, ast.Constant) else texts[ast.unparse(english)]
+                    found.setdefault(made.args[0].value, set()).add(frozenset(places_of(words)))
+    return found
+
+
+def test_every_phrase_has_german_words_with_the_same_places():
+    found = english_phrases()
+    families = {f"family_{family.name.lower()}": {frozenset(places_of(family.value))} for family in Family}
+    german = {code: {frozenset(places_of(words))} for code, words in sentences.SENTENCES.items()}
+    assert german == found | families
+    assert {*SIGNS} == sentences.SIGNS.keys()
+
+
+def test_a_cause_is_said_in_german_and_what_has_no_code_is_quoted_in_it():
+    words = order_words((1, 0, 2, 3, 4, 5), phrase("struts", "struts"), "123456")
+    problem = phrase("explained", "{problem} ({tried})", problem=said("it <b> is"), tried=words)
+    error = IdentificationError(problem=problem, code=Code.MISFIT, place="run.csv")
+    entries = json.loads(json.dumps(error.to_json()))
+    assert entries["problem"] == "it <b> is (struts 1 and 2 are exchanged)"
+    german = GERMAN.error(entries)
+    assert german == 'run.csv: <q lang="en">it &lt;b&gt; is</q> (Streben: 1 und 2 vertauscht)'
+    assert ENGLISH.error(entries) is None
+    assert GERMAN.error({"problem": "x", "place": ""}) is None
+    assert GERMAN.by_code({"code": "none of ours", "values": {}}) is None
 
 
 def test_reasons_have_the_same_places_in_both_languages():

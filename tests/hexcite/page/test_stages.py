@@ -1,6 +1,7 @@
 """Stages say what the folder holds: what is done, what is out of date, and what cannot be yet."""
 
 import json
+import time
 from pathlib import Path
 
 import pytest
@@ -329,3 +330,16 @@ def test_a_program_for_ros_has_the_form_that_is_chosen(root: Path, client: TestC
     (root / "arm-plan-2-payload.json").write_text('{"parameters": {}}')
     found = workspace(root, machine).programs
     assert [(program.name, program.plan) for program in found] == [("arm-plan-2.json", "arm-plan-2")]
+
+
+def test_a_check_of_a_machine_is_shown_with_and_without_a_proposal(client: TestClient):
+    for fields in ({}, {"propose": "1"}):
+        assert client.post("/m/hexapod/do/check", data=fields).status_code == 303
+        for _ in range(600):
+            shown = client.get("/m/hexapod/machine")
+            assert shown.status_code == 200
+            if "data-over" in shown.text:
+                break
+            time.sleep(0.1)
+        assert "of the motion box is within reach" in shown.text
+    assert "x_mm = [" in shown.text

@@ -1,0 +1,70 @@
+"""Sentences by codes: an English text that knows what it was made of, so that it can be said in other languages."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Literal
+
+Sign = Literal["or", "and", "comma", "semicolon"]
+SIGNS: Mapping[Sign, str] = {"or": " or ", "and": ", and ", "comma": ", ", "semicolon": "; "}
+"""What stands between the parts of an enumeration, in English."""
+QUOTED = "quoted"
+"""Code of a text that has no code: it is quoted in other languages."""
+
+
+class Phrase(str):
+    """A text in English, with its code and the values in its places: texts, numbers, and phrases in turn.
+
+    A text that is made of it by `+` or in an f-string is a plain one.
+    """
+
+    code: str = QUOTED
+    values: Mapping[str, Any] = {}
+
+    def to_json(self, shown: Callable[[str], str] = str) -> dict[str, Any]:
+        """Entries for programs: `code`, and `values` by the names of their places.
+
+        Args:
+            shown: makes a text in it one that may be shown.
+        """
+        return {"code": self.code, "values": {name: _entry(value, shown) for name, value in self.values.items()}}
+
+
+NOTHING = Phrase()
+"""The empty text."""
+
+
+def phrase(code: str, english: str, **values: object) -> Phrase:
+    """A text with values in its places.
+
+    >>> phrase("struts_off", "struts {which} are off", which=2).to_json()
+    {'code': 'struts_off', 'values': {'which': '2'}}
+
+    Args:
+        code: what it says, for programs; one for each text.
+        english: the text, with places in braces.
+        values: by the names of the places.
+    """
+    made = Phrase(english.format(**values))
+    made.code, made.values = code, values
+    return made
+
+
+def enumerated(sign: Sign, parts: Sequence[str]) -> Phrase:
+    """Several texts behind each other; the one where it is one."""
+    if len(parts) == 1:
+        return said(parts[0])
+    made = Phrase(SIGNS[sign].join(parts))
+    made.code, made.values = sign, {"parts": [said(part) for part in parts]}
+    return made
+
+
+def said(text: str) -> Phrase:
+    """A phrase as it is, and any other text as one that is quoted."""
+    return text if isinstance(text, Phrase) else phrase(QUOTED, "{text}", text=text)
+
+
+def _entry(value: Any, shown: Callable[[str], str]) -> Any:
+    if isinstance(value, Phrase):
+        return value.to_json(shown)
+    if isinstance(value, list | tuple):
+        return [_entry(each, shown) for each in value]
+    return shown(str(value))
