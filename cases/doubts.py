@@ -532,7 +532,9 @@ def of_geometry(machine: HexapodMachine | None, frame: SensorFrame, workspace: W
             yield Relation((one, other), ratio, 1.0, 1.0, WIDELY, words)
         for angle in angles:
             size = _largest(now, angle.key) / DEG
-            yield Relation((angle.key,), size, least[angle.key], 180.0, HARDLY, f"{size:.3g} deg is no angle of joints")
+            yield Relation(
+                (angle.key,), size, least[angle.key], 180.0, HARDLY, f"{size:.3g} deg is not an angle of joints"
+            )
 
     yield from contradictions([*stated, *angles], relations)
 

@@ -69,7 +69,9 @@ ROLE_UNITS: Mapping[Role, Units] = {role: units for role, _, units in _ROLES}
 ROLE_OF = {column: role for role, columns, _ in _ROLES for column in columns}
 
 
-_ORTHOGONALITY = 1e-3  # of a mounting matrix, which is typed by hand with a few digits: beyond this it is no rotation
+_ORTHOGONALITY = (
+    1e-3  # of a mounting matrix, which is typed by hand with a few digits: beyond this it is not a rotation
+)
 TICKS = TIMES  # units of time stamps [s]
 
 

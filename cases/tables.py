@@ -288,7 +288,7 @@ def _too_deep(data: Any) -> tuple[str, int]:
 
 
 def _explained(model: type[BaseModel], path: Path, error: ValidationError) -> CaseError:
-    """All problems in words, causes first: a misspelt key also makes its right name missing, a text is no number.
+    """All problems in words, causes first: a misspelt key also makes its right name missing, a text is not a number.
 
     The shortest come first among their kind.
     """

@@ -29,7 +29,7 @@ def page(
     if not 0 <= port <= 65535:
         raise hx.HexciteError(
             place=f"--port {port}",
-            problem="is no port",
+            problem="is not a port",
             remedy="give 1 to 65535, or leave it out",
             code=Code.OUT_OF_RANGE,
         )

@@ -238,7 +238,7 @@ class Jobs:
             await asyncio.wait(first)
         async with self._room:
             job.began, job.state = time.monotonic(), "running"
-            # -P: the root folder is the current one, and files in it are no modules
+            # -P: the root folder is the current one, and files in it are not modules
             arguments = [sys.executable, "-P", "-m", GUEST, str(os.getpid()), *job.command, "--json"]
             job.process = await asyncio.create_subprocess_exec(
                 *arguments,

@@ -60,7 +60,7 @@ def words_of(part: type[Part] | None) -> Mapping[str, str]:
 
 
 def choices_of(part: type[Part] | None, key: str) -> tuple[str, ...]:
-    """The texts among which a value is one; empty where it is no choice."""
+    """The texts among which a value is one; empty where it is not a choice."""
     field = None if part is None else part.model_fields.get(key)
     literals = [] if field is None else [each for each in _inner(field.annotation) if get_origin(each) is Literal]
     return tuple(text for text in get_args(literals[0]) if isinstance(text, str)) if literals else ()
@@ -155,7 +155,7 @@ def _joint_limits(data: Table, example: Table, place: Place) -> dict[Place, Any]
 
 
 def leaves(place: Place, value: Any) -> Iterator[tuple[Place, Any]]:
-    """Values that are no tables, each with its place."""
+    """Values that are not tables, each with its place."""
     if isinstance(value, Mapping):
         for key, inner in value.items():
             yield from leaves((*place, key), inner)

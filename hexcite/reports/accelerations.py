@@ -34,7 +34,7 @@ def measured_accelerations(estimate: Estimate) -> Accelerations | None:
     if isinstance(samples, Run):
         return samples.t, samples.kinematics(at).twist_rate
     motion = samples.motion(at)
-    if motion is None or motion.felt or not samples.nuisances:
+    if motion is None or motion.by_accelerometer or not samples.nuisances:
         return None
     return samples.t[motion.known], motion.load.twist_rate[motion.known]
 

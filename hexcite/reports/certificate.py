@@ -1,7 +1,7 @@
 """The certificate of a result: A4 pages as PDF, with what they state as data inside, and its verification.
 
 The keywords of the file hold what is stated as JSON in Base64, and the SHA-256 of the file with zeros in its place: a
-byte that was changed since shows. It is no signature: who makes a new file makes a new fingerprint.
+byte that was changed since shows. It is not a signature: who makes a new file makes a new fingerprint.
 """
 
 import base64

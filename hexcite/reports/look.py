@@ -22,7 +22,7 @@ MOST_LINES = 12  # lines of a panel that can be told from each other
 MOST_PANELS = 6  # panels of a page
 _WIDTH, _PANEL = 11.0, 2.2  # of a page, and the height of a panel [inches]
 _LONGEST = 44  # characters of a name in a legend; longer ones would leave no room for the lines
-_LARGEST = 1e100  # beyond, numbers are no measurements, and cannot be drawn
+_LARGEST = 1e100  # beyond, numbers are not measurements, and cannot be drawn
 
 
 @dataclass(frozen=True)

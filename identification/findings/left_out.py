@@ -95,7 +95,7 @@ class LeftOut:
             late = fitted.regression.regressors[:, :, -1]
         values = fitted.fit.values[: len(samples.model.names)]
         number = full_model(case) if isinstance(samples, Moving) else static_model(case)
-        if motion.felt:  # larger models need positions
+        if motion.by_accelerometer:  # larger models need positions
             number = RIGID
         columns = samples.columns(fitted.at, values, fitted.regression.names)
         larger = identification_model(case, number)
@@ -221,11 +221,11 @@ class LeftOut:
 
     def _of_frame(self) -> Iterator[Alternative]:
         for k, name in enumerate("xyz"):
-            than = "the accelerometer" if self.motion.felt else "the case says"
+            than = "the accelerometer" if self.motion.by_accelerometer else "the case says"
             cause = f"a sensor frame that is {{}} mm further along its {name} than {than}"
             yield Alternative("frame", "the turning of the load", cause, self.by_place[:, :, k : k + 1], MILLIMETRES)
         for k, name in enumerate("xyz"):
-            against = "the orientations" if self.motion.felt else "the case"
+            against = "the orientations" if self.motion.by_accelerometer else "the case"
             cause = f"a sensor frame that is turned about its {name} by {{}} deg against {against}"
             yield Alternative("frame", "gravity and acceleration", cause, self.by_axes[:, :, k : k + 1], DEGREES)
         axes, columns = self.by_gravity
@@ -264,9 +264,10 @@ class LeftOut:
     @cached_property
     def by_gravity(self) -> tuple[Array, Array]:
         """Three axes, the first along gravity, shape (3, 3), and how the forces change with what gravity has more along
-        each of them, as a share of its size, shape (n, 6, 3); none of both where there is no gravity, or it is felt.
+        each of them, as a share of its size, shape (n, 6, 3); none of both where there is no gravity, or where an
+        accelerometer measures it.
         """
-        gravity = np.zeros(3) if self.motion.felt else self.model.gravity
+        gravity = np.zeros(3) if self.motion.by_accelerometer else self.model.gravity
         size, axes = float(np.linalg.norm(gravity)), gravity_axes(gravity)
         columns, m = [np.zeros((len(self.t), 6, 0))], self.load
         for axis in axes:
@@ -276,8 +277,11 @@ class LeftOut:
 
     @cached_property
     def by_clock(self) -> Array:
-        """How the forces change with the rate of the motion's clock, shape (n, 6); what is felt needs none."""
-        m, own = self.load, np.repeat([0.0 if self.motion.felt else 1.0, 1.0], 3)
+        """How the forces change with the rate of the motion's clock, shape (n, 6).
+
+        Accelerations that were measured do not.
+        """
+        m, own = self.load, np.repeat([0.0 if self.motion.by_accelerometer else 1.0, 1.0], 3)
         return self.change(replace(m, twist=m.twist * (1.0 + STEP), twist_rate=m.twist_rate * (1.0 + 2.0 * STEP * own)))
 
     def change(self, motion: Kinematics) -> Array:
@@ -315,7 +319,7 @@ class LeftOut:
     def _of_clocks(self) -> Iterator[Alternative]:
         assert self.late is not None
         cause = "time stamps that are {} % too far apart"
-        if not self.motion.felt:  # then only the turning goes by the clock
+        if not self.motion.by_accelerometer:  # then only the turning goes by the clock
             yield Alternative("clock", "the acceleration", cause, self.by_clock[:, :, None], PERCENT)
         span = (self.t - self.t.mean()) / max(float(np.ptp(self.t)), self.step)
         rate = self.derivative(self.expected, 1)
@@ -392,7 +396,7 @@ class LeftOut:
         A^T W f = A^T W (A - E) u: noise of the drives pulls parameters down by F^-1 times that. None where it is not
         known, or too small to count. Noise of their accelerations alone counts, white before the filter.
         """
-        drives, noise = self.motion.drives, self.motion.heard
+        drives, noise = self.motion.drives, self.motion.acceleration_noise
         if drives is None or noise is None or self.by_drives is None:
             return None
         total, forces = np.zeros(len(self.values)), np.sqrt(np.mean(self.expected.var(axis=0)))
@@ -481,7 +485,7 @@ class LeftOut:
 
     def _of_motion(self) -> Iterator[Alternative]:
         described = (self.load.pose, self.load.twist, self.load.twist_rate)
-        if self.motion.felt:
+        if self.motion.by_accelerometer:
             yield from self._of_orientation()
             return
         if self.motion.drives is not None and not self.motion.of_pose:
@@ -505,7 +509,7 @@ class LeftOut:
     def _of_orientation(self) -> Iterator[Alternative]:
         """Of a motion whose place is not known: how gravity lies in the sensor, and how that turns and is shaken."""
         m, turned = self.load, self.turn.transpose(0, 2, 1)
-        felt = turned @ (m.twist_rate[:, :3] - self.model.gravity)[:, :, None]
+        specific_force = turned @ (m.twist_rate[:, :3] - self.model.gravity)[:, :, None]
         kinds = (
             ("place", "the orientation", "gravity along {} of the sensor", turned[:, :, 2], BY_ORIENTATION),
             (
@@ -515,7 +519,13 @@ class LeftOut:
                 (turned @ m.twist[:, 3:, None])[:, :, 0],
                 BY_RATE,
             ),
-            ("acceleration", "the acceleration", "the acceleration along {} of the sensor", felt[:, :, 0], BY_SHAKING),
+            (
+                "acceleration",
+                "the acceleration",
+                "the acceleration along {} of the sensor",
+                specific_force[:, :, 0],
+                BY_SHAKING,
+            ),
         )
         for key, follow, each, values, cause in kinds:
             yield Alternative(key, follow, cause, in_channels(scaled(values)), each=self._each(each, ("x", "y", "z")))

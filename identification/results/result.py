@@ -129,7 +129,7 @@ class Result:
         """The load in {P}, without offsets and all else that is the sensor's.
 
         Raises:
-            IdentificationError: it has offsets alone, or its body is no load.
+            IdentificationError: it has offsets alone, or its body is not a load.
         """
         model, own = body_alone(self.model, self.source)
         square = np.ix_(own, own)

@@ -88,8 +88,10 @@ class Run(Moving):
         drives = decimated(used, struts, at, [(order, delay) for order in range(3)])
         place, speed, acceleration = (values[back] for values in drives)
         load = self.machine.kinematics(place, speed, acceleration)
-        heard = noise * float(np.linalg.norm(self.filter.kernel(2, 0.0)))
-        return MotionOfSamples(known, load, (place, speed, acceleration), self.machine, noise, heard, quiet)
+        acceleration_noise = noise * float(np.linalg.norm(self.filter.kernel(2, 0.0)))
+        return MotionOfSamples(
+            known, load, (place, speed, acceleration), self.machine, noise, acceleration_noise, quiet
+        )
 
     def linearised(self, delay: float, values: Array) -> Array:
         """A and the columns of the nuisances at values u, shape (n, 6, u + nuisances).
@@ -226,9 +228,9 @@ def calm(low_pass: Filter, drives: Array, noise: Array, turns: Flags, order: int
     bends = decimated(low_pass, drives, np.arange(0, count, step), [(order, 0.0)])[0]
     snaps = np.sqrt(np.mean(np.diff(bends, 2, axis=0) ** 2, axis=0))
     kernel = np.pad(low_pass.kernel(order, 0.0), step)
-    heard = noise * np.linalg.norm(np.roll(kernel, step) + np.roll(kernel, -step) - 2.0 * kernel)
+    acceleration_noise = noise * np.linalg.norm(np.roll(kernel, step) + np.roll(kernel, -step) - 2.0 * kernel)
     kinds = [turns == kind for kind in (True, False) if np.any(turns == kind)]
-    return all(heard[kind].max() <= CALM * snaps[kind].max() for kind in kinds)
+    return all(acceleration_noise[kind].max() <= CALM * snaps[kind].max() for kind in kinds)
 
 
 def _worth_smoothing(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> bool:

@@ -48,9 +48,11 @@ class MotionOfSamples(NamedTuple):
     drives: tuple[Array, Array, Array] | None = None  # place, speed, acceleration, shapes (n, k) [m or rad]
     machine: Machine | None = None  # machine of these drives
     noise: Array | None = None  # white noise of the drives, shape (k,) [m or rad]
-    heard: Array | None = None  # noise of their accelerations behind the filter of the fit, shape (k,)
+    acceleration_noise: Array | None = None  # noise of their accelerations behind the filter of the fit, shape (k,)
     calm: bool = True  # whether next to nothing of the motion is such noise
-    felt: bool = False  # whether an accelerometer says how {P} accelerates: then gravity and clocks do not matter to it
+    by_accelerometer: bool = (
+        False  # whether an accelerometer says how {P} accelerates: then gravity and clocks do not matter to it
+    )
 
     def moved(self, place: Array, speed: Array, acceleration: Array) -> Kinematics:
         """The motion of {P} where drives say something else, but near it."""

@@ -68,7 +68,7 @@ class WristRun(Moving):
         acceleration = np.einsum("nij,nj->ni", turn, specific) + self.model.gravity
         pose = np.hstack([still, Rotation.from_matrix(turn).as_euler("xyz")])
         load = Kinematics(pose, np.hstack([still, omega]), np.hstack([acceleration, alpha]))
-        return MotionOfSamples(self._known(), load, felt=True)
+        return MotionOfSamples(self._known(), load, by_accelerometer=True)
 
     def columns(self, delay: float, values: Array, names: Sequence[str]) -> Array | None:
         """Columns of a fit at values u in `motion`, by names of parameters and nuisances, shape (n, 6, v)."""
@@ -228,10 +228,10 @@ def narrow_run(recording: Recording, case: Case, model: Model) -> WristRun | Non
 
 def _quiet(turning: Stream, accelerometer: Stream, cutoff: float, model: Model) -> bool:
     """Whether next to nothing of a motion is noise of the streams that say it."""
-    felt, (_, low_pass) = accelerometer.specific_forces, _filter(accelerometer, cutoff)
-    assert felt is not None
+    specific_forces, (_, low_pass) = accelerometer.specific_forces, _filter(accelerometer, cutoff)
+    assert specific_forces is not None
     alike = np.zeros(3, dtype=bool)
-    if not calm(low_pass, felt, white_noise(felt), alike, order=0):
+    if not calm(low_pass, specific_forces, white_noise(specific_forces), alike, order=0):
         return False
     if not model.needs_motion:
         return True

@@ -80,7 +80,8 @@ class BlockWriter(ABC):
         words: words of the coordinates.
         axes: names of the axes behind them, for the command that groups them.
         guarantees: the controller's time laws.
-        case: case with the limits of the controller's set-up; coordinates that are no pose are the machine's own axes.
+        case: case with the limits of the controller's set-up; coordinates that are not a pose are the machine's own
+            axes.
     """
 
     name: ClassVar[str]  # name of the controller, for messages

@@ -23,7 +23,7 @@ ROUNDS = 9
 COARSELY = 4  # rounds on the coarse instants
 SHRINKING = 0.55  # of the steps from round to round
 PACE = 5.5  # factor by which seconds of a recording may be longer or shorter, unless their unit is another
-LEAST_ANGLE = 0.3  # [deg] below which an angle is no mistake that people make
+LEAST_ANGLE = 0.3  # [deg] below which an angle is not a mistake that people make
 LEAST_OFFSET = 2e-3  # [m], the same of an offset
 FARTHEST = 5.0  # [m] from the sensor that anybody has moments about
 LEAST_SHARE = 0.02  # of a weight, the same
@@ -34,7 +34,7 @@ class Sized:
     """A family of hypotheses over sizes, shape (k,) each."""
 
     family: Family
-    # None for a size that is no mistake; with standard deviations of what words state of it, where they are known
+    # None for a size that is not a mistake; with standard deviations of what words state of it, where they are known
     of_size: Callable[[Array, Sequence[float] | None], Hypothesis | None]
     starts: tuple[tuple[float, ...], ...]
     steps: tuple[float, ...]  # by which sizes are changed at first
@@ -43,7 +43,7 @@ class Sized:
     nudge: float = 0.1  # share of a step by which residuals change in proportion
 
     def make(self, size: Array) -> Hypothesis | None:
-        """The hypothesis of a size; None where that is no mistake."""
+        """The hypothesis of a size; None where that is not a mistake."""
         return self.of_size(size, None)
 
     def found(self, size: Array) -> Size:
@@ -265,7 +265,7 @@ def _stepped(instants: Instants, prefix: Trial, points: Sequence[_Point], shrunk
 
 
 def _left(instants: Instants, prefix: Trial, wanted: Sequence[tuple[Sized, Array]]) -> Array:
-    """What some sizes of families leave; infinity where they are no mistakes."""
+    """What some sizes of families leave; infinity where they are not mistakes."""
     made = [sized.make(size) for sized, size in wanted]
     left = np.full(len(made), np.inf)
     alone = not any(hypothesis.channels is not None for hypothesis in prefix)

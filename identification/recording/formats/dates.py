@@ -55,7 +55,7 @@ def written(stamp: int) -> str:
 
 
 def first_unread(texts: pa.Array | pa.ChunkedArray) -> int:
-    """The first text that is no stamp of the kind of those above it, counted from 0."""
+    """The first text that is not a stamp of the kind of those above it, counted from 0."""
     return max(int(np.argmin(_fields(texts, form).is_valid().to_numpy(zero_copy_only=False))) for form in _FORMS)
 
 
@@ -72,7 +72,7 @@ def _fields(texts: pa.Array | pa.ChunkedArray, form: str) -> pa.StructArray:
 
 
 def _read(fields: pa.StructArray) -> Nanoseconds | None:
-    """The stamps that fields of one form mean; None where they are no dates."""
+    """The stamps that fields of one form mean; None where they are not dates."""
     names = {field.name for field in fields.type}
     part = pc.utf8_slice_codeunits(pc.utf8_rpad(fields.field("part"), 9, "0"), 0, 9)
     time = _integers(fields, "minute") * _MINUTE + _integers(fields, "second") * _SECOND + _whole(part)
@@ -113,7 +113,7 @@ def _months(names: list[str]) -> Nanoseconds:
 
 
 def _days(years: Nanoseconds, months: Nanoseconds, days: Nanoseconds) -> Nanoseconds | None:
-    """Days since 1970; None where one is no date."""
+    """Days since 1970; None where one is not a date."""
     if months.min() < 1 or months.max() > 12 or days.min() < 1 or years.min() < 1700 or years.max() > 2200:
         return None
     first = ((years - 1970) * 12 + months - 1).astype("datetime64[M]")

@@ -390,7 +390,7 @@ def _without_a_machine(found: Sequence[Family], places: Mapping[str, int], names
 
 
 def _computed(family: Family, names: Sequence[str]) -> Iterator[str]:
-    """What to say of a wrench that is no reading of a sensor."""
+    """What to say of a wrench that is not a reading of a sensor."""
     words = {*family.rest, *_joined(family.rest)}
     force = say.FORCE.among(words) or say.WRENCH.among(words) or _quantity(family) in ("force", "moment")
     if not force or len(family.members) not in (len(AXES), len(WRENCH)) or say.SPEED.among(words):

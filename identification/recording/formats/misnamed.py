@@ -43,7 +43,7 @@ def require_own_values(table: ColumnTable, case: Case, lengths: tuple[float, flo
     strangers = [ours for ours in others if _is_length(table.values[ours][:_MOST] * factor, low, high)]
     if wrong and len(strangers) >= len(wrong):
         problem = (
-            f"{middles[wrong[0]] / MM:.4g} mm is no length of a strut, {low / MM:.4g} to {high / MM:.4g} mm, "
+            f"{middles[wrong[0]] / MM:.4g} mm is not a length of a strut, {low / MM:.4g} to {high / MM:.4g} mm, "
             f"but columns that move smoothly within them are called {listed(strangers)}"
         )
         raise RecordingError(place=table.place(0, wrong[0]), problem=problem, remedy=remedy, code=Code.UNIT)

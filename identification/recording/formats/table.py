@@ -272,11 +272,10 @@ def require_file(file: Path) -> None:
     except (OSError, ValueError) as error:
         raise unreadable(file, error) from error
     if not stat.S_ISREG(about.st_mode):
-        folder = stat.S_ISDIR(about.st_mode)
         raise RecordingError(
             place=file,
-            problem="is a folder" if folder else "cannot be read (it is not a regular file)",
-            remedy="name the files of one run in it" if folder else "give a recording's CSV or folder",
+            problem=f"cannot be read (it is {'a folder' if stat.S_ISDIR(about.st_mode) else 'not a regular file'})",
+            remedy="give a recording's CSV or folder",
             code=Code.UNREADABLE,
         )
     if about.st_size == 0:

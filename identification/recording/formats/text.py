@@ -1,7 +1,7 @@
 """Tables as text, one row a sample: their layout as a value, and their numbers, read by pyarrow.
 
 What pyarrow cannot read is written anew, a few megabytes at a time: words for switches and missing values, rows that
-end early. The first line that is no row of the table is named.
+end early. The first line that is not a row of the table is named.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -323,7 +323,7 @@ def _in_two_columns(content: Content, layout: Layout, parts: Sequence[_Clock], l
     column, odd = layout.form.clock.nanoseconds, (part < 0) | (part >= _A_SECOND) | (part != np.floor(part))
     if odd.any() or layout.form.tick != 1.0:
         row = int(np.argmax(odd))
-        problem = f"{part[row].item():g} is no count of nanoseconds within a second"
+        problem = f"{part[row].item():g} is not a count of nanoseconds within a second"
         if layout.form.tick != 1.0:
             problem = "adds nanoseconds to stamps that are not in seconds"
         place = f"{content.file}, {lines.place(row)}, {shown(str(column))}"
@@ -435,7 +435,7 @@ def _columns(
     columns = {k: table.column(str(k)) for k in wanted.positions}
     for k in wanted.clocks - wanted.dates:
         if columns[k].type not in (pa.int64(), pa.float64(), pa.null()):
-            raise pa.ArrowInvalid("a time stamp is no number")
+            raise pa.ArrowInvalid("a time stamp is not a number")
     return columns | {k: columns[k].cast(pa.float64()) for k in words}
 
 

@@ -19,7 +19,7 @@ _WHOLE = 2.0**53  # largest whole number whose bits a double holds
 def trigger_of(table: ColumnTable) -> tuple[Flags | None, list[Finding]]:
     """Whether the trigger is on, shape (n,), and what to say of it; None: there is none, or it never switches.
 
-    Raises RecordingError where a column that should be a trigger is no switch.
+    Raises RecordingError where a column that should be a trigger is not a switch.
     """
     if (values := table.values.get(TRIGGER)) is None:
         return None, []
@@ -49,7 +49,7 @@ def trigger_of(table: ColumnTable) -> tuple[Flags | None, list[Finding]]:
             )
         raise RecordingError(
             place=table.place(row, TRIGGER),
-            problem=f"{values[row].item()} is no level of a switch",
+            problem=f"{values[row].item()} is not a level of a switch",
             remedy=remedy,
             code=Code.TRIGGER,
         )

@@ -76,7 +76,7 @@ _COMPUTED: tuple[tuple[frozenset[str], str, str], ...] = (
     (frozenset({"cart", "force"}), _ESTIMATED[0].format("KUKA Sunrise"), _ESTIMATED[1]),
     (frozenset({"cart", "torque"}), _ESTIMATED[0].format("KUKA Sunrise"), _ESTIMATED[1]),
 )  # fmt: skip
-"""Words of wrenches that are no readings, what they are, and what to record instead."""
+"""Words of wrenches that are not readings, what they are, and what to record instead."""
 
 
 def computed(said: Iterable[str]) -> tuple[str, str] | None:

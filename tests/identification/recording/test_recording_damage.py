@@ -71,9 +71,9 @@ DAMAGES: dict[str, tuple[bytes, str]] = {
     "time backwards": (cell(6, "t_s", "0.0001"), r"line 7, t_s: 0.0001 is not later .*sort the rows"),
     "trigger of another sign": (
         cell(4, "trigger", "0").replace(b",1\n", b",-5\n"),
-        r"line 2, trigger: -5.0 is no level",
+        r"line 2, trigger: -5.0 is not a level",
     ),
-    "trigger of three levels": (cell(4, "trigger", "0.5"), r"line 5, trigger: 0.5 is no level of a switch; export"),
+    "trigger of three levels": (cell(4, "trigger", "0.5"), r"line 5, trigger: 0.5 is not a level of a switch; export"),
     "empty": (b"", r": is empty; record again"),
     "header only": (csv([NAMES]), r": has a header but no rows; record or export"),
     "header without newline": (csv([NAMES])[:-1], r"no rows|not a CSV table"),
