@@ -7,6 +7,7 @@ from typing import Any
 
 from cases.base.errors import HexciteError
 from cases.base.folder_kinds import DEMO
+from cases.base.options import default_of, documented
 from cases.base.output_places import check_folder
 from cases.base.units import as_html
 from cases.controller import ControllerName
@@ -14,6 +15,7 @@ from cases.schema import Case
 from hexcite._run import best_controller, run
 from hexcite._write import usual_dialect, write
 from hexcite.comparison.comparison import Comparison, compare
+from hexcite.options import DemoController, DemoSeed, DemoStarts
 from identification.identify import identify
 from identification.limits.limit import KINETIC, LimitKind
 from identification.machines.of_case import machine_of
@@ -105,13 +107,15 @@ class Demo:
 FOURIER = Fourier(order=3)  # of the paper's D9N
 
 
+@documented()
 def demo(
     case: Case,
     folder: Path | str,
-    on: str | None = None,
+    on: DemoController = default_of(DemoController),
     *,
-    seed: int = 0,
-    starts: int = 1,
+    seed: DemoSeed = default_of(DemoSeed),
+    starts: DemoStarts = default_of(DemoStarts),
+    overwrite: bool = False,
     progress: Callable[[str], None] = lambda line: None,
 ) -> Demo:
     """Plan, program, proof, run, identification and comparison, end to end.
@@ -123,20 +127,19 @@ def demo(
         case: case with a simulated machine.
         folder: folder to make: plan, program, recording and result of the moves are written there, one after the other,
             those of the other motions in folders of their own.
-        on: controller: virtual, or linuxcnc, for which moves are planned without jerk; by default virtual, with the
-            first program of the case that keeps all limits.
-        seed: seed of the starts and of the sensors' noise.
-        starts: number of random starts; one is enough for a demo.
+        OPTIONS
+        overwrite: whether to replace an earlier demo that stands there.
         progress: shows a line as each step ends.
 
     Raises:
+        FileProblem: the folder is taken, or cannot be written.
         HexciteError: a step failed.
     """
     place = Path(folder)
     case.need_simulation("the demo")
     require_starts(starts)  # before the first motion, which needs none, is written
     require_seed(seed)
-    check_folder(place, DEMO, overwrite=True)
+    check_folder(place, DEMO, overwrite=overwrite)
     # All limits are kept unless a real controller is asked for that cannot keep them.
     real = on == ControllerName.LINUXCNC
     language = dialect(ControllerName.LINUXCNC if real else usual_dialect(case))

@@ -9,11 +9,13 @@ from typing import NamedTuple
 import numpy as np
 
 from cases.base.errors import Code, HexciteError, ProgramError, choice, option
+from cases.base.options import default_of, documented
 from cases.base.units import MM
 from cases.basis import motion_hash
 from cases.controller import ControllerName
 from cases.schema import Case
 from hexcite._write import plan_of_program, read_for, require_ini, require_proven, written_for_another
+from hexcite.options import Controller, Disturbed, Ini, NoiseSeed, Weights
 from identification.estimation.criteria import executed_information, reference_scaling
 from identification.limits.limit import LimitKind
 from identification.limits.proof import CHUNK, everything
@@ -200,15 +202,16 @@ def _efficiency(bound: Bound, information: np.ndarray) -> float:
     return bound.efficiency(float(logdet)) if sign > 0 else 0.0
 
 
+@documented()
 def run(
     program: Program | Path | str,
     case: Case,
-    on: str = ControllerName.VIRTUAL,
+    on: Controller = default_of(Controller),
     *,
-    seed: int = 0,
-    payload: int = 0,
-    disturbed: bool = False,
-    ini: Path | str | None = None,
+    seed: NoiseSeed = default_of(NoiseSeed),
+    payload: Weights = default_of(Weights),
+    disturbed: Disturbed = default_of(Disturbed),
+    ini: Ini = default_of(Ini),
 ) -> Recording:
     """The recording of a program's run: sensors and encoders are simulated for what the controller really executed.
 
@@ -221,11 +224,7 @@ def run(
     Args:
         program: program, or its file.
         case: case with a simulated machine.
-        on: controller: virtual or linuxcnc.
-        seed: seed of the sensors' noise.
-        payload: number of the case's weights that are mounted.
-        disturbed: whether the case's disturbances are on: vibration, ripple, errors that depend on the pose.
-        ini: INI file of the LinuxCNC machine that will run it: its planner and limits are to be those of the case.
+        OPTIONS
 
     Raises:
         FileProblem: the INI file contradicts the case; the message names the line.

@@ -9,10 +9,12 @@ from pathlib import Path
 
 from cases.base.errors import CaseError, Code, FileProblem, HexciteError, ProgramError, option
 from cases.base.file_reading import read_whole
+from cases.base.options import default_of, documented
 from cases.basis import motion_hash
 from cases.controller import ControllerName
 from cases.scaffold import readiness
 from cases.schema import Case
+from hexcite.options import Accept, Ini, Language, LanguageOfFile, Speed
 from identification.limits.limit import LimitKind
 from identification.motion.curves import PolynomialMotion
 from identification.motion.moves import has_steps
@@ -29,12 +31,13 @@ from postprocessors.writing import proven_program
 SLOWEST = 0.01  # share of the planned speed; slower, a run of seconds takes half an hour
 
 
+@documented()
 def write(
     plan: Plan,
-    dialect: str | None = None,
+    dialect: Language = default_of(Language),
     *,
-    speed: float = 1.0,
-    accept: Collection[str] | str = (),
+    speed: Speed = default_of(Speed),
+    accept: Accept = default_of(Accept),
     file: Path | str | None = None,
 ) -> Program:
     """The plan as a program for a controller, read back and proven; nothing is written to disk.
@@ -44,12 +47,7 @@ def write(
 
     Args:
         plan: a motion or poses.
-        dialect: the controller's language: one of `DIALECTS`; by default that of the suffix of
-            `file`, else that of the controller that the plan was made for, else the first with settings in the case
-            whose controller keeps what the plan keeps.
-        speed: share of the planned speed; 0.1 for a first try.
-        accept: limits that the controller does not enforce and that the caller answers for, such as
-            `("jerk", "sensor force")`, or one.
+        OPTIONS
         file: name of the program, for messages.
 
     Raises:
@@ -150,13 +148,14 @@ def read_for(case: Case, file: Path, dialect: str | None = None) -> Program:
         return read_program(file, case, dialect)
 
 
+@documented()
 def check(
     program: Path | str,
     case: Case,
-    dialect: str | None = None,
+    dialect: LanguageOfFile = default_of(LanguageOfFile),
     *,
     accept: Collection[str] | str | None = None,
-    ini: Path | str | None = None,
+    ini: Ini = default_of(Ini),
 ) -> Program:
     """A program of a file, read back independently of its writer, with its proof.
 
@@ -165,10 +164,9 @@ def check(
     (True, ())
 
     Args:
-        dialect: the program's language; by default the one that its suffix names.
+        OPTIONS
         accept: limits that the controller need not enforce; with them, also none, a program that exceeds a limit or
             relies on others is refused.
-        ini: INI file of the LinuxCNC machine that will run it: its planner and limits are to be those of the case.
 
     Raises:
         FileProblem: the INI file contradicts the case; the message names the line.

@@ -45,8 +45,6 @@ def plan(
     Args:
         case: machine and limits.
         family: family of motions; unless given the one of which the best motion is found, of moves, splines and series.
-        duration: duration of the excitation [s], 12 s by default; with a target the longest that is tried, by default
-            60 s.
         progress: shows a line, at most once a second.
         OPTIONS
 

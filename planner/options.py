@@ -1,7 +1,7 @@
 """Options of plans, each declared once: name, type, default, unit and meaning.
 
-Arguments of `hx.plan` and `hx.plan_poses`, settings of families, options of `hexcite plan` and `hexcite poses` and the
-grid of a study are made from what stands here. What is refused stands in `planner.request` and
+Arguments of `hx.plan`, `hx.plan_poses`, `hx.bound` and `hx.retime`, requests, settings of families, options of the
+commands and the grid of a study are made from what stands here. What is refused stands in `planner.request` and
 `planner.families.settings`. Nothing heavy is imported, for `hexcite --help` shows these texts.
 """
 
@@ -34,6 +34,59 @@ Criterion = Annotated[
     ),
 ]
 Workers = Annotated[int | None, Option("Processes on this computer; by default one a core.")]
+Model = Annotated[int | None, Option("Identification model, 0 to 9; by default the largest of the machine.")]
+Payload = Annotated[
+    int,
+    Option(
+        "How many of the case's payloads are mounted.",
+        0,
+        written="A number, or a range such as 0-5.",
+        read_as=str,
+    ),
+]
+PayloadFrom = Annotated[
+    int | None,
+    Option("Fewest payloads of a range: the largest deviation of the range counts; by default just as many."),
+]
+Starts = Annotated[
+    int | None, Option("Number of random starts, of that many choices at most; by default as many as pay.")
+]
+Seconds = Annotated[
+    float | None,
+    Option("How long to search in s, then to keep the best; by default as long as it pays.", unit="s"),
+]
+Seed = Annotated[int, Option("Seed of the random starts.", 0)]
+SolverName = Annotated[
+    str | None,
+    Option(
+        "What optimises a start: ipopt (interior point), sqp, or active-set (quasi-Newton); by default active-set "
+        "where few unknowns are explored (fourier), ipopt else."
+    ),
+]
+Count = Annotated[int | None, Option("Poses; by default 30.")]
+PoseMethodName = Annotated[str, Option("backward (Algorithm 1), backward-change, refine, or all.", "refine")]
+Candidates = Annotated[int | None, Option("Quasi-random candidates; by default the grid of the case, of a chain 2048.")]
+SampleSeed = Annotated[int, Option("Seed of the sample.", 0)]
+TimeLimit = Annotated[
+    float,  # of processor time, so that answers do not depend on what else a computer does; usual: 1 to 20 s
+    Option("Stop after this many seconds of computing; the answer is an estimate then.", 120.0, unit="s"),
+]
+Pace = Annotated[
+    str,
+    Option(
+        "ruckig: moves as a controller times them, other paths slower inside every limit; toppra: as fast as all "
+        "limits but jerk allow.",
+        "ruckig",
+        flag="with",
+    ),
+]
+PaceWithout = Annotated[
+    str | None,
+    Option(
+        "jerk, where the machine bears steps of acceleration: toppra, which cannot limit it, wants it where the case "
+        "does."
+    ),
+]
 Without = Annotated[
     str | None,
     Option(
@@ -66,35 +119,13 @@ class PlanOptions(TypedDict, total=False):
             read_as=list[Path],
         ),
     ]
-    model: Annotated[int | None, Option("Identification model, 0 to 9; by default the largest of the machine.")]
-    payload: Annotated[
-        int,
-        Option(
-            "How many of the case's payloads are mounted.",
-            0,
-            written="A number, or a range such as 0-5.",
-            read_as=str,
-        ),
-    ]
-    payload_from: Annotated[
-        int | None,
-        Option("Fewest payloads of a range: the largest deviation of the range counts; by default just as many."),
-    ]
-    starts: Annotated[
-        int | None, Option("Number of random starts, of that many choices at most; by default as many as pay.")
-    ]
-    seconds: Annotated[
-        float | None,
-        Option("How long to search in s, then to keep the best; by default as long as it pays.", unit="s"),
-    ]
-    seed: Annotated[int, Option("Seed of the random starts.", 0)]
-    solver: Annotated[
-        str | None,
-        Option(
-            "What optimises a start: ipopt (interior point), sqp, or active-set (quasi-Newton); by default active-set "
-            "where few unknowns are explored (fourier), ipopt else."
-        ),
-    ]
+    model: Model
+    payload: Payload
+    payload_from: PayloadFrom
+    starts: Starts
+    seconds: Seconds
+    seed: Seed
+    solver: SolverName
     workers: Workers
 
 
@@ -102,13 +133,11 @@ class PoseOptions(TypedDict, total=False):
     """What may be asked of poses."""
 
     criterion: Criterion
-    count: Annotated[int | None, Option("Poses; by default 30.")]
-    method: Annotated[str, Option("backward (Algorithm 1), backward-change, refine, or all.", "refine")]
+    count: Count
+    method: PoseMethodName
     model: Annotated[int | None, Option("Identification model, 0 to 5; by default the largest of the machine.")]
-    candidates: Annotated[
-        int | None, Option("Quasi-random candidates; by default the grid of the case, of a chain 2048.")
-    ]
-    seed: Annotated[int, Option("Seed of the sample.", 0)]
+    candidates: Candidates
+    seed: SampleSeed
     known: Annotated[
         Sequence[object],  # of `Result`
         Option(

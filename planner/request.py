@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Literal, NamedTuple, NoReturn
 
 from cases.base.errors import Code, HexciteError, choice, option
-from cases.base.options import options_of
+from cases.base.options import default_of
 from cases.sensors import payload_words
 from identification.estimation.criteria import Criterion
 from identification.texts import legible
@@ -20,12 +20,25 @@ from planner.families.settings import (
     require_plannable_without,
 )
 from planner.known import Known
-from planner.options import DURATION, PlanOptions, PoseOptions
+from planner.options import (
+    DURATION,
+    Candidates,
+    Count,
+    Payload,
+    PayloadFrom,
+    PoseMethodName,
+    SampleSeed,
+    Seconds,
+    Seed,
+    SolverName,
+    Starts,
+    Without,
+    Workers,
+)
+from planner.options import Criterion as CriterionName
 
 OWNERS = {setting.name: name for name, kind in FAMILIES.items() for setting in fields(kind)}
 """Settings of one family alone, and its name."""
-DEFAULTS = {each.name: each.default for each in options_of(PlanOptions)}
-POSE_DEFAULTS = {each.name: each.default for each in options_of(PoseOptions)}
 LONGEST = 600.0  # [s] longest excitation; the method is for production breaks
 LONGEST_SEARCH = 1e5  # [s]
 
@@ -69,22 +82,19 @@ class Solver(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """What to plan."""
+    """What to plan: options as `planner.options` declares them, with nothing left open but what the search decides."""
 
     family: FamilySettings = field(default_factory=PointToPoint)  # family of motions, with its settings
     duration: float = DURATION  # duration of the excitation [s]
-    criterion: Criterion = DEFAULTS["criterion"]  # of Table 4; its letter will do
+    criterion: Criterion = default_of(CriterionName)  # its letter will do
     model: int = 9  # number in Table 2
-    payload: int = DEFAULTS["payload"]  # number of the case's payloads that are mounted, at most
-    # fewest payloads; None for just as many. Predicted standard deviations are the largest of the range
-    payload_from: int | None = DEFAULTS["payload_from"]
-    starts: int | None = DEFAULTS["starts"]  # number of random starts; None for as many as pay
-    seed: int = DEFAULTS["seed"]  # seed of the starts
-    # what optimises each start; its name will do. None for active-set where few unknowns are explored, else ipopt
-    solver: Solver | None = DEFAULTS["solver"]
-    # processes that search; None for one a core
-    workers: int | None = field(default=DEFAULTS["workers"], compare=False)
-    seconds: float | None = DEFAULTS["seconds"]  # how long to search [s]; None for as long as it pays
+    payload: Payload = default_of(Payload)
+    payload_from: PayloadFrom = default_of(PayloadFrom)
+    starts: Starts = default_of(Starts)
+    seed: Seed = default_of(Seed)
+    solver: Solver | None = default_of(SolverName)  # its name will do
+    workers: Workers = field(default=default_of(Workers), compare=False)
+    seconds: Seconds = default_of(Seconds)
     # predicted standard deviations to reach, by physical parameter [SI]: where there are any, the shortest motion that
     # reaches them is planned, and `duration` is the longest that it may have until it is
     target: Mapping[str, float] = field(default_factory=dict, hash=False)
@@ -246,16 +256,15 @@ METHODS: dict[PoseMethod, str] = {
 
 @dataclass(frozen=True, slots=True)
 class PoseRequest:
-    """What to plan."""
+    """Which poses to plan: options as `planner.options` declares them."""
 
-    criterion: Criterion = POSE_DEFAULTS["criterion"]  # of Table 4; its letter will do
-    count: int | None = POSE_DEFAULTS["count"]  # poses; None: 30
-    method: PoseMethod = POSE_DEFAULTS["method"]
+    criterion: Criterion = default_of(CriterionName)  # its letter will do
+    count: Count = default_of(Count)
+    method: PoseMethod = default_of(PoseMethodName)
     model: int = 5  # number in Table 2, 0 to 5
-    candidates: int | None = POSE_DEFAULTS["candidates"]  # quasi-random candidates; None: the grid of the case
-    seed: int = POSE_DEFAULTS["seed"]  # seed of these candidates
-    # jerk, where the controller of the moves between poses does not limit it; None for none
-    without: str | None = POSE_DEFAULTS["without"]
+    candidates: Candidates = default_of(Candidates)
+    seed: SampleSeed = default_of(SampleSeed)
+    without: Without = default_of(Without)  # of the moves between poses
     known: Known | None = field(default=None, compare=False)  # what earlier results say
     name: ClassVar[str] = "poses"  # in place of that of a family
 

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cases.base.errors import Code, HexciteError, InfeasiblePlan, choice, option
+from cases.base.options import default_of, documented
 from cases.schema import Case
 from identification.limits.limit import UNUSED_SHARE, LimitKind
 from identification.limits.proof import PROOF_RATE, prove
@@ -29,6 +30,7 @@ from planner.controller_limits import with_steps
 from planner.families.manual import fastest_within_limits
 from planner.families.plan_settings import RetimedSettings
 from planner.families.settings import require_plannable_without
+from planner.options import Pace, PaceWithout
 from planner.plans.plan import Plan
 from planner.plans.rating import PlannedMotion, rated_plan
 from planner.request import LONGEST
@@ -51,14 +53,13 @@ class Method(StrEnum):
         )
 
 
-def retime(plan: Plan, method: str = Method.RUCKIG, without: str | None = None) -> Plan:
+@documented()
+def retime(plan: Plan, method: Pace = default_of(Pace), without: PaceWithout = default_of(PaceWithout)) -> Plan:
     """A plan of the same path at another pace.
 
     Args:
         plan: plan of a motion.
-        method: `ruckig` times moves as a controller does and slows other paths inside every limit; `toppra` runs any
-            path as fast as its limits allow but for jerk, which it cannot limit.
-        without: jerk, where the machine bears steps of acceleration; toppra needs it where the case limits jerk.
+        OPTIONS
 
     Raises:
         InfeasiblePlan: no pace satisfies every limit, or the motion lasts too long; the message says which.

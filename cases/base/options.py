@@ -1,7 +1,8 @@
-"""Options, each declared once: a typed dictionary of arguments or a dataclass, whose entries say what they mean.
+"""Options, each declared once with its type, its default and what it means: `Annotated[int, Option("Seed.", 0)]`.
 
-Functions and dataclasses get their documentation from the declaration, commands their options
-(`hexcite/cli/declared.py`).
+Such a type annotates an argument of a function, a field of a dataclass, or an entry of a typed dictionary that holds
+the arguments of several functions. Functions and dataclasses get their documentation from it (`documented`), commands
+their options (`hexcite/cli/declared.py`), and signatures that show the default take it by `default_of`.
 """
 
 import inspect
@@ -61,6 +62,11 @@ def options_of(declaration: type) -> tuple[Declared, ...]:
     return tuple(Declared(name, kind, own.get(name, said.default), said) for name, kind, said in declared)
 
 
+def default_of(annotated: Any) -> Any:
+    """The default of an option that is declared as an annotated type, for a signature that shows it."""
+    return next(extra.default for extra in get_args(annotated)[1:] if isinstance(extra, Option))
+
+
 _KEYWORD = inspect.Parameter.KEYWORD_ONLY
 
 T = TypeVar("T", bound=Callable[..., object])
@@ -69,13 +75,15 @@ T = TypeVar("T", bound=Callable[..., object])
 def documented(*declarations: type) -> Callable[[T], T]:
     """A function or dataclass whose docstring has a line for each option in place of the line `OPTIONS`.
 
-    Its signature names them with their plain types, also where they are entries of a typed dictionary.
+    Options are those of the declarations, after a function's own parameters that are annotated as such. Its signature
+    names them with their plain types, also where they are entries of a typed dictionary.
     """
     declared = [each for declaration in declarations for each in options_of(declaration)]
 
     def with_options(thing: T) -> T:
         lines = inspect.cleandoc(thing.__doc__ or "").splitlines()
-        texts = [line for each in declared for line in _lines(each)]
+        shown = declared if isinstance(thing, type) else [*_own_options(thing), *declared]
+        texts = [line for each in shown for line in _lines(each)]
         thing.__doc__ = "\n".join(new for line in lines for new in (texts if line.strip() == "OPTIONS" else [line]))
         function: Any = thing.__init__ if isinstance(thing, type) else thing  # type: ignore[misc]
         function.__annotations__ = get_type_hints(function)  # without what is said of them
@@ -88,6 +96,17 @@ def documented(*declarations: type) -> Callable[[T], T]:
         return thing
 
     return with_options
+
+
+def _own_options(function: Callable[..., object]) -> list[Declared]:
+    """Parameters of a function that are annotated with an option."""
+    hints, parameters = get_type_hints(function, include_extras=True), inspect.signature(function).parameters
+    return [
+        Declared(name, get_args(hint)[0], parameters[name].default, extra)
+        for name, hint in hints.items()
+        for extra in get_args(hint)[1:]
+        if isinstance(extra, Option)
+    ]
 
 
 def _lines(declared: Declared) -> list[str]:

@@ -15,7 +15,8 @@ Command = TypeVar("Command", bound=Callable[..., None])
 def takes(
     *declarations: type, families: Mapping[str, type] | None = None, but: Collection[str] = ()
 ) -> Callable[[Command], Command]:
-    """A command that also has declared options, handed to it as keyword arguments; they stand before `output`.
+    """A command that also has declared options, handed to it as keyword arguments; they stand before `output`,
+    or last.
 
     Its own parameters may be annotated with an `Option` too.
 
@@ -29,7 +30,7 @@ def takes(
 
     def with_options(command: Command) -> Command:
         own = [_own(p) for p in inspect.signature(command).parameters.values() if p.kind is not p.VAR_KEYWORD]
-        place = next(k for k, parameter in enumerate(own) if parameter.name == "output")
+        place = next((k for k, parameter in enumerate(own) if parameter.name == "output"), len(own))
         signature = inspect.Signature([*own[:place], *made, *own[place:]])
         command.__signature__ = signature  # type: ignore[attr-defined]  # where typer looks
         return command
@@ -58,4 +59,5 @@ def _own(parameter: inspect.Parameter) -> inspect.Parameter:
     if not any(isinstance(extra, Option) for extra in extras):
         return parameter
     kind, said = get_args(parameter.annotation)[:2]
-    return parameter.replace(annotation=_parameter(Declared(parameter.name, kind, parameter.default, said)).annotation)
+    made = _parameter(Declared(parameter.name, kind, parameter.default, said))
+    return parameter.replace(annotation=made.annotation, default=made.default)

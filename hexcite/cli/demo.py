@@ -6,18 +6,20 @@ from typing import Annotated, Any
 import hexcite as hx
 from cases.base.atomic import write_text
 from cases.base.folder_kinds import DEMO
+from cases.base.options import default_of
 from cases.base.output_places import check_folder, output_place
 from hexcite.cli.console import Json, Overwrite, answered, option, out, say
+from hexcite.cli.declared import takes
+from hexcite.options import DemoController, DemoSeed, DemoStarts
 from identification.texts import aligned
 
 
+@takes()
 def demo(
     case: Annotated[str, option("Built-in name, folder or case file, with a simulated machine.")] = "hexapod",
-    on: Annotated[
-        str | None, option("Controller: virtual, which keeps all limits, or linuxcnc, which cannot keep jerk.")
-    ] = None,
-    seed: Annotated[int, option("Seed of the starts and of the sensors' noise.")] = 0,
-    starts: Annotated[int, option("Number of random starts; one is enough for a demo.")] = 1,
+    on: DemoController = default_of(DemoController),
+    seed: DemoSeed = default_of(DemoSeed),
+    starts: DemoStarts = default_of(DemoStarts),
     output: Annotated[Path | None, out("Folder for everything; hexcite-demo by default.")] = None,
     overwrite: Overwrite = False,
     json: Json = False,
@@ -34,7 +36,15 @@ def demo(
     loaded = hx.load_case(case)
     place = output_place(output, Path("hexcite-demo"), overwrite)
     check_folder(place, DEMO, overwrite=overwrite)
-    chain = hx.demo(loaded, place, on, seed=seed, starts=starts, progress=lambda line: None if json else say(line))
+    chain = hx.demo(
+        loaded,
+        place,
+        on,
+        seed=seed,
+        starts=starts,
+        overwrite=overwrite,
+        progress=lambda line: None if json else say(line),
+    )
     for each in chain.all:
         home = place if each is chain.moves else place / each.plan.family
         for value, folder in ((each.plan, "plan"), (each.result, "result")):

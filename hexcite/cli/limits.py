@@ -6,19 +6,21 @@ from typing import Annotated
 import hexcite as hx
 from cases.base.atomic import write_text
 from cases.base.folder_kinds import PLAN
+from cases.base.options import default_of
 from cases.base.output_places import check_file, check_folder
 from cases.base.text_formats import json_text
 from hexcite.cli import console
-from hexcite.cli.console import argument, option, out
+from hexcite.cli.console import argument, out
+from hexcite.cli.declared import takes
 from identification.texts import aligned, limit_lines
+from planner.options import Model, Pace, PaceWithout, TimeLimit
 
 
+@takes()
 def bound(
     case: Annotated[str, argument("Built-in name, folder or case file.")],
-    model: Annotated[int | None, option("Identification model; by default the largest of the machine.")] = None,
-    time_limit: Annotated[
-        float, option("Stop after this many seconds of computing; the answer is an estimate.")
-    ] = 120.0,
+    model: Model = default_of(Model),
+    time_limit: TimeLimit = default_of(TimeLimit),
     output: Annotated[Path | None, out("File for the JSON answer as well.")] = None,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
@@ -54,15 +56,11 @@ def bound(
     console.answered(answer, json, limit)
 
 
+@takes()
 def retime(
     source: Annotated[Path, argument("Plan folder.")],
-    method: Annotated[
-        str,
-        option("ruckig: moves as a controller times them, other paths slower; toppra: as fast as possible.", "--with"),
-    ] = "ruckig",
-    without: Annotated[
-        str | None, option("toppra: jerk, which it cannot limit, if the machine bears steps of acceleration.")
-    ] = None,
+    method: Pace = default_of(Pace),
+    without: PaceWithout = default_of(PaceWithout),
     case: console.OwnCase = None,
     output: Annotated[Path | None, out("Plan folder of the re-timed motion.")] = None,
     stale: console.Stale = False,

@@ -8,32 +8,22 @@ from typing import Annotated, Any
 import hexcite as hx
 from cases.base.errors import NotProven, Violation
 from cases.base.folder_kinds import RUN
+from cases.base.options import default_of
 from cases.base.output_places import check_file, check_folder, output_place
 from hexcite.cli import console
 from hexcite.cli.console import argument, option, out
+from hexcite.cli.declared import takes
+from hexcite.options import Accept, Controller, Disturbed, Ini, Language, LanguageOfFile, NoiseSeed, Speed, Weights
 
 All = Annotated[bool, option("Show every line that exceeds a limit, the worst first.", "--all")]
-Ini = Annotated[
-    Path | None,
-    option("LinuxCNC's INI file of the machine: refuse it where its planner or limits are others than the case's."),
-]
-Accept = Annotated[
-    list[str] | None,
-    option("A limit that the controller does not enforce and that you answer for; plans of the default need none."),
-]
 
 
+@takes()
 def post(
     plan: Annotated[Path, argument("Plan folder.")],
-    dialect: Annotated[
-        str | None,
-        option(
-            "The controller's language; by default the one that the suffix of --output names, else that of the "
-            "controller that the plan was made for, else the first that the case can."
-        ),
-    ] = None,
-    speed: Annotated[float, option("Share of the planned speed, for a first try.")] = 1.0,
-    accept: Accept = None,
+    dialect: Language = default_of(Language),
+    speed: Speed = default_of(Speed),
+    accept: Accept = default_of(Accept),
     case: console.OwnCase = None,
     output: Annotated[Path | None, out("Program to write; by default the plan's name.")] = None,
     stale: console.Stale = False,
@@ -102,12 +92,13 @@ def answer_of_program(program: "hx.Program") -> dict[str, Any]:
     }
 
 
+@takes()
 def check(
     program: Annotated[Path, argument("Program file.")],
     case: Annotated[str, option("Built-in name, folder or case file.")],
-    dialect: Annotated[str | None, option("The program's language; by default the one that its suffix names.")] = None,
+    dialect: LanguageOfFile = default_of(LanguageOfFile),
     every: All = False,
-    ini: Ini = None,
+    ini: Ini = default_of(Ini),
     json: console.Json = False,
 ) -> None:
     """Read a program back by other code, and prove it."""
@@ -140,16 +131,15 @@ def answer_of_proof(program: "hx.Program") -> dict[str, Any]:
     }
 
 
+@takes()
 def run(
     program: Annotated[Path, argument("Program file.")],
     case: Annotated[str, option("Built-in name, folder or case file.")],
-    on: Annotated[str, option("Controller: virtual or linuxcnc.")] = "virtual",
-    seed: Annotated[int, option("Seed of the simulated sensors' noise.")] = 0,
-    payload: Annotated[int, option("How many of the case's weights are mounted on the machine.")] = 0,
-    disturbed: Annotated[
-        bool, option("With the case's disturbances: vibration, ripple, pose-dependent errors.", "--disturbed")
-    ] = False,
-    ini: Ini = None,
+    on: Controller = default_of(Controller),
+    seed: NoiseSeed = default_of(NoiseSeed),
+    payload: Weights = default_of(Weights),
+    disturbed: Disturbed = default_of(Disturbed),
+    ini: Ini = default_of(Ini),
     output: Annotated[Path | None, out("Folder to write; PROGRAM-recording by default.")] = None,
     overwrite: console.Overwrite = False,
     json: console.Json = False,

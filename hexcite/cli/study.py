@@ -4,8 +4,10 @@ from pathlib import Path
 from typing import Annotated
 
 import hexcite as hx
+from cases.base.options import default_of
 from hexcite.cli.console import Json, answered, argument, option, out, status
 from hexcite.cli.declared import takes
+from hexcite.options import Certificates, Insecure, OneProcess, Scheduler
 from planner.options import Workers
 
 
@@ -13,17 +15,11 @@ from planner.options import Workers
 def study(
     case: Annotated[str, argument("Built-in name, folder or case file.")],
     spec: Annotated[str, option("TOML file of the study, or a built-in one: paper, validation.")],
-    scheduler: Annotated[
-        str | None, option("Running Dask scheduler, tls://host:port; by default this computer's cores.")
-    ] = None,
-    certificates: Annotated[
-        Path | None, option("Folder with ca.pem, cert.pem, key.pem for it; by default those of Dask's configuration.")
-    ] = None,
-    insecure: Annotated[bool, option("Use a scheduler without TLS, tcp://host:port.", "--insecure")] = False,
-    workers: Workers = None,
-    one_process: Annotated[
-        bool, option("Compute here, one cell after the other: nothing listens on a port.", "--one-process")
-    ] = False,
+    scheduler: Scheduler = default_of(Scheduler),
+    certificates: Certificates = default_of(Certificates),
+    insecure: Insecure = default_of(Insecure),
+    workers: Workers = default_of(Workers),
+    one_process: OneProcess = default_of(OneProcess),
     output: Annotated[Path | None, out("Study folder; continued if it is there.")] = None,
     json: Json = False,
 ) -> None:

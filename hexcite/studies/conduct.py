@@ -16,16 +16,19 @@ from cases.base.atomic import write_text
 from cases.base.errors import WITH_OUTPUT, Code, FileProblem, HexciteError, Interrupted, option
 from cases.base.file_reading import read_json
 from cases.base.folder_kinds import FolderKind
+from cases.base.options import default_of, documented
 from cases.base.output_places import check_folder
 from cases.base.text_formats import json_text
 from cases.base.units import as_html
 from cases.schema import Case
+from hexcite.options import Certificates, Insecure, OneProcess, Scheduler
 from hexcite.reports.chart import Axis, Box, Chart
 from hexcite.reports.page import Head, note, page, section, table
 from hexcite.studies.cell_rows import FAILED, ROWS, failure, file_of, keep, read_rows, work
 from hexcite.studies.cluster import local_client, remote_client, require_dask, run_one_by_one, run_tasks
 from hexcite.studies.spec import SETTINGS, CellSettings, Spec, cells_of, command_of, load_spec, request_of
 from identification.texts import aligned
+from planner.options import Workers
 from planner.request import require_workers
 
 if TYPE_CHECKING:
@@ -154,16 +157,17 @@ class Study:
     _repr_html_ = as_html
 
 
+@documented()
 def study(
     case: Case,
     spec: Spec | Path | str,
     folder: Path | str | None = None,
     *,
-    workers: int | None = None,
-    scheduler: str | None = None,
-    certificates: Path | str | None = None,
-    insecure: bool = False,
-    one_process: bool = False,
+    workers: Workers = default_of(Workers),
+    scheduler: Scheduler = default_of(Scheduler),
+    certificates: Certificates = default_of(Certificates),
+    insecure: Insecure = default_of(Insecure),
+    one_process: OneProcess = default_of(OneProcess),
     progress: Callable[[str], None] = lambda remark: None,
 ) -> Study:
     """Plans, runs and identifies every cell of a grid of settings; a study that was stopped goes on.
@@ -174,12 +178,7 @@ def study(
         case: machine and limits, and a simulated machine where the study executes its plans.
         spec: TOML file of the study, or a built-in one: paper, validation.
         folder: its folder, continued if it is there; named after case and study unless given.
-        workers: processes on this computer; one a core unless given.
-        scheduler: a running Dask scheduler instead, tls://host:port.
-        certificates: folder with ca.pem, cert.pem and key.pem, which it wants; Dask's own configuration unless given.
-        insecure: whether a scheduler without TLS, tcp://host:port, will do.
-        one_process: whether cells are computed here, one after the other: nothing listens on a port, Dask is not
-            needed, and no limit of a cell's time and memory holds.
+        OPTIONS
         progress: shows a line at the start and at the end of each cell.
 
     Raises:

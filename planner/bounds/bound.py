@@ -24,6 +24,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from cases.base.atomic import write_text
 from cases.base.errors import Code, FileProblem, HexciteError, option
+from cases.base.options import default_of, documented
 from cases.base.seldom import seldom
 from cases.base.text_formats import json_text
 from cases.base.units import as_html
@@ -33,6 +34,8 @@ from identification.estimation.criteria import reference_scaling
 from identification.model.model import Model, full_model, identification_model
 from planner.bounds.design import optimal_design, searched_design
 from planner.bounds.features import box_features
+from planner.options import Model as ModelNumber
+from planner.options import TimeLimit
 from planner.search.feasibility import require_identifiable
 
 PROVEN = "multiplicative and exchange steps; dmax proven by branch and bound over angles and rates, corners of the rest"
@@ -45,7 +48,6 @@ COMPUTING = (
 SEARCHED_GAP = 5e-3  # the same where dmax is searched for: half a percent of an efficiency
 SWITCH = "HEXCITE_CACHE"  # variable of the environment
 GAP = 1e-3  # of dmax / u - 1: log det F* is then known to u GAP = 0.02, an efficiency to 0.1 %
-TIME_LIMIT = 120.0  # [s] of processor time, so that answers do not depend on what else a computer does; usual: 1 to 20
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -105,7 +107,7 @@ def code_hash() -> str:
 def information_limit(
     case: Case,
     model: Model,
-    time_limit: float = TIME_LIMIT,
+    time_limit: TimeLimit = default_of(TimeLimit),
     renew: bool = False,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Bound:
@@ -131,11 +133,12 @@ def information_limit(
     return result
 
 
+@documented()
 def bound(
     case: Case,
-    model: int | None = None,
+    model: ModelNumber = default_of(ModelNumber),
     *,
-    time_limit: float = TIME_LIMIT,
+    time_limit: TimeLimit = default_of(TimeLimit),
     progress: Callable[[str], None] = lambda _: None,
 ) -> Bound:
     """Upper bound of the information of a motion inside the limits of a case, with its certificate.
@@ -144,8 +147,7 @@ def bound(
 
     Args:
         case: machine and limits.
-        model: number in Table 2; by default the largest that a motion can identify.
-        time_limit: processor time after which the answer is an estimate [s].
+        OPTIONS
         progress: called with a line about the state of the computation, at most once a second.
 
     Raises:
@@ -167,7 +169,7 @@ def bound(
 def compute_bound(
     case: Case,
     model: Model,
-    time_limit: float = TIME_LIMIT,
+    time_limit: TimeLimit = default_of(TimeLimit),
     progress: Callable[[str], None] = lambda _: None,
 ) -> Bound:
     """Computes the bound; arguments as in `bound`."""

@@ -4,6 +4,10 @@ from pathlib import Path
 
 import pytest
 
+import hexcite as hx
+from cases.base.atomic import atomic_folder
+from cases.base.errors import Code, FileProblem
+from cases.base.folder_kinds import DEMO
 from tests.hexcite.command_line import refused
 
 COMMANDS = {
@@ -35,3 +39,13 @@ def test_a_folder_of_nobody_is_called_none(tmp_path: Path):
     line = refused("post", tmp_path)
     assert "plan.json: cannot be read" in line
     assert "hexcite plan writes it" in line
+
+
+def test_a_demo_does_not_take_the_place_of_an_earlier_one_unless_it_may(tmp_path: Path):
+    with atomic_folder(tmp_path / "demo", DEMO) as part:
+        (part / "report.html").write_text("an earlier demo")
+    with pytest.raises(FileProblem) as caught:
+        hx.demo(hx.load_case("hexapod"), tmp_path / "demo")
+    assert caught.value.code is Code.EXISTS
+    assert caught.value.place == str(tmp_path / "demo")
+    assert (tmp_path / "demo" / "report.html").read_text() == "an earlier demo"

@@ -11,7 +11,8 @@ from typer.testing import CliRunner
 
 import hexcite as hx
 from cases.base.errors import option
-from cases.base.options import Option, documented, options_of
+from cases.base.options import Option, default_of, documented, options_of
+from hexcite.cli import app
 from hexcite.cli.console import out
 from hexcite.cli.declared import takes
 from hexcite.studies.spec import VARIED, Grid
@@ -93,3 +94,46 @@ def test_a_grid_has_one_value_of_each_option_until_it_is_told_more():
     usual = Request()
     for name in ("criterion", "payload", "seed", "solver", "duration"):
         assert getattr(grid, keys.get(name, name)) == (getattr(usual, name),)
+
+
+SHARED = ["bound", "retime", "write", "check", "run", "demo", "study", "plan", "plan_poses"]
+
+
+@pytest.mark.parametrize("name", SHARED)
+def test_a_command_and_its_function_have_the_same_defaults(name: str):
+    """A command says none where its function's default is empty, and reads texts where it takes paths."""
+    called = {"write": "post", "plan_poses": "poses"}.get(name, name)
+    command = next(c.callback for c in app.registered_commands if c.callback.__name__ == called)
+    library, typed = signature(getattr(hx, name)).parameters, signature(command).parameters
+    shared = {*library} & {*typed} - {
+        "case",
+        "program",
+        "plan",
+        "output",
+        "overwrite",
+        "progress",
+        "file",
+        "at",
+        "spec",
+    }
+    assert len(shared) >= 2
+    for each in shared:
+        if (name, each) != ("plan", "payload"):  # which is a range too, written as text
+            assert (library[each].default or None) == (typed[each].default or None), each
+
+
+def test_a_function_shows_the_default_of_what_it_declares():
+    Heat = Annotated[float, Option("How hot.", 180.0, unit="degC")]
+
+    @documented()
+    def grill(rack: int, heat: Heat = default_of(Heat)) -> None:
+        """Grills.
+
+        Args:
+            rack: which one.
+            OPTIONS
+        """
+
+    assert signature(grill).parameters["heat"].default == 180.0
+    assert signature(grill).parameters["heat"].annotation is float
+    assert "    heat: How hot. By default 180.0.\n" in f"{grill.__doc__}\n"
