@@ -501,5 +501,5 @@ def test_a_folder_of_a_run_means_its_recording_and_other_folders_are_refused(
     with pytest.raises(RecordingError, match=r"other/recording\.csv"):
         look(tmp_path / "other", hexapod_case)
     (tmp_path / "other" / "deeper" / "recording.csv").mkdir()
-    with pytest.raises(RecordingError, match=r"deeper.* it is a folder"):
+    with pytest.raises(RecordingError, match=r"deeper.*it is a folder"):
         look([tmp_path / "other" / "deeper"], hexapod_case)
