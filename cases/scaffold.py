@@ -20,7 +20,7 @@ from cases.base.errors import WITH_OUTPUT, CaseError, Code, FileProblem, printab
 from cases.base.text_formats import toml_value
 from cases.base.units import MM
 from cases.bounds import Bounds
-from cases.schema import Case, load_case
+from cases.schema import NO_TITLE, Case, load_case
 from cases.tables import CASE_FILE, Part, built_in_cases, find_case
 from cases.tolerances import TYPICAL, Tolerances
 from cases.urdf import read_urdf
@@ -28,9 +28,6 @@ from cases.urdf import read_urdf
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
 
 _WIDTH = 110  # characters of a comment
-
-NO_TITLE = "what it is, in a line"
-"""The title of a new case, until its owner writes one."""
 
 
 def new_case(name: str, like: str = "hexapod", folder: Path | str | None = None) -> Path:

@@ -53,6 +53,10 @@ def fingerprint(content: object) -> str:
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 
+NO_TITLE = "what it is, in a line"
+"""The title of a new case, until its owner writes one."""
+
+
 class Heading(Part):
     """What a case is called."""
 
@@ -62,6 +66,11 @@ class Heading(Part):
     """Small letters, digits and underscores."""
     title: Text
     """What it is, in a line."""
+
+    @property
+    def heading(self) -> str:
+        """What its pages are called: its title; its name where the title is still that of a new case."""
+        return self.name if self.title == NO_TITLE else self.title
 
 
 class Case(Heading):

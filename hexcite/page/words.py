@@ -7,7 +7,7 @@ from typing import Any
 from markupsafe import Markup, escape
 
 from cases.base.phrases import QUOTED
-from cases.scaffold import NO_TITLE
+from cases.schema import NO_TITLE
 from hexcite.page.refusals import Refusal
 from hexcite.page.texts import Language, sentences, text
 from hexcite.page.texts import answers as german

@@ -75,7 +75,7 @@ def statements(result: Result, about: CertificateOf, number: str) -> dict[str, A
         "laboratory": about.laboratory or "",
         "operator": about.operator or "",
         "conditions": about.conditions or "",
-        "machine": {"case": case.name, "title": case.title, "setup": case.setup},
+        "machine": {"case": case.name, "title": case.heading, "setup": case.setup},
         "serial_numbers": dict(about.serial_numbers or {}),
         "recorded": record.recorded_at or "",
         "simulated": bool(run.simulated),

@@ -42,7 +42,7 @@ def demo_page(chain: Demo) -> str:
     )
     facts = (("program", str(chain.program.path)), ("run on", run.controller))
     return page(
-        case.title,
+        case.heading,
         Head(verdict, agree, case.name, facts),
         f"Planned, programmed, proven, executed on {run.controller} and identified with model "
         f"{result.record.model}. Sensors and encoders are simulated, with the imperfections that the case states "

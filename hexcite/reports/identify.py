@@ -70,7 +70,7 @@ def identify_page(result: Result) -> str:
         told = identifiability_blocks(identifiability_of_models(result), record.model)
         sections.append(section("Which parameters can be told apart", *told))
     return page(
-        f"Identification: {case.title}",
+        f"Identification: {case.heading}",
         identified_head(result),
         f"Model {record.model} identified from {record.samples} {samples} of {source}.",
         (("case", f"{case.name} (hash {case.hash})"), ("recording", source), *origin),

@@ -34,7 +34,7 @@ def plan_page(plan: Plan) -> str:
     verdict = " ".join([words, *(f"{doubt[0].upper()}{doubt[1:]}." for doubt in plan.doubts)])
     scene = scene_of(plan)
     return page(
-        f"Plan: {case.title}",
+        f"Plan: {case.heading}",
         Head(verdict, not (plan.doubts or exceeded), case.name, (("plan", plan.headline),)),
         "What the motion is, how precise its run will make the parameters, and how close it comes to each limit.",
         (("case", f"{case.name} (hash {case.hash})"), *inputs, *provenance([])["versions"].items()),

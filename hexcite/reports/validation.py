@@ -56,7 +56,7 @@ def validation_page(validation: Validation) -> str:
     entries = comparison.entries
     mounted = ", ".join(dict.fromkeys(f"{trial.load:.0f}" for trial in validation.trials))
     return page(
-        f"Validation with payloads: {case.title}",
+        f"Validation with payloads: {case.heading}",
         comparison_head(comparison)._replace(machine=validation.machine),
         f"Known weights of {mounted} kg mounted one after the other and identified by {len(by_method)} methods on "
         f"{validation.machine}.",

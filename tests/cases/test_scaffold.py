@@ -7,7 +7,7 @@ import pytest
 
 from cases.base.errors import CaseError, FileProblem
 from cases.scaffold import new_case
-from cases.schema import load_case
+from cases.schema import NO_TITLE, load_case
 from tests.helpers import one_line
 
 
@@ -62,3 +62,10 @@ def test_an_unknown_template(tmp_path: Path) -> None:
     with pytest.raises(CaseError, match="no such case"):
         new_case("mill", "lathe", tmp_path / "x")
     assert not (tmp_path / "x").exists()
+
+
+def test_pages_of_a_case_without_a_title_have_its_name(tmp_path: Path) -> None:
+    file = new_case("mill", folder=tmp_path / "mill")
+    assert load_case(str(file)).heading == "mill"
+    file.write_text(file.read_text().replace(f'title = "{NO_TITLE}"', 'title = "Mill 7"'))
+    assert load_case(str(file)).heading == "Mill 7"
