@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -11,16 +12,25 @@ from cases.schema import Case
 from identification.findings.causes.channels import angle_and_axis, excess_of, of_gain, of_point, of_turn
 from identification.findings.causes.drives import of_offset
 from identification.findings.causes.geometry import of_turned_bars
-from identification.findings.causes.hypothesis import AS_RECORDED, Family, Hypothesis, Size, Trial, together
+from identification.findings.causes.hypothesis import (
+    AS_RECORDED,
+    Family,
+    Hypothesis,
+    Size,
+    Trial,
+    channels_of,
+    together,
+)
 from identification.findings.causes.instants import Instants
 from identification.findings.causes.surroundings import leaning_of, of_gravity, of_pace, of_share
-from identification.findings.causes.trials import moments_about, tried
+from identification.findings.causes.trials import Fits, fits_of, moments_about, tried
 
 SIZED = 1.3  # mistakes that a hypothesis with a size counts for: round values are preferred to it
 FREE = 1.6  # the same of a turn about any axis
 BEST = 2  # starts of each that are refined
 ROUNDS = 9
 COARSELY = 4  # rounds on the coarse instants
+PROMISING = 3.0  # times the least residuals on the coarse instants, up to which sizes are found on all
 SHRINKING = 0.55  # of the steps from round to round
 PACE = 5.5  # factor by which seconds of a recording may be longer or shorter, unless their unit is another
 LEAST_ANGLE = 0.3  # [deg] below which an angle is not a mistake that people make
@@ -155,7 +165,7 @@ def _share(case: Case) -> Sized:
 
 
 def _point(instants: Instants, prefix: Trial) -> Iterator[Sized]:
-    about = moments_about(instants, prefix)
+    (about,) = moments_about(instants, [prefix])
     if not about.residuals < np.inf or np.linalg.norm(about.point) > FARTHEST:
         return
 
@@ -206,18 +216,34 @@ class _Point:
     proposed: Array  # size to go on from
 
 
-def refined(instants: Instants, coarse: Instants, families: Sequence[Sized], prefix: Trial) -> list[Trial]:
-    """The best of each family, sizes found on the coarse instants and then on all, beside other hypotheses."""
+def refined(
+    instants: Instants, coarse: Instants, families: Sequence[Sized], prefix: Trial, worth: float = np.inf
+) -> list[Trial]:
+    """The best of each family, sizes found on the coarse instants and then on all, beside other hypotheses.
+
+    Args:
+        instants: all of them.
+        coarse: some of them.
+        families: hypotheses with a size.
+        prefix: the hypotheses that are taken for granted.
+        worth: residuals on the coarse instants up to which it is worth while to find a size on all.
+    """
     starts = [(sized, np.array(start)) for sized in families for start in sized.starts]
-    left = _left(coarse, prefix, starts)
+    on, on_all = _Prefixed(coarse, prefix), _Prefixed(instants, prefix)
+    left = on.left(starts)
     points: list[_Point] = []
     for sized in families:
         own = [k for k, (other, _) in enumerate(starts) if other is sized and np.isfinite(left[k])]
         best = sorted(own, key=lambda k: left[k])[:BEST]
         points += [_Point(sized, starts[k][1], np.inf, starts[k][1]) for k in best]
-    for k in range(ROUNDS):
-        points = _stepped(coarse if k < COARSELY else instants, prefix, points, SHRINKING**k)
-    made = [(point, point.sized.make(point.size)) for point in points]
+    for k in range(COARSELY):
+        points = _stepped(on, points, SHRINKING**k)
+    most = min([worth, *(PROMISING * point.residuals for point in points)])
+    promising = [point for point in points if point.residuals <= most]
+    others = [point for point in points if not point.residuals <= most]
+    for k in range(COARSELY, ROUNDS):
+        promising = _stepped(on_all, promising, SHRINKING**k)
+    made = [(point, point.sized.make(point.size)) for point in (*promising, *others)]
     return [
         together(*prefix, replace(hypothesis, size=point.sized.found(point.size)))
         for point, hypothesis in made
@@ -236,14 +262,14 @@ def settled(instants: Instants, coarse: Instants, trial: Trial) -> Trial:
     return now
 
 
-def _stepped(instants: Instants, prefix: Trial, points: Sequence[_Point], shrunk: float) -> list[_Point]:
+def _stepped(on: "_Prefixed", points: Sequence[_Point], shrunk: float) -> list[_Point]:
     """Points after a step of each: to the minimum of the parabola through three sizes of each kind."""
     wanted: list[tuple[Sized, Array]] = []
     for point in points:
         steps = np.diag(point.sized.steps)[np.flatnonzero(point.sized.steps)] * shrunk
         wanted += [(point.sized, point.proposed + step) for step in (0.0 * steps[0], *steps, *-steps)]
         wanted.append((point.sized, point.size))
-    left, results = list(_left(instants, prefix, wanted)), []
+    left, results = list(on.left(wanted)), []
     for point in points:
         moved = np.flatnonzero(point.sized.steps)
         values, before = np.array([left.pop(0) for _ in range(1 + 2 * len(moved))]), left.pop(0)
@@ -264,18 +290,33 @@ def _stepped(instants: Instants, prefix: Trial, points: Sequence[_Point], shrunk
     return results
 
 
-def _left(instants: Instants, prefix: Trial, wanted: Sequence[tuple[Sized, Array]]) -> Array:
-    """What some sizes of families leave; infinity where they are not mistakes."""
-    made = [sized.make(size) for sized, size in wanted]
-    left = np.full(len(made), np.inf)
-    alone = not any(hypothesis.channels is not None for hypothesis in prefix)
-    columns = [k for k, (sized, _) in enumerate(wanted) if made[k] is not None and sized.of_channels and alone]
-    rows = [k for k, hypothesis in enumerate(made) if hypothesis is not None and k not in {*columns}]
-    if columns:
-        left[columns] = tried(instants, [prefix], [_alone(made[k]) for k in columns]).residuals[0]
-    if rows:
-        left[rows] = tried(instants, [together(*prefix, *_alone(made[k])) for k in rows], [AS_RECORDED]).residuals[:, 0]
-    return left
+@dataclass(frozen=True)
+class _Prefixed:
+    """Instants, and hypotheses that are taken for granted, beside which sizes of others are tried."""
+
+    instants: Instants
+    prefix: Trial
+
+    @cached_property
+    def fits(self) -> Fits:
+        """The model under what is taken for granted."""
+        return fits_of(self.instants, [self.prefix])
+
+    def left(self, wanted: Sequence[tuple[Sized, Array]]) -> Array:
+        """What some sizes of families leave; infinity where they are not mistakes."""
+        made = [sized.make(size) for sized, size in wanted]
+        left = np.full(len(made), np.inf)
+        in_sensor = not any(hypothesis.in_base for hypothesis in self.prefix)
+        columns = [k for k, (sized, _) in enumerate(wanted) if made[k] is not None and sized.of_channels and in_sensor]
+        rows = [k for k, hypothesis in enumerate(made) if hypothesis is not None and k not in {*columns}]
+        if columns:
+            before = np.linalg.inv(channels_of(self.prefix))  # the fits have it already
+            channels = [channels_of(together(*self.prefix, *_alone(made[k]))) @ before for k in columns]
+            left[columns] = self.fits.left(np.array(channels)).residuals[0]
+        if rows:
+            changes = [together(*self.prefix, *_alone(made[k])) for k in rows]
+            left[rows] = tried(self.instants, changes, [AS_RECORDED]).residuals[:, 0]
+        return left
 
 
 def _alone(hypothesis: Hypothesis | None) -> Trial:

@@ -1,6 +1,8 @@
 """Some instants of a run, on which hypotheses are tried: forces at several delays, the motion, the noise of both."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Hashable
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -37,6 +39,18 @@ class Turning:
     specific: Array | None  # specific force by an accelerometer, in {P}, shape (n, 3) [m/s^2]; None where it stands
 
 
+@dataclass(frozen=True, slots=True)
+class Memory:
+    """What was computed once for some instants, and is asked for again: trials share motions, cases and tables."""
+
+    of_instants: dict[Hashable, Any] = field(default_factory=dict)
+    of_run: dict[Hashable, Any] = field(default_factory=dict)  # that parts of the instants share
+
+    def of_part(self) -> "Memory":
+        """For other instants of the same run."""
+        return Memory(of_run=self.of_run)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Instants:
     """Some instants of a run."""
@@ -57,11 +71,13 @@ class Instants:
     least: Array  # the same as it was measured, never more, shape (6,); 0 where it was not
     shaking: tuple[Array, Array, Array] | None = None  # noise of the drives and of their derivatives, shape (n, d)
     weights: Array  # what forces and model are multiplied by, shape (n,)
+    rough: bool = False  # whether they are to choose by: some of the instants, and of the delays
+    memory: Memory = field(default_factory=Memory, compare=False, repr=False)
 
     def part(self, count: int) -> "Instants":
         """About so many of the instants, and some of the delays."""
         some = self.cut(slice(None, None, max(1, len(self.rows) // count)))
-        return replace(some, delays=self.delays[::COARSE], forces=some.forces[::COARSE])
+        return replace(some, delays=self.delays[::COARSE], forces=some.forces[::COARSE], rough=True)
 
     def cut(self, part: slice) -> "Instants":
         """Some of the instants."""
@@ -75,7 +91,7 @@ class Instants:
         return replace(
             self, rows=self.rows[part], t=None if self.t is None else self.t[part], forces=self.forces[:, part],
             drives=drives, turning=turning,
-            weights=self.weights[part], shaking=None,
+            weights=self.weights[part], shaking=None, memory=self.memory.of_part(),
         )  # fmt: skip
 
 

@@ -48,6 +48,8 @@ SIMPLER = 0.75  # mistakes fewer, by which one of those that are alike is named 
 COARSE = 40  # instants by which most trials are left out
 COARSE_PAIRS = 24  # the same of two hypotheses at once
 KEPT = 60  # trials of each kind that are tried on all instants
+PROMISING = 3.0  # times the least residuals on some instants, up to which trials are tried on all
+FEWEST = 10  # of them in any case
 REFINED = 6  # of those without a size beside one with, that leave least at its first sizes
 GREEDY = 4  # hypotheses that leave least, to which every other one is added
 READINGS = 4  # of a recording that leave least with any other hypothesis, to which those with a size are added too
@@ -123,18 +125,19 @@ def search(recording: Recording, case: Case, model: Model, fit: Fit | None = Non
     if base is None and not readings:
         return None
     families = {reading.family for (reading,), _ in readings}
+    worth = PROMISING * _most_left(np.inf if recorded is None else recorded.residuals)
     found = [_alone(instants, trial) for trial, instants in readings]
     if base is not None and recorded is not None:
-        found += _singles(base, AS_RECORDED)
+        found += _singles(base, AS_RECORDED, worth)
         found += _leaps(base, recorded, recording, case, model)
-        families |= {hypothesis.family for entry in found for hypothesis in entry.trial}
+        families |= {hypothesis.family for entry in found for hypothesis in entry.trial} | _tried_alone(base)
     explained = explanations(found, recorded)
     pairs = _unclean(explained[0]) if explained else _worth_pairs(found, recorded)
     if pairs:
         for trial, instants in sorted(readings, key=lambda reading: _promise(reading[1], reading[0]))[:READINGS]:
-            found += _singles(instants, trial)
+            found += _singles(instants, trial, worth)
         if base is not None:
-            found += _pairs(base, found)
+            found += _pairs(base, found, worth)
         explained = explanations(found, recorded)
         if explained:
             found += [_settled(entry) for entry in _with_sizes(found)]
@@ -179,9 +182,8 @@ def _worth_pairs(found: Sequence[Tried], recorded: Tried | None) -> bool:
 def explanations(found: Sequence[Tried], recorded: Tried | None) -> tuple[Tried, ...]:
     """Those of some trials that explain the run, alike, one of each family, the best first."""
     before = np.inf if recorded is None else recorded.residuals
-    excess = REMOVED * max(before**2 - 1.0, 0.0)
     better = [entry for entry in found if entry.trial and entry.residuals < before / 2.0]
-    better = [entry for entry in better if max(entry.residuals**2 - 1.0, 0.0) <= excess]
+    better = [entry for entry in better if entry.residuals <= _most_left(before)]
     if not better:
         return ()
     best = min(better, key=lambda entry: entry.residuals)
@@ -201,6 +203,11 @@ def explanations(found: Sequence[Tried], recorded: Tried | None) -> tuple[Tried,
     fewest = min(mistakes(entry.trial) for entry in simplest)
     plain = [entry for entry in simplest if mistakes(entry.trial) < fewest + SIMPLER]
     return tuple(sorted(plain, key=lambda entry: (mistakes(entry.trial), FAMILIES.index(entry.trial[0].family))))
+
+
+def _most_left(before: float) -> float:
+    """Residuals over the noise that an explanation leaves at most, of those that the run has as it was recorded."""
+    return float(np.sqrt(1.0 + REMOVED * max(before**2 - 1.0, 0.0)))
 
 
 def _equal(one: Tried, other: Tried) -> bool:
@@ -265,6 +272,14 @@ class Tables(NamedTuple):
 
 def hypotheses_of(instants: Instants) -> Tables:
     """All hypotheses without a size about a run."""
+    remembered = instants.memory.of_run
+    if "tables" not in remembered:
+        remembered["tables"] = _tables(instants)
+    tables: Tables = remembered["tables"]
+    return tables
+
+
+def _tables(instants: Instants) -> Tables:
     case, every = instants.case, list(channels.of_channels(instants.case))
     every += channels.of_sensor(case)
     if case.chain is not None and instants.drives is not None:
@@ -286,6 +301,11 @@ def hypotheses_of(instants: Instants) -> Tables:
     )
 
 
+def _tried_alone(instants: Instants) -> set[Family]:
+    """What the hypotheses without a size are about."""
+    return {hypothesis.family for hypotheses in hypotheses_of(instants) for hypothesis in hypotheses}
+
+
 def _of_forces_alone(hypothesis: Hypothesis, instants: Instants) -> bool:
     """Whether a hypothesis changes forces alone, and leaves the noise of each channel as it is."""
     if hypothesis.channels is None or hypothesis.drives is not None or hypothesis.in_base:
@@ -294,60 +314,61 @@ def _of_forces_alone(hypothesis: Hypothesis, instants: Instants) -> bool:
     return bool(np.all(np.abs(noise / instants.noise - 1.0) < SIMILAR))
 
 
-def _singles(instants: Instants, prefix: Trial) -> list[Tried]:
+def _singles(instants: Instants, prefix: Trial, worth: float) -> list[Tried]:
     """Every hypothesis beside some that are taken for granted, with its size where it has one."""
     tables, coarse = hypotheses_of(instants), instants.part(COARSE)
     rows = [together(*prefix, hypothesis) for hypothesis in (*tables.changes, *tables.bars)]
-    best = _best(coarse, [prefix, *rows], [AS_RECORDED])
-    best += _best(coarse, [prefix], [(hypothesis,) for hypothesis in tables.forces])
-    return _on_all(instants, [*best, *_sized(instants, coarse, prefix)])
+    best = _best(coarse, closing(coarse, [prefix, *rows]), [AS_RECORDED], worth)
+    best += _best(coarse, [prefix], [(hypothesis,) for hypothesis in tables.forces], worth)
+    return _on_all(instants, [*best, *_sized(instants, coarse, prefix, worth)])
 
 
 def _promise(instants: Instants, prefix: Trial) -> float:
     """What some hypotheses leave at some instants with the best of all others that have no size, or alone."""
     tables, coarse = hypotheses_of(instants), instants.part(COARSE)
     rows = [together(*prefix, hypothesis) for hypothesis in (*tables.changes, *tables.bars)]
-    beside = tried(coarse, [prefix, *rows], [AS_RECORDED]).residuals
+    beside = tried(coarse, closing(coarse, [prefix, *rows]), [AS_RECORDED]).residuals
     forces = tried(coarse, [prefix], [(hypothesis,) for hypothesis in tables.forces]).residuals
-    return float(min(beside.min(), forces.min(initial=np.inf)))
+    return float(min(beside.min(initial=np.inf), forces.min(initial=np.inf)))
 
 
-def _sized(instants: Instants, coarse: Instants, prefix: Trial) -> list[Trial]:
+def _sized(instants: Instants, coarse: Instants, prefix: Trial, worth: float) -> list[Trial]:
     """The hypotheses with a size beside others of other families."""
     taken = {hypothesis.family for hypothesis in prefix}
-    return refined(instants, coarse, [sized for sized in sized_of(coarse, prefix) if sized.family not in taken], prefix)
+    families = [sized for sized in sized_of(coarse, prefix) if sized.family not in taken]
+    return refined(instants, coarse, families, prefix, worth)
 
 
-def _pairs(instants: Instants, singles: Sequence[Tried]) -> list[Tried]:
+def _pairs(instants: Instants, singles: Sequence[Tried], worth: float) -> list[Tried]:
     """Two hypotheses at once: the product of the elementary ones, and each size with those that leave least alone."""
     tables, coarse = hypotheses_of(instants), instants.part(COARSE_PAIRS)
     rows = [hypothesis for hypothesis in tables.changes if not hypothesis.single]
     columns = [hypothesis for hypothesis in (*tables.bars, *tables.forces) if not hypothesis.single]
     closed = closing(coarse, [(row,) for row in rows])
-    best = _best(coarse, closed, [(column,) for column in columns])
+    best = _best(coarse, closed, [(column,) for column in columns], worth)
     pairs = [together(*pair) for pair in combinations(rows, 2) if _compatible(*pair)]
-    best += _best(coarse, closing(coarse, pairs), [AS_RECORDED])
+    best += _best(coarse, closing(coarse, pairs), [AS_RECORDED], worth)
     both = [together(*pair) for pair in combinations(columns, 2) if _compatible(*pair)]
-    best += _best(coarse, [AS_RECORDED], both)
+    best += _best(coarse, [AS_RECORDED], both, worth)
     in_base = [hypothesis for hypothesis in rows if hypothesis.in_base]  # in whose axes channels are exchanged
-    best += _best(coarse, [together(row, column) for row in in_base for column in columns], [AS_RECORDED])
+    best += _best(coarse, [together(row, column) for row in in_base for column in columns], [AS_RECORDED], worth)
     found = _on_all(instants, best)
     if min((entry.residuals for entry in found), default=np.inf) <= CLEAN:
         return found
-    found += _on_all(instants, _beside_sizes(instants, coarse, closed, columns))
+    found += _on_all(instants, _beside_sizes(instants, coarse, closed, columns, worth))
     if min((entry.residuals for entry in found), default=np.inf) <= CLEAN:
         return found
-    found += _on_all(instants, _beside_several(coarse, closed, tables))
+    found += _on_all(instants, _beside_several(coarse, closed, tables, worth))
     if min((entry.residuals for entry in found), default=np.inf) <= CLEAN:
         return found
     own = [entry for entry in singles if entry.instants is instants]
     for entry in sorted(own, key=lambda entry: entry.residuals)[:GREEDY]:
-        found += _on_all(instants, _sized(instants, coarse, entry.trial))
+        found += _on_all(instants, _sized(instants, coarse, entry.trial, worth))
     return found
 
 
 def _beside_sizes(
-    instants: Instants, coarse: Instants, rows: Sequence[Trial], columns: Sequence[Hypothesis]
+    instants: Instants, coarse: Instants, rows: Sequence[Trial], columns: Sequence[Hypothesis], worth: float
 ) -> list[Trial]:
     """Hypotheses without a size beside those with one, whose first sizes leave least together with them."""
     sized = [each for each in sized_of(coarse, AS_RECORDED) if each.family is not Family.POINT]
@@ -372,23 +393,25 @@ def _beside_sizes(
         note(tried(coarse, [AS_RECORDED], pairs).residuals.reshape(len(of_forces), -1), of_forces, *forces)
     trials: list[Trial] = []
     for _, each, start, beside in sorted(left, key=lambda entry: entry[0])[:REFINED]:
-        trials += refined(instants, coarse, [replace(each, starts=(start,))], beside)
+        trials += refined(instants, coarse, [replace(each, starts=(start,))], beside, worth)
     if not coarse.case.sensor_frame.has_moments:
         return trials
     plain = [*rows, *forces]
-    for beside in sorted(plain, key=lambda trial: moments_about(coarse, trial).residuals)[:REFINED]:
+    abouts = moments_about(coarse, plain)
+    for k in sorted(range(len(plain)), key=lambda k: abouts[k].residuals)[:REFINED]:
+        beside = plain[k]
         of_point = [each for each in sized_of(coarse, beside) if each.family is Family.POINT]
-        trials += refined(instants, coarse, of_point, beside)
+        trials += refined(instants, coarse, of_point, beside, worth)
     return trials
 
 
-def _beside_several(instants: Instants, rows: Sequence[Trial], tables: Tables) -> list[Trial]:
+def _beside_several(instants: Instants, rows: Sequence[Trial], tables: Tables, worth: float) -> list[Trial]:
     """What exchanges or turns several channels at once, beside one hypothesis without a size."""
     several = [hypothesis for hypothesis in tables.forces if hypothesis.single]
     plain = [hypothesis for hypothesis in (*tables.bars, *tables.forces) if not hypothesis.single]
     both = [together(*pair) for pair in product(plain, several) if _compatible(*pair)]
-    trials = _best(instants, rows, [(hypothesis,) for hypothesis in several])
-    return [*trials, *_best(instants, [AS_RECORDED], both)]
+    trials = _best(instants, rows, [(hypothesis,) for hypothesis in several], worth)
+    return [*trials, *_best(instants, [AS_RECORDED], both, worth)]
 
 
 def _compatible(*hypotheses: Hypothesis) -> bool:
@@ -417,14 +440,16 @@ def _is_diagonal(matrix: Array) -> bool:
     return not np.any(matrix - np.diag(np.diagonal(matrix)))
 
 
-def _best(instants: Instants, rows: Sequence[Trial], columns: Sequence[Trial]) -> list[Trial]:
-    """The trials of a product that leave least."""
+def _best(instants: Instants, rows: Sequence[Trial], columns: Sequence[Trial], worth: float) -> list[Trial]:
+    """The trials of a product that leave least, among them those that leave less than is worth while."""
     if not rows or not columns:
         return []
-    outcome = tried(instants, rows, columns)
-    order = np.argsort(outcome.residuals, axis=None)[:KEPT]
+    residuals = tried(instants, rows, columns).residuals
+    order = np.argsort(residuals, axis=None)[:KEPT]
     places = [divmod(int(k), len(columns)) for k in order]
-    return [together(*rows[i], *columns[j]) for i, j in places if np.isfinite(outcome.residuals[i, j])]
+    most = min(worth, PROMISING * residuals[places[0]])
+    some = [place for k, place in enumerate(places) if k < FEWEST or residuals[place] <= most]
+    return [together(*rows[i], *columns[j]) for i, j in some if np.isfinite(residuals[i, j])]
 
 
 def _on_all(instants: Instants, trials: Sequence[Trial]) -> list[Tried]:

@@ -5,8 +5,9 @@ leaves |f|^2 - |Q^T f|^2, for recorded forces f of any order, sign or axes: one 
 channels. The delay is found on the parabola through three delays of a grid.
 """
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from identification.findings.causes.hypothesis import (
     FAMILIES,
     RECORDED,
     SENSED,
+    Affine,
     Family,
     Trial,
     case_of,
@@ -32,11 +34,13 @@ from identification.machines.hexapod import kinematics_of_hexapods
 from identification.machines.serial_chain import SerialChain
 from identification.model.model import identification_model
 
-AT_ONCE = 24_000  # samples whose regressors are in memory
+AT_ONCE = 6_000  # samples whose regressors are in memory
 STEPS = 9  # of Newton's method: under a right hypothesis home is near enough
+LARGEST_CONDITION = 1e6  # of bars that measure all forces and moments
 FEWEST = 5  # instants that show whether a machine can have some drives
 FEW = 6  # changes of the forces, from which on they share one projection
 SINGULAR = 1e-9  # of the largest singular value of scaled regressors
+RIDGE = 1e-13  # of the information of scaled columns, which need not be independent
 CERTAIN = 3.0  # standard deviations below zero, from which on a mass is negative
 
 
@@ -45,7 +49,6 @@ class Outcome(NamedTuple):
 
     residuals: Array  # rms residuals over the noise, shape (H, J); infinite where nothing fits, or no mass is so
     delays: Array  # at which they are least, shape (H, J) [s]
-    masses: Array  # fitted mass, shape (H, J) [kg]; NaN where the model has none
 
 
 class _Motion(NamedTuple):
@@ -67,18 +70,41 @@ def tried(instants: Instants, changes: Sequence[Trial], channels: Sequence[Trial
         channels: they change forces alone. Of other bars, which change what the model expects of each sensor, residuals
             are those of the sensors of the case, near enough to choose by.
     """
-    matrices = np.array([_of_sensors(instants, trial) for trial in channels])
-    size = max(1, AT_ONCE // len(instants.rows))
-    parts = [_tried(instants, changes[k : k + size], matrices) for k in range(0, len(changes), size)]
-    return Outcome(*(np.concatenate(values) for values in zip(*parts, strict=True)))
+    matrices, size = _of_sensors(instants, channels), max(1, AT_ONCE // len(instants.rows))
+    residuals, delays = np.empty((2, len(changes), len(matrices)))
+    own = np.array([channels_of(trial) for trial in changes])
+    as_recorded = [np.array_equal(matrix, np.eye(6)) for matrix in own]
+    turned = [any(hypothesis.in_base for hypothesis in trial) for trial in changes]
+    plain = [k for k, kept in enumerate(as_recorded) if kept and not turned[k]]
+    others = sorted({*range(len(changes))} - {*plain})
+    for which in (plain, others):  # those that leave the forces as they were recorded share them
+        for start in range(0, len(which), size):
+            part = which[start : start + size]
+            outcome = fits_of(instants, [changes[k] for k in part]).left(matrices)
+            residuals[part], delays[part] = outcome
+    return Outcome(residuals, delays)
 
 
-def _of_sensors(instants: Instants, trial: Trial) -> Array:
-    """What recorded forces are multiplied by where the case's own bars are taken for those of a trial, shape (6, 6)."""
-    case = case_of(trial, instants.case, ("case",))
-    if case.sensor_frame is instants.case.sensor_frame:
-        return channels_of(trial)
-    return np.asarray(np.linalg.solve(instants.model.structure, case.sensor_frame.structure) @ channels_of(trial))
+def _of_sensors(instants: Instants, trials: Sequence[Trial]) -> Array:
+    """What recorded forces are multiplied by where the case's own bars are taken for those of trials, shape (J, 6, 6).
+
+    Bars are changed by few hypotheses, which many trials share.
+    """
+    matrices: Array = np.broadcast_to(np.eye(6), (len(trials), 6, 6))
+    for k in range(max(len(trial) for trial in trials)):
+        places = [j for j, trial in enumerate(trials) if len(trial) > k and trial[k].channels is not None]
+        steps: Array = np.zeros((len(trials), 6, 6)) + np.eye(6)
+        if places:
+            steps[places] = [trials[j][k].channels for j in places]
+        matrices = steps @ matrices
+    own, remembered = instants.case.sensor_frame, instants.memory.of_run
+    for j, trial in enumerate(trials):
+        if (frame := _case_of(instants, trial).sensor_frame) is not own:
+            key = "sensors", id(frame)
+            if key not in remembered:  # with the frame, so that no other one gets its number
+                remembered[key] = np.linalg.solve(instants.model.structure, frame.structure), frame
+            matrices[j] = remembered[key][0] @ matrices[j]
+    return matrices
 
 
 def closing(instants: Instants, changes: Sequence[Trial]) -> list[Trial]:
@@ -86,78 +112,153 @@ def closing(instants: Instants, changes: Sequence[Trial]) -> list[Trial]:
     few = instants.part(FEWEST)
     size = max(1, AT_ONCE // len(few.rows))
     parts = [changes[k : k + size] for k in range(0, len(changes), size)]
-    closed = [_motion(few, part, [case_of(trial, few.case, ("case",)) for trial in part]).closed for part in parts]
+    closed = [_motion(few, part, [_case_of(few, trial) for trial in part]).closed for part in parts]
     return [trial for trial, ok in zip(changes, np.concatenate(closed), strict=True) if ok] if changes else []
 
 
-def _tried(instants: Instants, changes: Sequence[Trial], matrices: Array) -> Outcome:
-    count = len(changes)
+@dataclass(frozen=True)
+class Fits:
+    """Fits of the model under H changes of motion, case or forces, ready for changed forces."""
+
+    whole: Array  # rows over the noise: of the orthonormal basis, or where `whiten` leads to it, shape (H, u, 6, n)
+    whiten: Array | None  # shape (H, u, u); None where rows are those of the basis
+    of_mass: Array | None  # the mass by what lies along the basis, shape (H, u); None where the model has none
+    own: Array  # what the changes multiply recorded forces by, shape (H, 6, 6)
+    noise: Array  # of the forces that the changes make, shape (H, 6)
+    closed: Flags  # whether the machine can have such drives, shape (H,)
+    forces: Array  # that the changes make, times the weights, shape (H, n, 6, D), or (1, n, 6, D) where they keep them
+    delays: Array  # shape (D,) [s]
+
+    @cached_property
+    def products(self) -> Array:
+        """Sums of products of forces, shape (H or 1, D, 6, 6)."""
+        by_delay = self.forces.transpose(0, 3, 2, 1)
+        return np.asarray(by_delay @ by_delay.transpose(0, 1, 3, 2))
+
+    @cached_property
+    def shown(self) -> Array:
+        """What channel a in the place of channel i shows of each direction of the basis, shape (H, u, 36, D)."""
+        count, unknowns, _, n = self.whole.shape
+        right = self.forces.reshape(len(self.forces), n, -1)
+        shown = self.whole.reshape(count, unknowns * 6, n) @ right
+        return self._whitened(shown.reshape(count, unknowns, -1)).reshape(count, unknowns, 36, -1)
+
+    def _whitened(self, along: Array) -> Array:
+        """What lies along the basis from what lies along the rows, shapes (H, u, k)."""
+        return along if self.whiten is None else np.asarray(self.whiten @ along)
+
+    def left(self, matrices: Array) -> Outcome:
+        """What the changes leave where forces are multiplied by matrices, shape (J, 6, 6), behind what they make.
+
+        Residuals are over the noise that the matrices make of that of the forces, on an average over the channels.
+        """
+        count, unknowns, _, n = self.whole.shape
+        explained = self._explained(matrices)
+        sizes = np.einsum("jia,hdab,jib->hjdi", matrices, self.products, matrices, optimize=True)
+        total = np.einsum("hjdi,hi->hjd", np.broadcast_to(sizes, (count, *sizes.shape[1:])), 1.0 / self.noise**2)
+        left = np.maximum(total - np.sum(explained**2, axis=1), 0.0)
+        least, place = _parabola(left / max(6 * n - unknowns, 1))
+        # of the noise that is recorded, as the changes make it of channels, the matrices make more or less
+        shares = np.einsum("jia,ha,hi->hj", matrices**2, self.noise**2, 1.0 / self.noise**2, optimize=True)
+        least = least / (shares / 6.0)
+        fine = self.closed[:, None] & ~self._negative(explained, place, least)
+        delays = np.interp(place, np.arange(len(self.delays)), self.delays)
+        return Outcome(np.where(fine, np.sqrt(least), np.inf), delays)
+
+    def _explained(self, matrices: Array) -> Array:
+        """How much of the forces, changed by each matrix, lies along the basis, shape (H, u, J, D)."""
+        if len(matrices) >= FEW or "shown" in self.__dict__:
+            return np.asarray(matrices.reshape(-1, 36) @ self.shown)
+        count, unknowns, _, n = self.whole.shape
+        flat = self.whole.reshape(count, unknowns, 6 * n)
+        changed = (self.forces if np.array_equal(m, np.eye(6)) else m @ self.forces for m in matrices)
+        right = (each.transpose(0, 2, 1, 3).reshape(len(each), 6 * n, -1) for each in changed)
+        return np.stack([self._whitened(flat @ each) for each in right], axis=2)
+
+    def _negative(self, explained: Array, place: Array, least: Array) -> Flags:
+        """Whether the fitted mass of each trial is negative for certain, shape (H, J)."""
+        if self.of_mass is None:
+            return np.zeros(place.shape, dtype=bool)
+        nearest = np.rint(place).astype(int)
+        at = np.take_along_axis(explained, nearest[:, None, :, None], 3)[..., 0]  # shape (H, u, J)
+        values = np.einsum("hu,huj->hj", self.of_mass, at)
+        deviation = np.linalg.norm(self.of_mass, axis=1)[:, None] * np.sqrt(least)
+        return np.asarray(values < -CERTAIN * deviation)
+
+
+def fits_of(instants: Instants, changes: Sequence[Trial]) -> Fits:
+    """The model under some changes, which may change forces too.
+
+    Instants that are to choose by go without an orthogonal triangular decomposition: the normal equations of scaled
+    columns are near enough, and cost a quarter.
+    """
     regressors, motion = regressors_of(instants, changes)
     own = np.array([channels_of(trial) for trial in changes])
     noise = np.sqrt(np.einsum("hij,j->hi", own**2, instants.noise**2))  # of the forces that the changes make
-    root = np.where(motion.closed[:, None, None], instants.weights[None, :, None] / noise[:, None, :], 0.0)
-    rows = (regressors * root[:, :, :, None]).reshape(count, -1, regressors.shape[3])
-    scale = np.array([column_scale(each) for each in rows])
-    basis, triangle = np.linalg.qr(rows * scale[:, None, :])
-    unknowns, delays, n = rows.shape[2], len(instants.delays), len(instants.rows)
-    whole = basis.reshape(count, n, 6, unknowns) * root[:, :, :, None]
-    forces = _forces(instants, changes, own, motion.rotations)  # shape (H or 1, D, n, 6)
-    explained = _explained(whole, forces, matrices)
-    right = forces.transpose(0, 2, 1, 3)
-    weighted = right * instants.weights[None, :, None, None]
-    products = np.einsum("hnda,hndb->hdab", weighted, weighted, optimize=True)
-    sizes = np.einsum("jia,hdab,jib->hdji", matrices, products, matrices, optimize=True)
-    total = np.einsum("hdji,hi->hdj", np.broadcast_to(sizes, (count, *sizes.shape[1:])), 1.0 / noise**2, optimize=True)
-    left = np.maximum(total - np.sum(explained**2, axis=2), 0.0)
-    least, place = _parabola(left / max(6 * n - unknowns, 1))
-    shares = np.einsum("jia,a,i->ji", matrices**2, instants.noise**2, 1.0 / instants.noise**2)
-    least = least / np.mean(shares, axis=1)  # noise that the matrices make of that of the forces
-    mass = _mass(instants, triangle, scale, explained, place, least)
-    residuals = np.where(motion.closed[:, None] & ~mass.negative, np.sqrt(least), np.inf)
-    return Outcome(residuals, np.interp(place, np.arange(delays), instants.delays), mass.values)
+    count, n, _, unknowns = regressors.shape
+    rows = np.empty((count, unknowns, 6, n))
+    regressors[~motion.closed] = 0.0
+    np.multiply(regressors.transpose(0, 3, 2, 1), instants.weights / noise[:, None, :, None], out=rows)
+    flat = rows.reshape(count, unknowns, -1)
+    norms = np.linalg.norm(flat, axis=2)
+    scale = np.where(norms > 0.0, 1.0 / np.where(norms > 0.0, norms, 1.0), 1.0)
+    flat = flat * scale[:, :, None]
+    names = instants.model.names
+    mass = names.index("m") if "m" in names else None
+    whiten, inverse = _by_normal_equations(flat, mass) if instants.rough else (None, None)
+    if whiten is None:
+        flat, inverse = _by_triangles(flat, mass)
+    whole = flat.reshape(rows.shape) / noise[:, None, :, None]
+    of_mass = None if mass is None or inverse is None else inverse * scale[:, [mass]]
+    forces = _forces(instants, changes, own, motion.rotations) * instants.weights[:, None]
+    right = np.ascontiguousarray(forces.transpose(0, 2, 3, 1))
+    return Fits(whole, whiten, of_mass, own, noise, motion.closed, right, instants.delays)
 
 
-def _explained(whole: Array, forces: Array, matrices: Array) -> Array:
-    """How much of the forces, changed by each matrix, lies along the basis, shape (H, D, u, J).
+def _by_normal_equations(flat: Array, mass: int | None) -> tuple[Array | None, Array | None]:
+    """What leads from scaled columns to an orthonormal basis, and the row of the mass; None where they are singular.
 
     Args:
-        whole: basis of each trial, weighted, shape (H, n, 6, u).
-        forces: shape (H or 1, D, n, 6).
-        matrices: shape (J, 6, 6).
+        flat: scaled columns, shape (H, u, k).
+        mass: number of the mass; None where the model has none.
     """
-    count, n, _, unknowns = whole.shape
-    delays = forces.shape[1]
-    if len(matrices) < FEW:
-        flat = whole.reshape(count, n * 6, unknowns).transpose(0, 2, 1)
-        changed = (forces @ matrix.T for matrix in matrices)
-        sides = [flat @ each.reshape(len(each), delays, n * 6).transpose(0, 2, 1) for each in changed]
-        return np.stack(sides, axis=-1).transpose(0, 2, 1, 3)
-    # what a unit of channel a in the place of channel i shows of each direction of the basis
-    right = forces.transpose(0, 2, 1, 3).reshape(len(forces), n, delays * 6)
-    shown = whole.transpose(0, 2, 3, 1).reshape(count, 6 * unknowns, n) @ right
-    shown = shown.reshape(count, 6, unknowns, delays, 6).transpose(0, 3, 2, 1, 4).reshape(-1, 36)
-    return np.asarray((shown @ matrices.reshape(-1, 36).T).reshape(count, delays, unknowns, len(matrices)))
+    information = flat @ flat.transpose(0, 2, 1) + RIDGE * np.eye(flat.shape[1])
+    try:
+        whiten = np.linalg.inv(np.linalg.cholesky(information))
+    except np.linalg.LinAlgError:
+        return None, None
+    return whiten, None if mass is None else whiten[:, :, mass]
+
+
+def _by_triangles(flat: Array, mass: int | None) -> tuple[Array, Array | None]:
+    """An orthonormal basis of scaled columns, shape (H, u, k), and the row of the mass, shape (H, u)."""
+    basis, triangle = np.linalg.qr(flat.transpose(0, 2, 1))
+    return np.ascontiguousarray(basis.transpose(0, 2, 1)), None if mass is None else _row_of_inverse(triangle, mass)
+
+
+def _row_of_inverse(triangle: Array, row: int) -> Array:
+    """A row of the inverse of each triangle, shape (H, u), of the pseudo-inverse where some are singular."""
+    diagonal = np.abs(np.diagonal(triangle, axis1=1, axis2=2))
+    if np.any(diagonal.min(axis=1) <= SINGULAR * diagonal.max(axis=1)):
+        return np.asarray(np.linalg.pinv(triangle, rcond=SINGULAR)[:, row, :])
+    unit = np.broadcast_to(np.eye(triangle.shape[1])[row], diagonal.shape)
+    return np.asarray(np.linalg.solve(triangle.transpose(0, 2, 1), unit[:, :, None])[:, :, 0])
 
 
 def _parabola(values: Array) -> tuple[Array, Array]:
-    """Least of values over the second axis, between its places, and where: shapes (H, J)."""
-    count = values.shape[1]
-    best = np.argmin(values, axis=1)
+    """Least of values over the last axis, between its places, and where: shapes (H, J)."""
+    count = values.shape[2]
+    best = np.argmin(values, axis=2)
     if count < 3:
-        return np.take_along_axis(values, best[:, None], 1)[:, 0], best.astype(float)
+        return np.take_along_axis(values, best[:, :, None], 2)[:, :, 0], best.astype(float)
     middle = np.clip(best, 1, count - 2)
-    low, mid, high = (np.take_along_axis(values, (middle + k)[:, None], 1)[:, 0] for k in (-1, 0, 1))
+    low, mid, high = (np.take_along_axis(values, (middle + k)[:, :, None], 2)[:, :, 0] for k in (-1, 0, 1))
     bend, slope = low - 2.0 * mid + high, (high - low) / 2.0
     with np.errstate(divide="ignore", invalid="ignore"):
         step = np.where(bend > 0.0, np.clip(-slope / bend, -1.0, 1.0), 0.0)
     least = mid + slope * step + 0.5 * bend * step**2
-    lowest = np.minimum(np.take_along_axis(values, best[:, None], 1)[:, 0], np.maximum(least, 0.0))
+    lowest = np.minimum(np.take_along_axis(values, best[:, :, None], 2)[:, :, 0], np.maximum(least, 0.0))
     return lowest, middle + step
-
-
-class _Mass(NamedTuple):
-    values: Array  # [kg], shape (H, J)
-    negative: Flags  # for certain
 
 
 class About(NamedTuple):
@@ -167,55 +268,55 @@ class About(NamedTuple):
     residuals: float  # weighted sum of squares; infinite where the machine cannot have such drives
 
 
-def moments_about(instants: Instants, trial: Trial) -> About:
-    """The point that moments must be about for a trial to leave least: the forces depend on it linearly.
+def moments_about(instants: Instants, trials: Sequence[Trial]) -> list[About]:
+    """The point that moments must be about for each trial to leave least: the forces depend on it linearly.
 
     It is in the axes in which moments were taken, before a turn of the sensor takes effect on them.
     """
-    regressors, motion = regressors_of(instants, [trial])
-    if not motion.closed[0]:
-        return About(np.zeros(3), np.inf)
-    own = channels_of(trial)
-    root = (instants.weights[:, None] / np.sqrt(own**2 @ instants.noise**2))[:, :, None]
-    rows = (regressors[0] * root).reshape(-1, regressors.shape[3])
-    basis = np.linalg.qr(rows * column_scale(rows))[0]
-    later = channels_of(trial, FAMILIES[FAMILIES.index(Family.POINT) + 1 :])
-    earlier = np.linalg.inv(later)
-    best: Array = np.zeros(3)
-    least = np.inf
-    for forces in _forces(instants, [trial], own[None], motion.rotations)[0]:
-        columns: Array = np.zeros(
-            (len(forces), 6, 4)
-        )  # the forces, and what a metre along each axis does to the moments
-        columns[:, :, 0] = forces
-        columns[:, 3:, 1:] = np.cross(np.eye(3), (forces @ earlier.T)[:, None, :3]).transpose(0, 2, 1)
-        columns[:, :, 1:] = later @ columns[:, :, 1:]
-        whole: Array = (columns * root).reshape(-1, 4)
-        weighted = whole - basis @ (basis.T @ whole)
-        point = np.asarray(np.linalg.lstsq(weighted[:, 1:], -weighted[:, 0], rcond=SINGULAR)[0], dtype=float)
-        left = float(np.sum((weighted[:, 0] + weighted[:, 1:] @ point) ** 2))
-        if left < least:
-            best, least = point, left
-    return About(best, least)
+    size = max(1, AT_ONCE // len(instants.rows))
+    parts = [trials[k : k + size] for k in range(0, len(trials), size)]
+    return [about for part in parts for about in _about(fits_of(instants, part), part)]
 
 
-def _mass(instants: Instants, triangle: Array, scale: Array, explained: Array, place: Array, least: Array) -> _Mass:
-    """Fitted mass of each trial."""
-    names = instants.model.names
-    if "m" not in names:
-        return _Mass(np.full(place.shape, np.nan), np.zeros(place.shape, dtype=bool))
-    row = names.index("m")
-    inverse = np.linalg.pinv(triangle, rcond=SINGULAR)[:, row, :] * scale[:, row, None]  # shape (H, c)
-    nearest = np.rint(place).astype(int)
-    at = np.take_along_axis(explained, nearest[:, None, None, :], 1)[:, 0]  # shape (H, c, J)
-    values = np.einsum("hc,hcj->hj", inverse, at)
-    deviation = np.linalg.norm(inverse, axis=1)[:, None] * np.sqrt(least)
-    return _Mass(values, values < -CERTAIN * deviation)
+def _about(fits: Fits, trials: Sequence[Trial]) -> Iterator[About]:
+    after = FAMILIES[FAMILIES.index(Family.POINT) + 1 :]
+    metres = np.zeros((3, 6, 6))  # what a metre along each axis does to the moments
+    metres[:, 3:, :3] = np.cross(np.eye(3)[None], np.eye(3)[:, None])
+    for k, trial in enumerate(trials):
+        if not fits.closed[k]:
+            yield About(np.zeros(3), np.inf)
+            continue
+        later = channels_of(trial, after)
+        columns = np.concatenate([np.eye(6)[None], later @ metres @ np.linalg.inv(later)])
+        along = np.einsum("jp,upd->dju", columns.reshape(4, 36), fits.shown[k])
+        over = columns / fits.noise[k][:, None]
+        products = fits.products[k if len(fits.products) > 1 else 0]
+        squares = np.einsum("jia,dab,lib->djl", over, products, over, optimize=True) - along @ along.transpose(0, 2, 1)
+        points = -(np.linalg.pinv(squares[:, 1:, 1:], rcond=SINGULAR, hermitian=True) @ squares[:, 1:, :1])[:, :, 0]
+        left = squares[:, 0, 0] + np.sum(squares[:, 0, 1:] * points, axis=1)
+        best = int(np.argmin(left))
+        yield About(points[best], max(float(left[best]), 0.0))
+
+
+def _case_of(instants: Instants, trial: Trial) -> Case:
+    """The case whose forces the model is to predict under a trial."""
+    drawn = [h for h in trial if h.place == "case" and h.edit is not None]
+    if not drawn:
+        return instants.case
+    remembered = instants.memory.of_run
+    drawn.sort(key=lambda hypothesis: -FAMILIES.index(hypothesis.family))  # as `case_of` edits
+    case = instants.case
+    for k in range(len(drawn)):
+        key = ("case", *map(id, drawn[: k + 1]))
+        if key not in remembered:  # with the hypotheses, so that no others get their numbers
+            remembered[key] = case_of((drawn[k],), case, ("case",)), drawn[: k + 1]
+        case = remembered[key][0]
+    return case
 
 
 def regressors_of(instants: Instants, changes: Sequence[Trial]) -> tuple[Array, _Motion]:
     """A of each of some changes, shape (H, n, 6, u), with columns of nuisances, and the motion behind it."""
-    cases = [case_of(trial, instants.case, ("case",)) for trial in changes]
+    cases = [_case_of(instants, trial) for trial in changes]
     motion = _motion(instants, changes, cases)
     count, n = motion.positions.shape[:2]
     flat = [values.reshape(count * n, *values.shape[2:]) for values in motion[:4]]
@@ -239,49 +340,52 @@ def _motion(instants: Instants, changes: Sequence[Trial], cases: Sequence[Case])
         rates = np.concatenate([acceleration, alpha], axis=2)
         twists = np.concatenate([still, omega], axis=2)
         return _Motion(still, rotations, twists, rates, np.ones(count, dtype=bool))
-    paths, of_each = _paths(instants, changes, cases)
-    rates = paths.rates[of_each]
+    paths = _paths(instants, changes, cases)
+    pace = np.array([pace_of(trial) for trial in changes])[:, None, None]
+    rates = paths.rates / pace**2
     rates[:, :, :3] += gravity[:, None, :]
-    return _Motion(
-        paths.positions[of_each], paths.rotations[of_each], paths.twists[of_each], rates, paths.closed[of_each]
-    )
+    return _Motion(paths.positions, paths.rotations, paths.twists / pace, rates, paths.closed)
 
 
-def _paths(instants: Instants, changes: Sequence[Trial], cases: Sequence[Case]) -> tuple[_Motion, list[int]]:
-    """Motions of the sensor by the recorded drives, each once, and which of them is that of each change."""
+def _paths(instants: Instants, changes: Sequence[Trial], cases: Sequence[Case]) -> _Motion:
+    """Motions of the sensor by the recorded drives, in seconds of the recording; each is computed once."""
     assert instants.drives is not None
     affine = [drives_of(trial, instants.drives[0].shape[1]) for trial in changes]
-    pace = [pace_of(trial) for trial in changes]
-    numbers: dict[tuple[bytes, bytes, float, int | None], int] = {}
     keys = [
-        (a.matrix.tobytes(), a.offset.tobytes(), s, None if c.machine is instants.case.machine else id(c.machine))
-        for a, s, c in zip(affine, pace, cases, strict=True)
+        (a.matrix.tobytes(), a.offset.tobytes(), None if c.machine is instants.case.machine else id(c.machine))
+        for a, c in zip(affine, cases, strict=True)
     ]
-    of_each = [numbers.setdefault(key, len(numbers)) for key in keys]
-    first = [keys.index(key) for key in numbers]
-    count, n = len(first), len(instants.rows)
-    turns = np.array([affine[k].matrix for k in first]).transpose(0, 2, 1)
-    offsets = np.array([affine[k].offset for k in first])[:, None, :]
-    times = np.array([pace[k] for k in first])[:, None, None]
-    places = instants.drives[0] @ turns + offsets
-    velocities, accelerations = instants.drives[1] @ turns / times, instants.drives[2] @ turns / times**2
-    flat = [values.reshape(count * n, -1) for values in (places, velocities, accelerations)]
+    known = instants.memory.of_instants
+    new = list({key: k for k, key in enumerate(keys) if key not in known}.values())
+    if new:
+        paths = _new_paths(instants, [affine[k] for k in new], [cases[k] for k in new])
+        # with the machine, so that no other one gets its number
+        known |= {keys[k]: ([values[i] for values in paths], cases[k].machine) for i, k in enumerate(new)}
+    return _Motion(*(np.stack(values) for values in zip(*(known[key][0] for key in keys), strict=True)))
+
+
+def _new_paths(instants: Instants, affine: Sequence[Affine], cases: Sequence[Case]) -> _Motion:
+    assert instants.drives is not None
+    count, n = len(affine), len(instants.rows)
+    turns = np.array([a.matrix for a in affine]).transpose(0, 2, 1)
+    offsets = np.array([a.offset for a in affine])[:, None, :]
+    drives = (instants.drives[0] @ turns + offsets, instants.drives[1] @ turns, instants.drives[2] @ turns)
+    flat = [values.reshape(count * n, -1) for values in drives]
     closed = np.ones(count, dtype=bool)
     if isinstance(instants.machine, SerialChain):
         positions, columns, twists, rates = over_samples(instants.machine.motion, *flat)
         rotations = columns.reshape(-1, 3, 3).transpose(0, 2, 1)
     else:
-        joints, home = _hexapods([cases[k] for k in first])
+        joints, home = _hexapods(cases)
         flat_joints, flat_home = np.repeat(joints, n, axis=0), np.repeat(home, n, axis=0)
         kinematics, ok = kinematics_of_hexapods(flat_joints, flat_home, flat[0], flat[1], flat[2], STEPS)
         closed = np.asarray(ok.reshape(count, n).all(axis=1))
         positions, twists, rates = kinematics.pose[:, :3], kinematics.twist, kinematics.twist_rate
         rotations = _rotations(kinematics.pose[:, 3:])
-    motion = _Motion(
+    return _Motion(
         positions.reshape(count, n, 3), rotations.reshape(count, n, 3, 3), twists.reshape(count, n, 6),
         rates.reshape(count, n, 6), closed,
     )  # fmt: skip
-    return motion, of_each
 
 
 def _hexapods(cases: Sequence[Case]) -> tuple[Array, Array]:
@@ -312,13 +416,13 @@ def _of_other_frames(instants: Instants, cases: Sequence[Case], motion: _Motion,
         return matrices
     if own.sensor_frame.bars is None:
         return matrices
-    for k, case in enumerate(cases):
-        if case.sensor_frame is not own.sensor_frame:
-            structure = case.sensor_frame.structure
-            if not np.linalg.cond(structure) < 1e6:
-                motion.closed[k] = False
-                continue
-            matrices[k] = np.linalg.solve(structure, instants.model.structure) @ matrices[k]
+    others = [k for k, case in enumerate(cases) if case.sensor_frame is not own.sensor_frame]
+    if others:
+        structures = np.array([cases[k].sensor_frame.structure for k in others])
+        regular = np.linalg.cond(structures) < LARGEST_CONDITION
+        motion.closed[[k for k, ok in zip(others, regular, strict=True) if not ok]] = False
+        some = [k for k, ok in zip(others, regular, strict=True) if ok]
+        matrices[some] = (np.linalg.solve(structures[regular], instants.model.structure))[:, None] @ matrices[some]
     return matrices
 
 
