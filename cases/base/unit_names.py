@@ -190,10 +190,18 @@ _OTHERS = frozenset(
 """Other units that recorders write: no column of ours has such a quantity."""
 
 
+_OF_A_RANGE = re.compile(r"(?:%|(?:percent|per cent|prozent|pct)\b).*|f\.?s\.?o?\.?|full[ -]?scale(?: output)?", re.I)
+
+
+def is_share(text: str) -> bool:
+    """Whether a text says that numbers are shares of a range, as %FS: they have a unit by that range only."""
+    return _OF_A_RANGE.fullmatch(plain_unit(text)) is not None
+
+
 def is_unit(text: str) -> bool:
     """Whether a text is a unit that recorders write, whether or not a column of ours can have it."""
     plain = plain_unit(text)
-    known = plain in _OTHERS or plain.casefold() in COUNTS
+    known = plain in _OTHERS or plain.casefold() in COUNTS or is_share(plain)
     return known or any(units.symbol(plain) not in (None, "1") for units in QUANTITIES)
 
 

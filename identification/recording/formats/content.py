@@ -54,7 +54,7 @@ class Content:
 
 
 def content_of(file: Path) -> Content:
-    """The text of a file: as it is, in UTF-16 with its mark, or compressed with gzip.
+    """The text of a file: as it is, in UTF-16 with its mark, compressed with gzip, or with lines as on a Macintosh.
 
     Raises RecordingError where it cannot be read, or is of a kind that is not text.
     """
@@ -72,11 +72,27 @@ def content_of(file: Path) -> Content:
             if mark is not None:
                 source: BinaryIO = io.BytesIO(data) if compressed else stream
                 source.seek(len(mark))
-                return Content(file, data=_within(file, _decoded(file, source, _MARKS[mark])))
+                text = _within(file, _decoded(file, source, _MARKS[mark]))
+                return Content(file, data=_with_line_feeds(text) if _by_returns(text[:LONGEST_LINE]) else text)
+            start = len(codecs.BOM_UTF8) if begin.startswith(codecs.BOM_UTF8) else 0
+            if _by_returns(begin):
+                if not compressed:
+                    stream.seek(0)
+                    data = _within(file, iter(lambda: stream.read(PART), b""))
+                return Content(file, start, _with_line_feeds(data))
     except OSError as error:
         raise unreadable(file, error) from error
-    start = len(codecs.BOM_UTF8) if begin.startswith(codecs.BOM_UTF8) else 0
     return Content(file, start, data if compressed else None)
+
+
+def _by_returns(begin: bytes) -> bool:
+    """Whether lines end with a carriage return alone, as a Macintosh wrote them and some exports for it still do."""
+    return b"\r" in begin and b"\n" not in begin
+
+
+def _with_line_feeds(data: bytes) -> bytes:
+    """The same lines, each of as many bytes, with the end that everybody else writes."""
+    return data.replace(b"\r", b"\n")
 
 
 def _within(file: Path, parts: Iterator[bytes]) -> bytes:

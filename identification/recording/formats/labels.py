@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from cases.base.unit_names import COUNTS, Units, is_other_unit, is_unit, plain_unit
+from cases.base.unit_names import COUNTS, SHARES, Units, is_other_unit, is_unit, plain_unit
 
 _BRACKETED = re.compile(r"\[([^\]]*)\]|\(([^)]*)\)|<([^>]*)>|\{([^}]*)\}")
 # Letters that may be a unit which we do not know: names of channels and addresses have digits or other signs.
@@ -121,6 +121,9 @@ def _in_brackets(text: str, units: Units) -> StatedUnit | None:
 
 def _behind(label: str, units: Units) -> Iterator[StatedUnit]:
     """Units that end a label without brackets, as in `Force 1 kN`, `x_mm` and `Kraft / N`, the longest first."""
+    share = re.search(r"%.*|\b(?:percent|prozent|pct)\b.*", label, re.I) if units is not SHARES else None
+    if share is not None:
+        yield StatedUnit(share[0], None)
     for match in re.finditer(r"(?<=[\w°])(?P<sep>[_\s/,;:=.|\"'\-]+)(?=[^_\s/,;:=.|\"'\-])", label):
         text = label[match.end() :]
         said = "/" in match["sep"] or text.casefold() not in _AMBIGUOUS

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from cases.base.errors import printable
+from cases.base.unit_names import is_share
 from cases.base.units import DEG, MM, Array
 from cases.chain import Joint
 from cases.orientation import ANGLES, CONVENTIONS, QUATERNION, ROLL_PITCH_YAW
@@ -37,6 +38,7 @@ from identification.recording.formats.families import words_of
 from identification.recording.formats.labels import StatedUnit, counted, stated_unit
 from identification.recording.formats.layout import TextColumns
 from identification.recording.formats.meaning import groups_of, meaning_of, span
+from identification.recording.formats.quantities import scale_of_shares
 from identification.recording.formats.reasons import NO_REASON, Reason, Why, because
 from identification.recording.formats.stated_rates import stated_step
 from identification.recording.formats.table import listed
@@ -369,9 +371,15 @@ class _Draft:
                 self.unit_reasons[ours] = because(Why.NO_UNIT)
         if needed:
             keys = ", ".join(f"{ours} = .." for ours in needed)
+            shares = all(is_share(self.units[ours]) for ours in needed)
+            ranges = None if self.case is None else self.case.sensors.range
+            stated = scale_of_shares(needed, ranges) if shares else None
+            what = "what a 1 of each is in the unit of our name"
+            if stated is not None:
+                what = f"the range of each over 100{'' if ranges is None else ', by [sensors] of the case'}"
             self.doubts.append(
-                f"{span([self.name(ours) for ours in needed])}: state what a 1 of each is in the unit of our name: "
-                f"recording.scale = {{ {keys} }}"
+                f"{span([self.name(ours) for ours in needed])}: state {what}: "
+                f"{stated or f'recording.scale = {{ {keys} }}'}"
             )
 
     def settings(self) -> dict[str, Any]:

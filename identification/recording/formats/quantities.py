@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from cases.base.errors import Code, RecordingError
-from cases.base.unit_names import is_unit
+from cases.base.unit_names import is_share, is_unit
 from cases.base.units import Array
 from cases.recording_format import BAR_FORCES, CLOCK, COLUMNS, ROLE_OF, ROLE_UNITS, TICKS, WRENCH, Role
 from identification.finding import Finding, Kind, note, warning
@@ -23,8 +23,13 @@ _FORCES = (*BAR_FORCES, *WRENCH)
 _ENOUGH = 1000  # rows that show whether numbers are whole
 
 
-def with_units(table: ColumnTable) -> ColumnTable:
-    """The table with SI values of its columns' units, with findings about them; raises RecordingError."""
+def with_units(table: ColumnTable, ranges: Array | None = None) -> ColumnTable:
+    """The table with SI values of its columns' units, with findings about them; raises RecordingError.
+
+    Args:
+        table: the table, in the units of the file.
+        ranges: of the force channels, as of `Sensors.range`; the error names what shares of them are then.
+    """
     form = table.form
     factors: dict[str, float] = {}
     by_label: dict[Role, list[tuple[str, StatedUnit]]] = {}
@@ -55,7 +60,7 @@ def with_units(table: ColumnTable) -> ColumnTable:
             if stated.symbol != units.usual or stated.counts != 1.0:
                 by_label.setdefault(role, []).append((label, stated))
     if unknown:
-        raise _refusal(table, unknown)
+        raise _refusal(table, unknown, ranges)
     findings = [
         note(
             Kind.FORMAT,
@@ -105,7 +110,21 @@ def _stated(table: ColumnTable, ours: str) -> StatedUnit | None:
     return replace(stated, text=f"{units.usual} and {other}", several=True)
 
 
-def _refusal(table: ColumnTable, unknown: Mapping[str, StatedUnit]) -> RecordingError:
+def scale_of_shares(columns: Sequence[str], ranges: Array | None) -> str | None:
+    """The key that reads forces which are given as percent of their ranges; None where a column is not a force.
+
+    Args:
+        columns: our names.
+        ranges: of the channels, shape (6,) [N, or N and N m]; None where the case does not say.
+    """
+    names = WRENCH if {*columns} <= {*WRENCH} else BAR_FORCES
+    if not {*columns} <= {*names}:
+        return None
+    one = {ours: ".." if ranges is None else f"{ranges[names.index(ours)] / 100.0:.6g}" for ours in columns}
+    return f"recording.scale = {{ {', '.join(f'{ours} = {value}' for ours, value in one.items())} }}"
+
+
+def _refusal(table: ColumnTable, unknown: Mapping[str, StatedUnit], ranges: Array | None) -> RecordingError:
     """The error for columns whose unit is not known, our name -> what the file says."""
     ours, stated = next(iter(unknown.items()))
     role, label = ROLE_OF[ours], table.form.file_name(ours)
@@ -116,6 +135,13 @@ def _refusal(table: ColumnTable, unknown: Mapping[str, StatedUnit]) -> Recording
     if is_count(stated.text):
         problem = f"holds counts ({shown(stated.text)}), which have a unit by a factor only{others}"
         remedy = f"state {scale}; where they are {role} already, recording.units.{role} = '{units.usual}'"
+    elif is_share(stated.text) and (keys := scale_of_shares([*unknown], ranges)) is not None:
+        problem = f"holds shares of a range ({shown(stated.text)}), which have a unit by that range only{others}"
+        remedy = f"state {keys}, " + (
+            "the range of each sensor over 100 (over 1 where numbers end at 1)"
+            if ranges is None
+            else "if 100 % is the range in [sensors]; else the range that the recorder has, over 100"
+        )
     elif stated.several:
         problem = f"has units that differ, {shown(stated.text)}{others}"
     else:

@@ -37,8 +37,14 @@ from identification.recording.formats.text import without
 _PARQUET = b"PAR1"
 
 
-def read_tables(file: Path, form: FileFormat) -> tuple[ColumnTable, ...]:
-    """Reads a file: one table for each clock in it; raises RecordingError with the place and the remedy."""
+def read_tables(file: Path, form: FileFormat, ranges: Array | None = None) -> tuple[ColumnTable, ...]:
+    """Reads a file: one table for each clock in it; raises RecordingError with the place and the remedy.
+
+    Args:
+        file: the file.
+        form: how it is written.
+        ranges: of the force channels, as of `Sensors.range`, for what is said of shares of them.
+    """
     reader: Callable[[Path, FileFormat], Iterable[ColumnTable]]
     if is_bag(file):
         reader = binary.bag_tables
@@ -46,7 +52,7 @@ def read_tables(file: Path, form: FileFormat) -> tuple[ColumnTable, ...]:
         reader = binary.parquet_tables
     else:
         reader = known.read
-    return tuple(with_units(table) for table in reader(file, form))
+    return tuple(with_units(table, ranges) for table in reader(file, form))
 
 
 def is_parquet(file: Path) -> bool:
@@ -170,7 +176,7 @@ def _read_in_one_of(file: Path, ways: Sequence[FileFormat], case: Case) -> tuple
     """
     if len(ways) == 1:
         try:
-            return read_tables(file, ways[0])
+            return read_tables(file, ways[0], case.sensors.range)
         except RecordingError as error:
             patterns = [form.match for form in case.recording.files if form.match is not None]
             if not patterns or isinstance(ways[0], FileOfRun):
@@ -179,7 +185,7 @@ def _read_in_one_of(file: Path, ways: Sequence[FileFormat], case: Case) -> tuple
     problems = []
     for form in ways:
         try:
-            tables = read_tables(file, form)
+            tables = read_tables(file, form, case.sensors.range)
             for table in tables:  # numbers without names fit many a table, but not its switch, its lengths, its turns
                 stream_of(table, case, Fraction(0))
         except RecordingError as error:

@@ -21,6 +21,8 @@ STORED = {
     "UTF-8 with its mark": TEXT.encode("utf-8-sig"),
     "UTF-16 of Windows": TEXT.replace("\n", "\r\n").encode("utf-16"),
     "UTF-16, the large byte first": b"\xfe\xff" + TEXT.encode("utf-16-be"),
+    "lines as on a Macintosh": TEXT.replace("\n", "\r").encode("utf-8-sig"),
+    "lines as on a Macintosh, UTF-16 in gzip": gzip.compress(TEXT.replace("\n", "\r").encode("utf-16")),
     "gzip": gzip.compress(TEXT.encode()),
     "gzip in two parts": gzip.compress(TEXT[:900].encode()) + gzip.compress(TEXT[900:].encode()),
     "UTF-16 in gzip": gzip.compress(TEXT.encode("utf-16")),

@@ -1,5 +1,6 @@
 """Units that labels and rows of units state: read in, or refused where they are not known; never the usual ones."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -95,6 +96,29 @@ def test_counts_weigh_the_right_mass_by_the_factor_of_each_channel(tmp_path: Pat
     result = identify(read(file, case), case)
     for name, truth in zip(("m", "xC", "yC", "zC"), (MASS, *CENTRE), strict=True):
         assert abs(result[name].value - truth) < 4.0 * result[name].reported
+
+
+@pytest.mark.parametrize("label", ["Force {} [%FS]", "Force {} (% of full scale)", "Force {} % FS", "Force {} [FS]"])
+@pytest.mark.parametrize("stated", [True, False])
+def test_shares_of_a_range_weigh_the_right_mass_by_the_remedy(stated: bool, label: str, tmp_path: Path) -> None:
+    """The range of the case scales them, where it states one; the keys that the message names are those that work."""
+    full = 800.0
+    labels = [label.format(k) for k in range(1, 7)]
+    file = written(
+        tmp_path, csv(np.column_stack([RUN.t, RUN.struts * 1e3, RUN.forces / full * 100.0]), ["t_s", *STRUTS, *labels])
+    )
+    case = mapped(labels)
+    sensors = case.sensors.model_copy(update={"range_N": full if stated else None})
+    case = case.model_copy(update={"sensors": sensors})
+    with pytest.raises(RecordingError, match=r"run\.csv, Force 1.*: holds shares of a range .*5 more") as caught:
+        read(file, case)
+    said = re.search(r"recording\.scale = \{ (.*?) \}", one_line(caught.value))
+    assert said is not None
+    keys = dict(entry.split(" = ") for entry in said[1].split(", "))
+    assert set(keys) == set(BAR_FORCES)
+    assert set(keys.values()) == ({"8"} if stated else {".."})
+    scale = dict.fromkeys(BAR_FORCES, full / 100.0)
+    assert np.allclose(read(file, mapped(labels, scale=scale)).forces, RUN.forces)
 
 
 @pytest.mark.parametrize("unit", ["counts", "V", "mV/V", "digits", "bar", "Pfund", "mm", "Nm"])
