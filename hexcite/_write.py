@@ -39,6 +39,7 @@ def write(
     speed: Speed = default_of(Speed),
     accept: Accept = default_of(Accept),
     file: Path | str | None = None,
+    ini: Path | str | None = None,
 ) -> Program:
     """The plan as a program for a controller, read back and proven; nothing is written to disk.
 
@@ -49,8 +50,10 @@ def write(
         plan: a motion or poses.
         OPTIONS
         file: name of the program, for messages.
+        ini: as of `check`.
 
     Raises:
+        FileProblem: the INI file contradicts the case; the message names the line.
         ProgramError: the text, as read back, is not the planned motion, exceeds a limit, or relies on one that nobody
             enforces and that is not accepted.
         HexciteError: the dialect is unknown, or the speed is out of range.
@@ -76,6 +79,8 @@ def write(
     accepted = (accept,) if isinstance(accept, str) else accept
     without = plan.without if steps_of(plan.case, language.name) or _follows(plan, language) else ()
     program = proven_program(plan.motion, plan.case, language, path, header, speed, accepted, without)
+    if ini is not None:
+        require_ini(program, plan.case, ini)
     return replace(program, remarks=tuple(plan.stale))
 
 

@@ -29,6 +29,7 @@ def post(
     stale: console.Stale = False,
     overwrite: console.Overwrite = False,
     every: All = False,
+    ini: Ini = None,
     json: console.Json = False,
 ) -> None:
     """Write a plan as a program for the machine's controller.
@@ -48,6 +49,7 @@ def post(
             speed=speed,
             accept=[name for names in accept or () for name in names.split(",")],
             file=file,
+            ini=ini,
         )
     program.save(file, overwrite)
     answer = answer_of_program(program)

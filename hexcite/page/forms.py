@@ -69,11 +69,12 @@ def plan(machine: Machine, fields: Fields, output: str, results: Collection[str]
     return [*command, "-o", output, "--progress"]
 
 
-def post(fields: Fields, plan_name: str, dialect: str, output: str) -> list[str]:
-    """`hexcite post`."""
+def post(fields: Fields, plan_name: str, dialect: str, output: str, ini: str = "") -> list[str]:
+    """`hexcite post`, beside the INI file of the machine where one is named."""
     accepted = [f"--accept={name}" for name in fields.get("accept", ())[:50]]
     speed = SPEEDS[chosen(fields, "speed", SPEEDS, "full")]
-    return ["post", place(plan_name), "--dialect", dialect, *speed, *accepted, "-o", output]
+    beside = [f"--ini={place(ini)}"] if ini else []
+    return ["post", place(plan_name), "--dialect", dialect, *speed, *accepted, *beside, "-o", output]
 
 
 def run(machine: Machine, program: str, on: str, output: str) -> list[str]:

@@ -247,7 +247,7 @@ class _Page:
         """Takes a file as it comes, onto the disk, under a name that nothing has yet."""
         name, run = file_name(request.path_params["name"]), request.query_params.get("into")
         folder = self.root if run is None else self.runs.folder(run)
-        kinds = RECORDINGS | ({".urdf", ".pdf"} if run is None else set())
+        kinds = RECORDINGS | ({".urdf", ".pdf", ".ini"} if run is None else set())
         if Path(name).suffix.lower() not in kinds and not (run is not None and name == BAG_INDEX):
             return JSONResponse({"error": "suffix"}, 415)
         stated = request.headers.get("content-length", "")

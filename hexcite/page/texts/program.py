@@ -11,6 +11,12 @@ TEXTS: dict[str, tuple[str, str]] = {
     "form_yaml": ("YAML, for ros2 topic pub", "YAML, für ros2 topic pub"),
     "form_json": ("JSON, for programs of your own", "JSON, für eigene Programme"),
     "form_py": ("a script that compares the place and sends it", "ein Skript, das den Ort vergleicht und sendet"),
+    "ini": (
+        "INI file of the LinuxCNC machine: its planner and limits are to be those of the case",
+        "INI-Datei der LinuxCNC-Maschine: Ihr Planer und ihre Grenzen sollen die der Maschine sein",
+    ),
+    "ini_none": ("not compared", "nicht verglichen"),
+    "ini_bring": ("Bring an INI file", "Eine INI-Datei bringen"),
     "speed": ("Speed", "Tempo"),
     "full_speed": ("as planned", "wie geplant"),
     "slow": ("a tenth, to watch the first run", "ein Zehntel, um den ersten Lauf zu beobachten"),

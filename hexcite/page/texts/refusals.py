@@ -1,6 +1,10 @@
 """What the page itself refuses: key -> English, German."""
 
 TEXTS: dict[str, tuple[str, str]] = {
+    "ini_includes": (
+        "{name}: includes files that are not beside it; bring them all, or compare it in a terminal by --ini",
+        "{name}: bindet Dateien ein, die nicht daneben liegen; alle bringen oder im Terminal mit --ini vergleichen",
+    ),
     "no_line": ("{name}: is too long, or has control characters", "{name}: ist zu lang oder enthält Steuerzeichen"),
     "built_in_stays": ("a built-in case is not changed", "eine eingebaute Maschine bleibt, wie sie ist"),
     "look_at_it_first": ("{recording}: look at it first", "{recording}: zuerst fragen, wie sie gelesen wird"),

@@ -6,6 +6,7 @@ from typing import Any
 
 from hexcite.page.actions.common import Context
 from hexcite.page.how_to_record import Recipe, recipe
+from hexcite.page.machine_inis import inis
 from hexcite.page.stages import FORMS, Made, Program, Workspace
 from hexcite.page.views.common import BOUND, Query, beginning, chosen_plan, limits
 from hexcite.page.words import Words
@@ -31,6 +32,8 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         ),
         "cut": cut,
         "dialects": context.machine.dialects,
+        "inis": inis(context.root) if "linuxcnc" in context.machine.dialects else None,
+        "ini": query.get("ini", ""),
         "forms": [form for dialect in context.machine.dialects for form in FORMS.get(dialect, ())],
         "preferred": _preferred(plan, context) if plan is not None else "",
         "recipe": _recipe(context, plan, program),
