@@ -10,6 +10,7 @@ from cases.base.errors import NotProven, Violation
 from cases.base.folder_kinds import RUN
 from cases.base.options import default_of
 from cases.base.output_places import check_file, check_folder, output_place
+from cases.base.phrases import Phrase
 from hexcite.cli import console
 from hexcite.cli.console import argument, option, out
 from hexcite.cli.declared import takes
@@ -78,7 +79,7 @@ def answer_of_program(program: "hx.Program") -> dict[str, Any]:
     """The JSON answer of a program that was written."""
     from postprocessors.proof.proof import override_remarks
 
-    proof = program.proof
+    proof, remarks = program.proof, [*program.remarks, *override_remarks(program.reading, program.guarantees)]
     return {
         "program": str(program.path),
         "dialect": program.dialect.name,
@@ -88,7 +89,8 @@ def answer_of_program(program: "hx.Program") -> dict[str, Any]:
         "verdict": proof.verdict,
         "relies_on": list(proof.relies_on),
         "without": list(proof.without),
-        "remarks": [*program.remarks, *override_remarks(program.reading, program.guarantees)],
+        "remarks": remarks,
+        "phrases": [remark.to_json() if isinstance(remark, Phrase) else None for remark in remarks],
         "limits": proof.limits.to_json(),
         "lines": proof.lines_to_json(),
     }

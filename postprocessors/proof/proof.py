@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from cases.base.errors import Code, NotProven, ProgramError, Violation, choice, option
+from cases.base.phrases import phrase
 from cases.base.units import DEG, MM
 from cases.chain import Box
 from identification.limits.limit import KINETIC, LimitCheck, LimitKind, LimitReport, Status, worst_of
@@ -231,7 +232,11 @@ def override_remarks(reading: Reading, guarantees: Guarantees) -> Iterator[str]:
     """What to do about a feed override that may make the motion faster than what is proven; nothing where none can."""
     controller = guarantees.case.need_controller("a program")
     if guarantees.override_remedy and not reading.override_off and controller.overdriven:
-        yield f"a feed override above 100 % makes it faster than what is proven; {guarantees.override_remedy}"
+        yield phrase(
+            "override_faster",
+            "a feed override above 100 % makes it faster than what is proven; {remedy}",
+            remedy=guarantees.override_remedy,
+        )
 
 
 _STEPS = {

@@ -146,6 +146,7 @@ function space(place) {
   addEventListener("message", (event) => {
     if (event.source !== frame.contentWindow) return;
     if (event.data.ready) { ready = true; frame.removeAttribute("tabindex"); send(); }
+    if (event.data.drawn) place.classList.add("drawn");
     if (event.data.failed) place.textContent = place.dataset.failed;
     const menu = document.getElementById(place.dataset.pick ?? "");
     if (menu && [...menu.options].some((each) => each.value === event.data.picked)) {

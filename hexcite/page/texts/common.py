@@ -49,6 +49,7 @@ TEXTS: dict[str, tuple[str, str]] = {
     ),
     "in_english": ("In the words of the terminal", "In den Worten des Terminals, auf Englisch"),
     "in_3d": ("The machine in 3-D", "Die Maschine in 3-D"),
+    "in_3d_wait": ("3-D is being drawn", "3-D wird gezeichnet"),
     "space_words": ("Play Pause pose of", "Abspielen Pause Pose von"),
     "space_failed": ("This browser draws no 3-D.", "Dieser Browser zeichnet kein 3-D."),
     "nothing_here": ("Nothing here yet.", "Noch nichts da."),

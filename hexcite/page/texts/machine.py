@@ -2,6 +2,14 @@
 
 TEXTS: dict[str, tuple[str, str]] = {
     "which_machine": ("Which machine?", "Welche Maschine?"),
+    "start_lead": (
+        "Six stages lead from the drawing of a machine to a proven program, and from its recorded run to calibrated "
+        "values. Everything is kept in the folder named above; nothing leaves this computer.",
+        "Sechs Schritte führen von der Zeichnung einer Maschine zum bewiesenen Programm und vom aufgezeichneten Lauf "
+        "zu kalibrierten Werten. Alles steht im oben genannten Ordner; nichts verlässt diesen Rechner.",
+    ),
+    "plan_needs": ("To plan a motion, state:", "Um eine Bewegung zu planen, angeben:"),
+    "to_machine": ("State them: Machine", "Angeben: Maschine"),
     "own_machines": ("Your machines in this folder", "Ihre Maschinen in diesem Ordner"),
     "built_in": ("Built in, to try it", "Eingebaut, zum Ausprobieren"),
     "built_in_note": (
@@ -59,7 +67,7 @@ TEXTS: dict[str, tuple[str, str]] = {
     "no_picture": ("There is no picture of this machine:", "Von dieser Maschine gibt es kein Bild:"),
     "not_ready": ("Not complete yet:", "Noch nicht vollständig:"),
     "near_home": ("What the machine comes closest to at home", "Was der Maschine in der Grundstellung am nächsten ist"),
-    "at_home": ("at home", "in Grundstellung"),
+    "at_home": ("at home", "in Grund\u00adstellung"),
     "ends": ("allowed", "erlaubt"),
     "near_hit": ("exceeded", "überschritten"),
     "near_close": ("close", "knapp"),

@@ -15,6 +15,10 @@ TEXTS: dict[str, tuple[str, str]] = {
         "INI file of the LinuxCNC machine: its planner and limits are to be those of the case",
         "INI-Datei der LinuxCNC-Maschine: Ihr Planer und ihre Grenzen sollen die der Maschine sein",
     ),
+    "ini_about": (
+        "LinuxCNC: compare with the INI file of the machine",
+        "LinuxCNC: mit der INI-Datei der Maschine vergleichen",
+    ),
     "ini_none": ("not compared", "nicht verglichen"),
     "ini_bring": ("Bring an INI file", "Eine INI-Datei bringen"),
     "speed": ("Speed", "Tempo"),
@@ -33,6 +37,10 @@ TEXTS: dict[str, tuple[str, str]] = {
     "exceeded": ("Exceeded", "Überschritten"),
     "line": ("line", "Zeile"),
     "proven": ("Proven, and written.", "Bewiesen und geschrieben."),
+    "verdict_without": ("Left out as planned: {what}.", "Wie geplant weggelassen: {what}."),
+    "verdict_enforces": ("The controller ({dialect}) enforces: {what}.", "Die Steuerung ({dialect}) hält ein: {what}."),
+    "verdict_nobody": ("Nobody enforces: {what}.", "Niemand hält ein: {what}."),
+    "verdict_beyond": ("Exceeded, and nobody enforces: {what}.", "Überschritten, und niemand hält ein: {what}."),
     "worst_of_lines": (
         "Beside a line: its worst limit. Where the program itself states the times, only lines in which a limit comes "
         "closest have one. It is shown for the program that this page wrote last.",
@@ -96,16 +104,24 @@ TEXTS: dict[str, tuple[str, str]] = {
         "Die Sitzung als {file} speichern; Operate schreibt XML, das so gelesen wird.",
     ),
     "rec_scope_channels": (
-        "Scope: add actual positions of all axes (NcToPlc.ActPos), all forces, and the trigger, at {rate} Hz or more.",
-        "Scope: Istpositionen aller Achsen (NcToPlc.ActPos), alle Kräfte und den Trigger mit {rate} Hz oder mehr.",
+        "In Visual Studio, File, New, Project, TwinCAT Measurement, YT Scope Project. Right-click the axis in the "
+        "Solution Explorer, Target Browser: choose actual positions of all axes (NcToPlc.ActPos), all forces, and the "
+        "trigger. In their Properties, Acquisition: a sample time of {rate} Hz or more, the same for all.",
+        "In Visual Studio: Datei, Neu, Projekt, TwinCAT Measurement, YT Scope Project. Im Solution Explorer rechts auf "
+        "die Achse klicken, Target Browser: Istpositionen aller Achsen (NcToPlc.ActPos), alle Kräfte und den Trigger "
+        "wählen. In ihren Properties, Acquisition: eine Abtastzeit von {rate} Hz oder mehr, für alle gleich.",
     ),
     "rec_scope_trigger": (
         "The trigger is a PLC variable that {trigger} switch on and off.",
         "Der Trigger ist eine SPS-Variable, die {trigger} ein- und ausschalten.",
     ),
     "rec_scope_export": (
-        "Export as CSV to {file} with Timelines = All, without markers and without trigger information.",
-        "Als CSV nach {file} exportieren: Timelines = All, ohne Marker und ohne Trigger-Angaben.",
+        "Record before the program, Stop Record after it. Then Export, in the context menu of the Scope or in the menu "
+        "Scope: all channels, CSV, {file}; Scale values before export on, Timelines = All, Marker Windows = None, "
+        "Include Trigger-Infos off.",
+        "Record vor dem Programm, Stop Record danach. Dann Export, im Kontextmenü des Scope oder im Menü Scope: alle "
+        "Kanäle, CSV, {file}; Scale values before export an, Timelines = All, Marker Windows = None, "
+        "Include Trigger-Infos aus.",
     ),
     "rec_rtde_file": (
         "Save the first part below as record_configuration.xml, beside record.py of Universal Robots' RTDE client.",

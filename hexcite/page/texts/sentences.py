@@ -125,7 +125,16 @@ MACHINE = {
 }
 """Mistakes in the drawing of the machine, and where it stands."""
 
-SENTENCES = CAUSES | CHANNELS | MOTION | MACHINE
+PROGRAMS = {
+    "override_faster": "Ein Vorschub-Override über 100 % macht es schneller, als bewiesen ist; {remedy}",
+    "override_linuxcnc": "M50 P0 vor die erste Bewegung schreiben, oder den Knopf bei 100 % enden lassen "
+    "(MAX_FEED_OVERRIDE = 1)",
+    "override_sinumerik": "höchstens 100 % lassen, oder den Knopf dort enden lassen (MD12030)",
+    "override_twincat": "höchstens 100 % lassen, oder ihn in der SPS dort enden lassen",
+}
+"""Remarks on programs."""
+
+SENTENCES = PROGRAMS | CAUSES | CHANNELS | MOTION | MACHINE
 """Code -> German, with the places of the English text."""
 
 SIGNS = {"or": " oder ", "and": ", und ", "comma": ", ", "semicolon": "; "}

@@ -2,7 +2,7 @@
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,7 @@ from hexcite.page.actions.machine import given_values
 from hexcite.page.forms import Fields
 from hexcite.page.machine_at_home import chain_in, near, scene_of, scene_of_links, sensor_angles, sliders
 from hexcite.page.refusals import Refused
-from hexcite.page.stages import Workspace, built_in, case_key, case_of, own_machines
+from hexcite.page.stages import Machine, Workspace, built_in, case_key, case_of, own_machines
 from hexcite.page.views.common import Query
 from hexcite.reports.page import script_json
 
@@ -38,19 +38,36 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     machine = context.machine
     content = machine.file.read_text(encoding="utf-8", errors="replace")
     check = context.jobs.latest(machine.key, "case", "check")
+    sections = _sections(content, *case_key(machine))
     data = _tables(content)
     chain = chain_in(data)
     return {
         "saved": query.get("saved") == "1",
         "digest": values.digest(content),
-        "sections": _sections(content, *case_key(machine)),
+        "sections": sections,
         "given": {},
+        **_lacking(machine, sections),
         "checked": check.answer if check is not None else None,
         "doubts": machine.case.doubts if machine.case is not None else (),
         "homes": () if chain is None else sliders(chain),
         "angles": () if chain is None else sensor_angles(chain),
         **drawn(machine.case, data),
     }
+
+
+def _lacking(machine: Machine, sections: Sequence[values.Section]) -> dict[str, Any]:
+    """Keys that the stage Plan misses in a case of one's own, and where they can be stated on the page."""
+    lacks = machine.lacks("plan") if machine.own else ()
+    names = [section.name for section in sections]
+
+    def nearest(key: str) -> str:
+        """The table of a key, else the first one inside or around it."""
+        table = key.rpartition(".")[0]
+        inside = [name for name in names if name == key or name.startswith((f"{key}.", f"{key}[", f"{table}["))]
+        around = sorted((name for name in names if name and f"{table}.".startswith(f"{name}.")), key=len)
+        return next(iter([*inside, *around[::-1]]), "")
+
+    return {"lacks": lacks, "anchors": {key: f"t.{nearest(key)}" for key in lacks}}
 
 
 @lru_cache(8)

@@ -4,12 +4,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from markupsafe import Markup, escape
+
 from hexcite.page.actions.common import Context
 from hexcite.page.how_to_record import Recipe, recipe
 from hexcite.page.machine_inis import inis
 from hexcite.page.stages import FORMS, Made, Program, Workspace
 from hexcite.page.views.common import BOUND, Query, beginning, chosen_plan, limits
 from hexcite.page.words import Words
+from identification.limits.limit import Limit, Status
 
 
 def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
@@ -21,6 +24,7 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     last = context.jobs.latest(context.machine.key, "post", plan.name) if plan is not None else None
     refused = last is not None and last.state == "failed"
     exceeded = (last.answer or {}).get("violations", []) if refused and last is not None else []
+    written = last.answer if last is not None and last.state == "done" else None
     kinds = sorted(plan.record.get("limits", {})) if plan is not None else []
     return {
         "plans": there.plans,
@@ -41,11 +45,42 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "refused": refused,
         "exceeded": exceeded[:20],
         "answerable": [(kind.replace(" ", "-"), context.words.limit(kind)) for kind in kinds] if refused else [],
-        "written": last.answer if last is not None and last.state == "done" else None,
-        "limits": limits(context.words, (last.answer or {}).get("limits", {}))
-        if last is not None and last.state == "done"
-        else [],
+        "written": written,
+        "verdict": "" if written is None else verdict(context.words, written),
+        "remarks": () if written is None else _remarks(context.words, written),
+        "limits": [] if written is None else limits(context.words, written.get("limits", {})),
     }
+
+
+def verdict(words: Words, answer: Mapping[str, Any]) -> Markup:
+    """The proof of a program in one line, in the language of the page."""
+    if words.language == "en":
+        return words.quoted(answer["verdict"])
+    relied = [str(kind) for kind in answer.get("relies_on", ())]
+    enforced: dict[str, None] = {}
+    beyond: dict[str, None] = {}
+    for name, check in answer.get("limits", {}).items():
+        family = str(Limit.named(name).kind.family)
+        if check.get("status") == Status.ENFORCED and family not in relied:
+            enforced[family] = None
+        if check.get("status") == Status.NOT_ENFORCED and float(check["ratio"]) > 1.0:
+            beyond[family] = None
+    parts = [
+        (key, [words.limit(kind) for kind in kinds])
+        for key, kinds in (
+            ("verdict_without", answer.get("without", ())),
+            ("verdict_enforces", enforced),
+            ("verdict_nobody", [kind for kind in relied if kind not in beyond]),
+            ("verdict_beyond", beyond),
+        )
+    ]
+    said = [words.say(key, what=", ".join(kinds), dialect=answer["dialect"]) for key, kinds in parts if kinds]
+    return escape(" ".join([words.say("proven"), *said]))
+
+
+def _remarks(words: Words, answer: Mapping[str, Any]) -> list[Markup]:
+    phrases = [*answer.get("phrases", ()), *([None] * len(answer["remarks"]))]
+    return [words.clause(phrase, remark) for remark, phrase in zip(answer["remarks"], phrases, strict=False)]
 
 
 def _home(context: Context) -> str:

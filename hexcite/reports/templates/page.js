@@ -299,6 +299,7 @@ async function take(next) {
     document.documentElement.dataset.scenes = String(Number(document.documentElement.dataset.scenes ?? 0) + 1);
     latest = latest.scene === scene ? null : latest;
   }
+  parent.postMessage({ drawn: true }, "*");
 }
 let latest = null;
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 from functools import partial
 
 from cases.base.errors import Code, HexciteError, ProgramError
+from cases.base.phrases import phrase
 from cases.base.units import DEG, MM
 from cases.controller import LinuxCnc
 from cases.schema import Case
@@ -19,6 +20,11 @@ SERVO_PERIOD = 1e-3  # cycle of LinuxCNC's motion controller [s]: its usual one,
 
 _TRAPEZOIDAL = "run it with [TRAJ]PLANNER_TYPE = 0 (the HAL pin ini.traj_planner_type) and state planner = "
 _TRAPEZOIDAL += '"trapezoidal" in controller.linuxcnc'
+
+
+OVERRIDE = phrase(
+    "override_linuxcnc", "write M50 P0 before the first move, or end the knob at 100 % (MAX_FEED_OVERRIDE = 1)"
+)
 
 
 def acceleration_headroom(case: Case, timed: bool) -> float:
@@ -86,7 +92,7 @@ def guarantees_of_linuxcnc(case: Case, timed: bool) -> Guarantees:
         headroom=headroom,
         arc_across=ACROSS_LINUXCNC,
         arc_along=None,
-        override_remedy="write M50 P0 before the first move, or end the knob at 100 % (MAX_FEED_OVERRIDE = 1)",
+        override_remedy=OVERRIDE,
     )
     if jerk is None:
         return trapezoids

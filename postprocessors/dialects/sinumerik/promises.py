@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from cases.base.phrases import phrase
 from cases.base.units import MS
 from cases.controller import Sinumerik, SinumerikAxes
 from cases.schema import Case
@@ -11,6 +12,8 @@ from identification.limits.limit import LimitKind
 from identification.motion.curves import PolynomialMotion
 from postprocessors.proof.guarantees import LONGEST_POINTS, SEVEN_SEGMENTS, Guarantees
 from postprocessors.reading import Reading, Timed
+
+OVERRIDE = phrase("override_sinumerik", "keep it at 100 % at most, or end the knob there (MD12030)")
 
 
 def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
@@ -26,6 +29,6 @@ def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
         law=SEVEN_SEGMENTS,
         resolution=1e-3,  # the usual number of increments of a millimetre and a degree (MD10200, MD10210)
         timing_remedy=f"make such blocks longer (controller.{'sinumerik.poly_' if polynomial else ''}block_ms)",
-        override_remedy="keep it at 100 % at most, or end the knob there (MD12030)",
+        override_remedy=OVERRIDE,
         tolerance=np.repeat(settings.poly_tolerance, 3) if isinstance(settings, Sinumerik) else np.zeros(1),
     )

@@ -1,11 +1,14 @@
 """What a TwinCAT or ISG kernel guarantees beyond a program's text."""
 
+from cases.base.phrases import phrase
 from cases.base.units import MS
 from cases.controller import TwinCatAxes
 from cases.schema import Case
 from identification.limits.limit import LimitKind
 from postprocessors.proof.guarantees import LONGEST_POINTS, SEVEN_SEGMENTS, Guarantees, trapezoid
 from postprocessors.reading import Reading
+
+OVERRIDE = phrase("override_twincat", "keep it at 100 % at most, or end it there in the PLC")
 
 
 def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
@@ -20,5 +23,5 @@ def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
         enforced=frozenset(map(LimitKind, settings.controller_keeps)),
         law=SEVEN_SEGMENTS if smooth else trapezoid,
         jerk_time=0.0 if smooth else settings.shortest_block_ms * MS,
-        override_remedy="keep it at 100 % at most, or end it there in the PLC",
+        override_remedy=OVERRIDE,
     )
