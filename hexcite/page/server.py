@@ -23,7 +23,7 @@ from starlette.routing import Route
 
 from cases.base.errors import Code, HexciteError, Interrupted, option
 from cases.base.leftovers import ABANDONED, tidy
-from hexcite.page import actions, views
+from hexcite.page import views
 from hexcite.page.actions.common import Context
 from hexcite.page.arrivals import Runs, TooLarge, left_over, received
 from hexcite.page.forms import field
@@ -34,9 +34,9 @@ from hexcite.page.security import MOST_UPLOAD, PICTURE, REPORT, Guard, Outside, 
 from hexcite.page.stages import BAG_INDEX, PROGRAMS, RECORDINGS, STAGES, machine_of
 from hexcite.page.texts import LANGUAGES, Language, language_of, text
 from hexcite.page.words import Words
-from hexcite.reports.page import space_page
 
 STATIC = {"page.css": "text/css", "page.js": "text/javascript"}
+UNASKED = 3.0  # [s] without a page being asked for, after which stages are prepared
 EVERY = 2.0  # [s] after which a stream shows the clock again
 DOWNLOADS = (
     RECORDINGS
@@ -63,7 +63,7 @@ def app_of(
     @asynccontextmanager
     async def life(app: Starlette) -> AsyncIterator[None]:
         page.jobs = Jobs(root, cores)
-        beside = [asyncio.create_task(run_in_threadpool(views.warm_up)), asyncio.create_task(_tidied(root))]
+        beside = [asyncio.create_task(page.warmed()), asyncio.create_task(_tidied(root))]
         yield
         for task in beside:
             task.cancel()
@@ -119,6 +119,7 @@ class _Page:
         self.root = root
         self.runs = Runs(root)
         self.jobs: Jobs
+        self.answered = asyncio.Event()  # once a page was sent
         self.templates = Environment(
             loader=PackageLoader(__package__, "templates"),
             autoescape=True,
@@ -131,6 +132,13 @@ class _Page:
         self.templates.globals["version"] = {name: version for name, (_, version) in self.static_files.items()}
         self.templates.filters["quoted"] = lambda name: quote(str(name), safe="")
 
+    async def warmed(self) -> None:
+        """Imports what stages need, once a first page is out: it does not share the processor with that."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(UNASKED):
+                await self.answered.wait()
+        await run_in_threadpool(views.warm_up)
+
     def _language(self, request: Request) -> Language:
         kept = request.cookies.get("hexcite-language")
         return next((own for own in LANGUAGES if own == kept), language_of(request.headers.get("accept-language", "")))
@@ -141,6 +149,7 @@ class _Page:
         def say(key: str, **places: object) -> str:
             return text(key, language, **places)
 
+        self.answered.set()
         own = {"t": say, "w": Words(language), "language": language, "root": str(self.root)}
         return self.templates.get_template(template).render(**own, **values)
 
@@ -152,7 +161,7 @@ class _Page:
 
     async def machines(self, request: Request) -> Response:
         """The first stage without a machine: which one?"""
-        values = await run_in_threadpool(views.machine.machines, self.root)
+        values = await run_in_threadpool(views.machines, self.root)
         jobs = self.jobs.of("", "machine")
         return HTMLResponse(self._rendered(request, "machines.html.jinja", jobs=self._panels(request, jobs), **values))
 
@@ -178,6 +187,9 @@ class _Page:
 
     async def act(self, request: Request) -> Response:
         """Starts what a form asks for, or writes a value."""
+        from hexcite.page.actions.stated import state
+        from hexcite.page.actions.table import ACTIONS, asked
+
         context, name = self._context(request), request.path_params["action"]
         fields = await form_of(request)
         if name == "preview":
@@ -185,37 +197,45 @@ class _Page:
         if name == "save":
             return await self._save(request, context, fields)
         if name == "state":
-            address = await run_in_threadpool(actions.stated.state, context, fields)
+            address = await run_in_threadpool(state, context, fields)
             return RedirectResponse(address, 303)
-        action = actions.ACTIONS.get(name)
+        action = ACTIONS.get(name)
         if action is None:
             raise HTTPException(404)
-        job = await run_in_threadpool(actions.asked, action, context, fields)
+        job = await run_in_threadpool(asked, action, context, fields)
         self.jobs.start(job)
         return RedirectResponse(f"/m/{quote(context.machine.key, safe='+')}/{job.stage}{job.query}#jobs", 303)
 
     async def _preview(self, request: Request, context: Context, fields: Any) -> Response:
-        values = await run_in_threadpool(views.machine.preview, context, fields)
+        from hexcite.page.views.machine import preview
+
+        values = await run_in_threadpool(preview, context, fields)
         return HTMLResponse(self._rendered(request, "drawing.html.jinja", **values))
 
     async def _save(self, request: Request, context: Context, fields: Any) -> Response:
-        saved = await run_in_threadpool(actions.machine.save, context, fields)
+        from hexcite.page.actions.machine import given_values, save
+
+        saved = await run_in_threadpool(save, context, fields)
         if saved.refused is None:
             said = "".join(f"&said={quote(sentence, safe='')}" for sentence in saved.converted[:20])
             return RedirectResponse(f"/m/{quote(context.machine.key, safe='+')}/machine?saved=1{said}", 303)
         error = context.words.refused(saved.refused)
-        given = actions.machine.given_values(fields)
+        given = given_values(fields)
         return await self._stage(request, context, "machine", 409, error=error, given=given)
 
     async def space(self, request: Request) -> Response:
         """What draws a machine in 3-D, in an origin of its own; scenes are sent to it."""
+        from hexcite.reports.page import space_page
+
         headers = {"content-security-policy": REPORT, "cache-control": "private, max-age=600"}
         return HTMLResponse(await run_in_threadpool(space_page), headers=headers)
 
     async def motion(self, request: Request) -> Response:
         """The machine along a plan, as a scene."""
+        from hexcite.page.views.plan import scene as scene_of
+
         context, name = self._context(request), request.path_params["plan"]
-        scene = await run_in_threadpool(views.plan.scene, context, name)
+        scene = await run_in_threadpool(scene_of, context, name)
         if scene is None:
             raise HTTPException(404)
         return Response(scene, media_type="application/json")
@@ -225,13 +245,17 @@ class _Page:
         file = inside(self.root, request.path_params["name"])
         if file.suffix.lower() != ".urdf" or not file.is_file():
             raise HTTPException(404)
-        values = await run_in_threadpool(views.machine.urdf, file)
+        from hexcite.page.views.machine import urdf
+
+        values = await run_in_threadpool(urdf, file)
         return HTMLResponse(self._rendered(request, "urdf.html.jinja", **values))
 
     async def new(self, request: Request) -> Response:
         """Begins a case of one's own."""
+        from hexcite.page.actions.machine import new
+
         fields = await form_of(request)
-        self.jobs.start(await run_in_threadpool(actions.machine.new, self.root, fields))
+        self.jobs.start(await run_in_threadpool(new, self.root, fields))
         return RedirectResponse("/#jobs", 303)
 
     async def switch(self, request: Request) -> Response:

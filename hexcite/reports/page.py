@@ -24,7 +24,6 @@ from cases.base.errors import legible
 from hexcite.reports.chart import Chart
 from hexcite.reports.interactive import plotly_figure
 from hexcite.reports.scene import Scene
-from hexcite.reports.still import machine_picture, picture
 
 TERMS = {
     "std (28)": "standard deviation if the residuals are white noise, equation (28) of Friedrich & Ihlenfeldt 2021",
@@ -84,6 +83,8 @@ def _html(block: Block) -> Markup:
 
 def _figure(chart: Chart) -> Markup:
     """A figure as it stands on a page: its picture, which the script replaces by one that answers."""
+    from hexcite.reports.still import picture  # matplotlib, which pages without figures do not need
+
     kind = Markup(' class="half"') if chart.half else ""
     plot = _plot(f"plot-{chart.name}", chart.caption, chart.height, picture(chart))
     script = Markup('<script type="application/json" data-plot="{}">{}</script>')
@@ -142,6 +143,8 @@ def _player(scene: Scene) -> Markup:
 <script type="application/json" id="scene">{}</script>
 <figcaption>{}<span class="screen"> Drag to turn, wheel to zoom.</span></figcaption>
 </figure>"""
+    from hexcite.reports.still import machine_picture
+
     words = "The machine in some of its poses." if scene.steps else "The machine where its path begins, and the path."
     plot = _plot("machine", "the machine in 3-D along its path", 560, machine_picture(scene))
     return Markup(text).format(plot, script_json(scene.to_json()), words)

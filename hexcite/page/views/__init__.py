@@ -2,36 +2,39 @@
 
 from collections.abc import Callable, Mapping
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 from markupsafe import Markup
 
-from hexcite.page import drawing, values
+from hexcite.page import drawing
 from hexcite.page.actions.common import Context
 from hexcite.page.jobs import Job
-from hexcite.page.stages import STAGES, Workspace, built_in, workspace
+from hexcite.page.stages import STAGES, built_in, own_machines, workspace
 from hexcite.page.texts import Language, text
-from hexcite.page.views import data, machine, plan, program, result, use
-from hexcite.page.views.common import Query
 from hexcite.page.words import Words
-from hexcite.reports.page import space_page
-
-STAGE_VIEWS: Mapping[str, Callable[[Context, Workspace, Query], dict[str, Any]]] = {
-    "machine": machine.shown, "plan": plan.shown, "program": program.shown,
-    "data": data.shown, "result": result.shown, "use": use.shown,
-}  # fmt: skip
-"""What each stage shows, beside what all of them show."""
 
 
-def stage(context: Context, name: str, query: Query, language: Language) -> dict[str, Any]:
+def machines(root: Path) -> dict[str, Any]:
+    """Machines to choose from, and the URDF files to begin from."""
+    return {
+        "own": own_machines(root),
+        "built_in": built_in(),
+        "urdfs": sorted(file.name for file in root.glob("*.urdf") if file.is_file()),
+    }
+
+
+def stage(context: Context, name: str, query: Mapping[str, str], language: Language) -> dict[str, Any]:
     """What a stage shows of its machine."""
     there = workspace(context.root, context.machine)
-    shown = STAGE_VIEWS[name](context, there, query)
+    view: Callable[..., dict[str, Any]] = import_module(f"{__name__}.{name}").shown  # each when it is first asked for
+    shown = view(context, there, query)
     states = {stage: there.state(stage) for stage in STAGES}
     return {"machine": context.machine, "address": context.address, "states": states, "there": there, **shown}
 
 
 LATE = (
+    "hexcite.page.actions.table",
     "identification.results.frames", "postprocessors.export.targets", "postprocessors.controllers.linuxcnc.session",
     "postprocessors.program",
 )  # fmt: skip
@@ -40,7 +43,11 @@ LATE = (
 
 def warm_up() -> None:
     """Imports and reads what stages take long for when they first need it."""
-    for name in LATE:
+    from hexcite.page import values
+    from hexcite.page.views import machine
+    from hexcite.reports.page import space_page
+
+    for name in (*(f"{__name__}.{stage}" for stage in STAGES), *LATE):
         import_module(name)
     space_page()
     for each in built_in():

@@ -19,18 +19,9 @@ from hexcite.page.actions.machine import given_values
 from hexcite.page.forms import Fields
 from hexcite.page.machine_at_home import chain_in, near, scene_of, scene_of_links, sensor_angles, sliders
 from hexcite.page.refusals import Refused
-from hexcite.page.stages import Machine, Workspace, built_in, case_key, case_of, own_machines
+from hexcite.page.stages import Machine, Workspace, case_key, case_of
 from hexcite.page.views.common import Query
 from hexcite.reports.page import script_json
-
-
-def machines(root: Path) -> dict[str, Any]:
-    """Machines to choose from, and the URDF files to begin from."""
-    return {
-        "own": own_machines(root),
-        "built_in": built_in(),
-        "urdfs": sorted(file.name for file in root.glob("*.urdf") if file.is_file()),
-    }
 
 
 def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from starlette.testclient import TestClient
 
 import hexcite as hx
 from cases.schema import load_case
-from hexcite.page import actions
+from hexcite.page.actions import table as actions
 from hexcite.page.actions.common import Context
 from hexcite.page.forms import Fields
 from hexcite.page.jobs import Job

@@ -11,8 +11,8 @@ from cases.basis import COMPUTED_FROM, plan_basis, result_basis
 from cases.scaffold import new_case
 from cases.schema import Case, load_case
 from hexcite.page import forms
-from hexcite.page.actions import ACTIONS, asked
 from hexcite.page.actions.common import Context
+from hexcite.page.actions.table import ACTIONS, asked
 from hexcite.page.jobs import Job, Jobs
 from hexcite.page.reading import chosen_settings
 from hexcite.page.refusals import Unfit
