@@ -4,8 +4,9 @@ import os
 import re
 import shutil
 import tempfile
-from collections.abc import AsyncIterator, Collection
-from contextlib import ExitStack, suppress
+import time
+from collections.abc import AsyncIterator, Callable, Collection, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from itertools import takewhile
 from pathlib import Path
 
@@ -14,13 +15,13 @@ from starlette.concurrency import run_in_threadpool
 from cases.base.atomic import umask
 from cases.base.leftovers import PART, abandoned, in_use
 from hexcite.page.security import Outside
-from hexcite.page.stages import BAG_INDEX, free
+from hexcite.page.stages import BAG_INDEX, MARK, free
 
-RUN = ".run-"
-"""How names of folders begin whose files are on their way."""
+RUN = "incomplete-"
+"""How names of folders begin whose files are on their way: to be seen, whatever becomes of server and browser."""
 _RUN = re.compile(re.escape(RUN) + r"[a-z0-9_]{8}")
-MARK = ".on-its-way"
-"""The file in such a folder by which it is known as ours; the server that takes its files has it locked."""
+WAIT = 600.0
+"""Time after which no further file is expected of a browser that has not ended a run [s]."""
 
 
 class TooLarge(ValueError):
@@ -53,11 +54,18 @@ async def received(root: Path, folder: Path, name: str, chunks: AsyncIterator[by
 
 
 class Runs:
-    """Folders that files of one run come into: hidden until all of them are there."""
+    """Folders that files of one run come into; no stage offers them until all of them are there.
 
-    def __init__(self, root: Path) -> None:
-        self.root = root
+    Args:
+        root: the folder that they are in.
+        clock: time [s].
+    """
+
+    def __init__(self, root: Path, clock: Callable[[], float] = time.monotonic) -> None:
+        self.root, self._clock = root, clock
         self._held: dict[str, ExitStack] = {}
+        self._heard: dict[str, float] = {}  # when something of a run came last
+        self._coming: list[str] = []  # runs of which a file is just coming
 
     def begin(self) -> str:
         """Makes a folder; returns its name until it is whole."""
@@ -65,7 +73,33 @@ class Runs:
         (folder / MARK).touch()
         held = self._held[folder.name] = ExitStack()
         held.enter_context(in_use(folder / MARK))
+        self._heard[folder.name] = self._clock()
         return folder.name
+
+    @contextmanager
+    def arriving(self, name: str) -> Iterator[Path]:
+        """The folder of a run, which is kept while a file comes into it; raises Outside for any other name."""
+        folder = self.folder(name)
+        self._coming.append(name)
+        try:
+            yield folder
+        finally:
+            self._coming.remove(name)
+            self._heard[name] = self._clock()
+
+    def give_up(self, taken: Collection[str]) -> list[str]:
+        """Shows what has come of runs whose browser went away; returns the names of their folders."""
+        shown = []
+        for name in [each for each in self._held if each not in self._coming]:
+            if self._clock() - self._heard[name] > WAIT:
+                with suppress(OSError, Outside):
+                    shown.append(_appear(self.root, self.folder(name), taken, ENDING))
+                self._forget(name)
+        return [name for name in shown if name]
+
+    def _forget(self, name: str) -> None:
+        self._held.pop(name, ExitStack()).close()
+        self._heard.pop(name, None)
 
     def folder(self, name: str) -> Path:
         """The folder of a run that is on its way; raises Outside for any other name."""
@@ -77,13 +111,17 @@ class Runs:
     def end(self, name: str, taken: Collection[str]) -> str:
         """Gives a folder the name that its files have in common; returns it, empty where no file has come."""
         shown = _appear(self.root, self.folder(name), taken, "")
-        self._held.pop(name, ExitStack()).close()
+        self._forget(name)
         return shown
 
     def close(self) -> None:
         """Lets go of folders whose files no longer come."""
         for held in self._held.values():
             held.close()
+
+
+ENDING = "-incomplete"
+"""How the names of runs end of which a file may be missing."""
 
 
 def left_over(root: Path) -> list[str]:
@@ -98,7 +136,7 @@ def left_over(root: Path) -> list[str]:
             if not _RUN.fullmatch(folder.name) or folder.is_symlink() or not mark.is_file() or mark.is_symlink():
                 continue
             with abandoned(mark) as is_so:
-                if is_so and (name := _appear(root, folder, (), "-incomplete")):
+                if is_so and (name := _appear(root, folder, (), ENDING)):
                     shown.append(name)
     return shown
 

@@ -6,7 +6,7 @@ import json
 import socket
 import sys
 from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager, suppress
+from contextlib import asynccontextmanager, nullcontext, suppress
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -25,7 +25,7 @@ from cases.base.errors import Code, HexciteError, Interrupted, option
 from cases.base.leftovers import ABANDONED, tidy
 from hexcite.page import views
 from hexcite.page.actions.common import Context
-from hexcite.page.arrivals import Runs, TooLarge, left_over, received
+from hexcite.page.arrivals import WAIT, Runs, TooLarge, left_over, received
 from hexcite.page.forms import field
 from hexcite.page.jobs import Job, Jobs
 from hexcite.page.journal import Address, keep_address
@@ -63,7 +63,11 @@ def app_of(
     @asynccontextmanager
     async def life(app: Starlette) -> AsyncIterator[None]:
         page.jobs = Jobs(root, cores)
-        beside = [asyncio.create_task(page.warmed()), asyncio.create_task(_tidied(root))]
+        beside = [
+            asyncio.create_task(page.warmed()),
+            asyncio.create_task(_tidied(root)),
+            asyncio.create_task(page.given_up()),
+        ]
         yield
         for task in beside:
             task.cancel()
@@ -138,6 +142,13 @@ class _Page:
             async with asyncio.timeout(UNASKED):
                 await self.answered.wait()
         await run_in_threadpool(views.warm_up)
+
+    async def given_up(self) -> None:
+        """Shows, while the server goes on, what came of runs whose browser went away."""
+        while True:
+            await asyncio.sleep(WAIT / 10.0)
+            for name in self.runs.give_up(self.jobs.outputs):
+                print(f"{name}: its browser went away before all files had come", file=sys.stderr, flush=True)
 
     def _language(self, request: Request) -> Language:
         kept = request.cookies.get("hexcite-language")
@@ -270,7 +281,7 @@ class _Page:
     async def upload(self, request: Request) -> Response:
         """Takes a file as it comes, onto the disk, under a name that nothing has yet."""
         name, run = file_name(request.path_params["name"]), request.query_params.get("into")
-        folder = self.root if run is None else self.runs.folder(run)
+        arriving = nullcontext(self.root) if run is None else self.runs.arriving(run)
         kinds = RECORDINGS | ({".urdf", ".pdf", ".ini"} if run is None else set())
         if Path(name).suffix.lower() not in kinds and not (run is not None and name == BAG_INDEX):
             return JSONResponse({"error": "suffix"}, 415)
@@ -278,7 +289,8 @@ class _Page:
         if stated.isdigit() and int(stated) > MOST_UPLOAD:
             return JSONResponse({"error": "too_large"}, 413)
         try:
-            placed = await received(self.root, folder, name, request.stream(), MOST_UPLOAD)
+            with arriving as folder:
+                placed = await received(self.root, folder, name, request.stream(), MOST_UPLOAD)
         except TooLarge:
             return JSONResponse({"error": "too_large"}, 413)
         except ClientDisconnect:

@@ -234,6 +234,8 @@ def workspace(root: Path, machine: Machine) -> Workspace:
 
 BAG_INDEX = "metadata.yaml"
 """File beside the data of a ROS 2 bag."""
+MARK = ".on-its-way"
+"""File in a folder whose files are still to come; the server that takes them has it locked."""
 
 
 def _run_of(root: Path, folder: Path) -> Recording | None:
@@ -241,6 +243,8 @@ def _run_of(root: Path, folder: Path) -> Recording | None:
     if folder.name.startswith(".") or not folder.is_dir() or not folder.resolve().is_relative_to(root):
         return None
     entries = [entry for entry in sorted(folder.iterdir())[: MOST + 1] if not entry.name.startswith(".")]
+    if (folder / MARK).exists():
+        return None
     bag = any(entry.name == BAG_INDEX for entry in entries)
     recorded = [entry for entry in entries if entry.suffix.lower() in RECORDINGS and entry.is_file()]
     if not recorded or len(entries) > MOST or len(recorded) + bag != len(entries):

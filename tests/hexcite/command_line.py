@@ -15,7 +15,7 @@ from hypothesis import settings
 
 from cases.base.errors import Code
 from hexcite.cli import main
-from hexcite.reports import page, still
+from hexcite.reports import still
 from hexcite.reports.chart import Chart
 from hexcite.reports.scene import Scene
 from tests.helpers import EXAMPLES
@@ -100,8 +100,8 @@ def _pictures() -> Iterator[None]:
         yield
     else:
         with (
-            patch.object(page, "picture", _like_the_first(still.picture)),
-            patch.object(page, "machine_picture", _like_the_first(still.machine_picture)),
+            patch.object(still, "picture", _like_the_first(still.picture)),
+            patch.object(still, "machine_picture", _like_the_first(still.machine_picture)),
         ):
             yield
 

@@ -45,3 +45,9 @@ def test_what_it_cannot_serve_is_said_in_a_line(root: Path):
             ([str(root), "--port", port], port),
         ):
             assert words in refused("page", *arguments, "--no-browser")
+
+
+def test_what_stages_import_is_not_waited_for_before_the_first_page() -> None:
+    code = "import sys, hexcite.page.server; print(*({'casadi', 'matplotlib', 'scipy'} & sys.modules.keys()))"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.split() == []

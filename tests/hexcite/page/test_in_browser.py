@@ -158,7 +158,7 @@ def test_files_of_one_run_are_dropped_together(
     expect(page.get_by_text("The file is read with these settings.")).to_be_visible()
     expect(page.locator(".reading legend")).to_have_text(["forces.txt", "struts.csv"])
     assert sorted(file.name for file in (root / "run").iterdir()) == ["forces.txt", "struts.csv"]
-    assert not [*root.glob(".run-*")]
+    assert not [*root.glob("incomplete-*")]
     seen.shot("mill-4-run")
     page.get_by_role("button", name="Take the proposal into the case, and identify").click()
     expect(page.locator(".verdict.good")).to_be_visible()

@@ -20,8 +20,9 @@ import pytest
 
 from cases import base
 from cases.base.leftovers import in_use
-from hexcite.page.arrivals import MARK, Runs, left_over
+from hexcite.page.arrivals import WAIT, Runs, left_over
 from hexcite.page.journal import PLACE, Address, address_of, keep_address
+from hexcite.page.stages import MARK
 
 pytestmark = pytest.mark.skipif(
     sys.platform != "linux", reason="other systems do not tell a process of its parent's end"
@@ -197,8 +198,8 @@ def aged(path: Path) -> None:
 def test_the_next_start_clears_leftovers_and_nothing_of_the_users(root: Path, tmp_path: Path, modules: Path):
     ours = [".plan.abcdefgh.hexcite.part", ".upload.a1b2c3d4.hexcite.part", "mill/.case.toml.abcdefgh.hexcite.part"]
     users = [
-        ".notes.part", ".run-settings/a.csv", ".data.abcdefgh.part", ".upload-abcdefgh.part", ".x.hexcite.part",
-        "a.hexcite.part", ".git/index", ".run-abcdefgh/keep.csv",
+        ".notes.part", "incomplete-settings/a.csv", ".data.abcdefgh.part", ".upload-abcdefgh.part", ".x.hexcite.part",
+        "a.hexcite.part", ".git/index", "incomplete-abcdefgh/keep.csv",
     ]  # fmt: skip
     for name in (*ours, *users, ".held.abcdefgh.hexcite.part", ".res.abcdefgh.hexcite.old/res/result.json"):
         (root / name).parent.mkdir(parents=True, exist_ok=True)
@@ -242,6 +243,24 @@ def test_what_comes_just_now_is_no_leftover(root: Path):
     runs.close()
     assert left_over(root) == []  # too young to tell
     assert (root / name).is_dir()
+
+
+def test_what_came_of_a_browser_that_went_away_is_shown_while_the_server_goes_on(root: Path):
+    now = [0.0]
+    runs = Runs(root, lambda: now[0])
+    gone, coming, empty = runs.begin(), runs.begin(), runs.begin()
+    for name in (gone, coming):
+        (root / name / "a.csv").write_text("1")
+    now[0] = WAIT
+    assert runs.give_up(()) == []
+    now[0] = WAIT + 1.0
+    with runs.arriving(coming):
+        assert runs.give_up(()) == ["run-incomplete"]
+    assert runs.give_up(()) == []  # something came just now
+    assert not (root / empty).exists()
+    assert [entry.name for entry in (root / "run-incomplete").iterdir()] == ["a.csv"]
+    assert runs.end(coming, ()) == "run"
+    runs.close()
 
 
 def test_an_address_that_others_may_read_is_not_used_again(root: Path):

@@ -16,7 +16,7 @@ from hexcite.page.actions.table import ACTIONS, asked
 from hexcite.page.jobs import Job, Jobs
 from hexcite.page.reading import chosen_settings
 from hexcite.page.refusals import Unfit
-from hexcite.page.stages import Workspace, free, machine_of, own_machines, workspace
+from hexcite.page.stages import MARK, Workspace, free, machine_of, own_machines, workspace
 from hexcite.page.views.common import chosen_plan
 from hexcite.page.words import ENGLISH
 
@@ -203,7 +203,7 @@ def test_each_file_of_a_run_has_menus_of_its_own():
 def test_folders_of_recorded_files_are_runs(root: Path, case: Case):
     for folder, files in {
         "two": ("a.csv", "b.txt"), "bag": ("metadata.yaml", "x.db3"), "mixed": ("a.csv", "notes.md"), "empty": (),
-        ".run-abcdefgh": ("a.csv",),
+        "incomplete-abcdefgh": ("a.csv", MARK),
     }.items():  # fmt: skip
         (root / folder).mkdir()
         for name in files:
@@ -223,6 +223,10 @@ def test_files_of_a_run_appear_together(root: Path, client: TestClient):
     part = client.post("/runs").json()["name"]
     for name in ("day_struts.csv", "day_forces.csv", "metadata.yaml"):
         assert client.put(f"/upload/{name}?into={part}", content=b"t_s\n0\n").status_code == 200
+    assert sorted(file.name for file in (root / part).iterdir() if file.name != MARK) == [
+        "day_forces.csv", "day_struts.csv", "metadata.yaml"
+    ]  # fmt: skip
+    assert not part.startswith(".")  # seen whatever becomes of the server
     assert client.put(f"/upload/a.exe?into={part}", content=b"").status_code == 415
     assert client.put("/upload/metadata.yaml", content=b"").status_code == 415
     assert not (root / "day").exists()
@@ -232,11 +236,11 @@ def test_files_of_a_run_appear_together(root: Path, client: TestClient):
         "day_struts.csv",
         "metadata.yaml",
     ]
-    for stranger in ("day", "..", ".run-ABCDEFGH", ".run-abcdefgh", ".run-../../etc"):
+    for stranger in ("day", "..", "incomplete-ABCDEFGH", "incomplete-abcdefgh", "incomplete-../../etc"):
         assert client.post(f"/runs/{stranger}").status_code in (404, 405)
         assert client.put(f"/upload/a.csv?into={stranger}", content=b"").status_code == 404
     assert client.post(f"/runs/{client.post('/runs').json()['name']}").status_code == 409
-    assert not [*root.glob(".run-*")]
+    assert not [*root.glob("incomplete-*")]
 
 
 def test_a_form_that_cannot_be_is_refused_with_words(client: TestClient):
