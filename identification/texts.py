@@ -4,6 +4,8 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from math import floor, isfinite, log10
 from typing import TYPE_CHECKING
 
+from cases.base.phrases import Phrase, phrase
+
 if TYPE_CHECKING:
     from identification.estimation.fit import Value
     from identification.limits.limit import LimitCheck
@@ -112,6 +114,15 @@ def parameter_words(name: str, rods: bool = False) -> str:
     if words is None:
         return name
     return f"{words}, platform with rods ({name})" if rods and name in _BODY else f"{words} ({name})"
+
+
+PARAMETER = "parameter"
+"""Code of a parameter in words."""
+
+
+def parameter_phrase(name: str) -> Phrase:
+    """The same as a phrase, whose value is the name."""
+    return phrase(PARAMETER, parameter_words(name), name=name)
 
 
 def value_cells(name: str, value: "Value", rods: bool = False) -> tuple[str, ...]:

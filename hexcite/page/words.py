@@ -15,7 +15,7 @@ from hexcite.page.texts.case_keys import KEYS, NOUNS, TABLES
 from hexcite.page.values import Entry, Section
 from identification.limits.limit import Limit
 from identification.recording.formats.reasons import Why
-from identification.texts import parameter_words
+from identification.texts import PARAMETER, parameter_words
 
 
 @dataclass(frozen=True)
@@ -137,6 +137,8 @@ class Words:
         if code in sentences.SIGNS:
             parts = [self._said(part) for part in values.get("parts", ())]
             return None if None in parts else Markup(sentences.SIGNS[code]).join(each for each in parts if each)
+        if code == PARAMETER:
+            return escape(self.parameter(str(values.get("name"))))
         if code == QUOTED:
             return self.quoted(values.get("text", ""))
         words = sentences.SENTENCES.get(code)

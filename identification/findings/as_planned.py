@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 import numpy as np
 
 from cases.base.errors import HexciteError
+from cases.base.phrases import phrase
 from cases.base.units import DEG, MM, Array, Flags, Indices
 from cases.schema import Case
 from identification.finding import Finding, Kind, note, warning
@@ -177,8 +178,13 @@ def findings_of(comparison: Comparison) -> tuple[Finding, ...]:
     name, share = comparison.plan.name, comparison.share
     figures: dict[str, Any] = {"plan": name, "share_of_path": round(share, 4)}
     if share < ANOTHER:
-        text = f"the run is not the motion of the plan {name}: {100 * share:.0f} % of its path is in the recording; "
-        text += "another program ran, or it was changed after planning"
+        text = phrase(
+            "not_the_plan",
+            "the run is not the motion of the plan {name}: {share} % of its path is in the recording; another program "
+            "ran, or it was changed after planning",
+            name=name,
+            share=f"{100 * share:.0f}",
+        )
         return (warning(Kind.PROGRAM, text, as_planned=figures),)
     said = [*_shifts(comparison, figures), *_differences(comparison, figures), *_paces(comparison, figures)]
     if not said:

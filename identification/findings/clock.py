@@ -3,6 +3,7 @@
 import math
 from typing import NamedTuple
 
+from cases.base.phrases import phrase
 from cases.schema import Case
 from identification.finding import Finding, Kind, warning
 from identification.recording.recording import Recording
@@ -47,9 +48,12 @@ def clock_findings(odd: OddClock | None) -> list[Finding]:
     if odd is None:
         return []
     usual = f"{odd.usual * 1e3:.6g}"
-    sentence = (
-        f"time stamps are {odd.step * 1e3:.6g} ms apart, {100 * odd.share:+.2g} % from {usual} ms, and accelerations "
-        f"go with the square of time; +- allows for it. If the recorder's clock has {usual} ms, set "
-        f"recording.clock.period_ms = {usual}"
+    sentence = phrase(
+        "odd_clock",
+        "time stamps are {step} ms apart, {share} % from {usual} ms, and accelerations go with the square of time; +- "
+        "allows for it. If the recorder's clock has {usual} ms, set recording.clock.period_ms = {usual}",
+        step=f"{odd.step * 1e3:.6g}",
+        share=f"{100 * odd.share:+.2g}",
+        usual=usual,
     )
     return [warning(Kind.CLOCK, sentence, odd_clock={"step_s": odd.step, "usual_s": odd.usual})]

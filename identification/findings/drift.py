@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ndtri
 
+from cases.base.phrases import NOTHING, phrase
 from cases.base.units import Array, Flags
 from cases.schema import Case
 from identification.estimation.alternatives import Sizes, sizes_of
@@ -105,13 +106,25 @@ def drift_findings(recording: Recording, case: Case, fitted: Fitted, drift: Drif
     worst = int(np.argmax(by_channel))
     channel, unit = channel_words(case, worst)
     by = float(drift.change[worst])
-    over = f"these {round(span) + 1} standstills" if recording.t is None else f"the {span:.3g} s of this run"
+    if recording.t is None:
+        over = phrase("over_standstills", "these {count} standstills", count=round(span) + 1)
+    else:
+        over = phrase("over_seconds", "the {seconds} s of this run", seconds=f"{span:.3g}")
     others = [channel_words(case, k)[0] for k in np.flatnonzero(drift.drifts).tolist() if k != worst]
-    more = f"; {', '.join(others)} too" if others else ""
-    how = ", most at its beginning, as of a sensor that warms up" if drift.settles else ""
-    sentence = (
-        f"the offset of {channel} drifts by {by:+.2g} {unit} over {over}{how} ({drift.sure[worst]:.0f} standard "
-        f"deviations){more}: the result has the mean; {WARM_UP}"
+    too = phrase("too", "; {others} too", others=", ".join(others)) if others else NOTHING
+    warms = phrase("warms_up", ", most at its beginning, as of a sensor that warms up") if drift.settles else NOTHING
+    sentence = phrase(
+        "offset_drifts",
+        "the offset of {channel} drifts by {by} {unit} over {over}{how} ({sure} standard deviations){more}: the result "
+        "has the mean; {remedy}",
+        channel=channel,
+        by=f"{by:+.2g}",
+        unit=unit,
+        over=over,
+        how=warms,
+        sure=f"{drift.sure[worst]:.0f}",
+        more=too,
+        remedy=phrase("warm_up", WARM_UP),
     )
     entry = {"channel": channel, "change": by, "standard_deviations": float(drift.sure[worst]), "span": span}
     return [warning(Kind.OFFSETS, sentence, offset_drift=entry | {"unit": unit})]

@@ -10,6 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from cases.base.errors import Code, IdentificationError
+from cases.base.phrases import phrase, said
 from cases.schema import Case
 from identification.estimation.fit import Fit
 from identification.estimation.nearest_body import nearest_body
@@ -35,9 +36,11 @@ def note_memory(recording: Recording, case: Case, fitted: Fitted) -> list[Findin
     worst = int(np.argmax(ratio))
     if not ratio[worst] > REMEMBERED:
         return []
-    sentence = (
-        f"noise is not white: the deviation of {fitted.samples.model.names[worst]} is {ratio[worst]:.2g} times that of "
-        "white noise; +- counts it"
+    sentence = phrase(
+        "noise_memory",
+        "noise is not white: the deviation of {name} is {times} times that of white noise; +- counts it",
+        name=fitted.samples.model.names[worst],
+        times=f"{ratio[worst]:.2g}",
     )
     return [note(Kind.NOISE, sentence, noise_memory=float(ratio[worst]))]
 
@@ -50,9 +53,13 @@ def check_model(recording: Recording, case: Case, fitted: Fitted) -> list[Findin
     moves = bool(np.ptp(forces, axis=0).max() > 0.0) and len(fit.values) > forces.shape[1]
     if not (moves and len(forces) > len(fit.values) and misfit > (1.0 - LEAST_EXPLAINED) * spread):
         return []
-    share = f"{100 * max(0.0, 1.0 - misfit / spread):.0f} % of the forces' variance"
-    remedy = f"check order, sign and unit of forces and {case.drive_words[0]}"
-    return [warning(Kind.MODEL, f"the model explains only {share}; {remedy}")]
+    sentence = phrase(
+        "explains_little",
+        "the model explains only {share} % of the forces' variance; check order, sign and unit of forces and {drives}",
+        share=f"{100 * max(0.0, 1.0 - misfit / spread):.0f}",
+        drives=phrase(case.drive_words[0], case.drive_words[0]),
+    )
+    return [warning(Kind.MODEL, sentence)]
 
 
 def check_feed(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
@@ -64,9 +71,12 @@ def check_feed(recording: Recording, case: Case, fitted: Fitted) -> list[Finding
     if not rows.any():
         return []
     low, high = float(recording.override[rows].min()), float(recording.override[rows].max())
-    sentence = (
-        f"the recorded override is {100 * low:.3g} to {100 * high:.3g} %: the parameters are valid, for they come from "
-        "the measured motion; figures of the plan are not of this run: accelerations go with the square of the feed"
+    sentence = phrase(
+        "other_feed",
+        "the recorded override is {low} to {high} %: the parameters are valid, for they come from the measured motion; "
+        "figures of the plan are not of this run: accelerations go with the square of the feed",
+        low=f"{100 * low:.3g}",
+        high=f"{100 * high:.3g}",
     )
     return [warning(Kind.FEED, sentence, places(recording.lines, rows), feed={"lowest": low, "highest": high})]
 
@@ -75,14 +85,19 @@ def check_delay(recording: Recording, case: Case, fitted: Fitted) -> list[Findin
     """A delay that no filter makes."""
     if abs(fitted.at) < SUSPICIOUS_DELAY:
         return []
-    return [warning(Kind.CLOCK, f"delay of {fitted.at * 1e3:.1f} ms: do the streams match?")]
+    delay = f"{fitted.at * 1e3:.1f}"
+    return [warning(Kind.CLOCK, phrase("large_delay", "delay of {delay} ms: do the streams match?", delay=delay))]
 
 
 def note_averaging(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """How many samples of the forces were averaged for one of the motion."""
     if recording.averaged == 1.0:
         return []
-    sentence = f"forces: {recording.averaged:.4g} samples averaged for each of the motion, centred: no group delay"
+    sentence = phrase(
+        "averaged",
+        "forces: {count} samples averaged for each of the motion, centred: no group delay",
+        count=f"{recording.averaged:.4g}",
+    )
     return [note(Kind.CLOCK, sentence, averaged={"ratio": recording.averaged})]
 
 
@@ -92,7 +107,11 @@ def note_pose_errors(recording: Recording, case: Case, fitted: Fitted) -> list[F
     if field is None:
         return []
     settings = ", ".join(f"{key} = {value:g}" for key, value in field.keys.items())
-    sentence = f"[sensors] {settings}: with this in the case, plans count on the errors that depend on the pose"
+    sentence = phrase(
+        "pose_errors",
+        "[sensors] {settings}: with this in the case, plans count on the errors that depend on the pose",
+        settings=settings,
+    )
     return [note(Kind.NOISE, "" if case.sensors.pose_error_N else sentence, pose_errors=field.keys)]
 
 
@@ -117,8 +136,13 @@ def check_body(recording: Recording, case: Case, fitted: Fitted) -> list[Finding
     moments = fit.values[[model.names.index(f"m{axis}C") for axis in "xyz"]]
     distance = float(np.linalg.norm(moments) / max(abs(mass), GRAM))
     if case.sensor_frame.has_moments and distance >= FAR:  # further away than a machine is large
-        sentence = f"the centre of gravity comes out {distance:.3g} m from the origin of the platform: moments seem to "
-        findings.append(warning(Kind.CASE, f"{sentence}be in N mm; set recording.units.moments = 'Nmm' in the case"))
+        sentence = phrase(
+            "moments_in_mm",
+            "the centre of gravity comes out {distance} m from the origin of the platform: moments seem to be in N mm; "
+            "set recording.units.moments = 'Nmm' in the case",
+            distance=f"{distance:.3g}",
+        )
+        findings.append(warning(Kind.CASE, sentence))
     return [*findings, *_no_body(model, fit)]
 
 
@@ -140,9 +164,12 @@ def _other_mass(mass: float, case: Case) -> list[Finding]:
     expected = min(masses, key=lambda body_mass: abs(mass - body_mass))
     if abs(mass - expected) <= OTHER_MASS * expected:
         return []
-    sentence = (
-        f"the mass comes out as {mass:.3g} kg where nominal.mass_kg, with payloads, makes {expected:.3g} kg: correct "
-        "nominal, or check gravity, units, what is mounted, and that forces are recorded raw, not compensated"
+    sentence = phrase(
+        "other_mass",
+        "the mass comes out as {mass} kg where nominal.mass_kg, with payloads, makes {expected} kg: correct nominal, "
+        "or check gravity, units, what is mounted, and that forces are recorded raw, not compensated",
+        mass=f"{mass:.3g}",
+        expected=f"{expected:.3g}",
     )
     return [warning(Kind.CASE, sentence)]
 
@@ -156,8 +183,12 @@ def _no_body(model: Model, fit: Fit) -> list[Finding]:
 
 def impossible(words: str) -> Finding:
     """The finding about an estimate that no body is, in words."""
-    remedy = "check signs and order of force and moment channels, and the dimensions of the machine"
-    return warning(Kind.MODEL, f"{words}; {remedy}", impossible_body=True)
+    sentence = phrase(
+        "impossible_body",
+        "{words}; check signs and order of force and moment channels, and the dimensions of the machine",
+        words=said(words),
+    )
+    return warning(Kind.MODEL, sentence, impossible_body=True)
 
 
 def is_impossible(finding: Finding) -> bool:

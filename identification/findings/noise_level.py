@@ -5,6 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 from scipy.special import chdtri
 
+from cases.base.phrases import phrase
 from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.fit import Fit
@@ -119,11 +120,18 @@ def louder_than_stated(recording: Recording, case: Case, fitted: Fitted) -> list
     key = "sensors" if case.sensors.force_noise is not None else "simulation"
     key += ".moment_noise_Nm" if unit == "N m" else ".force_noise_N"
     others = [channel_words(case, k)[0] for k in np.argsort(-excess).tolist() if k != worst and excess[k] > limit]
-    more = f" (also {', '.join(others)})" if others else ""
+    channels = phrase("and_also", "{channel} (also {others})", channel=channel, others=", ".join(others))
     ratio = float(excess[worst])
-    sentence = (
-        f"residuals of {channel}{more} are {ratio:.2g} times the white noise that the case states: {noise[worst]:.2g} "
-        f"{unit} where {key} makes {stated[worst]:.2g} {unit}"
+    sentence = phrase(
+        "noise_excess",
+        "residuals of {channels} are {times} times the white noise that the case states: {noise} {unit} where {key} "
+        "makes {stated} {unit}",
+        channels=channels if others else channel,
+        times=f"{ratio:.2g}",
+        noise=f"{noise[worst]:.2g}",
+        stated=f"{stated[worst]:.2g}",
+        unit=unit,
+        key=key,
     )
     entry = {"ratios": excess.tolist(), "channel": channel, "noise": float(noise[worst]), "unit": unit}
     entry["stated"] = float(stated[worst])
@@ -131,15 +139,25 @@ def louder_than_stated(recording: Recording, case: Case, fitted: Fitted) -> list
         return [
             note(
                 Kind.NOISE,
-                f"{sentence}; no more than such noise with memory makes, which +- counts",
+                phrase(
+                    "noise_may_remember",
+                    "{sentence}; no more than such noise with memory makes, which +- counts",
+                    sentence=sentence,
+                ),
                 noise_excess=entry,
             )
         ]
     if ratio > FAR_ABOVE:
-        sentence += (
-            ". Do not use the result before the cause is known (a dimension that is not the machine's, a long contact, "
-            "a compensated wrench, a mode of the frame ..): look at residuals and spectrum in the report"
+        sentence = phrase(
+            "noise_far_above",
+            "{sentence}. Do not use the result before the cause is known (a dimension that is not the machine's, a "
+            "long contact, a compensated wrench, a mode of the frame ..): look at residuals and spectrum in the report",
+            sentence=sentence,
         )
     else:
-        sentence += ". Correct the stated noise, or look for the cause in the residuals in the report"
+        sentence = phrase(
+            "noise_above",
+            "{sentence}. Correct the stated noise, or look for the cause in the residuals in the report",
+            sentence=sentence,
+        )
     return [warning(Kind.NOISE, sentence, counted=ratio <= FAR_ABOVE, noise_excess=entry)]

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cases.base.phrases import phrase
 from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.alternatives import Remainder
@@ -20,7 +21,7 @@ from identification.findings.left_out import STEP, LeftOut
 from identification.samples.moving import Run
 from identification.samples.samples import Fitted
 from identification.signals import white_noise
-from identification.texts import parameter_words
+from identification.texts import parameter_phrase
 
 LOWEST, HIGHEST = 0.75, 0.6  # of the cut-off, and of that of the wider filter, between which a mode is looked for
 WIDER, MOST = 8.0, 0.33  # cut-off of that filter: times that of the fit, and of the samples a second, at most
@@ -125,15 +126,26 @@ def mode_findings(fitted: Fitted, ringing: Ringing | None, case: Case) -> list[F
     ratios = np.where(free, np.abs(ringing.bias[: len(names)]) / np.sqrt(np.where(free, variance, 1.0)), 0.0)
     worst = int(np.argmax(ratios))
     units = {p.name: p.unit for p in fitted.samples.model.parameters}
-    sentence = (
-        f"a structural mode between drives and sensors rings at {mode.frequency:.3g} Hz with the motion (damping about "
-        f"{100.0 * mode.damping:.1g} %): it may bias {parameter_words(names[worst])} by "
-        f"{abs(ringing.bias[worst]):.2g} {units[names[worst]]} ({ratios[worst]:.2g} deviations of noise; +- counts it)"
+    sentence = phrase(
+        "structural_mode",
+        "a structural mode between drives and sensors rings at {frequency} Hz with the motion (damping about {damping} "
+        "%): it may bias {parameter} by {bias} {unit} ({deviations} deviations of noise; +- counts it)",
+        frequency=f"{mode.frequency:.3g}",
+        damping=f"{100.0 * mode.damping:.1g}",
+        parameter=parameter_phrase(names[worst]),
+        bias=f"{abs(ringing.bias[worst]):.2g}",
+        unit=units[names[worst]],
+        deviations=f"{ratios[worst]:.2g}",
     )
     cutoff = case.recording.filter_cutoff_Hz
     if cutoff is not None and mode.frequency < 1.5 * cutoff:
-        sentence += f". It lies in the band of the evaluation: lower recording.filter_cutoff_Hz = {cutoff:g} to "
-        sentence += f"{mode.frequency / 2.0:.2g}"
+        sentence = phrase(
+            "mode_in_band",
+            "{sentence}. It lies in the band of the evaluation: lower recording.filter_cutoff_Hz = {cutoff} to {lower}",
+            sentence=sentence,
+            cutoff=f"{cutoff:g}",
+            lower=f"{mode.frequency / 2.0:.2g}",
+        )
     entry = {
         "frequency_Hz": mode.frequency, "damping": mode.damping, "bias": ringing.bias[: len(names)].tolist(),
         "parameter": names[worst], "deviations": float(ratios[worst]),

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from cases.base.phrases import enumerated, phrase, said
 from cases.base.units import DEG, Array
 from cases.schema import Case
 from identification.estimation.alternatives import Effect, Unseen, effects_of, unseen
@@ -25,7 +26,7 @@ from identification.findings.told import Told
 from identification.findings.tolerances import Share, shares_of, without_tolerances
 from identification.model.parameters import offset_columns
 from identification.samples.samples import Fitted, MotionOfSamples
-from identification.texts import parameter_words, with_deviation
+from identification.texts import parameter_phrase, with_deviation
 
 CERTAIN = 1e-7  # chance below which an alternative is seen: some seventy are tried in each run
 SUSPICIOUS = 5e-4  # chance from which on it counts in the deviations: one sound run in thirty has one
@@ -171,10 +172,16 @@ def noisy_drives(case: Case, fitted: Fitted, systematic: Systematic | None) -> l
         for kind, unit, word in ((~turns, 1e-6, "um"), (turns, DEG, "deg"))
         if noise[kind].any()
     ]
-    sentence = (
-        f"noise of the {case.drive_words[0]} ({' and '.join(sizes)} from sample to sample) makes accelerations noisy, "
-        f"which biases {names[worst]} by about {systematic.drives[worst]:+.2g} ({abs(ratios[worst]):.2g} deviations; "
-        f"they allow for it). Lower recording.filter_cutoff_Hz = {case.recording.filter_cutoff_Hz:g}"
+    sentence = phrase(
+        "drive_noise",
+        "noise of the {drives} ({sizes} from sample to sample) makes accelerations noisy, which biases {name} by about "
+        "{bias} ({deviations} deviations; they allow for it). Lower recording.filter_cutoff_Hz = {cutoff}",
+        drives=phrase(case.drive_words[0], case.drive_words[0]),
+        sizes=enumerated("comma", sizes),
+        name=names[worst],
+        bias=f"{systematic.drives[worst]:+.2g}",
+        deviations=f"{abs(ratios[worst]):.2g}",
+        cutoff=f"{case.recording.filter_cutoff_Hz:g}",
     )
     bearable = bool(abs(ratios[worst]) <= BEARABLE)
     return [
@@ -213,11 +220,22 @@ def not_shown(fitted: Fitted, systematic: Systematic | None) -> list[Finding]:
     ordered = sorted(entries, key=lambda entry: -entry["deviations"])
     first, units = ordered[0], {p.name: p.unit for p in fitted.samples.model.parameters}
     amount = f"{first['bias']:+.2g} {units[first['parameter']]}"
-    more = f"; {len(ordered) - 1} more, smaller ones stand in not_shown of result.json" if len(ordered) > 1 else ""
-    sentence = (
-        f"half of all runs like this one would not show {first['as_with']}, which biases "
-        f"{parameter_words(first['parameter'])} by {amount} ({first['deviations']:.3g} deviations){more}"
+    sentence = phrase(
+        "not_shown",
+        "half of all runs like this one would not show {cause}, which biases {parameter} by {amount} ({deviations} "
+        "deviations)",
+        cause=said(first["as_with"]),
+        parameter=parameter_phrase(first["parameter"]),
+        amount=amount,
+        deviations=f"{first['deviations']:.3g}",
     )
+    if len(ordered) > 1:
+        sentence = phrase(
+            "not_shown_more",
+            "{sentence}; {count} more, smaller ones stand in not_shown of result.json",
+            sentence=sentence,
+            count=len(ordered) - 1,
+        )
     return [note(Kind.MODEL, sentence, not_shown=ordered)]
 
 
@@ -280,10 +298,17 @@ def _suspicion(fitted: Fitted, suspected: Suspected | None) -> list[Finding]:
         return []
     effect = suspected.effect
     runs = 1.0 / (suspected.tried * effect.chance)
-    sentence = (
-        f"residuals may follow {effect.alternative.follow}, as with {_cause(effect)} (one sound run in {runs:.0f} "
-        f"looks so, for {suspected.tried} such things are tried). Deviations allow for it: that of {names[worst]} is "
-        f"{growth[worst]:.2g} times that of noise alone; a second run tells which it is"
+    sentence = phrase(
+        "suspected",
+        "residuals may follow {follow}, as with {cause} (one sound run in {runs} looks so, for {tried} such things are "
+        "tried). Deviations allow for it: that of {name} is {times} times that of noise alone; a second run tells "
+        "which it is",
+        follow=said(effect.alternative.follow),
+        cause=said(_cause(effect)),
+        runs=f"{runs:.0f}",
+        tried=suspected.tried,
+        name=names[worst],
+        times=f"{growth[worst]:.2g}",
     )
     entry = {"key": effect.alternative.key, "chance": effect.chance, "tried": suspected.tried}
     return [note(Kind.MODEL, sentence, suspected=entry | {"growth": float(growth[worst])})]

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from cases.base.phrases import phrase
 from cases.base.units import DEG, MM, Array
 from cases.schema import Case
 from cases.tolerances import KINDS, Tolerances, kind_of
@@ -187,11 +188,13 @@ def budget_findings(before: Fitted, allowed: Fitted, shares: tuple[Share, ...] |
         case: case of the recording.
     """
     if shares is None:
-        words = (
-            "no tolerance of [tolerances] is counted: that is not done with --prior, nor where no drive says the motion"
+        not_done = phrase(
+            "tolerances_not_counted",
+            "no tolerance of [tolerances] is counted: that is not done with --prior, nor where no drive says the "
+            "motion",
         )
         kinds = list(dict.fromkeys(KINDS[key] for key in case.tolerable))
-        return [note(Kind.NOISE, words if case.tolerances is not None else "", not_counted=kinds)]
+        return [note(Kind.NOISE, not_done if case.tolerances is not None else "", not_counted=kinds)]
     found = [note(Kind.NOISE, "", not_counted=case.not_counted)] if case.not_counted else []
     if not shares:
         return found

@@ -18,6 +18,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
+from cases.base.phrases import phrase
 from cases.base.units import Array, Flags, Indices
 from identification.estimation.fit import Fit, Robust, joint_triangle
 from identification.estimation.force_noise import turned
@@ -182,10 +183,13 @@ class Run(Moving):
         place = len(self.model.parameters)
         std = max(float(fit.covariance[place, place]), float(fit.covariance_robust[place, place])) ** 0.5
         b = float(fit.values[place])
-        sentence = (
-            f"forces are {'smoothed' if b > 0.0 else 'sharpened'} against the motion by {b * 1e6:+.3g} +- "
-            f"{std * 1e6:.2g} ms^2, half a second moment (leaps between samples, "
-            "averaging or a low-pass of the channels): estimated and compensated"
+        sentence = phrase(
+            "smoothed",
+            "forces are {how} against the motion by {size} +- {std} ms^2, half a second moment (leaps between samples, "
+            "averaging or a low-pass of the channels): estimated and compensated",
+            how=phrase("how_smoothed", "smoothed") if b > 0.0 else phrase("how_sharpened", "sharpened"),
+            size=f"{b * 1e6:+.3g}",
+            std=f"{std * 1e6:.2g}",
         )
         clear = abs(b) >= CLEAR * std
         return (note(Kind.CLOCK, sentence if clear else "", smoothing_s2={"value": b, "std": std}),)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from cases.base.errors import Code, IdentificationError, RecordingError
+from cases.base.phrases import phrase
 from cases.base.units import Array, Flags, Indices
 from cases.schema import Case
 from identification.finding import Finding, Kind, warning
@@ -255,8 +256,15 @@ def about_left_out(source: str, share: float, low_pass: Filter) -> tuple[Finding
         )
     if share <= 0.0:
         return ()
-    sentence = f"{100 * share:.2g} % of the motion is left out: damage longer than {MOST_BRIDGED} samples, gaps, and "
-    return (warning(Kind.DAMAGE, f"{sentence}{reach:.3g} s on either side, as far as the filter reaches"),)
+    sentence = phrase(
+        "left_out",
+        "{share} % of the motion is left out: damage longer than {most} samples, gaps, and {reach} s on either side, "
+        "as far as the filter reaches",
+        share=f"{100 * share:.2g}",
+        most=MOST_BRIDGED,
+        reach=f"{reach:.3g}",
+    )
+    return (warning(Kind.DAMAGE, sentence),)
 
 
 def require_position(recording: Recording, model: Model) -> None:
@@ -292,8 +300,14 @@ def _window(recording: Recording, low_pass: Filter, drives: str, unit: str) -> t
         moving = np.flatnonzero(np.any(np.abs(speed) > np.maximum(MOVING, least), axis=1))
         rows = np.arange(moving[0], moving[-1] + 1) if len(moving) else np.arange(len(speed))
         if not len(moving):
-            sentence = f"the {drives} are never faster than {MOVING * 1e3:g} {unit}/s, so that all of the recording is "
-            sentence += "evaluated; record a trigger where only a part is meant"
+            sentence = phrase(
+                "never_moves",
+                "the {drives} are never faster than {least} {unit}/s, so that all of the recording is evaluated; "
+                "record a trigger where only a part is meant",
+                drives=phrase(drives, drives),
+                least=f"{MOVING * 1e3:g}",
+                unit=unit,
+            )
             warnings = (warning(Kind.WINDOW, sentence),)
     travel = max(float(np.ptp(strut[margin + rows])) for strut in recording.struts.T)
     least_travel = LEAST_TRAVEL + NOISY * float(white_noise(recording.struts).max())

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases.base.errors import Code, RecordingError
+from cases.base.phrases import phrase
 from cases.base.units import MM, Array, Flags, Indices
 from cases.machine import MotionLimits
 from cases.recording_format import CLOCK
@@ -118,7 +119,9 @@ def missing_values(stream: Stream) -> list[Finding]:
         names = ", ".join(dict.fromkeys(stream.missing_in))
         findings.append(
             warning(
-                Kind.DAMAGE, f"no measured value in {names}; left out", places(stream.lines, stream.bad & ~inserted)
+                Kind.DAMAGE,
+                phrase("no_value", "no measured value in {names}; left out", names=names),
+                places(stream.lines, stream.bad & ~inserted),
             )
         )
     if inserted.any():
@@ -311,7 +314,9 @@ def cut_off(recording: Recording) -> list[Finding]:
     """Where the recorder stopped before the run did: its trigger, which changes, is on in the last row."""
     if recording.t is None or recording.trigger is None or not recording.trigger[-1] or recording.trigger.all():
         return []
-    sentence = "the recording ends while the trigger is on; its end is missing, record until the machine rests"
+    sentence = phrase(
+        "cut_off", "the recording ends while the trigger is on; its end is missing, record until the machine rests"
+    )
     return [warning(Kind.WINDOW, sentence, recording.lines.place(len(recording.trigger) - 1))]
 
 

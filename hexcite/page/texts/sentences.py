@@ -134,7 +134,78 @@ PROGRAMS = {
 }
 """Remarks on programs."""
 
-SENTENCES = PROGRAMS | CAUSES | CHANNELS | MOTION | MACHINE
+FINDINGS = {
+    "noise_memory": "Das Rauschen ist nicht weiß: Die Abweichung von {name} ist {times}-mal so groß wie bei weißem "
+    "Rauschen; ± enthält es",
+    "explains_little": "Das Modell erklärt nur {share} % der Varianz der Kräfte; Reihenfolge, Vorzeichen und Einheit "
+    "von Kräften und {drives} prüfen",
+    "other_feed": "Der aufgezeichnete Override ist {low} bis {high} %: Die Parameter gelten, denn sie folgen aus der "
+    "gemessenen Bewegung; die Zahlen des Plans gelten nicht für diesen Lauf: Beschleunigungen gehen mit dem Quadrat "
+    "des Vorschubs",
+    "large_delay": "Verzögerung von {delay} ms: Gehören die Aufzeichnungen zusammen?",
+    "averaged": "Kräfte: {count} Abtastungen für jede der Bewegung gemittelt, zentriert: keine Laufzeit",
+    "pose_errors": "[sensors] {settings}: Damit in der Maschine rechnen Pläne mit den Fehlern, die von der Pose "
+    "abhängen",
+    "moments_in_mm": "Der Schwerpunkt liegt {distance} m vom Ursprung der Plattform: Die Momente sind wohl in N mm; "
+    "recording.units.moments = 'Nmm' in die Maschine schreiben",
+    "other_mass": "Die Masse ergibt sich zu {mass} kg, wo nominal.mass_kg, mit Nutzlasten, {expected} kg nennt: "
+    "nominal berichtigen, oder Schwerkraft, Einheiten, Montiertes prüfen, und ob Kräfte roh aufgezeichnet sind, "
+    "nicht kompensiert",
+    "impossible_body": "{words}; Vorzeichen und Reihenfolge der Kraft- und Momentenkanäle und die Maße der Maschine "
+    "prüfen",
+    "and_also": "{channel} (auch {others})",
+    "noise_excess": "Die Residuen von {channels} sind {times}-mal das weiße Rauschen, das die Maschine nennt: "
+    "{noise} {unit}, wo {key} {stated} {unit} ergibt",
+    "noise_may_remember": "{sentence}; nicht mehr, als solches Rauschen mit Gedächtnis macht, das ± enthält",
+    "noise_far_above": "{sentence}. Das Ergebnis nicht nutzen, bevor die Ursache bekannt ist (ein Maß, das nicht das "
+    "der Maschine ist, ein langer Kontakt, kompensierte Kräfte, eine Eigenschwingung des Gestells ..): Residuen und "
+    "Spektrum im Bericht ansehen",
+    "noise_above": "{sentence}. Das genannte Rauschen berichtigen, oder die Ursache in den Residuen im Bericht suchen",
+    "drive_noise": "Rauschen der {drives} ({sizes} von Abtastung zu Abtastung) macht Beschleunigungen unruhig, was "
+    "{name} um etwa {bias} verfälscht ({deviations} Abweichungen; sie enthalten es). recording.filter_cutoff_Hz = "
+    "{cutoff} senken",
+    "not_shown": "Die Hälfte aller solchen Läufe zeigte nicht, was {parameter} um {amount} verfälscht ({deviations} "
+    "Abweichungen): {cause}",
+    "not_shown_more": "{sentence}; {count} weitere, kleinere stehen unter not_shown in result.json",
+    "suspected": "Die Residuen folgen vielleicht {follow}, wie bei {cause} (ein guter Lauf von {runs} sieht so aus, "
+    "denn {tried} solche Dinge werden versucht). Die Abweichungen enthalten es: Die von {name} ist {times}-mal die "
+    "durch Rauschen allein; ein zweiter Lauf sagt, was es ist",
+    "odd_clock": "Zeitstempel liegen {step} ms auseinander, {share} % neben {usual} ms, und Beschleunigungen gehen "
+    "mit dem Quadrat der Zeit; ± enthält es. Hat die Uhr des Rekorders {usual} ms: recording.clock.period_ms = "
+    "{usual}",
+    "over_standstills": "diese {count} Stillstände",
+    "over_seconds": "die {seconds} s dieses Laufs",
+    "too": "; auch {others}",
+    "warms_up": ", am meisten am Anfang, wie bei einem Sensor, der warm wird",
+    "warm_up": "den Sensor warm werden lassen und hexcite tare aufrufen, kurz bevor seine Anzeige zählt",
+    "offset_drifts": "Der Nullpunkt von {channel} driftet um {by} {unit} über {over}{how} ({sure} "
+    "Standardabweichungen){more}: Das Ergebnis hat den Mittelwert; {remedy}",
+    "not_the_plan": "Der Lauf ist nicht die Bewegung des Plans {name}: {share} % von dessen Bahn sind in der "
+    "Aufzeichnung; ein anderes Programm lief, oder es wurde nach dem Planen geändert",
+    "structural_mode": "Zwischen Antrieben und Sensoren schwingt mit der Bewegung eine Eigenform bei {frequency} Hz "
+    "(Dämpfung etwa {damping} %): Sie kann {parameter} um {bias} {unit} verfälschen ({deviations} Abweichungen durch "
+    "Rauschen; ± enthält es)",
+    "mode_in_band": "{sentence}. Sie liegt im Band der Auswertung: recording.filter_cutoff_Hz = {cutoff} auf {lower} "
+    "senken",
+    "tolerances_not_counted": "Keine Toleranz aus [tolerances] ist enthalten: Das geht nicht mit --prior, und nicht, "
+    "wo kein Antrieb die Bewegung nennt",
+    "slow_noise": "Der Lauf ist kurz für das Gedächtnis seines Rauschens: {share} % der Varianz sind von Rauschen, "
+    "das ein Viertel des Laufs oder länger anhält und von dem der Lauf wenig zeigt; ± ist vielleicht bis zu 1,5-mal "
+    "zu klein. Mehrmals so lang aufzeichnen, oder suchen, was driftet",
+    "how_smoothed": "geglättet",
+    "how_sharpened": "geschärft",
+    "smoothed": "Kräfte sind gegenüber der Bewegung {how}, um {size} ± {std} ms^2, das halbe zweite Moment (Sprünge "
+    "zwischen Abtastungen, Mittelung oder ein Tiefpass der Kanäle): geschätzt und ausgeglichen",
+    "cut_off": "Die Aufzeichnung endet, während der Trigger an ist; ihr Ende fehlt: aufzeichnen, bis die Maschine ruht",
+    "no_value": "kein Messwert in {names}; weggelassen",
+    "left_out": "{share} % der Bewegung sind weggelassen: Schäden, die länger als {most} Abtastungen sind, Lücken, "
+    "und {reach} s auf jeder Seite, so weit das Filter reicht",
+    "never_moves": "Die {drives} sind nie schneller als {least} {unit}/s, darum wird die ganze Aufzeichnung "
+    "ausgewertet; einen Trigger aufzeichnen, wo nur ein Teil gemeint ist",
+}
+"""Findings about a run and its evaluation."""
+
+SENTENCES = FINDINGS | PROGRAMS | CAUSES | CHANNELS | MOTION | MACHINE
 """Code -> German, with the places of the English text."""
 
 SIGNS = {"or": " oder ", "and": ", und ", "comma": ", ", "semicolon": "; "}
