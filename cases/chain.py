@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
+from cases.base.renamed import renamed
 from cases.base.units import DEG, MM, Array
 from cases.machine import Frame, KeepOut, MotionLimits, Tool, Workspace, require_flange
 from cases.sensors import RigidBody
@@ -267,6 +268,7 @@ def _of_joints(order: int) -> cached_property[Array]:
     return cached_property(values)
 
 
+@renamed(pose="coordinates")
 class JointMotionLimits(Part):
     """The box in which moving excitations stay: joints relative to home, and their time derivatives."""
 
@@ -290,7 +292,7 @@ class JointMotionLimits(Part):
         """Which coordinates are angles, shape (n,)."""
         return np.array([joint.turns for joint in self.joints])
 
-    pose: ClassVar = _of_joints(0)  # lower and upper limit relative to home, shape (2, n) [rad or m]
+    coordinates: ClassVar = _of_joints(0)  # lower and upper limit relative to home, shape (2, n) [rad or m]
     rate: ClassVar = _of_joints(1)  # largest rate of each coordinate, shape (n,) [rad/s or m/s]
     acceleration: ClassVar = _of_joints(2)
     """Largest second derivative of each coordinate, shape (n,) [rad/s^2 or m/s^2]."""
@@ -389,7 +391,9 @@ def joint_problems(chain: Chain, limits: JointMotionLimits) -> Iterator[str]:
     if lacking := _unmoved(chain):
         yield from (f"machine.chain.joints: {words}; limits of motion go with it, add it" for words in lacking)
         return
-    for joint, limit, (low, high) in zip(chain.joints, limits.joints, limits.pose.T + chain.home[:, None], strict=True):
+    for joint, limit, (low, high) in zip(
+        chain.joints, limits.joints, limits.coordinates.T + chain.home[:, None], strict=True
+    ):
         if joint.turns != limit.turns:
             yield f"limits.motion.joints: {joint.name} is {joint.kind}; give the keys of such a joint"
         elif low < joint.position[0] or high > joint.position[1]:

@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from cases.base.convex import MOST_CORNERS, capsule_around
+from cases.base.renamed import renamed
 from cases.base.units import DEG, MM, Array, Flags
 from cases.tables import (
     NonNegative,
@@ -310,6 +311,7 @@ _ANGULAR_ACCELERATION = "angular_acceleration_rad_s2", "angular_acceleration_deg
 _ANGULAR_JERK = "angular_jerk_rad_s3", "angular_jerk_deg_s3"
 
 
+@renamed(pose="coordinates")
 class MotionLimits(StrutLengths):
     """The box in which moving excitations stay: pose relative to home, and its time derivatives, each coordinate.
 
@@ -366,7 +368,7 @@ class MotionLimits(StrutLengths):
         return self
 
     @cached_property
-    def pose(self) -> Array:
+    def coordinates(self) -> Array:
         """Lower and upper limit relative to home, shape (2, 6) [m, rad]."""
         return frozen(np.transpose([getattr(self, key) for key in POSE]) * own_units(POSE))
 

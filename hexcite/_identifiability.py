@@ -65,7 +65,7 @@ def _looked_at(
             if len(thing.poses):
                 return own, thing.model, lambda model: _at_poses(model, thing.poses), _any
             motion = sample(thing.motion, min(RATE, MOST_INSTANTS / thing.duration))
-            states = motion.pose, motion.rates, motion.accelerations
+            states = motion.coordinates, motion.rates, motion.accelerations
             return own, thing.model, lambda model: over_samples(model.coordinate_regressor, *states)[0], _any
         case Recording():
             own_case = thing.case if case is None else case

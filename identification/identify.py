@@ -179,7 +179,7 @@ def _identified(
 
 def default_model(recording: Recording, case: Case) -> int:
     """Number of a recording's largest model: 9 moving, 5 standing with struts, 6 and 0 of joints, 0 of orientations."""
-    if recording.struts is None:
+    if recording.drives is None:
         return 0
     most = full_model(case)
     return most if recording.t is not None else 5 if most > RIGID else 0
@@ -204,7 +204,7 @@ def standing_of(
     if recording.t is None:
         if poses is None and not asked:
             return recording, None
-        if poses is not None and recording.struts is not None and (part := among(recording, case, poses)) is not None:
+        if poses is not None and recording.drives is not None and (part := among(recording, case, poses)) is not None:
             return part, {"count": len(part.forces), "matched_to_poses": True, "found_by": "row"}
         raise RecordingError(
             place=recording.source,
@@ -360,7 +360,7 @@ def evaluated_samples(clean: CleanRun, case: Case, model: Model, treatment: Trea
         return treatment.run(recording, case, model)
     if recording.t is None or case.setup == "1a":
         return standstills(recording, case, model)
-    if recording.struts is None:
+    if recording.drives is None:
         run = wrist_run(recording, case, model)
         wide = wrist_run(recording, case, model, widest_band(recording, *recording.others), run.filter.cutoff)
         return replace(run, wide=wide, narrow=narrow_run(recording, case, model))

@@ -195,7 +195,7 @@ def identify_models(
 
 def carried(run: Recording, case: Case) -> dict[int, Model]:
     """The models that a run, whose standstills are averaged already, can be evaluated by, by number."""
-    moves, placed, usual = run.t is not None and case.setup != "1a", run.struts is not None, default_model(run, case)
+    moves, placed, usual = run.t is not None and case.setup != "1a", run.drives is not None, default_model(run, case)
     models = models_of(case)
     if not moves:
         return {n: m for n, m in models.items() if not m.needs_motion and (placed or not m.needs_position)}

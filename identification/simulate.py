@@ -131,7 +131,7 @@ def simulate_recording(
     step = 1.0 / simulation.encoder_rate_Hz
     t: Array = np.arange(int(np.floor(execution.duration / step + 1e-9)) + 1) * np.float64(step)
     delay = simulation.force_delay + simulation.force_sampling_offset_cycles * step
-    struts, motion = execution.struts(t), execution.kinematics(np.clip(t - delay, 0.0, execution.duration))
+    struts, motion = execution.drives(t), execution.kinematics(np.clip(t - delay, 0.0, execution.duration))
     forces = force_parts(case, motion, step, around).sum(axis=0)
     draw = np.random.default_rng(seed)
     forces += draw.normal(size=forces.shape) * simulation.force_noise

@@ -175,8 +175,8 @@ class PoseErrors:
         """
         count = min(MOST_SAMPLES, max(2, int(np.ceil(motion.duration * 1000.0))))
         states = motion.at((np.arange(count) + 0.5) * motion.duration / count)
-        matrices = over_samples(model.coordinate_regressor, states.pose, states.rates, states.accelerations)[0]
-        struts = self.hexapod.strut_lengths(states.pose)
+        matrices = over_samples(model.coordinate_regressor, states.coordinates, states.rates, states.accelerations)[0]
+        struts = self.hexapod.strut_lengths(states.coordinates)
         return self.scatter(matrices.reshape(count, 6, -1) * scaling, struts, motion.duration)
 
 
@@ -219,4 +219,4 @@ def mean_information(model: Model, scaling: Array, trajectory: Trajectory, rate:
     """
     count = max(2, int(np.ceil(trajectory.duration * rate)))
     motion = trajectory.at((np.arange(count) + 0.5) * trajectory.duration / count)
-    return information_over(model, scaling, (motion.pose, motion.rates, motion.accelerations))
+    return information_over(model, scaling, (motion.coordinates, motion.rates, motion.accelerations))

@@ -205,7 +205,7 @@ def by_controller(motion: Joined, case: Case, place: str) -> Joined:
                 timed = partial(_timed, part, case, cycle)
                 yield fastest_within_limits(case, timed, f"{place}, move {number}", _REMEDY)
             else:
-                yield Standstill(part.at([0.0]).pose[0], float(np.ceil(part.duration / cycle - 1e-9)) * cycle)
+                yield Standstill(part.at([0.0]).coordinates[0], float(np.ceil(part.duration / cycle - 1e-9)) * cycle)
 
     return Joined(tuple(parts()))
 

@@ -21,7 +21,7 @@ class ToHome:
     words for this block; its operator must see to it.
     """
 
-    pose: Array  # coordinates at home, shape (k,) [m or rad]
+    coordinates: Array  # at home, shape (k,) [m or rad]
     # most that the crawl may use: along the path of the origin [m/s]; of a chain the share of the limits of its joints
     feed: float
 
@@ -146,8 +146,8 @@ def pieces(motion: Trajectory, degree: int, longest: float, tolerance: tuple[flo
 
 def _hermite(motion: Trajectory, times: Array, degree: int) -> PolynomialMotion:
     at, steps = motion.at(times), np.diff(times)[:, None]
-    p, v, a = at.pose[:-1], at.rates[:-1] * steps, at.accelerations[:-1] * steps**2
-    way, w, b = at.pose[1:] - p, at.rates[1:] * steps, at.accelerations[1:] * steps**2
+    p, v, a = at.coordinates[:-1], at.rates[:-1] * steps, at.accelerations[:-1] * steps**2
+    way, w, b = at.coordinates[1:] - p, at.rates[1:] * steps, at.accelerations[1:] * steps**2
     if degree == 3:
         shares = np.stack([p, v, 3 * way - 2 * v - w, v + w - 2 * way])
     else:
@@ -160,17 +160,17 @@ def _hermite(motion: Trajectory, times: Array, degree: int) -> PolynomialMotion:
 def even_deviation(spline: PolynomialMotion, motion: Trajectory) -> tuple[float, float]:
     """Largest distance from a motion at the same instant, positions [m] and angles [rad]."""
     t = _within(spline, np.linspace(0.0, 1.0, CHECKS + 1))
-    return _distance(spline.at(t).pose, motion, t)
+    return _distance(spline.at(t).coordinates, motion, t)
 
 
 def path_speed_deviation(spline: PolynomialMotion, motion: Trajectory) -> tuple[float, float]:
     """The same where the origin passes each piece at constant speed along its path, in the time planned for it."""
     p, even = np.linspace(0.0, 1.0, 8 * CHECKS + 1), np.linspace(0.0, 1.0, CHECKS + 1)
-    origins = spline.at(_within(spline, p)).pose[:, :3].reshape(len(spline.durations), len(p), 3)
+    origins = spline.at(_within(spline, p)).coordinates[:, :3].reshape(len(spline.durations), len(p), 3)
     ways = np.cumsum(np.linalg.norm(np.diff(origins, axis=1, prepend=origins[:, :1]), axis=2), axis=1)
     shares = [way / way[-1] if way[-1] > 1e-12 else p for way in ways]
     passed = np.array([np.interp(even, share, p) for share in shares])
-    return _distance(spline.at(_within(spline, passed)).pose, motion, _within(spline, even))
+    return _distance(spline.at(_within(spline, passed)).coordinates, motion, _within(spline, even))
 
 
 def _within(spline: PolynomialMotion, shares: Array) -> Array:
@@ -179,7 +179,7 @@ def _within(spline: PolynomialMotion, shares: Array) -> Array:
 
 
 def _distance(poses: Array, motion: Trajectory, t: Array) -> tuple[float, float]:
-    off = poses - motion.at(np.minimum(t, motion.duration)).pose
+    off = poses - motion.at(np.minimum(t, motion.duration)).coordinates
     return float(np.linalg.norm(off[:, :3], axis=1).max()), float(np.abs(off[:, 3:]).max())
 
 
@@ -193,4 +193,4 @@ def timed_path(name: str, trajectory: Trajectory, block: float, speed: float) ->
     knots = trajectory.times if isinstance(trajectory, PolynomialMotion) else np.array([0.0, trajectory.duration])
     times = divided(knots, block, 1 if len(knots) > 2 else 2)
     motion = trajectory if speed == 1.0 else Slowed(trajectory, speed)
-    return TimedPath(name, times / speed, trajectory.at(times).pose, motion)
+    return TimedPath(name, times / speed, trajectory.at(times).coordinates, motion)

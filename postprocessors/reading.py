@@ -122,7 +122,7 @@ class Reading:
             if isinstance(part, Untimed):
                 last_pose = part.end
             elif isinstance(part, Timed):
-                last_pose = part.points.at([part.points.duration]).pose[0]
+                last_pose = part.points.at([part.points.duration]).coordinates[0]
             elif part.trigger and part.duration > 0.0 and last_pose is not None:
                 poses.append(last_pose)
         return np.array(poses)
@@ -148,7 +148,7 @@ class Grouping:
         self.exact_stop, self.switch_at_rest = exact_stop, switch_at_rest  # in the words of the language
         self.stretches: list[Stretch] = []
         self.start: Array | None = None
-        self.pose: Array | None = None
+        self.coordinates: Array | None = None
         self.trigger = False
         self.switched = 0  # line that switched the trigger last
         self.waiting: tuple[int, bool] | None = None  # line of a switch with the next motion, and whether on
@@ -161,11 +161,11 @@ class Grouping:
 
     def stand(self, pose: Array) -> None:
         """Sets the pose before the start, to which the program itself does not bring the machine."""
-        self.start = self.pose = pose
+        self.start = self.coordinates = pose
 
     def stand_near(self, pose: Array, within: Array) -> None:
         """Sets the pose before the start, from which the machine is no further away than `within`, shape (k,)."""
-        self.pose, self.checked = pose, (pose, within)
+        self.coordinates, self.checked = pose, (pose, within)
 
     def pause(self, line: int, duration: float, switches: bool = False) -> None:
         """Adds a standstill [s]; `switches`: whether the trigger waits for no longer than this."""
@@ -188,7 +188,7 @@ class Grouping:
         if self.timed and self.waiting is not None:
             raise self.error(self.waiting[0], "the trigger switches in the middle of a path", "switch at rest")
         self._settle_trigger()
-        if self.pose is None:
+        if self.coordinates is None:
             raise self.error(block[0], "a timed block starts from an unknown pose", "first move home at a feed (G94)")
         if exact:
             raise self.error(block[0], "a timed block under exact stop lasts longer", "write G64")
@@ -217,14 +217,16 @@ class Grouping:
             problem = "a move at a feed without exact stop is blended into the next, its path is not known"
             raise self.error(line, f"{problem}", f"write {self.exact_stop}")
         self.stretches.append(
-            Untimed(line, self.pose if start is None else start, end, feed, linear, arc, self.trigger, *law, within)
+            Untimed(
+                line, self.coordinates if start is None else start, end, feed, linear, arc, self.trigger, *law, within
+            )
         )
-        self.pose = end
+        self.coordinates = end
 
     def rows(self, line: int, cycle: float, poses: Array, rates: Array, accelerations: Array) -> None:
         """Adds a path row by row, from rest to rest, whose first row is at `line`; arguments as `Tabulated`."""
         self._finish_path()
-        self.pose = poses[-1]
+        self.coordinates = poses[-1]
         times = np.asarray(np.arange(len(poses)) * cycle, dtype=float)
         lines = tuple(range(line + 1, line + len(times)))
         self.stretches.append(Timed(lines, Tabulated(times, poses, rates, accelerations), self.trigger))
@@ -245,12 +247,12 @@ class Grouping:
     def _finish_path(self) -> None:
         if self.timed:
             self.stretches.append(Timed(tuple(line for line, *_ in self.timed), self._path(), self.trigger))
-            self.pose, self.timed = self.timed[-1][2], []
+            self.coordinates, self.timed = self.timed[-1][2], []
 
     def _path(self) -> TimedPoints | PolynomialMotion:
         lines, times, ends, polynomials = zip(*self.timed, strict=True)
         if not any(own is not None for own in polynomials):
-            return TimedPoints.through(np.cumsum([0.0, *times]), np.vstack([np.array(self.pose), *ends]))
+            return TimedPoints.through(np.cumsum([0.0, *times]), np.vstack([np.array(self.coordinates), *ends]))
         pieces = []
         for line, time, own in zip(lines, times, polynomials, strict=True):
             if own is None:

@@ -100,7 +100,7 @@ def _same_stretches(one: Reading, other: Reading) -> bool:
     def values(part: Stretch) -> list[object]:
         if isinstance(part, Timed):
             at = part.points.at(part.points.times)
-            arrays = part.points.times, at.pose, at.rates, at.accelerations, at.jerks
+            arrays = part.points.times, at.coordinates, at.rates, at.accelerations, at.jerks
             return [type(part.points), part.trigger, *(array.tobytes() for array in arrays)]
         with np.printoptions(floatmode="unique"):
             return [repr(replace(part, line=0))]
@@ -164,19 +164,19 @@ def _require_same(program: Blocks, reading: Reading, guarantees: Guarantees) -> 
 
 
 def _home_of(program: Blocks) -> Array:
-    return next(block.pose for block in program if isinstance(block, ToHome))
+    return next(block.coordinates for block in program if isinstance(block, ToHome))
 
 
 def _same_path(path: TimedPath, stretch: Timed, tolerance: Array, at_start: float) -> bool:
     """Whether a path is the planned one; it begins where the move before it ended."""
     times = stretch.points.times
     if isinstance(stretch.points, PolynomialMotion):
-        off = np.abs(path.poses - stretch.points.at(np.minimum(path.times, times[-1])).pose)
+        off = np.abs(path.poses - stretch.points.at(np.minimum(path.times, times[-1])).coordinates)
         allowed = np.where(path.times[:, None] > 0.0, ROUNDING + tolerance, at_start)
         return bool(np.isclose(path.times[-1], times[-1], rtol=1e-7) and np.all(off <= allowed))
     if len(path.times) != len(times) or not np.allclose(path.times, times, rtol=1e-7, atol=1e-9):
         return False  # F has 6 decimals: 1e-10 of 10 ms a block
-    off = np.abs(path.poses - stretch.points.at(times).pose)
+    off = np.abs(path.poses - stretch.points.at(times).coordinates)
     return bool(np.all(off[0] <= at_start) and np.all(off[1:] <= ROUNDING))
 
 
@@ -201,8 +201,8 @@ def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float)
     if isinstance(trajectory, Standstill) and not trajectory.average:
         return (trajectory,)  # the same duration at any speed
     if isinstance(trajectory, Standstill):
-        settle = (Standstill(trajectory.pose, trajectory.settle),) if trajectory.settle > 0.0 else ()
-        return (*settle, Trigger(True), Standstill(trajectory.pose, trajectory.average), Trigger(False))
+        settle = (Standstill(trajectory.coordinates, trajectory.settle),) if trajectory.settle > 0.0 else ()
+        return (*settle, Trigger(True), Standstill(trajectory.coordinates, trajectory.average), Trigger(False))
     if isinstance(trajectory, PolynomialMotion):
         return (timed_path(name, trajectory.slowed(speed), block, 1.0),)
     return (timed_path(name, trajectory, block, speed),)
@@ -220,7 +220,7 @@ def excitation_program(trajectory: Trajectory, case: Case, speed: float = 1.0) -
     home, box = case.need_motion("a program")
     controller = case.need_controller("a program")
     safe = controller.safe_feed if box.of_pose else controller.safe_share
-    first, last = trajectory.at([0.0, trajectory.duration]).pose
+    first, last = trajectory.at([0.0, trajectory.duration]).coordinates
     blocks: list[Block] = [ToHome(home, safe * min(1.0, speed))]
     excitation = motion_blocks("excitation", trajectory, controller.block, speed)
     own_time = not any(isinstance(b, TimedPath) for b in excitation)

@@ -37,15 +37,15 @@ class PoseExecution:
         """A grid of half a millisecond: the motion is smooth."""
         return np.linspace(0.0, self.duration, 1 + int(np.ceil(self.duration * FINE)))
 
-    def struts(self, t: ArrayLike, order: int = 0) -> Array:
+    def drives(self, t: ArrayLike, order: int = 0) -> Array:
         motion = self.trajectory.at(t)
         if order == 0:
-            return self.machine.strut_lengths(motion.pose)
-        return over_samples(self.machine.strut_motion, motion.pose, motion.rates, motion.accelerations)[order]
+            return self.machine.strut_lengths(motion.coordinates)
+        return over_samples(self.machine.strut_motion, motion.coordinates, motion.rates, motion.accelerations)[order]
 
     def kinematics(self, t: ArrayLike) -> Kinematics:
         motion = self.trajectory.at(t)
-        return kinematics_of_coordinates(motion.pose, motion.rates, motion.accelerations)
+        return kinematics_of_coordinates(motion.coordinates, motion.rates, motion.accelerations)
 
 
 def kinematics_of_coordinates(pose: ArrayLike, rates: ArrayLike, accelerations: ArrayLike) -> Kinematics:

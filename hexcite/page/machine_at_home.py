@@ -70,7 +70,7 @@ def near(case: Case | None, chain: Chain | None) -> tuple[Near, ...]:
 def _quantities(case: Case | None, chain: Chain | None) -> Iterable[Quantity]:
     if chain is not None:
         still = StandingPoses(drawn_pose(chain)[None]).at([0.0])
-        yield from _ends(chain, still.pose)
+        yield from _ends(chain, still.coordinates)
         yield from body_clearances(still.t, chain_frames(still, chain), chain)
     elif case is not None and case.limits is not None:
         machine = LimitedHexapod.of(case)

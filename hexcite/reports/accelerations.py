@@ -25,7 +25,7 @@ def planned_accelerations(case: Case, motion: Trajectory, begins: float = 0.0) -
     state = [ca.SX.sym(name, machine.count) for name in ("coordinates", "rates", "accelerations")]
     function = ca.Function("twist_rate", state, [ca.densify(machine.frame(*state)[3])])
     path = sample(motion, RATE)
-    return path.t + begins, over_samples(function, path.pose, path.rates, path.accelerations)[0]
+    return path.t + begins, over_samples(function, path.coordinates, path.rates, path.accelerations)[0]
 
 
 def measured_accelerations(estimate: Estimate) -> Accelerations | None:

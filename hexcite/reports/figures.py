@@ -19,7 +19,7 @@ def motion_blocks(case: Case, motion: Motion) -> tuple[Chart, ...]:
     """Position, velocity and acceleration over time, each axis with its own limits."""
     home, box = case.need_motion("the report")
     rows = (
-        ("position from home", "mm", "deg", motion.pose - home, box.pose, 1 / MM, 1 / DEG),
+        ("position from home", "mm", "deg", motion.coordinates - home, box.coordinates, 1 / MM, 1 / DEG),
         ("velocity", "mm/s", "deg/s", motion.rates, np.outer((-1, 1), box.rate), 1 / MM, 1 / DEG),
         ("acceleration", "m/s²", "rad/s²", motion.accelerations, np.outer((-1, 1), box.acceleration), 1.0, 1.0),
     )

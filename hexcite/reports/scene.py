@@ -219,7 +219,7 @@ def _rows(places: Iterable[Array]) -> Array:
 def _hexapod(case: Case, motion: Motion) -> tuple[Array, tuple[Part, ...]]:
     machine, workspace, _ = case.need_machine("the picture of the machine")
     place = np.tile(np.eye(4), (len(motion.t), 1, 1))
-    place[:, :3, :3], place[:, :3, 3] = rotation_motion(motion)[0], motion.pose[:, :3]
+    place[:, :3, :3], place[:, :3, 3] = rotation_motion(motion)[0], motion.coordinates[:, :3]
     base, platform = machine.base.points / MM, machine.platform.points / MM
     struts = [(np.stack(ends), (BASE, 1)) for ends in zip(base, platform, strict=True)]
     parts = [

@@ -97,7 +97,7 @@ SEED = 0
 def box_middle(case: Case) -> tuple[Array, Array]:
     """Middle of the box of coordinates and half of its width, shapes (n,) [m or rad]."""
     home, limits = case.need_motion("planning")
-    low, high = limits.pose
+    low, high = limits.coordinates
     return home + (low + high) / 2, np.asarray((high - low) / 2)
 
 
@@ -106,7 +106,7 @@ def uniform_states(case: Case, count: int, seed: int) -> tuple[Array, Array, Arr
     home, box = case.need_motion("the reference scaling")
     shape = (count, len(home))
     draw = np.random.default_rng(seed)
-    pose = home + draw.uniform(box.pose[0], box.pose[1], shape)
+    pose = home + draw.uniform(box.coordinates[0], box.coordinates[1], shape)
     rates = draw.uniform(-box.rate, box.rate, shape)
     return pose, rates, draw.uniform(-box.acceleration, box.acceleration, shape)
 
@@ -168,7 +168,7 @@ def executed_information(model: Model, scaling: Array, execution: Execution, win
 
     low_pass = Filter(cutoff, 1.0 / RATE)
     t = np.arange(int(execution.duration * RATE) + 1) / RATE
-    struts = execution.struts(t)
+    struts = execution.drives(t)
     inside = t[low_pass.margin : -low_pass.margin]
     rows = np.zeros(len(inside), dtype=bool)
     for start, end in windows:

@@ -115,7 +115,7 @@ def compared(recording: Recording, case: Case, plan: Planned) -> Comparison | No
         case: machine of both.
         plan: plan for this machine.
     """
-    if recording.t is None or recording.struts is None:
+    if recording.t is None or recording.drives is None:
         return None
     good = np.flatnonzero(~recording.bad)[:: max(1, recording.rows // MOST_SAMPLES)]
     if len(good) < FEWEST:
@@ -123,8 +123,8 @@ def compared(recording: Recording, case: Case, plan: Planned) -> Comparison | No
     machine, motion = machine_of(case), plan.motion
     count = int(min(MOST_SAMPLES, max(FEWEST, motion.duration * PLAN_RATE)))
     t = np.linspace(0.0, motion.duration, count)
-    drives = machine.drives(motion.at(t).pose)
-    if drives.shape[1] != recording.struts.shape[1]:
+    drives = machine.drives(motion.at(t).coordinates)
+    if drives.shape[1] != recording.drives.shape[1]:
         return None
     scale = np.empty(drives.shape[1])
     for turns, least in zip((False, True), LEAST_RANGE, strict=True):
@@ -134,7 +134,7 @@ def compared(recording: Recording, case: Case, plan: Planned) -> Comparison | No
     length = float(np.linalg.norm(np.diff(drives / scale, axis=0), axis=1).sum())
     step = max(STEP, length / MOST_POINTS)
     planned = _walked(t, drives, scale, step)
-    struts = _without_glitches(recording.struts[good])
+    struts = _without_glitches(recording.drives[good])
     run = _walked(recording.t[good], struts, scale, step)
     if min(len(planned.t), len(run.t)) < FEWEST:
         return None
@@ -325,12 +325,12 @@ def _in_coordinates(comparison: Comparison, points: Indices) -> Array | None:
 def _shifts(comparison: Comparison, figures: dict[str, Any]) -> list[_Said]:
     """What to say of a run whose path is the plan's at another place."""
     _, limits = comparison.case.need_motion("the comparison with a plan")
-    poses = comparison.plan.motion.at(comparison.planned.t[comparison.pairs[:, 0]]).pose
+    poses = comparison.plan.motion.at(comparison.planned.t[comparison.pairs[:, 0]]).coordinates
     measured = _in_coordinates(comparison, comparison.pairs[:, 1])
     if measured is None:
         return []
     apart = np.median(measured - poses, axis=0)
-    ranges = np.ptp(comparison.plan.motion.at(comparison.planned.t).pose, axis=0)
+    ranges = np.ptp(comparison.plan.motion.at(comparison.planned.t).coordinates, axis=0)
     least = np.maximum(SHIFTED * ranges, np.where(limits.turns, LEAST_SHIFT[1], LEAST_SHIFT[0]))
     far = np.flatnonzero(np.abs(apart) > least)
     if not len(far):
@@ -420,7 +420,7 @@ def _astray(comparison: Comparison, i: int, i_next: int, j: int, j_next: int) ->
     measured = _in_coordinates(comparison, np.array([j + nearest]))
     if measured is None:
         return ""
-    pose = comparison.plan.motion.at(comparison.planned.t[[i + worst]]).pose[0]
+    pose = comparison.plan.motion.at(comparison.planned.t[[i + worst]]).coordinates[0]
     apart = measured[0] - pose
     size = np.abs(apart) / np.where(limits.turns, DEG, MM)
     k = int(size.argmax())
@@ -520,7 +520,7 @@ def _passed(comparison: Comparison) -> list[_Part]:
     edges = motion.starts if isinstance(motion, Joined) else np.linspace(0.0, motion.duration, PARTS + 1)
     machine = machine_of(comparison.case)
     places, between = (
-        machine.drives(motion.at(t).pose) / comparison.scale for t in (edges, (edges[:-1] + edges[1:]) / 2.0)
+        machine.drives(motion.at(t).coordinates) / comparison.scale for t in (edges, (edges[:-1] + edges[1:]) / 2.0)
     )
     away_from = [np.linalg.norm(other - places[:-1], axis=1) for other in (places[1:], between)]
     groups = np.split(np.arange(len(edges)), 1 + np.flatnonzero(np.maximum(*away_from) > SAME_PLACE))  # stays

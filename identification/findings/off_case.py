@@ -94,19 +94,19 @@ def without(recording: Recording, case: Case, sizes: Sizes) -> tuple[Recording, 
 
 def _recorded(recording: Recording, case: Case, key: str, size: Array) -> Recording:
     """A recording without what a size does to it."""
-    drives, t = recording.struts, recording.t
+    drives, t = recording.drives, recording.t
     if key == "gain_percent":
         return replace(recording, forces=recording.forces / (1.0 + size))
     if key == "clock_ppm" and t is not None:
         return replace(recording, t=t[0] + (t - t[0]) / (1.0 + size[0]))
     if drives is not None and key == "encoder_scale_ppm":
         middle = np.nanmean(drives, axis=0)
-        return replace(recording, struts=middle + (drives - middle) * (1.0 + size))
+        return replace(recording, drives=middle + (drives - middle) * (1.0 + size))
     if drives is not None and key.startswith("joint_zeros") and case.chain is not None:
         turns = np.array([joint.turns for joint in case.chain.joints])
         zeros = np.zeros(len(turns))
         zeros[turns == key.endswith("deg")] = size
-        return replace(recording, struts=drives + zeros)
+        return replace(recording, drives=drives + zeros)
     return recording
 
 

@@ -51,11 +51,11 @@ class LimitedChain:
             if own.any():
                 labels = tuple(label for label, k in zip(self.chain.names, own, strict=True) if k)
                 low, high = self.chain.position[:, own]
-                yield Quantity.between(kind, labels, motion.pose[:, own], low, high)
+                yield Quantity.between(kind, labels, motion.coordinates[:, own], low, high)
 
     def drives(self, motion: Motion) -> tuple[Array, Array, Array]:
         """The joints themselves."""
-        return motion.pose, motion.rates, motion.accelerations
+        return motion.coordinates, motion.rates, motion.accelerations
 
     def mechanics(self, motion: Motion) -> tuple[LoadMotion, Iterable[Quantity]]:
         """Torques of the drives, and distances of bodies."""
@@ -146,7 +146,7 @@ def chain_frames(motion: Motion, chain: Chain) -> Frames:
     count, frames = len(motion.t), []
     total: _Frames = (np.tile(np.eye(4), (count, 1, 1)), np.zeros((count, 4, 4)), np.zeros((count, 4, 4)))
     for k, joint in enumerate(chain.joints):
-        total = _times(total, _moved(joint, motion.pose[:, k], motion.rates[:, k], motion.accelerations[:, k]))
+        total = _times(total, _moved(joint, motion.coordinates[:, k], motion.rates[:, k], motion.accelerations[:, k]))
         frames.append(total)
     to_sensor = _placed(chain.sensor)
     first, second, third = (frame @ to_sensor for frame in total)

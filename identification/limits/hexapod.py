@@ -31,7 +31,7 @@ class LimitedHexapod:
     def ranges(self, motion: Motion) -> Iterable[Quantity]:
         """Distances of the platform from home, as far as it can reach."""
         low, high = self.workspace.room
-        offset = motion.pose[:, : len(low)] - self.machine.home.vector[: len(low)]
+        offset = motion.coordinates[:, : len(low)] - self.machine.home.vector[: len(low)]
         yield Quantity.between(LimitKind.WORKSPACE_POSITION, ("x", "y", "z")[: len(low)], offset, low, high)
 
     def drives(self, motion: Motion) -> tuple[Array, Array, Array]:
@@ -88,7 +88,7 @@ def strut_vectors(
     """Strut vectors and their first and second derivative, shapes (n, 6, 3), and the platform's normal, (n, 3)."""
     turn, first, second = rotation
     points = machine.platform.points.T
-    strut = motion.pose[:, None, :3] + (turn @ points).transpose(0, 2, 1) - machine.base.points
+    strut = motion.coordinates[:, None, :3] + (turn @ points).transpose(0, 2, 1) - machine.base.points
     velocity = motion.rates[:, None, :3] + (first @ points).transpose(0, 2, 1)
     acceleration = motion.accelerations[:, None, :3] + (second @ points).transpose(0, 2, 1)
     return strut, velocity, acceleration, turn[:, :, 2]
@@ -106,7 +106,7 @@ def _keep_out(motion: Motion, turn: Array, base: Array, strut: Array, workspace:
     """Distance of platform, struts and tools from each box; at 1 m/s at most 0.05 mm smaller between two instants."""
     for box in workspace.keep_out:
         labels = guarded(workspace)
-        distance = distances(box, workspace, motion.pose[:, :3], turn, base, strut)
+        distance = distances(box, workspace, motion.coordinates[:, :3], turn, base, strut)
         yield Quantity.clear(Limit(LimitKind.DISTANCE_FROM_BOX, box.name), labels, distance, box.vicinity)
 
 
@@ -177,7 +177,7 @@ def _singularity(motion: Motion, strut: Array, direction: Array, machine: Hexapo
     at_home = (machine.platform.points @ turned(home[3:]).T)[None]
     standing = home[:3] + at_home - machine.base.points
     unit = standing / np.linalg.norm(standing, axis=2)[:, :, None]
-    arms = strut + machine.base.points - motion.pose[:, None, :3]
+    arms = strut + machine.base.points - motion.coordinates[:, None, :3]
     determinant = (_determinant(direction, arms) / _determinant(unit, at_home))[:, None]
     ratio = np.nan_to_num(1.0 - determinant, nan=np.inf)
     return Quantity(Limit(LimitKind.SINGULARITY), ("",), determinant, np.zeros((2, 1)), ratio)

@@ -80,8 +80,8 @@ def of_coordinates(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantit
     """Coordinates and their derivatives."""
     home, limits = case.need_motion("the proof of limits")
     if in_box:
-        low, high = limits.pose
-        yield from _by_kind((LimitKind.POSITION, LimitKind.ANGLE), motion.pose - home, low, high, limits)
+        low, high = limits.coordinates
+        yield from _by_kind((LimitKind.POSITION, LimitKind.ANGLE), motion.coordinates - home, low, high, limits)
     yield from limited_machine(case).ranges(motion)
     yield from _rates(motion, limits)
     a, j = limits.acceleration, limits.jerk

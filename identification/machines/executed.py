@@ -11,6 +11,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cases.base.renamed import renamed
 from cases.base.units import Array
 from cases.sensors import Disturbances
 from identification.machines.casadi_batch import over_samples
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
 
+@renamed(struts="drives")
 @dataclass(frozen=True, slots=True)
 class Execution:
     """What the machine did, from time 0 to `duration`, under a controller that interpolates drives as LinuxCNC does.
@@ -59,7 +61,7 @@ class Execution:
         """The spline's knots, shape (n,) [s]: accelerations of the drives are straight lines between them."""
         return np.unique(self.spline.t)
 
-    def struts(self, t: ArrayLike, order: int = 0) -> Array:
+    def drives(self, t: ArrayLike, order: int = 0) -> Array:
         """Drives at times t, or their first or second derivatives, shape (n, k)."""
         return np.asarray(self.spline(t, nu=order))
 
@@ -84,7 +86,7 @@ def executed_motion(execution: Execution, t: Array) -> Motion:
         pose = moving.pose
         rates, accelerations = over_samples(coordinate_rates(), pose, moving.twist, moving.twist_rate)
     else:
-        pose, rates, accelerations = (execution.struts(t, order) for order in range(3))
+        pose, rates, accelerations = (execution.drives(t, order) for order in range(3))
     return Motion(t, pose, rates, accelerations, np.zeros_like(pose))
 
 
@@ -101,7 +103,7 @@ def instants(windows: Array, rate: float = RATE) -> Array:
 
 def path_error(planned: Trajectory, execution: Execution, windows: Array) -> float:
     """Largest distance of the executed position from the planned path in windows, shape (k, 2) [s], at any pace [m]."""
-    path = execution.machine.positions(sample(planned, PLAN_RATE).pose)
+    path = execution.machine.positions(sample(planned, PLAN_RATE).coordinates)
     executed = execution.kinematics(np.clip(instants(windows), 0.0, execution.duration)).pose[:, :3]
     return largest_distance(executed, path)
 
@@ -149,7 +151,7 @@ def rippled(execution: Execution, disturbances: Disturbances, seed: int) -> Exec
 
     t = np.arange(0.0, execution.duration + 2 * RIPPLE_STEP, RIPPLE_STEP)
     inside = np.clip(t, 0.0, execution.duration)
-    lengths, speeds = execution.struts(inside), execution.struts(inside, 1)
+    lengths, speeds = execution.drives(inside), execution.drives(inside, 1)
     draw = np.random.default_rng([seed, 1])
     band = (0.05 * disturbances.strut_velocity_band_Hz, disturbances.strut_velocity_band_Hz)
     sections = butter(3, band, btype="bandpass", fs=1.0 / RIPPLE_STEP, output="sos")

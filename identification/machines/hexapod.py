@@ -363,5 +363,5 @@ def _keep_out(case: Case, hexapod: Hexapod, pose: ca.SX) -> list[ca.SX]:
             for point, radius in points
         )
     )
-    at_rest = ca.Function("distances", [pose], [distances])(hexapod.home + limits.pose.mean(axis=0)).full()
+    at_rest = ca.Function("distances", [pose], [distances])(hexapod.home + limits.coordinates.mean(axis=0)).full()
     return [ca.exp((np.clip(at_rest / 2, 0.0, CLEARANCE) - distances) / VICINITY)]

@@ -72,7 +72,7 @@ class RetimedMotion:
         )
         p, c, j = pace[:, None], change[:, None], third[:, None]
         return Motion(
-            time, q.pose, first * p, second * p**2 + first * c, last * p**3 + 3.0 * second * p * c + first * j
+            time, q.coordinates, first * p, second * p**2 + first * c, last * p**3 + 3.0 * second * p * c + first * j
         )
 
 
@@ -148,12 +148,12 @@ def rounded(motion: Trajectory, window: float, step: float) -> list[tuple[Array,
     times, length = np.linspace(0.0, duration, count + 1), duration / count
     first, last = (np.clip(times + shift, 0.0, motion.duration) for shift in (-window, 0.0))
     before, after = motion.at(first), motion.at(last)
-    v, a = (after.pose - before.pose) / window, (after.rates - before.rates) / window
+    v, a = (after.coordinates - before.coordinates) / window, (after.rates - before.rates) / window
     weights = np.ones(QUADRATURE + 1)
     weights[1:-1:2], weights[2:-1:2] = 4.0, 2.0
     q = (
         sum(
-            weight * motion.at(np.clip(times - window * k / QUADRATURE, 0.0, motion.duration)).pose
+            weight * motion.at(np.clip(times - window * k / QUADRATURE, 0.0, motion.duration)).coordinates
             for k, weight in enumerate(weights)
         )
         / weights.sum()
@@ -175,7 +175,7 @@ def keeps_pace(path: Trajectory, case: Case) -> bool:
 def _worst(m: Motion, case: Case) -> float:
     """Largest share of the pace that a limit allows: of rates as they are, of accelerations by its root."""
     limits = case.need_motion("re-timing")[1]
-    struts, most = machine_of(case).further_drives(case, m.pose, m.rates, m.accelerations)
+    struts, most = machine_of(case).further_drives(case, m.coordinates, m.rates, m.accelerations)
     velocity, acceleration = (
         max(np.max(np.abs(own) / limit), np.max(np.abs(values) / others, initial=0.0))
         for own, limit, values, others in zip(
@@ -202,13 +202,13 @@ def _constraint(path: Trajectory, case: Case, shares: Array, hurry: float, force
 
     limits = case.need_motion("re-timing")[1]
     motion = path.at(shares * path.duration)
-    if not all(np.isfinite(v).all() for v in (motion.pose, motion.rates, motion.accelerations)):
+    if not all(np.isfinite(v).all() for v in (motion.coordinates, motion.rates, motion.accelerations)):
         raise UntimedMotion("the path holds values that are not finite")
     ends = np.abs(motion.rates[[0, -1]]) / limits.rate
     if hurry == 1.0 and ends.max() > AT_REST:
         raise UntimedMotion(f"the path has {100 * ends.max():.3g} % of a rate limit at an end; it must rest there")
     by_share = (motion.rates * path.duration, motion.accelerations * path.duration**2)
-    struts, most = machine_of(case).further_drives(case, motion.pose, *by_share)
+    struts, most = machine_of(case).further_drives(case, motion.coordinates, *by_share)
     first, second = (np.hstack([own, values]) for own, values in zip(by_share, struts, strict=True))
     velocity, acceleration = (
         np.concatenate([own, limit]) * (1.0 - UNUSED_SHARE)
@@ -219,10 +219,10 @@ def _constraint(path: Trajectory, case: Case, shares: Array, hurry: float, force
     squares = np.minimum(squares, (hurry / path.duration * (1.0 + 1e-6)) ** 2)
     constant = np.zeros_like(first)
     if forces is not None:
-        still = np.zeros_like(motion.pose)
-        own = forces(motion.pose, still, still)
-        by_change = forces(motion.pose, still, by_share[0]) - own
-        by_square = forces(motion.pose, by_share[0], by_share[1]) - own
+        still = np.zeros_like(motion.coordinates)
+        own = forces(motion.coordinates, still, still)
+        by_change = forces(motion.coordinates, still, by_share[0]) - own
+        by_square = forces(motion.coordinates, by_share[0], by_share[1]) - own
         first, second, constant = (
             np.hstack(pair) for pair in ((first, by_change), (second, by_square), (constant, own))
         )
@@ -247,4 +247,4 @@ def _constraint(path: Trajectory, case: Case, shares: Array, hurry: float, force
             )
 
     # Of the path the solver asks the number of coordinates and the interval of s alone: the coefficients are above.
-    return AllLimits(), SplineInterpolator([0.0, 1.0], motion.pose[[0, -1]])
+    return AllLimits(), SplineInterpolator([0.0, 1.0], motion.coordinates[[0, -1]])

@@ -67,7 +67,7 @@ class SerialChain:
     def shares(self, case: Case, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:
         """Clearances, and torques with each number of weights as shares of 80 % of what the drives can do."""
         frames = [(frame.p, frame.turn) for frame in self._links(q, rates, accelerations)]
-        middle = self.chain.home + case.need_chain("planning")[1].pose.mean(axis=0)
+        middle = self.chain.home + case.need_chain("planning")[1].coordinates.mean(axis=0)
         distances = clearance_shares(self.chain, q, middle, frames)
         if not self.chain.limits_effort:
             return distances

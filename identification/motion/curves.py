@@ -88,13 +88,13 @@ class Tabulated:
     """
 
     times: Array  # shape (k,), equal steps from 0 [s]
-    pose: Array  # coordinates, shape (k, n) [m or rad]
+    coordinates: Array  # shape (k, n) [m or rad]
     rates: Array  # shape (k, n) [m/s or rad/s]
     accelerations: Array  # shape (k, n) [m/s^2 or rad/s^2]
 
     def __post_init__(self) -> None:
-        shape = (len(self.times), *self.pose.shape[1:2])
-        if len(self.times) < 2 or any(v.shape != shape for v in (self.pose, self.rates, self.accelerations)):
+        shape = (len(self.times), *self.coordinates.shape[1:2])
+        if len(self.times) < 2 or any(v.shape != shape for v in (self.coordinates, self.rates, self.accelerations)):
             raise ValueError("a table needs two rows or more, each with as many coordinates, rates and accelerations")
 
     @property
@@ -108,7 +108,7 @@ class Tabulated:
         k = np.clip(np.searchsorted(self.times, time, side="right") - 1, 0, len(self.times) - 2)
         step = (self.times[k + 1] - self.times[k])[:, None]
         p = (time - self.times[k])[:, None] / step
-        start, end = self.pose[k], self.pose[k + 1]
+        start, end = self.coordinates[k], self.coordinates[k + 1]
         pose = start * (1 + 2 * p) * (1 - p) ** 2 + end * p**2 * (3 - 2 * p)
         pose += step * p * (1 - p) * (self.rates[k] * (1 - p) - self.rates[k + 1] * p)
         rates = self.rates[k] * (1 - p) + self.rates[k + 1] * p
@@ -151,9 +151,9 @@ class FourierMotion:
         series = self._series(time - self.run_in)
         if self.run_in == 0.0:
             return series
-        fields = [values.copy() for values in (series.pose, series.rates, series.accelerations, series.jerks)]
+        fields = [values.copy() for values in (series.coordinates, series.rates, series.accelerations, series.jerks)]
         begin = self._series(np.zeros(1))
-        state = np.vstack([begin.pose - self.centre, begin.rates, begin.accelerations])
+        state = np.vstack([begin.coordinates - self.centre, begin.rates, begin.accelerations])
         last = self.duration - self.run_in
         before, after = time < self.run_in, time > last
         for rows, matrices in (

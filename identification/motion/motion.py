@@ -6,12 +6,14 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cases.base.renamed import renamed
 from cases.base.units import Array as Array
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
 
+@renamed(pose="coordinates")
 @dataclass(frozen=True, slots=True)
 class Motion:
     """Coordinates of a machine and their time derivatives, one row a sample; ValueError for other shapes.
@@ -20,14 +22,14 @@ class Motion:
     """
 
     t: Array  # time, shape (n,) [s]
-    pose: Array  # coordinates, shape (n, k) [m or rad]
+    coordinates: Array  # shape (n, k) [m or rad]
     rates: Array  # first derivatives, shape (n, k) [m/s or rad/s]
     accelerations: Array  # second derivatives, shape (n, k) [m/s^2 or rad/s^2]
     jerks: Array  # third derivatives, shape (n, k) [m/s^3 or rad/s^3]
 
     def __post_init__(self) -> None:
-        shape = (len(self.t), *self.pose.shape[1:2])
-        for name in ("pose", "rates", "accelerations", "jerks"):
+        shape = (len(self.t), *self.coordinates.shape[1:2])
+        for name in ("coordinates", "rates", "accelerations", "jerks"):
             value = getattr(self, name)
             if value.shape != shape:
                 raise ValueError(f"{name} has shape {value.shape}, expected {shape}")
@@ -122,11 +124,12 @@ def _cubic_at_rest(times: Array, poses: Array) -> "BSpline | None":
     return spline if bool(at_ends.all()) else None
 
 
+@renamed(pose="coordinates")
 @dataclass(frozen=True, slots=True)
 class Standstill:
     """A motion that stays at one pose, and may be measured there when it has settled."""
 
-    pose: Array  # coordinates, shape (n,) [m or rad]
+    coordinates: Array  # shape (n,) [m or rad]
     settle: float  # time that is not measured [s]
     average: float = 0.0  # time after it that is averaged, with the trigger on [s]
 
@@ -138,8 +141,8 @@ class Standstill:
     def at(self, t: ArrayLike) -> Motion:
         """The motion at times t, shape (n,) [s]."""
         time = np.asarray(t, dtype=float)
-        still = [np.zeros((len(time), len(self.pose))) for _ in range(3)]
-        return Motion(time, np.tile(self.pose, (len(time), 1)), *still)
+        still = [np.zeros((len(time), len(self.coordinates))) for _ in range(3)]
+        return Motion(time, np.tile(self.coordinates, (len(time), 1)), *still)
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,11 +184,11 @@ class Joined:
         time = np.asarray(t, dtype=float)
         starts = self.starts
         indices = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, len(self.parts) - 1)
-        values = np.zeros((4, len(time), self.parts[0].at(np.zeros(1)).pose.shape[1]))
+        values = np.zeros((4, len(time), self.parts[0].at(np.zeros(1)).coordinates.shape[1]))
         for k in np.unique(indices):
             part, rows = self.parts[k], indices == k
             state = part.at(np.clip(time[rows] - starts[k], 0.0, part.duration))
-            values[:, rows] = state.pose, state.rates, state.accelerations, state.jerks
+            values[:, rows] = state.coordinates, state.rates, state.accelerations, state.jerks
         return Motion(time, *values)
 
 
@@ -212,7 +215,7 @@ class Slowed:
         time = np.asarray(t, dtype=float)
         fast = self.motion.at(np.clip(time * self.speed, 0.0, self.motion.duration))
         s = self.speed
-        return Motion(time, fast.pose, fast.rates * s, fast.accelerations * s**2, fast.jerks * s**3)
+        return Motion(time, fast.coordinates, fast.rates * s, fast.accelerations * s**2, fast.jerks * s**3)
 
 
 def axis_rotation(axis: int, angle: Array, rate: Array, acceleration: Array) -> tuple[Array, Array, Array]:
@@ -233,7 +236,7 @@ def axis_rotation(axis: int, angle: Array, rate: Array, acceleration: Array) -> 
 
 def rotation_motion(motion: Motion) -> tuple[Array, Array, Array]:
     """R and its first and second time derivative, shapes (n, 3, 3)."""
-    angles, rates, accelerations = motion.pose[:, 3:], motion.rates[:, 3:], motion.accelerations[:, 3:]
+    angles, rates, accelerations = motion.coordinates[:, 3:], motion.rates[:, 3:], motion.accelerations[:, 3:]
     x0, x1, x2 = axis_rotation(0, angles[:, 0], rates[:, 0], accelerations[:, 0])
     y0, y1, y2 = axis_rotation(1, angles[:, 1], rates[:, 1], accelerations[:, 1])
     z0, z1, z2 = axis_rotation(2, angles[:, 2], rates[:, 2], accelerations[:, 2])

@@ -22,6 +22,7 @@ from cases.base.errors import Code, FileProblem, HexciteError, RecordingError, o
 from cases.base.file_reading import read_json
 from cases.base.folder_kinds import RUN
 from cases.base.output_places import check_folder
+from cases.base.renamed import renamed
 from cases.base.text_formats import json_text
 from cases.base.units import Array, Indices, as_html
 from cases.basis import CONTENT, case_of, content_of, recording_basis, require_unchanged
@@ -35,6 +36,7 @@ from identification.recording.record import AGAIN, Executed, RunRecord
 from identification.texts import efficiency_text, share_text
 
 
+@renamed(struts="drives")
 @dataclass(frozen=True, slots=True, repr=False)
 class Recording(Stream):
     """A run: the samples of the forces, with all channels of their clock, and streams of other clocks."""
@@ -273,7 +275,7 @@ def write_recording(file: Path, recording: Recording, case: Case) -> None:
 
     table = {} if recording.t is None else {CLOCK: np.round(recording.t, CLOCK_DECIMALS)}
     groups = (
-        (case.drive_columns, recording.struts),
+        (case.drive_columns, recording.drives),
         (ROTATION, recording.rotations),
         (case.sensor_frame.channels, recording.forces),
         (ACCELEROMETER, recording.specific_forces),

@@ -92,7 +92,7 @@ def _drawn(case: Case) -> tuple[Array, Array, Array, Array]:
     """Coordinates, rates, accelerations and jerks anywhere within the limits of motion of a case, shapes (n, k)."""
     draw = np.random.default_rng(SEED)
     home, limits = case.need_motion("the uncertainty of exported forces")
-    low, high = limits.pose
+    low, high = limits.coordinates
     shape = (STATES, len(home))
     at = home + draw.uniform(low, high, shape)
     most = (limits.rate, limits.acceleration, limits.jerk)

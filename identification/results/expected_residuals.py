@@ -141,9 +141,9 @@ def used_samples(recording: Recording, result: Result, whole: bool) -> Used:
 
 def motion_of(run: Run, delay: float) -> MotionOfSamples:
     """How the load moves at the samples of a run, with its drives, behind the filter of the case."""
-    assert run.recording.struts is not None
+    assert run.recording.drives is not None
     place, speed, acceleration = decimated(
-        run.filter, run.recording.struts, run.rows, [(order, delay) for order in range(3)]
+        run.filter, run.recording.drives, run.rows, [(order, delay) for order in range(3)]
     )
     known = np.ones(len(run.rows), dtype=bool)
     return MotionOfSamples(known, run.kinematics(delay), (place, speed, acceleration), run.machine)

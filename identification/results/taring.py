@@ -103,8 +103,8 @@ def tare(recording: Recording, result: Result) -> Result:
 
 def _require_still(recording: Recording, case: Case) -> None:
     """Raises IdentificationError where drives move by more than they do in a standstill."""
-    travel = 0.0 if recording.struts is None else float(np.ptp(recording.struts[~recording.bad], axis=0).max())
-    noise = 0.0 if recording.struts is None else float(white_noise(recording.struts).max())
+    travel = 0.0 if recording.drives is None else float(np.ptp(recording.drives[~recording.bad], axis=0).max())
+    noise = 0.0 if recording.drives is None else float(white_noise(recording.drives).max())
     if travel > STILL + NOISY * noise:
         drives, unit = case.drive_words
         most = (STILL + NOISY * noise) * 1e3

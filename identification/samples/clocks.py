@@ -27,7 +27,7 @@ ROUNDING = 1e-6  # of a step, that clocks may be off by rounding
 def at_the_motion(recording: Recording, motion: Stream, interval: float, step: float, case: Case) -> Recording:
     """The run at the samples of the motion, which are an interval apart [s], the forces averaged over it."""
     assert motion.t is not None
-    assert motion.struts is not None
+    assert motion.drives is not None
     assert recording.t is not None
     measured = slice(None) if recording.missing is None else ~recording.missing  # the others make a gap
     t, forces = recording.t[measured], recording.forces[measured]
@@ -50,7 +50,7 @@ def at_the_motion(recording: Recording, motion: Stream, interval: float, step: f
     # The neighbours' averages are in the curvature.
     hidden = _reach_a_gap(t, (max(GAP, 0.5 * interval / step) + SLACK) * step, at, 1.5 * interval)
     means = _at_full_range(means, t, forces, at, half, case)
-    run = _at_clock(recording, motion, inside, hidden, "the forces averaged there", motion.struts[inside], means)
+    run = _at_clock(recording, motion, inside, hidden, "the forces averaged there", motion.drives[inside], means)
     return replace(run, averaged=interval / step)
 
 
@@ -107,13 +107,13 @@ def at_the_forces(recording: Recording, motion: Stream) -> Recording:
     """Struts as fast as the forces or faster, on a clock of their own."""
     from scipy.interpolate import CubicSpline
 
-    if recording.struts is not None:
+    if recording.drives is not None:
         return recording
     assert motion.t is not None
-    assert motion.struts is not None
+    assert motion.drives is not None
     assert recording.t is not None
     measured = slice(None) if motion.missing is None else ~motion.missing
-    at, struts = motion.t[measured], motion.struts[measured]
+    at, struts = motion.t[measured], motion.drives[measured]
     usual = float(np.median(np.diff(at)))
     inside = np.flatnonzero((recording.t >= at[0]) & (recording.t <= at[-1]))
     if not len(inside):
@@ -132,7 +132,7 @@ def _at_clock(
     override = _latest(recording, "override", t)
     trigger = _latest(recording, "trigger", t) if clock.trigger is None else clock.trigger[inside]
     return replace(
-        recording, source=clock.source, t=t, struts=struts, forces=forces, trigger=trigger, override=override,
+        recording, source=clock.source, t=t, drives=struts, forces=forces, trigger=trigger, override=override,
         rotations=None, poses=None, specific_forces=None, others=(), lines=clock.lines.later(int(inside[0])),
         missing=hidden | clock.bad[inside], missing_in=(*clock.missing_in, *((what,) if hidden.any() else ())),
     )  # fmt: skip

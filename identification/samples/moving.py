@@ -71,7 +71,7 @@ class Run(Moving):
         It is at most half of that of the fit, for residuals have that noise too. The motion is known where its longer
         filter reaches neither an end nor a gap of the recording.
         """
-        struts = self.recording.struts
+        struts = self.recording.drives
         assert struts is not None
         first, last = self.filter.margin + self.rows[[0, -1]]
         noise, used, quiet = white_noise(struts[first : last + 1][:BLOCK]), self.filter, False
@@ -120,9 +120,9 @@ class Run(Moving):
 
     def _motions(self, *delays: float) -> Iterator[tuple[slice, list[Kinematics]]]:
         """Motion at several delays, piece by piece; raises StrutsDoNotClose with the place in the file."""
-        assert self.recording.struts is not None
+        assert self.recording.drives is not None
         requests = [(order, delay) for delay in delays for order in range(3)]
-        struts = decimated(self.filter, self.recording.struts, self.rows, requests)
+        struts = decimated(self.filter, self.recording.drives, self.rows, requests)
         for begin in range(0, len(self.rows), PIECE):
             piece = slice(begin, begin + PIECE)
             parts = [s[piece] for s in struts]
@@ -147,9 +147,9 @@ class Run(Moving):
             residuals = residuals - matrices @ np.linalg.lstsq(top[:, :-1], top[:, -1], rcond=None)[0]
         data = turned(matrices, residuals, weights, self._places_of(part))
         data = data._replace(share=share, sources=self.sources)
-        assert self.recording.struts is not None
+        assert self.recording.drives is not None
         if self.machine.of_pose:  # the field is one over the lengths of struts
-            struts = self.recording.struts[self.filter.margin + self.rows[part]]
+            struts = self.recording.drives[self.filter.margin + self.rows[part]]
             placed = covariance_by_pose(data, struts, residuals if whitening is None else None)
             if placed is not None:
                 return placed._replace(sources=source_covariance(data))
@@ -264,14 +264,14 @@ def _worth_smoothing(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -
     smoothing = float(triangle[-1, -1] / triangle[-1, -2])
     if std > SAMPLED * run.filter.step**2 and smoothing < CLEAR * std:
         return False
-    assert part.recording.struts is not None
-    draw, struts = np.random.default_rng(0), part.recording.struts.copy()
+    assert part.recording.drives is not None
+    draw, struts = np.random.default_rng(0), part.recording.drives.copy()
     moving = struts[part.filter.margin + part.rows[0] : part.filter.margin + part.rows[-1]][:BLOCK]
     noise = white_noise(moving)  # of each strut [m]
     for first in range(0, len(struts), BLOCK):
         block = struts[first : first + BLOCK]
         block += noise * draw.standard_normal(block.shape)
-    noisy = replace(part, recording=replace(part.recording, struts=struts))
+    noisy = replace(part, recording=replace(part.recording, drives=struts))
     error = (noisy.regressors(delay) @ fit.values[:size] - expected) @ root.T
     bias = float(np.sum(error[inner] * (2.0 * error[inner] - error[inner + 1] - error[inner - 1]))) / run.step**2
     return bool(bias < max(std, smoothing / CLEAR) * information)

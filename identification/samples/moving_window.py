@@ -50,7 +50,7 @@ def on_one_clock(recording: Recording, case: Case) -> Recording:
     if (case.hexapod is None and case.chain is None) or recording.t is None:
         return recording
     motion = _motion(recording, case)
-    if motion is None or motion.t is None or motion.struts is None or len(motion.t) < 2 or len(recording.t) < 2:
+    if motion is None or motion.t is None or motion.drives is None or len(motion.t) < 2 or len(recording.t) < 2:
         return recording
     interval, step = (float(np.median(np.diff(t))) for t in (motion.t, recording.t))
     if interval < OVERSAMPLED * step:
@@ -60,22 +60,22 @@ def on_one_clock(recording: Recording, case: Case) -> Recording:
 
 def _motion(recording: Recording, case: Case) -> Stream | None:
     """The struts with their own clock; None where they have that of the forces."""
-    if recording.struts is not None:
+    if recording.drives is not None:
         return _released(recording)
-    stream = recording.stream_with("struts") or recording.stream_with("poses")
-    if stream is None or stream.poses is None or stream.struts is not None:
+    stream = recording.stream_with("drives") or recording.stream_with("poses")
+    if stream is None or stream.poses is None or stream.drives is not None:
         return stream
-    return replace(stream, struts=Hexapod.of(case).strut_lengths(stream.poses))
+    return replace(stream, drives=Hexapod.of(case).strut_lengths(stream.poses))
 
 
 def _released(recording: Recording) -> Stream | None:
     """The samples of struts that a file holds until the next one comes; None where every row has its own."""
-    assert recording.struts is not None
+    assert recording.drives is not None
     assert recording.t is not None
-    rhythm = _rhythm_of(recording.struts)
+    rhythm = _rhythm_of(recording.drives)
     if rhythm is None:
         cuts = 1 + np.flatnonzero(recording.lost)
-        between = _rhythm_of(max(np.split(recording.struts, cuts), key=len)) if len(cuts) else None
+        between = _rhythm_of(max(np.split(recording.drives, cuts), key=len)) if len(cuts) else None
         if between is not None:
             raise RecordingError(
                 place=f"{recording.source}, {recording.lines.place(int(cuts[0]))}",
@@ -89,7 +89,7 @@ def _released(recording: Recording) -> Stream | None:
     trigger = None if recording.trigger is None else recording.trigger[rows]
     missing = None if recording.missing is None else recording.missing[rows]
     return Stream(
-        recording.source, recording.t[rows], recording.struts[rows], None, None, trigger,
+        recording.source, recording.t[rows], recording.drives[rows], None, None, trigger,
         lines=recording.lines.later(phase, ratio), missing=missing, missing_in=recording.missing_in,
     )  # fmt: skip
 
@@ -118,7 +118,7 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
         IdentificationError: the pose is constant.
     """
     require_position(recording, model)
-    if recording.struts is None:
+    if recording.drives is None:
         raise RecordingError(
             place=recording.source,
             problem="has a clock and rotation matrices",
@@ -129,8 +129,8 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
     warnings: tuple[Finding, ...] = ()
     bad = recording.bad
     invalid = spoilt_by(bad, recording.lost, low_pass)
-    struts = bridged(recording.struts, bad)
-    recording = replace(recording, struts=struts, forces=bridged(recording.forces, bad))
+    struts = bridged(recording.drives, bad)
+    recording = replace(recording, drives=struts, forces=bridged(recording.forces, bad))
     if whole:
         low_pass.require(struts, 0.0)
         window = np.arange(len(struts) - 2 * low_pass.margin)
@@ -159,10 +159,10 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
 
 def stands_only(recording: Recording) -> bool:
     """Whether a run was recorded at standstills alone: its trigger comes on several times and nothing moves with it."""
-    if recording.t is None or recording.struts is None or recording.trigger is None or not delimited(recording.trigger):
+    if recording.t is None or recording.drives is None or recording.trigger is None or not delimited(recording.trigger):
         return False
-    ranges = [np.ptp(recording.struts[w], axis=0).max() for w in stretches(recording.trigger) if w.stop > w.start + 1]
-    return bool(ranges) and bool(max(ranges) < STANDING + NOISY * white_noise(recording.struts).max())
+    ranges = [np.ptp(recording.drives[w], axis=0).max() for w in stretches(recording.trigger) if w.stop > w.start + 1]
+    return bool(ranges) and bool(max(ranges) < STANDING + NOISY * white_noise(recording.drives).max())
 
 
 def delimited(trigger: Flags | None) -> bool:
@@ -269,7 +269,7 @@ def about_left_out(source: str, share: float, low_pass: Filter) -> tuple[Finding
 
 def require_position(recording: Recording, model: Model) -> None:
     """Raises IdentificationError where a model needs the position and the recording has none."""
-    if model.needs_position and recording.struts is None:
+    if model.needs_position and recording.drives is None:
         raise IdentificationError(
             place=recording.source,
             problem=f"model {model.number} needs the platform's position, the recording has orientations only",
@@ -280,9 +280,9 @@ def require_position(recording: Recording, model: Model) -> None:
 
 def _window(recording: Recording, low_pass: Filter, drives: str, unit: str) -> tuple[Indices, tuple[Finding, ...]]:
     """Samples with the trigger on; without a trigger from the first movement out of rest to rest again."""
-    assert recording.struts is not None
+    assert recording.drives is not None
     margin = low_pass.margin
-    low_pass.require(recording.struts, 0.0)
+    low_pass.require(recording.drives, 0.0)
     warnings: tuple[Finding, ...] = ()
     if recording.trigger is not None:
         rows = np.flatnonzero(recording.trigger[margin:-margin])
@@ -294,9 +294,9 @@ def _window(recording: Recording, low_pass: Filter, drives: str, unit: str) -> t
                 code=Code.TRIGGER,
             )
     else:
-        speed = low_pass.apply(recording.struts, 1)
+        speed = low_pass.apply(recording.drives, 1)
         # of noise behind the filter
-        least = SURE * white_noise(recording.struts) * np.sqrt(np.sum(low_pass.kernel(1, 0.0) ** 2))
+        least = SURE * white_noise(recording.drives) * np.sqrt(np.sum(low_pass.kernel(1, 0.0) ** 2))
         moving = np.flatnonzero(np.any(np.abs(speed) > np.maximum(MOVING, least), axis=1))
         rows = np.arange(moving[0], moving[-1] + 1) if len(moving) else np.arange(len(speed))
         if not len(moving):
@@ -309,8 +309,8 @@ def _window(recording: Recording, low_pass: Filter, drives: str, unit: str) -> t
                 unit=unit,
             )
             warnings = (warning(Kind.WINDOW, sentence),)
-    travel = max(float(np.ptp(strut[margin + rows])) for strut in recording.struts.T)
-    least_travel = LEAST_TRAVEL + NOISY * float(white_noise(recording.struts).max())
+    travel = max(float(np.ptp(strut[margin + rows])) for strut in recording.drives.T)
+    least_travel = LEAST_TRAVEL + NOISY * float(white_noise(recording.drives).max())
     if travel < least_travel:
         raise IdentificationError(
             place=recording.source,

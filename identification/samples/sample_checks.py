@@ -166,7 +166,7 @@ def at_full_range(force: Array, most: float) -> Flags:
 
 def _silent(recording: Recording) -> Iterator[Problem]:
     """Force channels that stop changing although the machine moves: a saturated amplifier, a bus that repeats."""
-    if recording.t is None or recording.struts is None or len(recording.t) < LEAST_ROWS:
+    if recording.t is None or recording.drives is None or len(recording.t) < LEAST_ROWS:
         return
     travel = TRAVELLING * float(np.median(np.diff(recording.t)))
     for k in range(6):
@@ -182,7 +182,7 @@ def _silent(recording: Recording) -> Iterator[Problem]:
             # The other channels distinguish a stuck sensor from constant forces.
             span = slice(steps.start, steps.stop + 1)
             others = np.ptp(np.delete(recording.forces[span], k, axis=1), axis=0).max()
-            moves = np.abs(np.diff(recording.struts[span], axis=0)).max(axis=1) > travel
+            moves = np.abs(np.diff(recording.drives[span], axis=0)).max(axis=1) > travel
             if others > (DIGITS * digit if np.isfinite(digit) else 0.0) and moves.mean() > 0.5:
                 rows[span] = True
         if rows.any():
@@ -214,7 +214,7 @@ def _jumping(recording: Recording, case: Case) -> Iterator[Problem]:
 def _leaping(recording: Recording, case: Case) -> Iterator[Problem]:
     """Single samples of the struts too far from their neighbours for any drive."""
     limits = None if case.limits is None else case.limits.motion
-    if recording.t is None or recording.struts is None or len(recording.t) < LEAST_ROWS:
+    if recording.t is None or recording.drives is None or len(recording.t) < LEAST_ROWS:
         return
     if not isinstance(limits, MotionLimits):
         return
@@ -222,7 +222,7 @@ def _leaping(recording: Recording, case: Case) -> Iterator[Problem]:
     most = SWIFT * max(limits.strut_acceleration_m_s2 * step**2, 0.1 * limits.strut_velocity_m_s * step)
     gaps = np.flatnonzero(recording.lost)
     for k in range(6):
-        jumps = np.abs(_from_neighbours(recording.struts[:, k]))
+        jumps = np.abs(_from_neighbours(recording.drives[:, k]))
         for row in (gaps - 1, gaps):  # neighbours that are not neighbours in time
             jumps[row[(row >= 0) & (row < len(jumps))]] = 0.0
         leaps = _peaks(jumps, most)
@@ -274,12 +274,12 @@ def _shaken(recording: Recording, rows: Indices) -> Flags:
     """Whether at or shortly before some samples the acceleration of a strut leaves its neighbours, shape of `rows`."""
     # Encoders see an acceleration through two differences of their steps, far less clearly than force sensors. The
     # limit is low: noise of Gaussian struts hides one glitch in a hundred, but no motion is cut.
-    if recording.struts is None or not len(rows):
+    if recording.drives is None or not len(rows):
         return np.zeros(len(rows), dtype=bool)
-    near = np.clip(rows[:, None] + np.arange(-TOGETHER, TOGETHER + 1), 2, len(recording.struts) - 3)
+    near = np.clip(rows[:, None] + np.arange(-TOGETHER, TOGETHER + 1), 2, len(recording.drives) - 3)
     mask = np.zeros(near.shape, dtype=bool)
-    for k in range(recording.struts.shape[1]):
-        deviations = np.abs(_from_neighbours(np.diff(recording.struts[:, k], 2)))
+    for k in range(recording.drives.shape[1]):
+        deviations = np.abs(_from_neighbours(np.diff(recording.drives[:, k], 2)))
         usual = 1.4826 * _median(deviations)
         if usual > 0.0:
             mask |= deviations[near - 2] > SHAKEN * usual
@@ -295,17 +295,17 @@ def _peaks(size: Array, most: float) -> Indices:
 
 def _outside(recording: Recording, case: Case) -> list[Finding]:
     """Struts beyond what the machine can reach by more than its margin: a run of another machine, or a wrong offset."""
-    if recording.struts is None or case.workspace is None:
+    if recording.drives is None or case.workspace is None:
         return []
     low, high = case.workspace.strut_length
     near = 0.0 if case.limits is None else case.limits.margin.of_length(low, high)  # at an end, encoders are noisy
-    if low - near <= recording.struts.min() and recording.struts.max() <= high + near:
+    if low - near <= recording.drives.min() and recording.drives.max() <= high + near:
         return []
-    beyond = np.maximum(low - recording.struts, recording.struts - high)
+    beyond = np.maximum(low - recording.drives, recording.drives - high)
     row, worst = np.unravel_index(int(beyond.argmax()), beyond.shape)
     others = int((beyond > 0.0).any(axis=0).sum()) - 1
     also = f" (and {others} others)" if others else ""
-    text = f"strut {worst + 1} of {recording.struts[row, worst] / MM:.6g} mm{also} is outside the workspace of "
+    text = f"strut {worst + 1} of {recording.drives[row, worst] / MM:.6g} mm{also} is outside the workspace of "
     text += f"{low / MM:g} to {high / MM:g} mm; check offset and order of the struts, or workspace.strut_length_mm"
     return [warning(Kind.CASE, text, places(recording.lines, (beyond > 0.0).any(axis=1)))]
 
@@ -328,7 +328,7 @@ def _distance(step: float, drive: int, of_drives: bool, case: Case) -> str:
 
 def _require_standstills(recording: Recording, case: Case) -> None:
     """Raises RecordingError where rows without a clock follow each other as samples of a motion do."""
-    for values, small in ((recording.struts, SMALL_STEP), (recording.rotations, SMALL_TURN)):
+    for values, small in ((recording.drives, SMALL_STEP), (recording.rotations, SMALL_TURN)):
         if values is None or len(values) < LEAST_ROWS:
             continue
         flat = values.reshape(len(values), -1)
@@ -340,7 +340,7 @@ def _require_standstills(recording: Recording, case: Case) -> None:
         if 0.0 < step < max(small, share * float(np.ptp(flat[:, most]))) and np.mean(second**2) < SMOOTH**2 * np.mean(
             first**2
         ):
-            distance = _distance(step, most, values is recording.struts, case)
+            distance = _distance(step, most, values is recording.drives, case)
             clock = case.recording.columns.get(CLOCK)
             no_clock = "has no t_s column" if clock is None else f"has no column {clock!r} for t_s, as the case says"
             raise RecordingError(

@@ -43,7 +43,7 @@ def find_standstills(recording: Recording, settle: float) -> list[slice]:
     Raises:
         RecordingError: no struts, no clock, nothing stands still, or the machine moves with the trigger on.
     """
-    if recording.struts is None or recording.t is None:
+    if recording.drives is None or recording.t is None:
         raise RecordingError(
             place=recording.source,
             problem="standstills are found from positions of drives with a clock",
@@ -51,7 +51,7 @@ def find_standstills(recording: Recording, settle: float) -> list[slice]:
             code=Code.MISSING,
         )
     step = recording.step
-    moving = _moving(recording.struts, step)
+    moving = _moving(recording.drives, step)
     trigger = recording.trigger
     if trigger is not None and delimited(trigger):
         windows = stretches(trigger)
@@ -90,7 +90,7 @@ def average(recording: Recording, windows: Sequence[slice]) -> Recording:
     Raises:
         RecordingError: a standstill has too few samples with all values.
     """
-    assert recording.struts is not None
+    assert recording.drives is not None
     rows = [w.start + np.flatnonzero(~recording.bad[w]) for w in windows]
     for w, measured in zip(windows, rows, strict=True):
         if len(measured) < BATCHES:
@@ -102,12 +102,12 @@ def average(recording: Recording, windows: Sequence[slice]) -> Recording:
                 code=Code.TOO_FEW,
             )
     forces = np.array([recording.forces[r].mean(axis=0) for r in rows])
-    struts = np.array([recording.struts[r].mean(axis=0) for r in rows])
+    struts = np.array([recording.drives[r].mean(axis=0) for r in rows])
     variance = np.array([variance_of_mean(recording.forces[r]) for r in rows])
     usual = np.maximum(np.median(variance, axis=0), np.finfo(float).tiny)
     scatter = np.sqrt(np.maximum(np.mean(variance / usual, axis=1), 1e-6))
     return replace(
-        recording, t=None, struts=struts, forces=forces, trigger=None, poses=None,
+        recording, t=None, drives=struts, forces=forces, trigger=None, poses=None,
         rotations=None, specific_forces=None, override=None, others=(), lines=_COUNTED,
         weights=1.0 / scatter, missing=None, missing_in=(),
     )  # fmt: skip
@@ -137,8 +137,8 @@ def among(averages: Recording, case: Case, expected: Array) -> Recording | None:
         averages: averaged standstills.
         expected: poses, in the coordinates of the machine, shape (k, n) [m or rad].
     """
-    assert averages.struts is not None
-    poses, same = machine_of(case).coordinates(averages.struts), _alike(case)
+    assert averages.drives is not None
+    poses, same = machine_of(case).coordinates(averages.drives), _alike(case)
     home, _ = case.need_motion("the match of poses")
     rows: list[int] = []
     for pose in expected:
@@ -157,7 +157,7 @@ def among(averages: Recording, case: Case, expected: Array) -> Recording | None:
         evaluated_standstills={"evaluated": len(rows), "of": len(poses)},
     )
     return replace(
-        averages, struts=averages.struts[rows], forces=averages.forces[rows], weights=weights, missing=missing,
+        averages, drives=averages.drives[rows], forces=averages.forces[rows], weights=weights, missing=missing,
         findings=(*averages.findings, said),
     )  # fmt: skip
 
@@ -175,10 +175,10 @@ def match(averages: Recording, case: Case, expected: Array, names: str) -> tuple
     Raises:
         RecordingError: a pose of the program was not measured, or a standstill is not one of its poses.
     """
-    assert averages.struts is not None
+    assert averages.drives is not None
     assert averages.weights is not None
     home, _ = case.need_motion("the match of poses")
-    poses, same = machine_of(case).coordinates(averages.struts), _alike(case)
+    poses, same = machine_of(case).coordinates(averages.drives), _alike(case)
     first, end = 0, len(poses)
     while end - first > len(expected) and same(poses[first], home) and not same(expected[0], home):
         first += 1
@@ -195,8 +195,8 @@ def match(averages: Recording, case: Case, expected: Array, names: str) -> tuple
                 code=Code.OTHER_SOURCE,
             ).in_doubt()
     part = slice(first, end)
-    struts, forces, weights = averages.struts[part], averages.forces[part], averages.weights[part]
-    return replace(averages, struts=struts, forces=forces, weights=weights), part
+    struts, forces, weights = averages.drives[part], averages.forces[part], averages.weights[part]
+    return replace(averages, drives=struts, forces=forces, weights=weights), part
 
 
 def standstills(recording: Recording, case: Case, model: Model) -> Standstills:
@@ -209,17 +209,17 @@ def standstills(recording: Recording, case: Case, model: Model) -> Standstills:
     valid = ~recording.bad
     still = np.zeros((int(valid.sum()), 6))
     known, standing = np.ones(len(still), dtype=bool), None
-    if recording.struts is not None:
-        none = np.zeros_like(recording.struts[valid])
+    if recording.drives is not None:
+        none = np.zeros_like(recording.drives[valid])
         try:
             machine = machine_of(case)
-            poses = machine.kinematics(recording.struts[valid], none, none)
+            poses = machine.kinematics(recording.drives[valid], none, none)
         except StrutsDoNotClose as error:
             row = int(np.flatnonzero(valid)[error.sample])
             raise StrutsDoNotClose(row, error.lengths, recording.lines.place(row)) from error
         matrices = regressors(model, poses)
         if case.setup != "1a":
-            standing = MotionOfSamples(known, poses, (recording.struts[valid], none, none), machine)
+            standing = MotionOfSamples(known, poses, (recording.drives[valid], none, none), machine)
     else:
         assert recording.rotations is not None  # the reader admits no recording without a pose
         matrices = model.matrices(np.zeros((len(still), 3)), recording.rotations[valid], still, still)

@@ -87,7 +87,7 @@ class Treatment(TreatmentOptions):
             IdentificationError: nothing moves, no struts are known, or the motion is not such a series.
             RecordingError: the run cannot be evaluated.
         """
-        if recording.t is None or recording.struts is None:
+        if recording.t is None or recording.drives is None:
             raise IdentificationError(
                 place=recording.source,
                 problem="treatments are for runs that move, by drives or joints",
@@ -111,19 +111,19 @@ class Treatment(TreatmentOptions):
     def _periodic(self, recording: Recording, case: Case, samples: Run) -> Recording:
         """The run with the motion of its excitation replaced by the Fourier series (34) of each coordinate."""
         assert recording.t is not None
-        assert recording.struts is not None
+        assert recording.drives is not None
         assert self.period is not None
         machine, margin = machine_of(case), samples.filter.margin
         first, last = int(samples.rows[0]) + margin, int(samples.rows[-1]) + margin
         rows = first + np.flatnonzero(~recording.bad[first : last + 1])
         angle = 2.0 * np.pi * (recording.t[rows, None] - recording.t[first]) * np.arange(1, self.harmonics + 1)
         basis = np.hstack([np.ones((len(rows), 1)), np.sin(angle / self.period), np.cos(angle / self.period)])
-        coordinates = machine.coordinates(recording.struts[rows])
+        coordinates = machine.coordinates(recording.drives[rows])
         series = basis @ np.linalg.lstsq(basis, coordinates, rcond=None)[0]
         _require_periodic(recording, coordinates, series, machine.turns if not machine.of_pose else TURNS, self)
-        struts = recording.struts.copy()
+        struts = recording.drives.copy()
         struts[rows] = machine.drives(series)
-        return replace(recording, struts=struts)
+        return replace(recording, drives=struts)
 
     def to_json(self) -> dict[str, Any]:
         """Its entries, in the units of the options."""

@@ -167,8 +167,8 @@ def searched_design(
     Args: see `optimal_design`; scaling is the reference scaling, shape (u,).
     """
     home, box = case.need_motion("the information limit")
-    middle = np.concatenate([home + box.pose.mean(axis=0), np.zeros(2 * len(home))])
-    half = np.concatenate([np.ptp(box.pose, axis=0) / 2, box.rate, box.acceleration])
+    middle = np.concatenate([home + box.coordinates.mean(axis=0), np.zeros(2 * len(home))])
+    half = np.concatenate([np.ptp(box.coordinates, axis=0) / 2, box.rate, box.acceleration])
 
     def matrices_of(shares: Array) -> Array:
         """A in reference scaling of states as shares of the half widths, shape (n, 6, u)."""

@@ -63,8 +63,8 @@ class Features:
 def box_features(case: Case, model: Model, scaling: Array) -> Features:
     """The features of a case and model, in a reference scaling of shape (u,)."""
     machine, _, box = case.need_machine("the information limit")
-    middle = np.r_[machine.home.vector + box.pose.mean(axis=0), np.zeros(12)]
-    half = np.r_[(box.pose[1] - box.pose[0]) / 2, box.rate, box.acceleration]
+    middle = np.r_[machine.home.vector + box.coordinates.mean(axis=0), np.zeros(12)]
+    half = np.r_[(box.coordinates[1] - box.coordinates[0]) / 2, box.rate, box.acceleration]
     return Features(_coefficients(model) * scaling, _table(model, middle, half), middle, half)
 
 

@@ -59,7 +59,7 @@ def proposed_box(case: Case, seed: int = 0) -> ProposedBox:
         poses = home + box[0] + fractions * (box[1] - box[0])
         return float(standing_ratios(case, poses).max()) <= 1.0 - INSIDE
 
-    stated = limits.pose
+    stated = limits.coordinates
     if float(standing_ratios(case, home[None]).max()) > 1.0 + TOLERANCE or not fits(np.zeros_like(stated)):
         raise CaseError(
             file=case.origin,

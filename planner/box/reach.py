@@ -54,7 +54,7 @@ def reach(case: Case, count: int = POSES) -> Reach:
     home, limits = case.need_motion("the reach of the motion box")
     grid = corners_and_middles(len(home))
     fractions = np.vstack([grid, np.random.default_rng(0).random((count, len(home)))])
-    poses = home + limits.pose[0] + fractions * np.ptp(limits.pose, axis=0)
+    poses = home + limits.coordinates[0] + fractions * np.ptp(limits.coordinates, axis=0)
     checks = prove_at(StandingPoses(poses), case, np.arange(float(len(poses))), in_box=False).checks
     worst = max(checks, key=lambda check: check.ratio)
     violations = standing_ratios(case, poses[len(grid) :]) > 1.0 + TOLERANCE

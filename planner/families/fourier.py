@@ -219,7 +219,7 @@ class FourierFamily(Family):
         """
         q = self.unknowns  # coordinates here, of which each has one unknown that is 1
         unit = replace(self, middle=np.zeros(q), half=np.ones(q), free=None).motion(np.eye(q).ravel()).at(self.grid)
-        return unit.pose, unit.rates, unit.accelerations, unit.jerks
+        return unit.coordinates, unit.rates, unit.accelerations, unit.jerks
 
 
 def of_lower_order(motion: FourierMotion, order: int, middle: Array, half: Array) -> tuple[FourierFamily, Array]:

@@ -156,7 +156,7 @@ def in_turn(case: Case) -> Joined:
         InfeasiblePlan: nothing can move.
     """
     home, limits = case.need_motion("a manual motion")
-    ends = np.array(limits.pose) * (1.0 - UNUSED_SHARE)
+    ends = np.array(limits.coordinates) * (1.0 - UNUSED_SHARE)
     parts: list[Trajectory] = []
     for moved in (*np.eye(len(home)), np.ones(len(home))):
         for share in SHARES:
@@ -284,7 +284,7 @@ def fastest_within_limits(case: Case, build: Build, place: str, remedy: str) -> 
 
 def _require_reach(way: Trajectory, case: Case, place: str, remedy: str) -> None:
     """Raises InfeasiblePlan where standing somewhere on the way exceeds a limit: no pace helps, nor is it timed."""
-    poses = way.at(np.linspace(0.0, way.duration, PLACES)).pose
+    poses = way.at(np.linspace(0.0, way.duration, PLACES)).coordinates
     for limited in (of_coordinates, of_mechanics):  # values of the latter may overflow miles away
         report = prove_at(StandingPoses(poses), case, np.arange(float(len(poses))), limited=limited)
         if not report.kept:

@@ -48,7 +48,7 @@ def moves_in(box: Box, duration: float) -> float:
     Args:
         box: limits that count, see `controlled`.
     """
-    width = box.pose[1] - box.pose[0]
+    width = box.coordinates[1] - box.coordinates[0]
     each = 2 * np.minimum(box.rate / box.acceleration, np.sqrt(width / box.acceleration))
     if box.limits_jerk:
         return duration * min(MOVES_A_SECOND, 1.0 / float(np.min(each)))

@@ -148,7 +148,7 @@ def motion_of_entries(data: Mapping[str, Any]) -> Trajectory:
         return FourierMotion(**_read(entry, _FOURIER | _RUN_IN))
     if "moves" in data:
         parts = tuple(_move(number, entry) for number, entry in enumerate(data["moves"]))
-        ends = [np.asarray(part.at([0.0, part.duration]).pose) for part in parts]
+        ends = [np.asarray(part.at([0.0, part.duration]).coordinates) for part in parts]
         one_machine = len({end.shape for end in ends}) == 1
         if not one_machine or any(np.abs(before[1] - after[0]).max() > 1e-9 for before, after in pairwise(ends)):
             raise ValueError("moves")

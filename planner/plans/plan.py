@@ -118,7 +118,7 @@ class Plan:
     def poses(self) -> Array:
         """Poses at which it measures standing still, in order of visit, shape (n, k) [m or rad]; empty for motions."""
         parts = self.motion.parts if isinstance(self.motion, Joined) else ()
-        poses = [part.pose for part in parts if isinstance(part, Standstill) and part.average]
+        poses = [part.coordinates for part in parts if isinstance(part, Standstill) and part.average]
         return np.array(poses) if poses else np.zeros((0, 6))
 
     @property
@@ -214,7 +214,7 @@ class Plan:
         own = case_of(file, data, "plan again") if case is None else case
         count = len(own.need_motion("a plan")[0])
         with refusing(file):
-            if motion.at([0.0]).pose.shape[1] != count:
+            if motion.at([0.0]).coordinates.shape[1] != count:
                 raise HexciteError(
                     problem=f"its motion does not have the {count} coordinates of case {own.name}",
                     code=Code.OTHER_SOURCE,
@@ -241,7 +241,7 @@ class Plan:
         """What `plan.json` holds."""
         request = self.request
         if isinstance(request, Request):
-            first, last = self.motion.at([0.0, self.duration]).pose
+            first, last = self.motion.at([0.0, self.duration]).coordinates
             own = {
                 "first_pose_m_rad": first.tolist(),
                 "last_pose_m_rad": last.tolist(),
@@ -385,7 +385,7 @@ def motion_csv(motion: Motion, case: Case) -> str:
 
     limits = case.need_motion("a plan")[1]
     unit = np.where(limits.turns, 1 / DEG, 1 / MM)
-    table = np.column_stack([motion.t, motion.pose * unit, motion.rates * unit, motion.accelerations * unit])
+    table = np.column_stack([motion.t, motion.coordinates * unit, motion.rates * unit, motion.accelerations * unit])
     return _csv(motion_columns(limits.columns), table)
 
 

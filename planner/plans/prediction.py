@@ -273,11 +273,11 @@ def tolerated_at_poses(
 def _load(case: Case, motion: Trajectory, t: Array) -> tuple[Kinematics, tuple[Array, Array, Array]]:
     """Motion of the load's frame at instants, shape (n,) [s], and places, speeds and accelerations of the drives."""
     machine, at = machine_of(case), motion.at(t)
-    drives = machine.drives(at.pose), at.rates, at.accelerations
+    drives = machine.drives(at.coordinates), at.rates, at.accelerations
     if machine.of_pose:
-        speeds, accelerations = machine.further_drives(case, at.pose, at.rates, at.accelerations)[0]
+        speeds, accelerations = machine.further_drives(case, at.coordinates, at.rates, at.accelerations)[0]
         drives = drives[0], speeds, accelerations
-    return machine.kinematics(*drives, at.pose if machine.of_pose else None), drives
+    return machine.kinematics(*drives, at.coordinates if machine.of_pose else None), drives
 
 
 def _tolerated(

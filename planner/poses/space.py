@@ -125,7 +125,7 @@ class JointSpace(Space):
         """The space of a case; raises CaseError where it has no chain or no limits."""
         chain, limits = case.need_chain("pose candidates")
         ends = np.outer([-1.0, 1.0], np.ones(len(chain.home)))
-        return cls(case, ends, chain.home + limits.pose.mean(axis=0), np.ptp(limits.pose, axis=0) / 2)
+        return cls(case, ends, chain.home + limits.coordinates.mean(axis=0), np.ptp(limits.coordinates, axis=0) / 2)
 
     def shares(self, poses: Array) -> Array:
         """Shares of poses, shape (n, k)."""

@@ -40,9 +40,9 @@ def largest_shares(program: NonlinearProgram, motion: Trajectory, case: Case) ->
     """
     box, (middle, half) = case.need_motion("planning")[1], box_middle(case)
     samples = motion.at(np.linspace(0.0, motion.duration, max(2, int(motion.duration * CHECK_RATE))))
-    pose = (samples.pose - middle) / half
+    pose = (samples.coordinates - middle) / half
     shares = [pose, samples.rates / box.rate, samples.accelerations / box.acceleration, samples.jerks / box.jerk]
-    states = np.hstack([samples.pose, samples.rates, samples.accelerations, np.zeros((len(pose), 1))])
+    states = np.hstack([samples.coordinates, samples.rates, samples.accelerations, np.zeros((len(pose), 1))])
     shares += [kernel.values(states) for kernel in program.limits]
     return tuple(float(np.abs(share).max()) for share in shares)
 
@@ -131,9 +131,9 @@ def _extreme_states(case: Case) -> Array:
     home, box = case.need_motion("planning")
     n = len(home)
     draw = np.random.default_rng(SEED)
-    pose = draw.uniform(box.pose[0], box.pose[1], (CANDIDATES, n))
+    pose = draw.uniform(box.coordinates[0], box.coordinates[1], (CANDIDATES, n))
     corners = draw.random((CANDIDATES // 2, n)) < 0.5
-    pose[::2] = np.where(corners, box.pose[0], box.pose[1])
+    pose[::2] = np.where(corners, box.coordinates[0], box.coordinates[1])
     signs = draw.choice((-1.0, 1.0), (2, CANDIDATES, n))
     return np.hstack(
         [home + pose, signs[0] * box.rate, signs[1] * box.acceleration, np.zeros((CANDIDATES, state_size(n) - 3 * n))]

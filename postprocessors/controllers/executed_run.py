@@ -81,7 +81,7 @@ def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> tuple[
         problem = f"the trigger came on {len(run.trigger)} times for {len(poses)} poses on {run.controller}"
         raise HexciteError(place=program, problem=problem, remedy="report this", code=Code.INTERNAL)
     for k, (start, end) in enumerate(run.trigger, 1):
-        within = run.execution.struts(np.arange(start, end, 1e-3))
+        within = run.execution.drives(np.arange(start, end, 1e-3))
         if (way := float(np.ptp(within, axis=0).max())) > STANDS:
             problem = f"at pose {k} a drive moved by {way * 1e3:.3g} mm or mrad with the trigger on"
             raise HexciteError(
@@ -89,6 +89,6 @@ def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> tuple[
             )
     actual = run.execution.kinematics(run.trigger.mean(axis=1)).pose
     t = np.arange(0.0, run.execution.duration, 1e-3)
-    moving = np.flatnonzero(np.abs(np.diff(run.execution.struts(t), axis=0)).max(axis=1) > 1e-9)
+    moving = np.flatnonzero(np.abs(np.diff(run.execution.drives(t), axis=0)).max(axis=1) > 1e-9)
     off = float(np.linalg.norm(actual[:, :3] - run.execution.machine.positions(poses), axis=1).max())
     return float(t[moving[-1] + 1] - t[moving[0]]), off

@@ -31,7 +31,7 @@ def run_virtual(reading: Reading, guarantees: Guarantees) -> ExecutedRun:
     machine, cycle = machine_of(guarantees.case), guarantees.case.need_controller("a run").cycle
     t = np.minimum(np.arange(1 + np.ceil(motion.duration / cycle - 1e-9)) * cycle, motion.duration)
     blocks = np.array_split(t, 1 + len(t) // BLOCK)
-    drives = np.vstack([machine.drives(motion.at(block).pose) for block in blocks])
+    drives = np.vstack([machine.drives(motion.at(block).coordinates) for block in blocks])
     return ExecutedRun(NAME, Execution.of_set_points(machine, cycle, drives), trigger, real=False)
 
 
@@ -71,7 +71,7 @@ def commanded(reading: Reading, guarantees: Guarantees) -> tuple[Joined, Array]:
             on = True
         parts.append(part)
         clock += part.duration
-    parts.append(Standstill(parts[-1].at([parts[-1].duration]).pose[0], REST))
+    parts.append(Standstill(parts[-1].at([parts[-1].duration]).coordinates[0], REST))
     return Joined(tuple(parts)), np.array(trigger).reshape(-1, 2)
 
 

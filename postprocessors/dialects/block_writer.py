@@ -110,7 +110,7 @@ class BlockWriter(ABC):
 
         Those that slide go first, alone: what F counts is then known, however short the way.
         """
-        words = self.coordinates(block.pose)
+        words = self.coordinates(block.coordinates)
         home = " ".join(axis + value for axis, value in zip(self.axes, words, strict=True))
         lines = self.comments(f"stop unless the machine stands at home, within {HOME_WITHIN:g} mm and degrees")
         lines += self.before_checks

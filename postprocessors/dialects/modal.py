@@ -84,7 +84,7 @@ class ModalState(ABC):
         self.said: set[str] = set()  # settings that were made, beside modal words
         # what a move needs before it, for messages -> modal words or settings of which any one is it
         self.needed: dict[str, tuple[str, ...]] = {}
-        self.pose = np.full(len(axes), np.nan)  # as written; unknown until the first move has stated all
+        self.coordinates = np.full(len(axes), np.nan)  # as written; unknown until the first move has stated all
         # places that the program has checked, by axis, each with its tolerance; and the largest distance of each
         # coordinate from `pose` since then, until a move has stated it
         self.places: dict[str, tuple[float, float]] = {}
@@ -174,7 +174,7 @@ class ModalState(ABC):
 
         Returns the number of its lines, else 0.
         """
-        if self.ended or not (np.isnan(self.pose).any() or self.unsure.all()):  # behind the first motion
+        if self.ended or not (np.isnan(self.coordinates).any() or self.unsure.all()):  # behind the first motion
             return 0
         texts = [text.rstrip() for text in lines[number - 1 : number - 1 + self.home_check_lines]]
         match = self.home_check.fullmatch("\n".join(texts))
@@ -198,8 +198,8 @@ class ModalState(ABC):
             self.fail(word, f"a check within {within:g} mm or degrees is none", f"check within {LOOSEST_CHECK:g}")
         self.places[axis] = place, within
         if len(self.places) == len(names):
-            self.pose, self.unsure = np.array([self.places[name] for name in names]).T
-            self.motions.stand_near(self.pose * self.scale, np.abs(self.unsure * self.scale))
+            self.coordinates, self.unsure = np.array([self.places[name] for name in names]).T
+            self.motions.stand_near(self.coordinates * self.scale, np.abs(self.unsure * self.scale))
         return len(texts)
 
     @staticmethod
@@ -320,7 +320,7 @@ class ModalState(ABC):
         """The coordinates in which a block ends, as written, shape (k,)."""
         written = np.array([block[name].value if name in block else None for name in self.axes], dtype=float)
         self.stated = ~np.isnan(written)
-        end = np.where(np.isnan(written), self.pose, written)
+        end = np.where(np.isnan(written), self.coordinates, written)
         if np.isnan(end).any():
             missing = self.axes[int(np.flatnonzero(np.isnan(end))[0])].rstrip("=")
             self.fail(first, f"the first move leaves {missing} open", f"name all {len(end)} coordinates")
@@ -328,8 +328,8 @@ class ModalState(ABC):
 
     def _moves_origin(self, end: Array) -> bool:
         """Whether X, Y or Z moves on the way to coordinates, shape (k,) as written; from unknown ones they do."""
-        way = np.abs(self._as_rounded(end) - self._as_rounded(self.pose))
-        moves = np.isnan(self.pose) | (way > STILL) | (self.stated & (self.unsure > 0.0))
+        way = np.abs(self._as_rounded(end) - self._as_rounded(self.coordinates))
+        moves = np.isnan(self.coordinates) | (way > STILL) | (self.stated & (self.unsure > 0.0))
         return bool(np.any(moves & self.linear))
 
     def _as_rounded(self, pose: Array) -> Array:
@@ -339,7 +339,7 @@ class ModalState(ABC):
     def _require_counted(self, first: Word, linear: bool) -> None:
         """Refuses a feed along other axes than F counts; the first move of own axes, from anywhere, may use any."""
         axes = tuple(a for a in self.axes if a in ("X", "Y", "Z")) if linear else self.angles
-        if self.own_axes and np.isnan(self.pose).any():
+        if self.own_axes and np.isnan(self.coordinates).any():
             axes = tuple(self.axes)
         if self.feed_group and set(self.feed_axes or ()) != set(axes):
             command = self.feed_group.format(",".join(axes))
@@ -350,7 +350,7 @@ class ModalState(ABC):
         linear = self._moves_origin(end)
         counted = tuple(map(int, np.flatnonzero(self.linear if linear else ~self.linear)))
         within = self._taken_home(end, feed, counted) if self.unsure.any() else None
-        before, self.pose = self.pose, end
+        before, self.coordinates = self.coordinates, end
         if duration is not None:
             self.motions.block((self.line, duration, end * self.scale, None), exact)
             return
@@ -366,7 +366,7 @@ class ModalState(ABC):
         count.
         """
         moving = self.stated & (self.unsure > 0.0)
-        beside = np.abs(end - self.pose) > np.where(moving, self.unsure, 0.0) + STILL
+        beside = np.abs(end - self.coordinates) > np.where(moving, self.unsure, 0.0) + STILL
         if feed is None or beside.any() or not set(map(int, np.flatnonzero(moving))) <= set(counted):
             self.require_home(Word("", 1))
         within = np.where(moving, self.unsure, 0.0)
@@ -377,15 +377,15 @@ class ModalState(ABC):
         """Adds an arc at a feed; centre words are relative to its start. Without end words it is a full circle."""
         plane = next((plane for name, plane in PLANES.items() if self.active(name)), None)
         self.require_home(first)
-        if np.isnan(self.pose).any() or plane is None or self.feed is None or not self.active("G94"):
+        if np.isnan(self.coordinates).any() or plane is None or self.feed is None or not self.active("G94"):
             self.fail(first, "an arc needs a known start, a plane (G17, G18, G19), G94 and F", "add what is missing")
         self._require_counted(first, linear=True)
         axis, other, normal = plane.axes
         end = self._end_of(block, first)
         centre_words = "IJK"[axis], "IJK"[other]
         offset = np.array([float(block[name].value or 0.0) if name in block else 0.0 for name in centre_words])
-        stray = "IJK"[normal] in block or abs(end[normal] - self.pose[normal]) > STILL
-        target = end[[axis, other]] - self.pose[[axis, other]] - offset
+        stray = "IJK"[normal] in block or abs(end[normal] - self.coordinates[normal]) > STILL
+        target = end[[axis, other]] - self.coordinates[[axis, other]] - offset
         radius, end_radius = float(np.hypot(*offset)), float(np.hypot(*target))
         if stray or radius <= 0.0 or abs(end_radius - radius) > ROUND:
             problem = f"the arc has radius {radius:g} mm at its start and {end_radius:g} mm at its end"
@@ -395,7 +395,7 @@ class ModalState(ABC):
         if float(np.hypot(*(target + offset))) > STILL:
             turned = float(np.arctan2(offset[1] * target[0] - offset[0] * target[1], -offset @ target)) % (2 * np.pi)
             angle = turned if positive else 2 * np.pi - turned
-        centre = self.pose[[axis, other]] + offset
-        self.pose = end
+        centre = self.coordinates[[axis, other]] + offset
+        self.coordinates = end
         arc = plane, centre * MM, angle if positive else -angle
         self.motions.move(self.line, end * self.scale, self.feed * MM / MINUTE, True, exact, arc)

@@ -60,7 +60,7 @@ def motions(reading: Reading, guarantees: Guarantees) -> Iterator[tuple[Stretch,
             motion = Standstill(pose, part.duration) if part.duration > 0.0 else None
         if motion is not None:
             yield part, motion
-            pose = motion.at([motion.duration]).pose[0]
+            pose = motion.at([motion.duration]).coordinates[0]
 
 
 def planned_excitation(reading: Reading, guarantees: Guarantees) -> Trajectory:

@@ -214,7 +214,7 @@ def remarks(reading: Reading, guarantees: Guarantees) -> Iterator[str]:
     elif reading.start is not None:
         yield "the machine must stand at home when it starts"
     last = moves[-1]
-    end = last.end if isinstance(last, Untimed) else last.points.at([last.points.duration]).pose[0]
+    end = last.end if isinstance(last, Untimed) else last.points.at([last.points.duration]).coordinates[0]
     if distance := _away(end, home, limits):
         yield f"the program does not end at home, {distance}"
     yield from override_remarks(reading, guarantees)

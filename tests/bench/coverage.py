@@ -42,7 +42,7 @@ def coverage(case: Case, execution: Execution, trigger: np.ndarray, seeds: int) 
     worst = 0.0
     for seed in range(seeds):
         noise = np.random.default_rng(1000 + seed).normal(0.0, simulation.force_noise_N, clean.shape)
-        run = Recording(f"seed {seed}", first.t, first.struts, None, clean + noise, first.trigger)
+        run = Recording(f"seed {seed}", first.t, first.drives, None, clean + noise, first.trigger)
         estimate = estimate_parameters(run, case, 9)
         for row, value in zip(truth_rows(case, estimate), estimate.physical.values(), strict=True):
             low, high = value.interval(estimate.fit.freedom)
@@ -77,7 +77,7 @@ def coloured_coverage(
     for seed in range(seeds):
         drawn = np.random.default_rng(2000 + seed).normal(size=(len(clean) + 1000, 6))
         noise = np.sqrt(1 - keep**2) * lfilter([1.0], [1.0, -keep], drawn, axis=0)[1000:]
-        run = Recording(f"seed {seed}", first.t, first.struts, None, clean + noise, first.trigger)
+        run = Recording(f"seed {seed}", first.t, first.drives, None, clean + noise, first.trigger)
         estimate = estimate_parameters(run, case, 9)
         values.append(estimate.fit.values)
         white.append(np.sqrt(np.diag(estimate.fit.covariance)))

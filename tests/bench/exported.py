@@ -66,7 +66,7 @@ def exported() -> list[list[str]]:
         # Ends where it began: the next round goes on from there. Forces do not matter for the time.
         motion = Harmonic(seed=1, duration=2.0, size=0.6).at(np.arange(0.0, 2.0, 1e-3))
         hexapod = Hexapod.of(made.case)
-        k = kinematics_of_coordinates(motion.pose, motion.rates, motion.accelerations)
+        k = kinematics_of_coordinates(motion.coordinates, motion.rates, motion.accelerations)
         lengths = hexapod.strut_lengths(k.pose)
         velocities = np.gradient(lengths, 1e-3, axis=0)
         rows = np.column_stack(

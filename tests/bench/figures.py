@@ -81,11 +81,11 @@ def identification(folder: Path) -> list[list[str]]:
     recording = simulate_recording(case, run.execution, run.trigger, 0)
     repeats = 20_000 // len(recording.forces) + 1
     assert recording.t is not None
-    assert recording.struts is not None
+    assert recording.drives is not None
     # The run begins and ends standing at home: repeated, it is a longer run of the same machine.
     count = 20_000
     long_run = type(recording)(
-        "long", np.arange(count) * 1e-3, np.tile(recording.struts, (repeats, 1))[:count], None,
+        "long", np.arange(count) * 1e-3, np.tile(recording.drives, (repeats, 1))[:count], None,
         np.tile(recording.forces, (repeats, 1))[:count], np.ones(count, dtype=bool),
     )  # fmt: skip
     file = folder / "long.csv"

@@ -64,7 +64,7 @@ class Machined(NamedTuple):
     def run(self, way, seed: int, change: Change = SOUND) -> Recording:
         """What its recorder writes on a way."""
         run = recorded(self.of, way, seed, self.noise, change)
-        return replace(run, forces=run.forces * (1.0 + self.gains), struts=run.struts + self.zeros, case=self.case)
+        return replace(run, forces=run.forces * (1.0 + self.gains), drives=run.drives + self.zeros, case=self.case)
 
     def still(self, seed: int, seconds: float = 2.0) -> Recording:
         """A standstill somewhere."""

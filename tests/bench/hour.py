@@ -69,11 +69,11 @@ def long_recording(rows: int) -> Recording:
     case = case.model_copy(update={"simulation": silent})  # noise that came back each period would not average out
     execution = PoseExecution(Hexapod.of(case), Harmonic(seed=1, duration=PERIOD / 1000))
     period = simulate_recording(case, execution, np.array([[-1.0, 9.0]]), 0)
-    assert period.struts is not None
+    assert period.drives is not None
     noise = np.random.default_rng(1).normal(size=(NOISY, 6))
     forces = np.tile(period.forces[:PERIOD], (NOISY // PERIOD, 1)) + noise
     return Recording(
-        "hour", np.arange(rows) * 1e-3, np.tile(period.struts[:PERIOD], (rows // PERIOD, 1)), None,
+        "hour", np.arange(rows) * 1e-3, np.tile(period.drives[:PERIOD], (rows // PERIOD, 1)), None,
         np.tile(forces, (rows // NOISY, 1)), np.ones(rows, dtype=bool),
     )  # fmt: skip
 

@@ -28,7 +28,7 @@ def identification_figures(folder: Path) -> Rows:
 def _kinematics() -> Rows:
     case = load_case("hexapod")
     hexapod = Hexapod.of(case)
-    struts = hexapod.strut_lengths(Harmonic(seed=1).at(np.linspace(0.0, 3.0, 20_000)).pose)
+    struts = hexapod.strut_lengths(Harmonic(seed=1).at(np.linspace(0.0, 3.0, 20_000)).coordinates)
     times = []
     for _ in range(5):
         began = time.perf_counter()

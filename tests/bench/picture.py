@@ -40,7 +40,7 @@ def draw(demo: Path, picture: Path) -> None:
         ax.plot(*np.array([b, p]).T, color=GREY, linewidth=1)
     for ring in (base, platform):
         ax.plot(*np.vstack([ring, ring[:1]]).T, color="#102a43", linewidth=1.2)
-    ax.plot(*motion.pose[:, :3].T, color=BLUE, linewidth=0.9)
+    ax.plot(*motion.coordinates[:, :3].T, color=BLUE, linewidth=0.9)
     ax.set_axis_off()
     ax.view_init(18, 35)
     ax.set_box_aspect((1, 1, 0.8), zoom=1.35)

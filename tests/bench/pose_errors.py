@@ -66,13 +66,13 @@ def over_machines(motion: Trajectory) -> dict[str, float]:
     case = load_case("hexapod")
     model = identification_model(case, 9)
     states = motion.at((np.arange(SAMPLES) + 0.5) * motion.duration / SAMPLES)
-    regressors = over_samples(model.coordinate_regressor, states.pose, states.rates, states.accelerations)[0]
+    regressors = over_samples(model.coordinate_regressor, states.coordinates, states.rates, states.accelerations)[0]
     rows = regressors.reshape(SAMPLES * 6, -1)
     scale = 1.0 / np.linalg.norm(rows, axis=0)
     answer = (scale[:, None] * np.linalg.pinv(rows * scale)).reshape(-1, SAMPLES, 6)
     simulation, machine = case.need_simulation("errors of the pose"), case.need_machine("errors of the pose")[0]
     assert simulation.disturbances is not None
-    errors = pose_covariance(simulation.disturbances, machine.home.vector, states.pose, 0.0)
+    errors = pose_covariance(simulation.disturbances, machine.home.vector, states.coordinates, 0.0)
     white = simulation.force_noise_N**2 * SAMPLES / (motion.duration * case.recording.rate_Hz)
     covariance = sum(a @ (errors + white * np.eye(SAMPLES)) @ a.T for a in np.moveaxis(answer, 2, 0))
     form, body = physical_form(model), body_parameters(case.body(0))

@@ -51,7 +51,7 @@ def rows(plan: hx.Plan, payload: int = 1) -> list[list[str]]:
         payload: number of weights that are mounted.
     """
     motion = sample(plan.motion, RATE)
-    columns = {name: _deviations(case, motion.pose, motion.rates, motion.accelerations, plan.duration, payload)
+    columns = {name: _deviations(case, motion.coordinates, motion.rates, motion.accelerations, plan.duration, payload)
                for name, case in setups().items()}  # fmt: skip
     units = {"m": (1e3, "g")} | dict.fromkeys(("xC", "yC", "zC"), (1e6, "um"))
     units |= dict.fromkeys(("IC11", "IC22", "IC33"), (1e6, "kg mm^2"))

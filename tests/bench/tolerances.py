@@ -59,11 +59,11 @@ def errors(seed: int, name: str, kind: str, times: float = 1.0) -> tuple[list[fl
     run = recorded(of, way_of(of, seed, 4.0 + seed % 3), seed, NOISES[kind], SOUND)
     case = case_off(of, draw, times)
     forces = run.forces * (1.0 + draw.normal(0.0, times * case.tolerances.gain_percent.deviation / 100.0, 6))
-    struts = run.struts
+    struts = run.drives
     if case.tolerances.joint_zeros_deg is not None:
         zeros = np.radians(draw.normal(0.0, times * case.tolerances.joint_zeros_deg.deviation, struts.shape[1]))
         struts = struts + zeros * np.array([joint.turns for joint in case.chain.joints])
-    estimate = estimate_parameters(replace(run, forces=forces, struts=struts), case)
+    estimate = estimate_parameters(replace(run, forces=forces, drives=struts), case)
     found = [(p.value - of.truth[k]) / p.reported for k, p in estimate.physical.items() if k in of.truth]
     return found, estimate.warnings
 

@@ -22,7 +22,7 @@ STEP, FINE, DURATION, SEEDS = 1e-3, 8, 4.0, 8
 LOW_PASS = Filter(40.0, STEP, 0.04)
 COUNT = int(DURATION / STEP)
 LENGTHS = HEXAPOD.strut_lengths(
-    Harmonic(seed=2, duration=DURATION).at(np.arange(-FINE, COUNT * FINE) * STEP / FINE).pose
+    Harmonic(seed=2, duration=DURATION).at(np.arange(-FINE, COUNT * FINE) * STEP / FINE).coordinates
 )  # eight times a sample, from one sample before the first
 ROWS = np.arange(0, COUNT - 2 * LOW_PASS.margin, LOW_PASS.stride)
 

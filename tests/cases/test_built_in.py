@@ -40,7 +40,7 @@ def test_values_of_the_file_become_si_and_radians(hexapod_case: Case) -> None:
     np.testing.assert_allclose(machine.home.vector, [0, 0, 0.9, 0, 0, 0])
     np.testing.assert_allclose(box.rate, [0.6] * 3 + [np.pi / 3] * 3)
     np.testing.assert_allclose(box.acceleration, [6.0] * 3 + [10.0] * 3)
-    np.testing.assert_allclose(box.pose[1], [0.25, 0.25, 0.1] + [np.pi / 9] * 3)
+    np.testing.assert_allclose(box.coordinates[1], [0.25, 0.25, 0.1] + [np.pi / 9] * 3)
     np.testing.assert_allclose(box.strut_length, [0.72, 1.46])
     assert hexapod_case.simulation.force_delay == 0.002
     assert hexapod_case.simulation.encoder_resolution == 1e-7
@@ -56,7 +56,7 @@ def test_joints_of_a_ring_stand_in_pairs_minus_side_first(hexapod_case: Case) ->
 def test_a_case_cannot_be_changed(hexapod_case: Case) -> None:
     with pytest.raises(ValidationError, match="frozen"):
         hexapod_case.nominal.mass_kg = 1.0
-    for array in (hexapod_case.gravity, hexapod_case.machine.base.points, hexapod_case.limits.motion.pose):
+    for array in (hexapod_case.gravity, hexapod_case.machine.base.points, hexapod_case.limits.motion.coordinates):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1.0
 

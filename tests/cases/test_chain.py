@@ -78,7 +78,7 @@ def test_coordinates_and_limits_come_in_si(tmp_path: Path) -> None:
     case = load_case(written(tmp_path, GANTRY))
     home, limits = case.need_motion("a test")
     np.testing.assert_allclose(home, [0.3, np.pi / 6, 0.0])
-    np.testing.assert_allclose(limits.pose, [[-0.2, *np.radians([-50, -170])], [0.2, *np.radians([40, 170])]])
+    np.testing.assert_allclose(limits.coordinates, [[-0.2, *np.radians([-50, -170])], [0.2, *np.radians([40, 170])]])
     np.testing.assert_allclose(limits.rate, [0.5, np.pi / 2, np.pi])
     np.testing.assert_allclose(limits.acceleration, [4.0, 5.0, 8.0])
     np.testing.assert_allclose(limits.jerk, [60.0, 80.0, 99.0])
@@ -102,7 +102,7 @@ def test_degrees_of_accelerations_and_jerks_are_the_same_limits(tmp_path: Path) 
 
 def test_home_may_lie_on_a_limit(tmp_path: Path) -> None:
     limits = load_case(written(tmp_path, GANTRY.replace("[-50.0, 40.0]", "[0.0, 40.0]"))).need_motion("a test")[1]
-    assert limits.pose[0, 1] == 0.0
+    assert limits.coordinates[0, 1] == 0.0
 
 
 def test_without_jerk_all_else_stays(tmp_path: Path) -> None:
@@ -111,7 +111,7 @@ def test_without_jerk_all_else_stays(tmp_path: Path) -> None:
     assert limits.limits_jerk
     assert not free.limits_jerk
     assert np.isinf(free.jerk).all()
-    for name in ("pose", "rate", "acceleration"):
+    for name in ("coordinates", "rate", "acceleration"):
         np.testing.assert_array_equal(getattr(free, name), getattr(limits, name))
 
 

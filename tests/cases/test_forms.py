@@ -113,7 +113,7 @@ def test_one_unit_of_an_acceleration_is_needed(values: dict[str, Any], says: str
 def test_home_may_lie_on_a_limit_but_not_outside() -> None:
     case = with_table("limits", "motion", x_mm=(0.0, 100.0), z_mm=(-50.0, 0.0))
     home, limits = case.need_motion("a test")
-    assert limits.pose[:, 0].tolist() == [0.0, 0.1]
+    assert limits.coordinates[:, 0].tolist() == [0.0, 0.1]
     assert not prove(StandingPoses(np.array([home, home])), case, 1.0).violations
     with pytest.raises(ValidationError, match=r"x_mm = \[1, 100\] does not contain 0"):
         with_table("limits", "motion", x_mm=(1.0, 100.0))

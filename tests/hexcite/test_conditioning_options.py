@@ -23,7 +23,7 @@ def test_forces_and_struts_of_different_rates_are_one_run_of_several_files(tmp_p
     t, fine = np.arange(0.0, 2.5, 2e-3), np.arange(0.0, 2.5, 2e-4)
     forces = true_forces(CASE, execution, fine) + 3.0 * np.random.default_rng(0).normal(size=(len(fine), 6))
     for name, columns, clock, values in (
-        ("struts.csv", STRUTS, t, execution.struts(t) * 1e3),
+        ("struts.csv", STRUTS, t, execution.drives(t) * 1e3),
         ("forces.csv", BAR_FORCES, fine, forces),
     ):
         rows = np.column_stack([clock, values])

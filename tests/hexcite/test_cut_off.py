@@ -22,7 +22,7 @@ from tests.identification.findings.test_findings import CASE, run
 def test_a_recording_that_ends_with_its_trigger_on_is_told() -> None:
     whole = run()
     end = int(np.flatnonzero(whole.trigger)[-1]) - 200
-    columns = ("t", "struts", "forces", "trigger")
+    columns = ("t", "drives", "forces", "trigger")
     cut = replace(whole, **{name: getattr(whole, name)[:end] for name in columns})
     assert any(re.match(r"line \d+: .*ends.*trigger", str(f)) for f in cut_off(cut))
     assert cut_off(whole) == []

@@ -95,7 +95,7 @@ def test_a_plan_comes_back_as_it_was_saved(by_hand: Plan, tmp_path: Path):
     assert again.to_json() == by_hand.to_json()
     assert (again.request.family, again.worth, again.limits) == (hx.Manual(), by_hand.worth, by_hand.limits)
     t = np.linspace(0.0, by_hand.duration, 50)
-    np.testing.assert_allclose(again.motion.at(t).pose, by_hand.motion.at(t).pose, rtol=0.0, atol=1e-14)
+    np.testing.assert_allclose(again.motion.at(t).coordinates, by_hand.motion.at(t).coordinates, rtol=0.0, atol=1e-14)
     again.save(tmp_path / "twin")
     assert (tmp_path / "twin" / "plan.json").read_bytes() == (tmp_path / "plan" / "plan.json").read_bytes()
 
@@ -190,7 +190,7 @@ def test_a_recording_comes_back_as_far_as_its_decimals_go(
     first.save(folder / "two")
     second = hx.Recording.load(folder / "two")
     assert (folder / "one" / "recording.csv").read_bytes() == (folder / "two" / "recording.csv").read_bytes()
-    for name, unit in (("t", 1e-9), ("struts", 1e-11), ("forces", 1e-6), ("override", 1e-14), ("trigger", 0.0)):
+    for name, unit in (("t", 1e-9), ("drives", 1e-11), ("forces", 1e-6), ("override", 1e-14), ("trigger", 0.0)):
         values = [getattr(r, name) for r in (recording, first, second)]
         assert all(v is None for v in values) or np.max(np.abs(values[1] * 1.0 - values[0] * 1.0)) <= 0.51 * unit
         np.testing.assert_array_equal(values[1], values[2])

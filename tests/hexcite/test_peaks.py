@@ -47,7 +47,7 @@ def test_a_jolt_of_one_cycle_outside_the_excitation_is_seen_at_its_peak(move: Jo
     """A step of 10 um in one strut between two cycles of 1 ms: 6 d / T^2 in a cubic spline, ten times the limit."""
     hexapod = Hexapod.of(hexapod_case)
     t = np.arange(0.0, move.duration, 1e-3)
-    lengths = hexapod.strut_lengths(move.at(t).pose)
+    lengths = hexapod.strut_lengths(move.at(t).coordinates)
     before = executed_peaks(Execution.of_log(hexapod, 1e-3, lengths), hexapod_case)
     lengths[30:, 2] += 1e-5
     after = executed_peaks(Execution.of_log(hexapod, 1e-3, lengths), hexapod_case)

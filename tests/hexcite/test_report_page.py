@@ -153,7 +153,7 @@ def test_platform_joints_on_the_page_are_where_the_struts_end(tab: Opened, hexap
     )
     ends = np.array(struts, dtype=float).T.reshape(6, 3, 3)
     drawn = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    true = Hexapod.of(hexapod_case).strut_lengths(motion.at([70 * 4.0 / 200]).pose)[0] * 1e3
+    true = Hexapod.of(hexapod_case).strut_lengths(motion.at([70 * 4.0 / 200]).coordinates)[0] * 1e3
     np.testing.assert_allclose(drawn, true, atol=1e-2)
 
 
@@ -225,7 +225,7 @@ def test_a_pose_set_is_stepped_through(browser: Browser, hexapod_case: Case, mot
     box = {"name": "wall", "x_mm": [600.0, 5000.0], "y_mm": [-5000.0, 5000.0], "z_mm": [0.0, 3000.0]}
     tool = {"name": "spindle", "to_mm": [0.0, 0.0, 200.0], "radius_mm": 30.0}
     case = changed(hexapod_case, workspace__keep_out=[box], workspace__tool=[tool])
-    poses = motion.at(np.linspace(0.0, 4.0, 7)).pose
+    poses = motion.at(np.linspace(0.0, 4.0, 7)).coordinates
     file = tmp_path / "report.html"
     text = page("poses", HEAD, "", (), (), section("machine", posing_machine(case, poses)))
     file.write_text(text, encoding="utf-8")

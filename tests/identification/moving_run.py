@@ -22,7 +22,7 @@ NAMES = MODEL.names
 PHYSICAL = [p.name for p in FORM.parameters]
 SAMPLES = 200
 _MOTION = Harmonic(seed=1, duration=2.0).at(np.linspace(0.0, 2.0, SAMPLES, endpoint=False))
-A = regressors(MODEL, kinematics_of_coordinates(_MOTION.pose, _MOTION.rates, _MOTION.accelerations))
+A = regressors(MODEL, kinematics_of_coordinates(_MOTION.coordinates, _MOTION.rates, _MOTION.accelerations))
 U = linear_parameters(MODEL, CASE.simulation.parameters)
 ONES = np.ones(6)
 

@@ -40,7 +40,7 @@ class PointMasses:
     def wrench(self, trajectory: Trajectory, t: float, gravity: Array) -> Array:
         """Force and moment about the origin of {P}, in {P}, that keep the masses on their way (Newton for each)."""
         moments = t + STEP * np.arange(-3, 4)
-        pose = trajectory.at(moments).pose
+        pose = trajectory.at(moments).coordinates
         turns = Rotation.from_euler("xyz", pose[:, 3:]).as_matrix()
         ways = pose[:, None, :3] + np.einsum("nij,kj->nki", turns, self.points)
         forces = self.masses[:, None] * (np.einsum("n,nki->ki", STENCIL, ways) - gravity)

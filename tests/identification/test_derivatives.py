@@ -21,7 +21,7 @@ Array = np.ndarray
 CASE = load_case("hexapod")
 HEXAPOD = Hexapod.of(CASE)
 MOTION = Harmonic(seed=7)
-POINTS = TimedPoints.through([0.0, 0.5, 0.8, 1.4, 2.0], Harmonic(seed=8).at([0.0, 0.4, 0.9, 1.5, 2.3]).pose)
+POINTS = TimedPoints.through([0.0, 0.5, 0.8, 1.4, 2.0], Harmonic(seed=8).at([0.0, 0.4, 0.9, 1.5, 2.3]).coordinates)
 JOINED = Joined((POINTS, TimedPoints.through([0.0, 1.0], POINTS.poses[[-1, 0]])))
 T = 1.1  # [s] an instant without any symmetry
 
@@ -34,21 +34,21 @@ def moment(t: float, trajectory=MOTION) -> Motion:
 
 def twist(t: float, of: str = "twist") -> Array:
     now = moment(t)
-    return getattr(kinematics_of_coordinates(now.pose, now.rates, now.accelerations), of)[0]
+    return getattr(kinematics_of_coordinates(now.coordinates, now.rates, now.accelerations), of)[0]
 
 
 def turn(t: float) -> Array:
     rpy = ca.SX.sym("rpy", 3)
-    return over_samples(ca.Function("turn", [rpy], [rotation(rpy)]), moment(t).pose[:, 3:])[0][0]
+    return over_samples(ca.Function("turn", [rpy], [rotation(rpy)]), moment(t).coordinates[:, 3:])[0][0]
 
 
 def struts(t: float, order: int) -> Array:
     now = moment(t)
-    return over_samples(HEXAPOD.strut_motion, now.pose, now.rates, now.accelerations)[order][0]
+    return over_samples(HEXAPOD.strut_motion, now.coordinates, now.rates, now.accelerations)[order][0]
 
 
 def jacobian(t: float) -> Array:
-    return over_samples(HEXAPOD.inverse_jacobian, moment(t).pose)[1][0]
+    return over_samples(HEXAPOD.inverse_jacobian, moment(t).coordinates)[1][0]
 
 
 def turning() -> Case:
@@ -57,7 +57,7 @@ def turning() -> Case:
 
 def drift() -> Case:
     now = twist(T)
-    return lambda t: jacobian(t) @ now, over_samples(HEXAPOD.jacobian_drift, moment(T).pose, now[None])[0][0]
+    return lambda t: jacobian(t) @ now, over_samples(HEXAPOD.jacobian_drift, moment(T).coordinates, now[None])[0][0]
 
 
 def physical() -> Case:
@@ -69,7 +69,7 @@ def physical() -> Case:
 
 def regressor() -> Case:
     function = identification_model(CASE, 8).coordinate_regressor
-    now, later = [moment(T).pose, moment(T).rates, moment(T).accelerations], moment(T).jerks
+    now, later = [moment(T).coordinates, moment(T).rates, moment(T).accelerations], moment(T).jerks
     symbols = [ca.SX.sym(n, 6) for n in "prat"]
     value = ca.vec(function(*symbols[:3]))
     slope = sum(ca.jtimes(value, s, ds) for s, ds in pairwise(symbols))
@@ -77,7 +77,7 @@ def regressor() -> Case:
 
     def along(t: float) -> Array:
         then = moment(t)
-        return over_samples(function, then.pose, then.rates, then.accelerations)[0][0].T
+        return over_samples(function, then.coordinates, then.rates, then.accelerations)[0][0].T
 
     return along, derivative
 
@@ -95,10 +95,10 @@ DERIVATIVES: dict[str, Callable[[], Case]] = {
     "drift of J_Hex^-1": drift,
     "Jacobian of the physical parameters": physical,
     "regressor along a motion": regressor,
-    "rates of timed points": lambda: of_motion(POINTS, "pose", "rates"),
+    "rates of timed points": lambda: of_motion(POINTS, "coordinates", "rates"),
     "accelerations of timed points": lambda: of_motion(POINTS, "rates", "accelerations"),
     "jerks of timed points": lambda: of_motion(POINTS, "accelerations", "jerks"),
-    "rates of joined motions": lambda: of_motion(JOINED, "pose", "rates"),
+    "rates of joined motions": lambda: of_motion(JOINED, "coordinates", "rates"),
 }
 
 

@@ -132,7 +132,7 @@ def test_ten_kilogrammes_more_are_found_as_ten_kilogrammes() -> None:
 def test_standstills_give_the_static_parameters(number: int) -> None:
     """Forces from the full model at rest; models without the deformation see it as error, so it is switched off."""
     draw, model = np.random.default_rng(number), identification_model(CASE, 5)
-    poses = HOME + draw.uniform(*CASE.limits.motion.pose, (60, 6))
+    poses = HOME + draw.uniform(*CASE.limits.motion.coordinates, (60, 6))
     u = np.r_[TRUTH[:4], TRUTH[10:16], [24.05, -8.46] if number else [0, 0], [37.38, 28.27] if number == 5 else [0, 0]]
     turns = Rotation.from_euler("xyz", poses[:, 3:]).as_matrix()
     forces = model.matrices(poses[:, :3], turns, np.zeros((60, 6)), np.zeros((60, 6))) @ u
@@ -146,7 +146,7 @@ def test_standstills_give_the_static_parameters(number: int) -> None:
 def test_by_default_the_model_is_what_the_recording_can_carry() -> None:
     recording = run(CASE)
     assert estimate_parameters(recording, CASE).model.number == 9
-    standing = replace(recording, t=None, trigger=None, struts=recording.struts[::50], forces=recording.forces[::50])
+    standing = replace(recording, t=None, trigger=None, drives=recording.drives[::50], forces=recording.forces[::50])
     assert estimate_parameters(standing, CASE).model.number == 5
 
 

@@ -72,8 +72,8 @@ def test_white_noise_is_seen_to_be_white_from_a_part(monkeypatch: pytest.MonkeyP
 def test_errors_that_depend_on_the_pose_are_seen_from_a_part_and_do_not_average_out(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    assert RUN.struts is not None
-    phase = 2.0 * np.pi * RUN.struts[:, [0, 2, 4, 1, 3, 5]] / 0.02
+    assert RUN.drives is not None
+    phase = 2.0 * np.pi * RUN.drives[:, [0, 2, 4, 1, 3, 5]] / 0.02
     waving = replace(RUN, forces=RUN.forces + 3.0 * np.sin(phase))
     whole, begun = estimates(waving, monkeypatch)
     for estimate in (whole, begun):

@@ -96,10 +96,10 @@ def test_the_proposal_reads_the_run_that_was_recorded(recorder: Written, hexapod
     form = RecordingFormat.model_validate(settings)
     recording = read([file], hexapod_case.model_copy(update={"recording": form}))
     assert recording.t is not None
-    assert recording.struts is not None
+    assert recording.drives is not None
     assert recording.trigger is not None
     assert np.allclose(recording.t - recording.t[0], np.arange(ROWS) * 1e-3, atol=1e-6)
-    assert np.allclose(recording.struts, table[:, 1:7] * 1e-3, atol=1e-7)
+    assert np.allclose(recording.drives, table[:, 1:7] * 1e-3, atol=1e-7)
     assert np.allclose(recording.forces, table[:, 7:13], atol=1e-5)
     assert np.array_equal(recording.trigger, table[:, -1] > 0.5)
     assert found.rate == pytest.approx(1000.0, rel=1e-3)

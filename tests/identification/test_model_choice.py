@@ -82,7 +82,7 @@ def test_in_motion_all_ten_models_and_the_third_with_inertia_stand_beside_each_o
 def test_a_run_that_carries_no_model_is_refused() -> None:
     from dataclasses import replace
 
-    few = replace(STANDING, struts=STANDING.struts[:1], forces=STANDING.forces[:1])
+    few = replace(STANDING, drives=STANDING.drives[:1], forces=STANDING.forces[:1])
     with pytest.raises(IdentificationError, match="no model can be identified") as caught:
         hx.identify_models(few, CASE)
     one_line(caught.value)

@@ -26,14 +26,14 @@ def run() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Times, positions of the joints, true readings of the sensor without noise, trigger."""
     motion = walk(CASE, moves=14, seed=4)
     grid = np.arange(0.0, motion.duration + 2 * REST, 1e-3)
-    path = motion.at(np.clip(grid - REST, 0.0, motion.duration)).pose
+    path = motion.at(np.clip(grid - REST, 0.0, motion.duration)).coordinates
     execution = Execution.of_set_points(SerialChain.of(CASE), 1e-3, path)
     t = np.arange(0.0, grid[-1], 1.0 / RATE)
     felt = np.clip(t - DELAY, 0.0, None)
     plant = Plant(CASE.chain, SETTINGS.parameters.body, tuple(CASE.gravity))
-    wrench = plant.read(*(execution.struts(felt, order) for order in range(3)))["wrench"]
+    wrench = plant.read(*(execution.drives(felt, order) for order in range(3)))["wrench"]
     trigger = (t >= REST) & (t < REST + motion.duration)
-    return t, execution.struts(t), np.array(SETTINGS.parameters.offsets_N) - wrench, trigger
+    return t, execution.drives(t), np.array(SETTINGS.parameters.offsets_N) - wrench, trigger
 
 
 def recorded(seed: int) -> Recording:

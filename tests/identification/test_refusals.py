@@ -24,7 +24,7 @@ RUN = simulate_recording(
 )
 TURNS = paper_poses()[1][:24]
 ORDER = np.random.default_rng(0).permutation(len(RUN.forces))  # poses one by one, as nobody moves
-STILL = replace(RUN, t=None, trigger=None, struts=RUN.struts[ORDER], forces=RUN.forces[ORDER])
+STILL = replace(RUN, t=None, trigger=None, drives=RUN.drives[ORDER], forces=RUN.forces[ORDER])
 ROTATIONS = Recording("run.csv", None, None, TURNS, np.random.default_rng(0).normal(size=(24, 6)), None)
 
 
@@ -36,7 +36,7 @@ def standing(trigger: bool) -> Recording:
 
 def first(count: int) -> Recording:
     return replace(
-        RUN, t=RUN.t[:count], struts=RUN.struts[:count], forces=RUN.forces[:count], trigger=RUN.trigger[:count]
+        RUN, t=RUN.t[:count], drives=RUN.drives[:count], forces=RUN.forces[:count], trigger=RUN.trigger[:count]
     )
 
 
@@ -47,9 +47,9 @@ def triggered(count: int) -> Recording:
 
 
 def with_struts(change: Callable[[np.ndarray], None], of: Recording) -> Recording:
-    struts = of.struts.copy()
+    struts = of.drives.copy()
     change(struts)
-    return replace(of, struts=struts)
+    return replace(of, drives=struts)
 
 
 def stuck(channel: int, of: Recording) -> Recording:

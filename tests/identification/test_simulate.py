@@ -102,19 +102,19 @@ def test_the_ripple_moves_struts_at_its_share_of_their_speed_and_differs_from_ru
     one, other = (rippled(EXECUTION, FOUND, seed) for seed in (0, 1))
     assert isinstance(one, Execution)
     t = np.arange(0.0, 3.0, 1e-3)
-    spread = one.struts(t) - EXECUTION.struts(t)
+    spread = one.drives(t) - EXECUTION.drives(t)
     velocity = np.gradient(spread, 1e-3, axis=0)
-    speed = np.abs(EXECUTION.struts(t, 1))
+    speed = np.abs(EXECUTION.drives(t, 1))
     share = np.sqrt(np.mean(velocity**2) / np.mean(speed**2))
     assert share == pytest.approx(FOUND.strut_velocity_noise_percent / 100.0, rel=0.15)
     slow = speed < np.quantile(speed, 0.2, axis=0)
     assert np.sqrt(np.mean(velocity[slow] ** 2)) < 0.5 * np.sqrt(np.mean(velocity**2))
-    assert np.abs(one.struts(t) - other.struts(t)).max() > 1e-7
+    assert np.abs(one.drives(t) - other.drives(t)).max() > 1e-7
 
 
 def test_what_stands_does_not_ripple():
     still = rippled(PoseExecution(Hexapod.of(CASE), Standstill(HOME, 1.0)), FOUND, 0)
-    assert np.ptp(still.struts(np.linspace(0.0, 1.0, 200)), axis=0).max() < 1e-9
+    assert np.ptp(still.drives(np.linspace(0.0, 1.0, 200)), axis=0).max() < 1e-9
 
 
 def test_the_error_of_the_pose_has_the_covariance_that_it_is_drawn_from():

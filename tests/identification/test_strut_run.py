@@ -76,11 +76,11 @@ def test_mujoco_finds_the_same_forces_in_its_closed_loop(at: str) -> None:
     plant = StrutPlant(MACHINE.base, MACHINE.platform, simulation.parameters.body, struts, at == "drive", case.gravity)
     motion = Harmonic(seed=6, size=0.8).at(np.linspace(0.0, 3.0, 60))
     model = identification_model(case, 6)
-    moving = kinematics_of_coordinates(motion.pose, motion.rates, motion.accelerations)
+    moving = kinematics_of_coordinates(motion.coordinates, motion.rates, motion.accelerations)
     truth = simulation.parameters.model_copy(update={"offsets_N": (0.0,) * 6})
     expected = regressors(model, moving) @ linear_parameters(model, truth)
     for pose, rates, accelerations, forces in zip(
-        motion.pose, motion.rates, motion.accelerations, expected, strict=True
+        motion.coordinates, motion.rates, motion.accelerations, expected, strict=True
     ):
         found, opened = plant.forces(pose, rates, accelerations)
         assert opened < 1e-12

@@ -88,7 +88,7 @@ def _forces(change: Callable[[Array], Array]) -> Callable[[Run, Recording, Case]
 
 
 def _drives(change: Callable[[Array], Array]) -> Callable[[Run, Recording, Case], Wrong]:
-    return lambda run, recording, case: (replace(recording, struts=change(recording.struts)), case)
+    return lambda run, recording, case: (replace(recording, drives=change(recording.drives)), case)
 
 
 def _in_case(change: Callable[[dict[str, Any]], None]) -> Callable[[Run, Recording, Case], Wrong]:

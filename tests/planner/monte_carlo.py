@@ -70,7 +70,7 @@ def vibrating_runs(case: Case, motion: Trajectory, runs: int) -> Spread:
     model, scaling = identification_model(case, 9), reference_scaling(case, identification_model(case, 9))
     noise = expected_noise(case, model)
     states = motion.at((np.arange(int(motion.duration * RATE)) + 0.5) / RATE)
-    matrices = over_samples(model.coordinate_regressor, states.pose, states.rates, states.accelerations)[0]
+    matrices = over_samples(model.coordinate_regressor, states.coordinates, states.rates, states.accelerations)[0]
     root = np.eye(6) if noise.whitening is None else noise.whitening
     inverse = np.linalg.pinv((root @ matrices).reshape(-1, 20))
     truth = np.array([masses.parameters.get(name, 0.0) for name in model.names])
@@ -107,13 +107,13 @@ def monte_carlo(case: Case, motion: Trajectory, runs: int, force_noise: float, a
     states = motion.at(inside)
     truth = np.array([masses.parameters.get(name, 0.0) for name in model.names])
     form, draw = physical_form(model), np.random.default_rng(0)
-    matrix = over_samples(model.coordinate_regressor, states.pose, states.rates, states.accelerations)[0]
+    matrix = over_samples(model.coordinate_regressor, states.coordinates, states.rates, states.accelerations)[0]
     inverse = np.linalg.pinv(matrix.reshape(-1, 20))
     estimates = []
     for _ in range(runs):
         if acceleration_noise:
             noisy = states.accelerations + acceleration_noise * draw.normal(size=states.accelerations.shape)
-            seen = over_samples(model.coordinate_regressor, states.pose, states.rates, noisy)[0]
+            seen = over_samples(model.coordinate_regressor, states.coordinates, states.rates, noisy)[0]
             inverse = np.linalg.pinv(seen.reshape(-1, 20))
         measured = forces + force_noise * draw.normal(size=len(forces))
         estimates.append(form.of(inverse @ measured, np.zeros((20, 20)))[0])

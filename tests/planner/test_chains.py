@@ -93,7 +93,7 @@ def test_proof_and_search_move_the_sensor_alike(joints: int):
     case = chain_case(joints)
     home, box = case.need_motion("a test")
     draw = np.random.default_rng(joints)
-    q = home + draw.uniform(*box.pose, (50, joints))
+    q = home + draw.uniform(*box.coordinates, (50, joints))
     rates, accelerations = draw.uniform(-3.0, 3.0, (2, 50, joints))
     none = np.zeros_like(q)
     motion = Motion(np.arange(50.0), q, rates, accelerations, none)
@@ -119,7 +119,7 @@ def test_a_plan_keeps_every_limit_and_rests_at_both_ends(joints: int, plans: Pla
     assert {"sensor force", "sensor moment"} <= names
     assert ("acceleration" in names) == (joints == 7)  # of the rail
     ends = plan.motion.at([0.0, plan.duration])
-    assert ends.pose.shape == (2, joints)
+    assert ends.coordinates.shape == (2, joints)
     np.testing.assert_allclose(ends.rates, 0.0, atol=1e-9)
 
 
@@ -175,7 +175,7 @@ def test_recordings_of_joints_are_read_back(runs: Runs, tmp_path: Path):
     joints = [f"q{k}_deg" for k in range(1, 7)]
     assert head.replace('"', "").split(",") == ["t_s", *joints, *WRENCH, "trigger"]
     again = Recording.load(tmp_path / "run")
-    np.testing.assert_allclose(again.struts, recording.struts, atol=1e-9)
+    np.testing.assert_allclose(again.drives, recording.drives, atol=1e-9)
     np.testing.assert_allclose(again.forces, recording.forces, atol=1e-6)
 
 
@@ -252,7 +252,7 @@ def test_averaged_standstills_of_a_chain_give_mass_and_offsets(tmp_path: Path):
     draw = np.random.default_rng(0)
     lines = [",".join((*case.drive_columns, *WRENCH))]
     for _ in range(12):
-        q, still = home + draw.uniform(*box.pose), np.zeros_like(home)
+        q, still = home + draw.uniform(*box.coordinates), np.zeros_like(home)
         forces = (rigid.coordinate_regressor(q, still, still).full() @ truth).ravel()
         lines.append(",".join(f"{v:.9f}" for v in (*np.rad2deg(q), *forces)))
     file = tmp_path / "standing.csv"

@@ -180,7 +180,7 @@ def test_predictions_are_the_scatter_over_machines_that_err_otherwise(name: str)
 def test_standstills_do_not_average_them_out():
     model = identification_model(CASE, 5)
     draw = np.random.default_rng(0)
-    low, high = CASE.limits.motion.pose
+    low, high = CASE.limits.motion.coordinates
     poses = CASE.machine.home.vector + draw.uniform(low, high, (40, 6)) / 2
     matrices = pose_regressors(model, poses)
     scaling = np.ones(len(model.names))

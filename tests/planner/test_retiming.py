@@ -64,7 +64,7 @@ def test_a_controller_takes_whole_cycles_and_is_faster_than_a_slow_plan():
     assert after.parts[-1].duration == pytest.approx(0.124)
     assert after.duration < plan.duration
     for before, part in zip(plan.parts, after.parts, strict=True):
-        ends = [p.at([0.0, p.duration]).pose for p in (before, part)]
+        ends = [p.at([0.0, p.duration]).coordinates for p in (before, part)]
         assert np.allclose(ends[0], ends[1], atol=1e-12)
 
 
@@ -94,7 +94,7 @@ def test_arcs_keep_their_circle():
     arc = CircularMove(HOME, HOME[3:], Plane.XY, np.array([0.1, 0.0]), 2 * np.pi, law)
     (after,) = by_controller(Joined((arc,)), CASE, "arc").parts
     assert law.duration <= after.duration <= law.duration + 1.001e-3
-    pose = after.at(np.linspace(0.0, after.duration, 50)).pose
+    pose = after.at(np.linspace(0.0, after.duration, 50)).coordinates
     assert np.allclose(np.hypot(pose[:, 0] - 0.1, pose[:, 1]), 0.1)
 
 
@@ -156,7 +156,7 @@ def test_a_path_keeps_its_pace_where_it_satisfies_every_limit_and_else_its_way(s
     assert report.kept
     assert report.worst_ratio > 0.99
     t = np.linspace(0.0, motion.duration, 100)
-    assert np.allclose(slower.at(t / pace).pose, motion.at(t).pose, atol=1e-12)
+    assert np.allclose(slower.at(t / pace).coordinates, motion.at(t).coordinates, atol=1e-12)
 
 
 @pytest.mark.parametrize("method", few("ruckig", "one slower pace"))
@@ -204,8 +204,8 @@ def test_toppra_runs_moves_and_paths_as_fast_as_all_limits_but_jerk_allow_and_ke
         assert 0.98 < max(others) <= 1.0
         ends = after.at([0.0, after.duration])
         assert np.abs(ends.rates).max() < 1e-9
-        way = motion.at(np.linspace(0.0, motion.duration, 4000)).pose[:, :3]
-        for place in after.at(np.linspace(0.0, after.duration, 300)).pose[:, :3]:
+        way = motion.at(np.linspace(0.0, motion.duration, 4000)).coordinates[:, :3]
+        for place in after.at(np.linspace(0.0, after.duration, 300)).coordinates[:, :3]:
             assert np.linalg.norm(way - place, axis=1).min() < 1.5e-3  # half a step of `way`, and the rounding
 
 
@@ -280,4 +280,4 @@ def test_a_rounded_motion_is_a_mean_that_exceeds_nothing():
     window = np.linspace(-0.01, 0.01, 201)
     for middle in (0.05, 0.3 * after.duration, after.duration / 2):
         times = np.clip(middle - 0.01 + window, 0.0, steps.duration)
-        assert after.at([middle]).pose[0] == pytest.approx(steps.at(times).pose.mean(axis=0), abs=2e-5)
+        assert after.at([middle]).coordinates[0] == pytest.approx(steps.at(times).coordinates.mean(axis=0), abs=2e-5)

@@ -53,7 +53,7 @@ def derivatives_reached(times: Array, values: Array, order: int) -> Array:
 def share_of_limits(times: Array, poses: Array, case: Case) -> float:
     """The largest share of a limit that every motion through the poses uses; above 1 none keeps them all."""
     box, home = case.limits.motion, case.machine.home.vector
-    low, high = box.pose
+    low, high = box.coordinates
     shares = [np.abs(poses - home - (low + high) / 2) / ((high - low) / 2)]
     for order, limit in enumerate((box.rate, box.acceleration, box.jerk), start=1):
         shares.append(np.abs(derivatives_reached(times, poses, order)) / limit)

@@ -30,7 +30,7 @@ def walk(case: Case, moves: int = 3, jerk: bool = True, share: float = 0.95, see
         seed: of the places.
     """
     home, box = case.need_motion("a walk")
-    low, high = share * box.pose
+    low, high = share * box.coordinates
     places = home + np.random.default_rng(seed).uniform(low, high, (moves + 1, len(home)))
     most = [share * box.rate, share * box.acceleration, share * box.jerk if jerk else np.full(len(home), np.inf)]
     return Joined(tuple(StraightMove.fastest(a, b, *most) for a, b in pairwise(places)))

@@ -53,7 +53,7 @@ def share_of_moves(
         length = np.linalg.norm(way[:3]) if way[:3].any() else np.linalg.norm(way[3:])
         speed = feed / 60 * (1e-3 if way[:3].any() else np.pi / 180)
         shares.append(float(np.max(way * speed / length / limits.rate)))
-        box = limits.pose[1] if on else np.r_[0.3, 0.3, np.inf, np.inf, np.inf, np.inf]
+        box = limits.coordinates[1] if on else np.r_[0.3, 0.3, np.inf, np.inf, np.inf, np.inf]
         shares.append(float(np.max(np.abs(end * unit - HOME) / box)))
         at = start + np.linspace(0.0, 1.0, 30)[:, None] * (end - start)
         lengths = strut_lengths(at * unit * turned, case)

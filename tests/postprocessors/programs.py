@@ -66,7 +66,7 @@ def linuxcnc_text(program: Blocks) -> str:
 def small_excitation(case: Case, seed: int = 1, share: float = 0.85, period: float = 1.2) -> str:
     """A valid program around a Fourier motion of one period that uses `share` of its tightest limit."""
     box, home = case.limits.motion, case.machine.home.vector
-    family = FourierFamily(3, period, 1, home, (box.pose[1] - box.pose[0]) / 2)
+    family = FourierFamily(3, period, 1, home, (box.coordinates[1] - box.coordinates[0]) / 2)
     unknowns = np.random.default_rng(seed).normal(size=family.unknowns * 6)
     for _ in range(6):
         unknowns *= share / prove(family.motion(unknowns), case, 2000.0).worst_ratio

@@ -37,7 +37,7 @@ class RandomProgram:
         self.layout = AxisLayout.of(case)
         home, limits = case.need_motion("a test")
         self.home, self.turns = home / self.layout.units, self.layout.turns
-        self.room = 0.5 * np.minimum(np.abs(limits.pose).min(axis=0) / self.layout.units, 1e3)
+        self.room = 0.5 * np.minimum(np.abs(limits.coordinates).min(axis=0) / self.layout.units, 1e3)
         self.rates = limits.rate / self.layout.units
         self.place, self.way = self.home.copy(), np.zeros(len(self.home))
         words = " ".join(f"{a}{v:g}" for a, v in zip(self.layout.axes, self.home, strict=True))
@@ -208,10 +208,10 @@ def differences(program: Program, log: ControllerLog) -> list[str]:
         if len(t) < 3:
             continue
         if isinstance(part, Timed):
-            knots, poses = part.points.times, part.points.at(part.points.times).pose
+            knots, poses = part.points.times, part.points.at(part.points.times).coordinates
             planned = np.column_stack([np.interp(t, knots, column) for column in poses.T])
         else:
-            planned = motion.at(np.minimum(t, motion.duration)).pose
+            planned = motion.at(np.minimum(t, motion.duration)).coordinates
         span = CYCLES * log.period + late
         rates = np.minimum(limits.rate, np.abs(np.gradient(planned, log.period, axis=0)).max(axis=0) + 1e-6)
         off = np.abs(log.poses[first : first + len(t)] - planned[: len(log.poses) - first])

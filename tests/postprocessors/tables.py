@@ -55,7 +55,7 @@ def moves() -> Table:
 @cache
 def path() -> Table:
     """A Fourier motion of half a second that uses 85 % of its tightest limit."""
-    family = FourierFamily(2, 0.5, 1, HOME, (LIMITS.pose[1] - LIMITS.pose[0]) / 2)
+    family = FourierFamily(2, 0.5, 1, HOME, (LIMITS.coordinates[1] - LIMITS.coordinates[0]) / 2)
     unknowns = np.random.default_rng(1).normal(size=family.unknowns * 6)
     for _ in range(6):
         unknowns *= 0.85 / prove(family.motion(unknowns), CASE, 2000.0).worst_ratio

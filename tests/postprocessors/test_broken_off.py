@@ -53,4 +53,4 @@ def test_what_is_proven_can_be_run(seed: int):
     except ProgramError:
         return
     run = run_virtual(reading, linuxcnc_guarantees(reading, CASE))
-    assert np.isfinite(run.execution.struts(np.linspace(0.0, run.execution.duration, 50))).all()
+    assert np.isfinite(run.execution.drives(np.linspace(0.0, run.execution.duration, 50))).all()

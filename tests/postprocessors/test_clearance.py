@@ -72,7 +72,7 @@ def test_a_program_keeps_the_distance_that_an_independent_kinematics_finds(pause
     program = proven_program(motion, case, dialect("ros2"), "p.yaml", ("beside a table",))
     (check,) = (c for c in program.proof.limits.checks if c.kind is LimitKind.DISTANCE_FROM_BOX)
     moves = [s.points for s in program.reading.stretches if hasattr(s, "points")]
-    ways = np.vstack([m.at(np.linspace(0.0, m.duration, 400)).pose for m in moves])
+    ways = np.vstack([m.at(np.linspace(0.0, m.duration, 400)).coordinates for m in moves])
     least = least_height(case, ways)
     assert least > 0.02
     assert least / MM - 1.0 <= check.worst <= least / MM + 0.01  # the way until half way to the next instant counts

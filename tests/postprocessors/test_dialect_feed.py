@@ -119,6 +119,8 @@ def test_the_time_of_a_plan_comes_back_from_the_words(typed: Typed, case, speed:
     excitation = next(s for s in read if s.trigger)
     assert excitation.points.duration == pytest.approx(motion.duration / speed, rel=1e-7)
     t = np.linspace(0.0, motion.duration, 777)
-    off = np.abs(excitation.points.at(np.minimum(t / speed, excitation.points.duration)).pose - motion.at(t).pose)
+    off = np.abs(
+        excitation.points.at(np.minimum(t / speed, excitation.points.duration)).coordinates - motion.at(t).coordinates
+    )
     assert off[:, :3].max() < 2e-6
     assert off[:, 3:].max() < 2e-5

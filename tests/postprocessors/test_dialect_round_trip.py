@@ -105,7 +105,7 @@ def test_blocks_read_back_as_they_were_meant(typed: Typed, case: Case, program: 
     for block, stretch in zip(meant, read, strict=True):
         if isinstance(block, TimedPath):
             assert isinstance(stretch, Timed)
-            off = np.abs(stretch.points.at(np.minimum(block.times, stretch.points.duration)).pose - block.poses)
+            off = np.abs(stretch.points.at(np.minimum(block.times, stretch.points.duration)).coordinates - block.poses)
             assert stretch.points.duration == pytest.approx(block.times[-1], rel=1e-8)
             assert np.all(off <= HALF_A_STEP + np.repeat([1e-6, 1e-5], 3))
         else:

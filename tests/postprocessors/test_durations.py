@@ -94,7 +94,7 @@ def spline(seed: int) -> Trajectory:
 def _walk(draw: np.random.Generator) -> list[StraightMove]:
     limits = CASE.limits.motion
     share = [0.4 * limit for limit in (limits.rate, limits.acceleration, limits.jerk)]
-    places = [HOME, *(HOME + draw.uniform(-0.2, 0.2, (2, 6)) * limits.pose[1]), HOME]
+    places = [HOME, *(HOME + draw.uniform(-0.2, 0.2, (2, 6)) * limits.coordinates[1]), HOME]
     return [StraightMove.fastest(a, b, *share) for a, b in pairwise(places)]
 
 

@@ -62,7 +62,7 @@ def test_each_form_reads_back_as_the_same_motion(suffix: str) -> None:
         assert type(one) is type(other)
         if hasattr(one, "points"):
             t = np.linspace(0.0, one.points.duration, 50)
-            np.testing.assert_array_equal(one.points.at(t).pose, other.points.at(t).pose)
+            np.testing.assert_array_equal(one.points.at(t).coordinates, other.points.at(t).coordinates)
     assert program.proof.verdict == form(".yaml").proof.verdict
 
 

@@ -41,7 +41,7 @@ class Swing:
     def at(self, t: np.ndarray) -> Motion:
         time = np.asarray(t, dtype=float)
         home, box = ROBOT.need_motion("a test")
-        w, size = np.pi / self.duration, 0.3 * box.pose[1]
+        w, size = np.pi / self.duration, 0.3 * box.coordinates[1]
         s, c = np.sin(w * time), np.cos(w * time)
         orders = [s**4, 4 * w * s**3 * c, w**2 * (12 * s**2 * c**2 - 4 * s**4), w**3 * (24 * s * c**3 - 40 * s**3 * c)]
         pose, *others = (o[:, None] * size for o in orders)
@@ -94,12 +94,13 @@ def test_between_its_points_the_message_is_the_planned_motion(name: str, speed: 
     settle = ROBOT.controller.settle_s
     begin = max(  # the last standstill at its first pose after which there is time for it
         s for s in starts if s + settle + motion.duration / speed <= times[-1] + 1e-6
-        and np.abs(made(s) - motion.at(np.zeros(1)).pose[0]).max() < 1e-9 and np.abs(starts - s - settle).min() < 1e-6
+        and np.abs(made(s) - motion.at(np.zeros(1)).coordinates[0]).max() < 1e-9
+        and np.abs(starts - s - settle).min() < 1e-6
     )  # fmt: skip
     t = np.linspace(0.0, motion.duration, 3001)
     at = begin + settle + t / speed
     planned = motion.at(t)
-    np.testing.assert_allclose(made(at), planned.pose, atol=1e-6)
+    np.testing.assert_allclose(made(at), planned.coordinates, atol=1e-6)
     np.testing.assert_allclose(made(at, 1), planned.rates * speed, atol=1e-4)
     np.testing.assert_allclose(made(at, 2), planned.accelerations * speed**2, atol=0.03)
     jerk = np.abs(made(np.linspace(times[0], times[-1], 20_001)[1:-1], 3)).max(axis=0)
@@ -119,7 +120,7 @@ def test_what_is_read_is_what_scipy_makes_of_the_message(name: str) -> None:
             continue
         t = np.linspace(0.0, part.points.duration, 500)[1:-1]
         motion = part.points.at(t)
-        for order, found in enumerate((motion.pose, motion.rates, motion.accelerations)):
+        for order, found in enumerate((motion.coordinates, motion.rates, motion.accelerations)):
             np.testing.assert_allclose(found, made(clock + t, order), atol=1e-9 * 100**order)
         clock += part.points.duration
 

@@ -130,4 +130,6 @@ def test_a_spline_becomes_a_timed_path_of_its_own_duration(hexapod_case: Case):
     (path,) = (s for s in read_linuxcnc(text, "p.ngc").stretches if isinstance(s, Timed) and s.trigger)
     assert path.points.duration == pytest.approx(1.0)
     t = np.linspace(0.0, 1.0, 50)
-    assert np.abs(path.points.at(t).pose[:, 0] - c[0, 0] - 0.02 * (10 * t**3 - 15 * t**4 + 6 * t**5)).max() < 1e-6
+    assert (
+        np.abs(path.points.at(t).coordinates[:, 0] - c[0, 0] - 0.02 * (10 * t**3 - 15 * t**4 + 6 * t**5)).max() < 1e-6
+    )

@@ -163,7 +163,7 @@ def test_linuxcnc_executes_the_law_within_two_cycles_a_move(tmp_path: Path) -> N
         taken = (rows[-1] + 1 - first) * log.period
         assert abs(taken - motion.duration) <= 2 * log.period
         t = np.arange(len(rows)) * log.period
-        off = log.poses[first : first + len(rows)] - motion.at(t).pose
+        off = log.poses[first : first + len(rows)] - motion.at(t).coordinates
         assert np.all(np.abs(off) <= 1.5 * log.period * limits.rate)  # within a cycle and a half of its time
     np.testing.assert_allclose(log.drives[1:], log.poses[:-1], atol=2.0 * log.period * limits.rate.max())
 

@@ -133,7 +133,7 @@ def test_what_the_proof_does_not_cover_is_refused_with_its_line(name: str, what:
 @BOTH
 def test_standstills_switch_the_trigger_at_each(name: str) -> None:
     home, box = CASE.need_motion("a test")
-    away = home + 0.5 * box.pose[1]
+    away = home + 0.5 * box.coordinates[1]
     there = StraightMove.fastest(home, away, 0.9 * box.rate, 0.9 * box.acceleration, 0.9 * box.jerk)
     back = StraightMove.fastest(away, home, 0.9 * box.rate, 0.9 * box.acceleration, 0.9 * box.jerk)
     motion = Joined((Standstill(home, 0.5, 1.0), there, Standstill(away, 0.5, 1.0), back))

@@ -111,7 +111,7 @@ def test_a_spline_passes_through_the_text_up_to_its_decimals(degree: int):
     read = next(s for s in SINUMERIK.read(text).stretches if isinstance(s, Timed))
     t = np.linspace(0.0, 1.0, 1001)
     found, exact = read.points.at(t), motion.at(t)
-    assert np.abs(found.pose - exact.pose).max() < 6e-9
+    assert np.abs(found.coordinates - exact.coordinates).max() < 6e-9
     assert np.abs(found.rates - exact.rates).max() < 1e-6
     assert np.abs(found.accelerations - exact.accelerations).max() < 1e-4
     assert "off the plan by" in text
@@ -132,5 +132,5 @@ def test_moves_of_seven_segments_become_cubic_pieces_of_the_same_law():
     moves = [StraightMove.fastest(HOME, FAR, *LIMITS), StraightMove.fastest(FAR, HOME, *LIMITS)]
     t = np.linspace(0.0, sum(m.duration for m in moves), 3001)[1:-1] + 1e-6
     motion, exact = polynomials_of(moves).at(t), Joined(tuple(moves)).at(t)
-    for name in ("pose", "rates", "accelerations", "jerks"):
+    for name in ("coordinates", "rates", "accelerations", "jerks"):
         assert np.abs(getattr(motion, name) - getattr(exact, name)).max() < 1e-6 * np.abs(getattr(exact, name)).max()

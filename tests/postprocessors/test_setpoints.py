@@ -92,7 +92,7 @@ def test_a_plan_reads_back_as_itself():
     t = np.linspace(0.0, 1.0, 501)
     found, exact = excitation.points.at(t), source.at(t)
     assert excitation.points.duration == pytest.approx(source.duration, abs=1e-9)
-    assert np.abs(found.pose - exact.pose).max() < 1e-8
+    assert np.abs(found.coordinates - exact.coordinates).max() < 1e-8
     assert np.abs(found.rates - exact.rates).max() < 1e-4
 
 
@@ -111,7 +111,7 @@ def test_what_is_proven_can_be_run():
     reading = LANGUAGE.read(write_setpoints(moves(), CASE), "t", CASE)
     run = run_virtual(reading, LANGUAGE.guarantees(reading, CASE))
     assert run.trigger.shape == (1, 2)
-    assert np.isfinite(run.execution.struts(np.linspace(0.0, run.execution.duration, 50))).all()
+    assert np.isfinite(run.execution.drives(np.linspace(0.0, run.execution.duration, 50))).all()
 
 
 def edited(row: int, column: str, change) -> bytes:

@@ -59,7 +59,7 @@ def test_a_planned_trapezoid_is_executed_as_it_is() -> None:
     for part, plan in zip(moves, planned.parts, strict=True):
         t = np.linspace(0.0, plan.duration, 200)
         made = predicted(part, LANGUAGE.guarantees(written().reading, CASE))
-        np.testing.assert_allclose(made.at(t).pose, plan.at(t).pose, atol=1e-7)
+        np.testing.assert_allclose(made.at(t).coordinates, plan.at(t).coordinates, atol=1e-7)
         np.testing.assert_allclose(made.at(t[1:-1]).rates, plan.at(t[1:-1]).rates, atol=1e-6)
 
 

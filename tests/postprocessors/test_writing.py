@@ -34,7 +34,7 @@ def proven_text(motion, case, language, file, header, speed=1.0):
 def motion(hexapod_case: Case) -> FourierMotion:
     """A motion that uses 90 % of its tightest limit."""
     box = hexapod_case.limits.motion
-    family = FourierFamily(2, 1.0, 1, hexapod_case.machine.home.vector, (box.pose[1] - box.pose[0]) / 2)
+    family = FourierFamily(2, 1.0, 1, hexapod_case.machine.home.vector, (box.coordinates[1] - box.coordinates[0]) / 2)
     unknowns = np.random.default_rng(4).normal(size=18)
     for _ in range(6):
         unknowns *= 0.9 / prove(family.motion(unknowns), hexapod_case, 2000.0).worst_ratio
@@ -65,7 +65,7 @@ def test_at_a_tenth_of_the_speed_the_same_way_takes_ten_times_as_long(motion: Fo
         paths.append([s.points for s in read if isinstance(s, Timed)])
     for fast, slow in zip(*paths, strict=True):
         assert slow.times == pytest.approx(10 * fast.times, rel=1e-7, abs=10e-3)  # a cycle of LinuxCNC at most
-        assert np.abs(fast.at(slow.times.clip(max=10 * fast.duration) / 10).pose - slow.poses).max() < 1e-3
+        assert np.abs(fast.at(slow.times.clip(max=10 * fast.duration) / 10).coordinates - slow.poses).max() < 1e-3
     assert np.array_equal(paths[0][1].poses, paths[1][1].poses)  # the excitation lasts whole cycles
 
 
@@ -113,7 +113,7 @@ def test_ways_from_and_to_home_are_as_slow_as_the_sensors_need(motion: FourierMo
         return next(check.ratio for check in checks if check.kind is LimitKind.SENSOR_FORCE)
 
     home, box = hexapod_case.need_motion("a test")
-    start = motion.at([0.0]).pose[0]
+    start = motion.at([0.0]).coordinates[0]
     limits = (box.rate, box.acceleration, box.jerk)
     fast, slow = (StraightMove.fastest(home, start, *(s * v for v in limits)) for s in (APPROACH_SHARE, 1e-3))
     least, most = force(hexapod_case, slow), force(hexapod_case, fast)

@@ -120,13 +120,13 @@ def mended(trial: Trial, recording: Recording, case: Case) -> tuple[Recording, C
             recording = hypothesis.recorded(recording, case) or recording
     read = tuple(hypothesis for hypothesis in trial if hypothesis.place == "recording")
     forces = recording.forces @ channels_of(read, RECORDED).T
-    struts, t = recording.struts, recording.t
+    struts, t = recording.drives, recording.t
     if struts is not None:
         struts = drives_of(read, struts.shape[1]).of(struts)
     if t is not None and pace_of(read) != 1.0:
         t = t * pace_of(read)
     edited = case_of(trial, case)
-    run = replace(recording, forces=forces, struts=struts, t=t)
+    run = replace(recording, forces=forces, drives=struts, t=t)
     if any(hypothesis.in_base for hypothesis in trial):
         # the controller turned the wrench as if the sensor were as the case says
         turns = _rotations(run, case_of(tuple(h for h in trial if h.family is not Family.SENSOR), case))
@@ -138,11 +138,11 @@ def _rotations(recording: Recording, case: Case) -> Array:
     """R at every row of a recording, shape (n, 3, 3)."""
     from scipy.spatial.transform import Rotation
 
-    if recording.struts is None:
+    if recording.drives is None:
         assert recording.rotations is not None
         return recording.rotations
     machine = machine_of(case)
-    parts = (recording.struts[k : k + PIECE] for k in range(0, len(recording.struts), PIECE))
+    parts = (recording.drives[k : k + PIECE] for k in range(0, len(recording.drives), PIECE))
     still = (
         (
             part,

@@ -103,7 +103,7 @@ def instants_of(recording: Recording, case: Case, model: Model) -> Instants | No
         IdentificationError: the sensor does not turn.
     """
     still = recording.t is None
-    if recording.struts is not None:
+    if recording.drives is not None:
         return _standing(recording, case, model) if still else _moving(recording, case, model)
     if recording.rotations is None and not recording.others:
         return None
@@ -149,8 +149,8 @@ def _standing(recording: Recording, case: Case, model: Model) -> Instants | None
     stated = _stated(case)
     noise = SHARE * spread if stated is None else np.minimum(stated, SHARE * spread)
     drives = turning = None
-    if recording.struts is not None:
-        places = recording.struts[valid]
+    if recording.drives is not None:
+        places = recording.drives[valid]
         drives = places, np.zeros_like(places), np.zeros_like(places)
     elif recording.rotations is not None:
         none = np.zeros((len(valid), 3))
@@ -166,7 +166,7 @@ def _standing(recording: Recording, case: Case, model: Model) -> Instants | None
 
 
 def _moving(recording: Recording, case: Case, model: Model) -> Instants | None:
-    assert recording.struts is not None
+    assert recording.drives is not None
     assert recording.t is not None
     count = len(recording.forces)
     if count < 2:
@@ -175,9 +175,9 @@ def _moving(recording: Recording, case: Case, model: Model) -> Instants | None:
     if low_pass is None:
         return None
     bad, margin = recording.bad, low_pass.margin
-    begin = _first_movement(recording.struts, count)
+    begin = _first_movement(recording.drives, count)
     part = slice(begin, min(begin + MOST_ROWS, count))
-    struts, forces = bridged(recording.struts, bad)[part], bridged(recording.forces, bad)[part]
+    struts, forces = bridged(recording.drives, bad)[part], bridged(recording.forces, bad)[part]
     usable = ~spoilt_by(bad, recording.lost, low_pass)[part.start : part.stop - 2 * margin]
     on = None if recording.trigger is None else recording.trigger[part][margin:-margin]
     every = np.arange(len(struts) - 2 * margin)

@@ -29,7 +29,7 @@ def late_forces(instants: Instants, recording: Recording, case: Case) -> Hypothe
     """
     if recording.t is None or instants.t is None or instants.step is None:
         return None
-    if recording.others and (recording.struts is not None or recording.rotations is not None):
+    if recording.others and (recording.drives is not None or recording.rotations is not None):
         return None  # which of the streams is late is not to be told from forces alone
     wide = np.arange(-LATEST, LATEST + COARSE / 2, COARSE)
     late = _nearest(instants, recording, wide)

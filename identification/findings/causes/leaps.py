@@ -24,7 +24,7 @@ from identification.texts import with_deviation
 FEWEST = 20  # instants on either side of a leap
 CLEAR = 5.0  # deviations by which an offset must leap to be named
 ARRAYS = (
-    "t", "struts", "rotations", "forces", "trigger", "poses", "specific_forces", "override", "missing", "weights",
+    "t", "drives", "rotations", "forces", "trigger", "poses", "specific_forces", "override", "missing", "weights",
 )  # fmt: skip
 RIDGE = 1e-9  # of the information about further columns, which need not be independent of the others
 

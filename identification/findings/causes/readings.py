@@ -33,7 +33,7 @@ def of_recording(recording: Recording, case: Case) -> Iterator[Hypothesis]:
     """Hypotheses about how a recording was read."""
     if recording.t is not None and len(recording.t) > 1:
         yield from _clocks(recording, case)
-    if case.chain is not None and recording.struts is not None:
+    if case.chain is not None and recording.drives is not None:
         yield from _leaps(recording, case)
     if recording.rotations is not None and case.setup != "1a":
         yield from _orientations(recording, case, _of_rotations)
@@ -87,7 +87,7 @@ def _with_clock(unit: str, step: float, ratio: float) -> Edit:
 
 def _leaps(recording: Recording, case: Case) -> Iterator[Hypothesis]:
     """Joints that turn, whose readings leap by a turn: as if they had no ends."""
-    chain, positions = case.chain, recording.struts
+    chain, positions = case.chain, recording.drives
     assert chain is not None
     assert positions is not None
     leaping = [
@@ -100,11 +100,11 @@ def _leaps(recording: Recording, case: Case) -> Iterator[Hypothesis]:
 
     def changed(recording: Recording, case: Case) -> Recording | None:
         del case
-        if recording.struts is None:
+        if recording.drives is None:
             return None
-        struts: Array = recording.struts.copy()
+        struts: Array = recording.drives.copy()
         struts[:, leaping] = np.unwrap(struts[:, leaping], axis=0)
-        return replace(recording, struts=struts)
+        return replace(recording, drives=struts)
 
     def edit(case: Case) -> Case:
         assert case.chain is not None
@@ -226,7 +226,7 @@ def _of_poses(change: Turns) -> Changed:
 
 
 def _with_poses(recording: Recording, case: Case, poses: Array) -> Recording:
-    return replace(recording, poses=poses, struts=Hexapod.of(case).strut_lengths(poses))
+    return replace(recording, poses=poses, drives=Hexapod.of(case).strut_lengths(poses))
 
 
 def _positions(case: Case) -> Iterator[Hypothesis]:

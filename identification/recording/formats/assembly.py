@@ -58,7 +58,7 @@ def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
     stream = Stream(
         source=table.source,
         t=t,
-        struts=struts,
+        drives=struts,
         rotations=rotations,
         forces=_group(table, case.sensor_frame.channels),
         trigger=flags,
@@ -324,10 +324,10 @@ def require_clock(table: ColumnTable) -> None:
 
 def _require_reach(stream: Stream, case: Case, factor: float) -> None:
     """Raises RecordingError where struts fit the machine in another unit, but not in that of the factor [m]."""
-    if stream.struts is None or case.hexapod is None:
+    if stream.drives is None or case.hexapod is None:
         return
     low, high = lengths_of_struts(case)
-    middle = float(np.median(np.abs(stream.struts[:_FIRST])))
+    middle = float(np.median(np.abs(stream.drives[:_FIRST])))
     if not middle:
         return  # found where the channel never changes
     apart = {unit: abs(np.log(middle / factor * value / np.sqrt(low * high))) for unit, value in LENGTHS.items()}

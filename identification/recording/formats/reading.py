@@ -91,10 +91,10 @@ def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
     main = next(s for s in streams if s.forces is not None)
     if case.setup == "1a" and main.forces is not None:  # the frame does not move
         main = replace(main, rotations=np.tile(np.eye(3), (len(main.forces), 1, 1)))
-    if main.struts is None and main.poses is not None and case.hexapod is not None:
+    if main.drives is None and main.poses is not None and case.hexapod is not None:
         from identification.machines.hexapod import Hexapod
 
-        main = replace(main, struts=Hexapod.of(case).strut_lengths(main.poses))
+        main = replace(main, drives=Hexapod.of(case).strut_lengths(main.poses))
     return replace(main, findings=(*findings, *of_clocks), origin=origin), *(s for s in streams if s.forces is None)
 
 
@@ -226,6 +226,6 @@ def _require_whole(streams: Sequence[Stream], case: Case, names: Sequence[str]) 
         raise RecordingError(
             place=sources, problem=f"no forces: {without(names, form, case.sensor_frame.channels)}", code=Code.MISSING
         )
-    if case.setup != "1a" and not {"struts", "poses", "rotations"} & owner.keys():
+    if case.setup != "1a" and not {"drives", "poses", "rotations"} & owner.keys():
         columns = case.drive_columns if case.machine is not None else (*ROTATION, *POSE)
         raise RecordingError(place=sources, problem=f"no pose: {without(names, form, columns)}", code=Code.MISSING)

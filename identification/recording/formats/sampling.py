@@ -17,7 +17,7 @@ from identification.recording.formats.table import Channel, ColumnTable, Stream
 
 MOST_PUT_BACK = 3  # samples in a row
 _SWITCHING: tuple[Channel, ...] = ("trigger", "override", "rotations")  # a lost sample gets their last value
-_MOTIONS: tuple[Channel, ...] = ("struts", "poses")
+_MOTIONS: tuple[Channel, ...] = ("drives", "poses")
 _SMOOTHER = 2.0  # times, by which the motion must be smoother for stamps to be the instants
 _LEAST_MOVING = 100  # samples that show it
 _LEAST_APART = 0.2  # steps between stamps of which it can be seen
@@ -183,7 +183,7 @@ def _at(stream: Stream, even: Even) -> Stream:
     assert stream.t is not None
     more: dict[Any, Any] = {}
     for name, values in stream.channels.items():
-        if name in ("struts", "poses"):
+        if name in ("drives", "poses"):
             more[name] = CubicSpline(stream.t, values)(np.clip(even.t, stream.t[0], stream.t[-1]))
         else:
             more[name] = spread(values, stream.t, even.t, name in _SWITCHING)

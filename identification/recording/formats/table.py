@@ -13,13 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.base.errors import Code, RecordingError, printable
+from cases.base.renamed import renamed
 from cases.base.units import Array, Flags
 from cases.recording_format import FileFormat
 from identification.finding import Finding
 from identification.recording.formats.clocks import Unsteady, evened
 
 Stamps = NDArray[np.float64] | NDArray[np.int64]
-Channel = Literal["struts", "rotations", "forces", "trigger", "poses", "specific_forces", "override"]
+Channel = Literal["drives", "rotations", "forces", "trigger", "poses", "specific_forces", "override"]
 
 _SHOWN_NAMES = 40
 _SHOWN_CHARACTERS = 40
@@ -91,14 +92,15 @@ class ColumnTable:
         return f"{self.source}, {self.lines.place(row)}, {shown(self.form.file_name(ours))}"
 
 
+@renamed(struts="drives")
 @dataclass(frozen=True, slots=True)
 class Stream:
     """Samples of one clock in SI units, one row a sample; arrays are None where there are no such channels."""
 
     source: str  # the file, for messages
     t: Array | None  # time since the first sample of the run, shape (n,) [s]; None: every row is an averaged standstill
-    # what moves the sensors: strut lengths, shape (n, 6) [m]; of a chain its joints, shape (n, k) [m or rad]
-    struts: Array | None
+    # what moves the sensors: lengths of a hexapod's struts, or joints of a chain, shape (n, k) [m or rad]
+    drives: Array | None
     rotations: Array | None  # R, shape (n, 3, 3)
     forces: Array | None  # forces of the sensors, shape (n, 6) [N, or N and N m]
     trigger: Flags | None  # shape (n,)
@@ -197,7 +199,7 @@ class Stream:
 
 
 SHAPES: dict[str, tuple[int | None, ...]] = {
-    "t": (None,), "struts": (None, None), "rotations": (None, 3, 3), "forces": (None, 6), "trigger": (None,),
+    "t": (None,), "drives": (None, None), "rotations": (None, 3, 3), "forces": (None, 6), "trigger": (None,),
     "poses": (None, None), "specific_forces": (None, 3), "override": (None,), "missing": (None,), "weights": (None,),
 }  # fmt: skip
 """Shapes of the arrays of a stream; None: any number."""

@@ -90,7 +90,7 @@ def pose_range(case: Case, box: bool) -> Array:
     """
     home, limits = case.need_motion(PURPOSE)
     if box:
-        return limits.pose
+        return limits.coordinates
     if case.chain is not None:
         return np.clip(case.chain.position, -TURNS * DEG, TURNS * DEG) - home
     _, workspace, _ = case.need_machine(PURPOSE)

@@ -36,7 +36,7 @@ def write_joint_trajectory(program: Blocks, case: Case) -> bytes:
     instants, at_rest = _instants(motion, controller.block)
     stated = np.round(instants / NANOSECOND) * NANOSECOND
     points = motion.at(np.where(at_rest, instants, stated))
-    for t, *values in zip(stated + FIRST, points.pose, points.rates, points.accelerations, strict=True):
+    for t, *values in zip(stated + FIRST, points.coordinates, points.rates, points.accelerations, strict=True):
         for mark, name, row in zip("-  ", ("positions", "velocities", "accelerations"), values, strict=True):
             lines.append(f"{mark} {name}: [{', '.join(_number(v) for v in row)}]")
         seconds, nanoseconds = divmod(round(float(t) * 1e9), 10**9)
@@ -54,8 +54,8 @@ def require_same_trajectory(program: Blocks, reading: Reading, case: Case) -> No
         assert isinstance(part, Timed)
         times = part.points.times
         t = np.sort(np.append(times, (times[1:] + times[:-1]) / 2))
-        planned = motion.at(np.clip(t + clock, 0.0, motion.duration)).pose
-        if not np.all(np.abs(part.points.at(t).pose - planned) <= SAME):
+        planned = motion.at(np.clip(t + clock, 0.0, motion.duration)).coordinates
+        if not np.all(np.abs(part.points.at(t).coordinates - planned) <= SAME):
             raise ProgramError(
                 file=reading.file,
                 line=part.lines[0],
@@ -90,7 +90,7 @@ def _with_room(motion: Trajectory) -> Trajectory:
     if isinstance(motion, Slowed):
         return Slowed(_with_room(motion.motion), motion.speed)
     if isinstance(motion, Standstill):
-        return Standstill(motion.pose, max(motion.duration, CLOSEST))
+        return Standstill(motion.coordinates, max(motion.duration, CLOSEST))
     return motion
 
 

@@ -89,7 +89,7 @@ class _LinuxCncInterpreter(ModalState):
 
     def statement(self, lines: list[str], number: int) -> int:
         """Reads a check of home, or that G54 is zero, whose number no other statement has."""
-        if not np.isnan(self.pose).any():
+        if not np.isnan(self.coordinates).any():
             return 0
         texts = "\n".join(text.rstrip() for text in lines[number - 1 : number - 1 + self.home_check_lines])
         match = _ZERO_OFFSETS.fullmatch(texts) or self.home_check.fullmatch(texts)
@@ -187,7 +187,7 @@ class _LinuxCncInterpreter(ModalState):
     def _move(self, block: dict[str, Word], first: Word) -> None:
         self.require_said(first)
         self.overridden |= self.override
-        exact, before = self.active("G61", "G61.1"), self.pose
+        exact, before = self.active("G61", "G61.1"), self.coordinates
         if self.active("G2", "G3"):
             if "G91.1" not in self.said:
                 self.fail(first, "an arc before a block with G91.1; I, J, K may be absolute", "write it first")
@@ -196,10 +196,10 @@ class _LinuxCncInterpreter(ModalState):
             if 0.0 < np.abs(end - before)[self.linear].max() < ROUND:
                 self.fail(first, "the arc ends next to where it begins", "leave X, Y, Z out for a full circle")
             self.arc(block, first, exact)
-            self.way = np.full(len(self.pose), np.nan)
+            self.way = np.full(len(self.coordinates), np.nan)
             return
         end, duration, feed = self.target(block, first)
-        if duration is not None and self.loose is not None and not np.isnan(self.pose).any():
+        if duration is not None and self.loose is not None and not np.isnan(self.coordinates).any():
             raise self.loose
         if duration is not None and np.all(np.abs(end - before) <= STILL):
             self.fail(first, "a timed block in which nothing moves, which LinuxCNC leaves out", "wait with G4 P0.1")

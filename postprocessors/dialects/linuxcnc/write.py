@@ -97,7 +97,7 @@ def _in_cycles(path: TimedPath, length: float) -> TimedPath:
         path = replace(path, times=path.times / share, motion=Slowed(path.motion, share))
     times = np.unique(np.round(path.times / SERVO_PERIOD)) * SERVO_PERIOD
     if len(times) != len(path.times) or not np.allclose(times, path.times, rtol=0.0, atol=EQUAL):
-        path = replace(path, times=times, poses=path.motion.at(times).pose)
+        path = replace(path, times=times, poses=path.motion.at(times).coordinates)
     return with_moving_blocks(path)
 
 

@@ -125,9 +125,9 @@ def _grouped(
     motions: Grouping, motion: Motion, rest: NDArray[np.bool_], trigger: Array, first: int, cycle: float
 ) -> Grouping:
     """Standstills, paths between them, and the trigger where it switches at rest; the first row is at a line."""
-    still = rest[1:] & rest[:-1] & ~(np.diff(motion.pose, axis=0).any(axis=1))
+    still = rest[1:] & rest[:-1] & ~(np.diff(motion.coordinates, axis=0).any(axis=1))
     change = np.flatnonzero(np.diff(still) | (np.diff(trigger[:-1]) != 0.0)) + 1
-    motions.stand(motion.pose[0])
+    motions.stand(motion.coordinates[0])
     for start, end in pairwise([0, *map(int, change), len(still)]):
         if bool(trigger[start]) != motions.trigger:
             motions.switch(first + start, not motions.trigger, at_once=True)
@@ -135,7 +135,7 @@ def _grouped(
             motions.pause(first + start, (end - start) * cycle)
             continue
         rows = slice(start, end + 1)
-        motions.rows(first + start, cycle, motion.pose[rows], motion.rates[rows], motion.accelerations[rows])
+        motions.rows(first + start, cycle, motion.coordinates[rows], motion.rates[rows], motion.accelerations[rows])
     if bool(trigger[-1]) != motions.trigger:
         motions.switch(first + len(still), not motions.trigger, at_once=True)
     return motions

@@ -46,7 +46,7 @@ def _parts(program: Blocks, cycle: float) -> Iterator[TablePart]:
 
 def _motion(program: Blocks, cycle: float) -> tuple[list[Array], Array]:
     """Pose, rates and accelerations at all rows, and whether the trigger is on in the cycle that each row begins."""
-    home = next(b.pose for b in program if isinstance(b, ToHome))
+    home = next(b.coordinates for b in program if isinstance(b, ToHome))
     rows: list[list[Array]] = [[home[None, :]], [np.zeros((1, len(home)))], [np.zeros((1, len(home)))]]
     trigger: list[Array] = []
     for motion, cycles, on in _parts(program, cycle):
@@ -55,7 +55,7 @@ def _motion(program: Blocks, cycle: float) -> tuple[list[Array], Array]:
             values = [stand, np.zeros_like(stand), np.zeros_like(stand)]
         else:
             at = motion.at(np.minimum(np.arange(1, cycles + 1) * cycle, motion.duration))
-            values = [np.array(v) for v in (at.pose, at.rates, at.accelerations)]
+            values = [np.array(v) for v in (at.coordinates, at.rates, at.accelerations)]
             values[1][-1] = values[2][-1] = 0.0  # at rest
         for column, value in zip(rows, values, strict=True):
             column.append(value)
@@ -116,9 +116,9 @@ def require_same_table(program: Blocks, reading: Reading, case: Case) -> None:
         )
     for (motion, cycles, on), stretch in zip(written, read, strict=True):
         assert motion is not None
-        rows = motion.at(np.minimum(stretch.points.times, motion.duration)).pose
+        rows = motion.at(np.minimum(stretch.points.times, motion.duration)).coordinates
         near = len(stretch.points.times) == cycles + 1 and on == stretch.trigger
-        if not (near and np.all(np.abs(stretch.points.at(stretch.points.times).pose - rows) <= SAME)):
+        if not (near and np.all(np.abs(stretch.points.at(stretch.points.times).coordinates - rows) <= SAME)):
             raise ProgramError(
                 file=reading.file,
                 line=stretch.lines[0],

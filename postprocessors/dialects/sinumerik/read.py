@@ -196,12 +196,12 @@ class SinumerikInterpreter(ModalState):
             form = f"up to {most} words PO[axis]=(end,a2,..) of degree {degree} at most for {', '.join(axes)}, and F"
             self.fail(first, f"a POLY block under G64 and G93 takes POLY, {form} = 60 / seconds alone", "write it so")
         coefficients = np.zeros((degree + 1, 6))
-        coefficients[0], end = self.pose, self.pose.copy()
+        coefficients[0], end = self.coordinates, self.coordinates.copy()
         for name, (own_end, *higher) in pieces.items():
             end[axes[name]] = own_end
             coefficients[2 : 2 + len(higher), axes[name]] = [a * length**i for i, a in enumerate(higher, start=2)]
         coefficients[1] = end - coefficients[0] - coefficients[2:].sum(axis=0)
-        self.pose = end
+        self.coordinates = end
         return self.line, MINUTE / float(block["F"].value or np.nan), end * self.scale, coefficients * self.scale
 
 

@@ -155,7 +155,7 @@ class TwinCatInterpreter(ModalState):
             self.refuse(word)
         if name in _CURVES:
             before, end = _CURVES[name]
-            if before not in self.said or self.flowing or np.isnan(self.pose).any():
+            if before not in self.said or self.flowing or np.isnan(self.coordinates).any():
                 problem = f"{name} opens a path of points behind {before}, where the machine stands at a known pose"
                 self.fail(word, f"{problem}", "write G60 in the block before")
             self.curve, self.points = end, 1

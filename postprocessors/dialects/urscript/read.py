@@ -64,7 +64,9 @@ def read_urscript(content: bytes, file: str, case: Case) -> Reading:
             motions.pause(line, float(values[0]))
         else:
             end, (acceleration, speed) = values[:JOINTS], map(float, values[JOINTS:])
-            leading = range(JOINTS) if motions.pose is None else [int(np.argmax(np.abs(end - motions.pose)))]
+            leading = (
+                range(JOINTS) if motions.coordinates is None else [int(np.argmax(np.abs(end - motions.coordinates)))]
+            )
             within = None
             if motions.checked is not None and not any(isinstance(part, Untimed) for part in motions.stretches):
                 leading, within = range(JOINTS), motions.checked[1]

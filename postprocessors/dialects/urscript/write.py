@@ -54,10 +54,10 @@ def _statements(program: Blocks, chain: Chain, output: int, crawl: tuple[float, 
             case str():
                 yield from _comments(block)
             case ToHome():
-                yield from _stop_unless_at(block.pose, chain.names)
+                yield from _stop_unless_at(block.coordinates, chain.names)
                 yield from _comments("what is left, at a crawl")
-                yield _move(block.pose, *crawl)
-                at = block.pose
+                yield _move(block.coordinates, *crawl)
+                at = block.coordinates
             case StraightMove():  # a trapezoid of the planned duration and speed, no steeper than planned
                 law, end = block.profile, block.end
                 way = float(np.abs(np.round(end, DECIMALS) - np.round(at, DECIMALS)).max())

@@ -249,7 +249,7 @@ def reachable(case: Case, poses: int = 4000, seed: int = 0) -> Reachable:
         seed: of these.
     """
     machine, _, limits = case.need_machine("the share of the box within reach")
-    low, high = limits.pose
+    low, high = limits.coordinates
     places = machine.home.vector + np.random.default_rng(seed).uniform(low, high, (poses, 6))
     shares = {kind: share.max(axis=1) for kind, share in pose_shares(case, places).items()}
     within = (shares["strut length"], np.max(list(shares.values()), axis=0))

@@ -74,14 +74,14 @@ def sound() -> Sound:
     execution = PoseExecution(Hexapod.of(case), Harmonic(seed=1, duration=3.0))
     run = simulate_recording(case, execution, np.array([[0.2, 2.8]]), 1)
     assert run.t is not None
-    assert run.struts is not None
+    assert run.drives is not None
     assert run.trigger is not None
     model, form = identification_model(case, 9), physical_form(identification_model(case, 9))
     u = linear_parameters(model, case.need_simulation("a test").parameters)
     truth = dict(zip((p.name for p in form.parameters), form.of(u, np.eye(len(u)))[0], strict=True))
     every = slice(None, None, 2)
     return Sound(
-        case, run.t[every], 1e3 * run.struts[every], run.forces[every], run.trigger[every].astype(float), truth
+        case, run.t[every], 1e3 * run.drives[every], run.forces[every], run.trigger[every].astype(float), truth
     )
 
 

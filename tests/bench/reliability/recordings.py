@@ -237,7 +237,7 @@ def simulated() -> Simulated:
     case = load_case("hexapod")
     execution = PoseExecution(Hexapod.of(case), Harmonic(seed=1, duration=3.0))
     run = simulate_recording(case, execution, np.array([[0.2, 2.8]]), 1)
-    rows = np.column_stack([run.t, np.round(run.struts / MM, 8), np.round(run.forces, 6), run.trigger])
+    rows = np.column_stack([run.t, np.round(run.drives / MM, 8), np.round(run.forces, 6), run.trigger])
     model = identification_model(case, 9)
     u = linear_parameters(model, case.simulation.parameters)
     return Simulated(case, rows, physical_form(model).of(u, np.eye(len(u)))[0])

@@ -35,7 +35,7 @@ def test_a_run_is_drawn_with_what_moved_and_what_was_measured(run: hx.Recording)
     measured = forces.get_lines()[2].get_ydata()
     assert measured.max() == pytest.approx(run.forces[:, 2].max())
     assert measured.min() == pytest.approx(run.forces[:, 2].min())
-    assert drives.get_lines()[5].get_ydata().max() == pytest.approx(1e3 * run.struts[:, 5].max())
+    assert drives.get_lines()[5].get_ydata().max() == pytest.approx(1e3 * run.drives[:, 5].max())
     assert forces.get_lines()[0].get_xdata()[-1] == pytest.approx(run.t[-1], abs=0.05)  # type: ignore[index]
 
 

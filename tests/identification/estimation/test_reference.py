@@ -33,7 +33,7 @@ def test_uniform_states_fill_the_box_and_stay_inside() -> None:
     (poses, rates, accelerations), box = uniform_states(CASE, 5000, seed=0), CASE.limits.motion
     relative = poses - CASE.machine.home.vector
     for values, low, high in (
-        (relative, *box.pose),
+        (relative, *box.coordinates),
         (rates, -box.rate, box.rate),
         (accelerations, -box.acceleration, box.acceleration),
     ):

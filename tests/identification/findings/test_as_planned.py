@@ -51,7 +51,7 @@ class Changed:
 
     def at(self, t: ArrayLike) -> Motion:
         motion = self.motion.at(np.clip(self.time(np.asarray(t, dtype=float)), 0.0, self.motion.duration))
-        return replace(motion, pose=motion.pose + self.by)
+        return replace(motion, coordinates=motion.coordinates + self.by)
 
 
 def corners(case: Case, count: int = 8, seed: int = 0) -> Array:
@@ -74,7 +74,7 @@ def moves(case: Case, poses: Array, jerk: float = 40.0, stay: float = 0.0) -> Jo
 def recorded(case: Case, motion: Trajectory, start: float = -0.5, end: float = 0.5, seed: int = 0) -> Recording:
     """A run of a motion with encoder noise, from `start` of it to `end` behind it [s]; it stands before and after."""
     draw, t = np.random.default_rng(seed), np.arange(start, motion.duration + end, STEP)
-    drives = machine_of(case).drives(motion.at(np.clip(t, 0.0, motion.duration)).pose)
+    drives = machine_of(case).drives(motion.at(np.clip(t, 0.0, motion.duration)).coordinates)
     noise = draw.normal(0.0, 1e-6, drives.shape)
     return Recording("run", t - t[0], drives + noise, None, draw.normal(size=(len(t), 6)), None)
 
@@ -226,7 +226,7 @@ def test_what_has_no_clock_or_no_drives_is_not_compared() -> None:
     case = load_case("hexapod")
     plan = Planned(moves(case, corners(case)))
     run = recorded(case, plan.motion)
-    for other in (replace(run, t=None), replace(run, struts=None)):
+    for other in (replace(run, t=None), replace(run, drives=None)):
         assert as_planned(closest(other, case, plan), plan) == ()
 
 
@@ -234,12 +234,12 @@ def test_damage_of_a_recording_is_not_another_program() -> None:
     case = load_case("hexapod")
     plan = Planned(moves(case, corners(case)))
     run = recorded(case, plan.motion)
-    leaping, missing = run.struts.copy(), np.zeros(run.rows, dtype=bool)
+    leaping, missing = run.drives.copy(), np.zeros(run.rows, dtype=bool)
     leaping[[300, 700, 1100], 2] += 30.0 * MM
     missing[500:520] = True
-    assert said(case, plan, replace(run, struts=leaping, missing=missing)) == []
+    assert said(case, plan, replace(run, drives=leaping, missing=missing)) == []
     kept = np.r_[0:600, 640 : run.rows]
-    assert said(case, plan, replace(run, t=run.t[kept], struts=run.struts[kept], forces=run.forces[kept])) == []
+    assert said(case, plan, replace(run, t=run.t[kept], drives=run.drives[kept], forces=run.forces[kept])) == []
 
 
 def test_findings_stand_in_the_result() -> None:
@@ -247,7 +247,7 @@ def test_findings_stand_in_the_result() -> None:
     case = load_case("hexapod")
     plan = Planned(moves(case, corners(case)))
     slow, machine = Slowed(plan.motion, 0.5), machine_of(case)
-    drives = machine.drives(slow.at(np.arange(0.0, slow.duration, STEP)).pose)
+    drives = machine.drives(slow.at(np.arange(0.0, slow.duration, STEP)).coordinates)
     followed = Execution.of_set_points(machine, STEP, drives)
     run = simulate_recording(case, followed, np.array([[0.0, followed.duration]]), seed=0)
     result = identify(run, case, plan=plan)

@@ -114,7 +114,7 @@ def test_exchanged_drives_are_mended_where_drives_are_named() -> None:
     drives = Drives(sign=(1.0,) * 6, offset_mm=(0.0,) * 6, order=(6, 5, 4, 3, 2, 1))
     case = CASE.model_copy(update={"recording": CASE.recording.model_copy(update={"drives": drives})})
     whole = run(0)
-    mixed = replace(whole, struts=whole.struts[:, [1, 0, 2, 3, 4, 5]])
+    mixed = replace(whole, drives=whole.drives[:, [1, 0, 2, 3, 4, 5]])
     with pytest.raises(IdentificationError, match="struts 1 and 2 are exchanged: then residuals") as caught:
         estimate_parameters(mixed, case)
     assert str(caught.value).endswith("recording.drives.order = [5, 6, 4, 3, 2, 1]")
@@ -125,7 +125,7 @@ def test_standstills_tell_exchanged_struts_too() -> None:
     away = draw.uniform(-1.0, 1.0, (40, 6)) * np.r_[[0.12] * 3, [0.15] * 3]
     still = simulate_standstills(CASE, HOME + away, 1000, 0)
     with pytest.raises(IdentificationError, match=r"struts 3 and 4\b.*exchanged"):
-        estimate_parameters(replace(still, struts=still.struts[:, [0, 1, 3, 2, 4, 5]]), CASE, 5)
+        estimate_parameters(replace(still, drives=still.drives[:, [0, 1, 3, 2, 4, 5]]), CASE, 5)
 
 
 def standing_on_a_wrist(file: Path, scale: np.ndarray) -> Path:

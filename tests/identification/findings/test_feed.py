@@ -45,7 +45,7 @@ class AtFeed:
         f, slope = np.interp(time, grid, feed)[:, None], np.interp(time, grid, np.gradient(feed, grid))[:, None]
         there = self.planned.at(np.clip(np.interp(time, grid, tau), 0.0, self.planned.duration))
         accelerations = there.accelerations * f**2 + there.rates * slope
-        return Motion(time, there.pose, there.rates * f, accelerations, there.jerks * f**3)
+        return Motion(time, there.coordinates, there.rates * f, accelerations, there.jerks * f**3)
 
 
 def through(seed: int, count: int = 7, pause: float = 0.0) -> Trajectory:
@@ -66,7 +66,11 @@ def recorded(motion: Trajectory, seed: int = 0) -> Recording:
     """With rest before and after, the trigger on in between."""
     rest = 0.4
     whole = Joined(
-        (Standstill(motion.at([0.0]).pose[0], rest), motion, Standstill(motion.at([motion.duration]).pose[0], rest))
+        (
+            Standstill(motion.at([0.0]).coordinates[0], rest),
+            motion,
+            Standstill(motion.at([motion.duration]).coordinates[0], rest),
+        )
     )
     window = np.array([[rest, rest + motion.duration]])
     return simulate_recording(CASE, PoseExecution(Hexapod.of(CASE), whole), window, seed, "run.csv")

@@ -233,9 +233,9 @@ def test_what_accelerations_leap_by_between_moves_is_the_motion_s(seed: int) -> 
 @pytest.mark.parametrize("size", [1e-3, 0.1])
 def test_struts_that_jump_faster_than_drives_are_left_out_with_their_rows(size: float) -> None:
     whole = run(1)
-    struts = whole.struts.copy()
+    struts = whole.drives.copy()
     struts[[700, 1900], 3] += size
-    error, warnings = errors(replace(whole, struts=struts))
+    error, warnings = errors(replace(whole, drives=struts))
     assert tells(warnings[0], "lines 702, 1902: strut 4", "jumps")
     assert "1 m/s" in warnings[0]
     assert error < 4.5
@@ -248,7 +248,7 @@ def test_a_run_with_most_samples_damaged_is_refused() -> None:
 
 
 def test_a_run_outside_the_workspace_is_told_with_its_rows() -> None:
-    longest = float(run().struts.max()) * 1e3 - 5.0
+    longest = float(run().drives.max()) * 1e3 - 5.0
     workspace = type(CASE.workspace).model_validate(CASE.workspace.model_dump() | {"strut_length_mm": (650.0, longest)})
     (warning,) = estimate_parameters(run(), CASE.model_copy(update={"workspace": workspace})).warnings
     assert re.match(rf"lines \d+ to \d+.*strut \d .*workspace.*650 to {longest:g} mm", warning)
@@ -256,7 +256,7 @@ def test_a_run_outside_the_workspace_is_told_with_its_rows() -> None:
 
 @pytest.mark.repeats
 def test_a_run_that_touches_the_end_of_a_strut_as_far_as_encoders_err_is_not() -> None:
-    longest = float(run().struts.max()) * 1e3 - 0.05
+    longest = float(run().drives.max()) * 1e3 - 0.05
     workspace = type(CASE.workspace).model_validate(CASE.workspace.model_dump() | {"strut_length_mm": (650.0, longest)})
     assert estimate_parameters(run(), CASE.model_copy(update={"workspace": workspace})).warnings == ()
 
@@ -291,7 +291,7 @@ def test_residuals_that_are_not_white_are_told() -> None:
 def test_struts_in_the_wrong_order_are_told() -> None:
     whole = run(1)
     with pytest.raises(IdentificationError, match=r"struts 1 and 2, 3 and 4, 5 and 6\b.*exchanged"):
-        estimate_parameters(replace(whole, struts=whole.struts[:, [1, 0, 3, 2, 5, 4]]), CASE)
+        estimate_parameters(replace(whole, drives=whole.drives[:, [1, 0, 3, 2, 5, 4]]), CASE)
 
 
 @pytest.mark.repeats

@@ -132,12 +132,12 @@ def test_keys_of_two_remedies_mend_what_both_did_to_the_readings(
 ) -> None:
     sound = run("ur10_wrist", 0)
     trial, recorded = together(*both(sound.case)), sound.recording
-    assert recorded.struts is not None
-    drives = drives_of(trial, recorded.struts.shape[1])
+    assert recorded.drives is not None
+    drives = drives_of(trial, recorded.drives.shape[1])
     wrong = replace(
         recorded,
         forces=recorded.forces @ np.linalg.inv(channels_of(trial)).T,
-        struts=(recorded.struts - drives.offset) @ np.linalg.inv(drives.matrix).T,
+        drives=(recorded.drives - drives.offset) @ np.linalg.inv(drives.matrix).T,
     )
     assert left(wrong, sound.case) > 10.0
     assert left(wrong, sound.case, trial) < 1.3

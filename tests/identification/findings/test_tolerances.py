@@ -77,7 +77,7 @@ def gain(case: Case, run: Recording) -> tuple[Case, Recording]:
 
 
 def zero(case: Case, run: Recording) -> tuple[Case, Recording]:
-    return case, replace(run, struts=run.struts + 0.02 * DEG * (np.arange(6) == 4))
+    return case, replace(run, drives=run.drives + 0.02 * DEG * (np.arange(6) == 4))
 
 
 def sensor(case: Case, run: Recording) -> tuple[Case, Recording]:

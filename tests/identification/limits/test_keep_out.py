@@ -65,7 +65,7 @@ def rate_limits(case: Case) -> list[np.ndarray]:
 
 def nearest_by_sampling(case: Case, move: StraightMove, corners: np.ndarray) -> float:
     """Least distance of strut 1, from rotations by SciPy and points along the strut."""
-    poses = move.at(np.linspace(0.0, move.duration, 300)).pose
+    poses = move.at(np.linspace(0.0, move.duration, 300)).coordinates
     turns = Rotation.from_euler("xyz", poses[:, 3:]).as_matrix()
     joint = poses[:, :3] + turns @ case.machine.platform.points[0]
     base = case.machine.base.points[0]

@@ -36,7 +36,7 @@ class Slower:
 
     def at(self, t: np.ndarray) -> Motion:
         m, p = self.motion.at(np.asarray(t) * self.pace), self.pace
-        return Motion(np.asarray(t), m.pose, p * m.rates, p**2 * m.accelerations, p**3 * m.jerks)
+        return Motion(np.asarray(t), m.coordinates, p * m.rates, p**2 * m.accelerations, p**3 * m.jerks)
 
 
 def with_limits(**changes: object) -> Case:
@@ -79,7 +79,7 @@ def test_a_limit_just_below_what_the_motion_reaches_is_passed_and_just_above_it_
     motion = Harmonic(seed=3)
     reached = abs(named(prove(motion, with_limits(**NO_LIMITS), RATE))[kind].worst)
     if kind == "strut length":  # has two sides; the test is about the longest strut
-        reached = Hexapod.of(CASE).strut_lengths(sample(motion, RATE).pose).max() * 1e3
+        reached = Hexapod.of(CASE).strut_lengths(sample(motion, RATE).coordinates).max() * 1e3
     for factor, kept in ((0.999, False), (1.001, True)):
         report = prove(motion, with_limits(**NO_LIMITS | KINDS[kind](factor * reached)), RATE)
         assert named(report)[kind].kept == kept
@@ -103,7 +103,9 @@ def test_strut_motion_agrees_with_the_casadi_model(seed: int) -> None:
     """Two implementations without a line in common: product rule on matrices, algorithmic differentiation."""
     motion = Harmonic(seed=seed)
     m = sample(motion, RATE)
-    length, velocity, acceleration = over_samples(Hexapod.of(CASE).strut_motion, m.pose, m.rates, m.accelerations)
+    length, velocity, acceleration = over_samples(
+        Hexapod.of(CASE).strut_motion, m.coordinates, m.rates, m.accelerations
+    )
     found = named(prove(motion, CASE, RATE))
     assert abs(found["strut velocity"].worst) == pytest.approx(np.abs(velocity).max(), rel=1e-12)
     assert abs(found["strut acceleration"].worst) == pytest.approx(np.abs(acceleration).max(), rel=1e-12)
@@ -145,14 +147,15 @@ def test_crossing_a_singularity_is_reported_and_standing_before_it_is_not() -> N
     assert at_home.ratio == pytest.approx(0.0, abs=1e-12)
 
 
-@pytest.mark.parametrize("order", ["pose", "rates", "accelerations", "jerks"])
+@pytest.mark.parametrize("order", ["coordinates", "rates", "accelerations", "jerks"])
 def test_a_motion_that_is_nowhere_a_number_passes_limits(order: str) -> None:
     class Damaged:
         duration = 1.0
 
         def at(self, t: np.ndarray) -> Motion:
             arrays = {
-                n: getattr(Harmonic(size=0.1).at(t), n).copy() for n in ("pose", "rates", "accelerations", "jerks")
+                n: getattr(Harmonic(size=0.1).at(t), n).copy()
+                for n in ("coordinates", "rates", "accelerations", "jerks")
             }
             arrays[order][len(t) // 2, 3] = np.nan
             return Motion(np.asarray(t), **arrays)
@@ -184,7 +187,7 @@ def test_far_from_a_box_the_nearest_approach_is_told(hexapod_case: Case):
     case, move = changed(hexapod_case, workspace__keep_out=[box]), Harmonic(seed=1, duration=3.0)
     check = next(c for c in prove(move, case, 2000.0).checks if c.kind is LimitKind.DISTANCE_FROM_BOX)
     assert check.ratio == 0.0
-    poses, machine = move.at(np.linspace(0.0, 3.0, 601)).pose, case.need_machine("a test")[0]
+    poses, machine = move.at(np.linspace(0.0, 3.0, 601)).coordinates, case.need_machine("a test")[0]
     tops = np.array([p[:3] + machine.platform.points @ turned(p[3:]).T for p in poses])
     share = np.linspace(0.0, 1.0, 201)[:, None, None, None]
     struts = machine.base.points + share * (tops - machine.base.points)  # points along them

@@ -21,7 +21,7 @@ from tests.postprocessors.changed_case import changed
 def test_newton_euler_and_the_regressor_say_the_same(hexapod_case: Case):
     motion = Harmonic(seed=4).at(np.linspace(0.1, 2.9, 40))
     model = identification_model(hexapod_case, 6)
-    matrices = over_samples(model.coordinate_regressor, motion.pose, motion.rates, motion.accelerations)[0]
+    matrices = over_samples(model.coordinate_regressor, motion.coordinates, motion.rates, motion.accelerations)[0]
     found = Loads.of(hexapod_case).forces(motion, rotation_motion(motion), motion.accelerations[:, :3])
     for body, forces in zip(hexapod_case.bodies, np.hsplit(found, len(hexapod_case.bodies)), strict=True):
         known = body_parameters(body)

@@ -58,7 +58,7 @@ def test_proof_and_regressor_know_the_same_forces(kind: str) -> None:
     motion = Harmonic(seed=4, size=0.8).at(np.linspace(0.1, 2.9, 40))
     loads = Loads.of(case)
     assert loads is not None
-    expected = forces(case, motion.pose, motion.rates, motion.accelerations)
+    expected = forces(case, motion.coordinates, motion.rates, motion.accelerations)
     report = prove_at(Harmonic(seed=4, size=0.8), case, np.linspace(0.1, 2.9, 40), in_box=False)
     (check,) = (c for c in report.checks if c.kind == "sensor force")
     row, channel = np.unravel_index(int(np.abs(expected).argmax()), expected.shape)
@@ -83,7 +83,7 @@ def test_sensors_that_are_too_weak_are_named_and_the_search_knows_their_limit() 
     assert LimitKind.SENSOR_FORCE in [kind for kind, *_ in near_limits(weak)]
     assert LimitKind.SENSOR_FORCE not in [kind for kind, *_ in near_limits(of("drive", 100_000.0))]
     motion = Harmonic(seed=4, size=0.8).at(np.linspace(0.1, 2.9, 20))
-    states = np.hstack([motion.pose, motion.rates, motion.accelerations])
+    states = np.hstack([motion.coordinates, motion.rates, motion.accelerations])
     (force,) = (kernel for kind, _, kernel in state_limits(weak, (5,)) if kind is LimitKind.SENSOR_FORCE)
     shares = force.values(np.hstack([states, np.zeros((20, state_size(6) - 18))]))
     assert np.abs(shares).max() == pytest.approx(load_shares(motion, weak)[5], rel=1e-9)

@@ -19,14 +19,14 @@ INNER = np.linspace(0.1, 2.9, 300)  # [s] away from the ends, where a spline kno
 
 def by_struts(period: float) -> Execution:
     t = np.arange(round(3.0 / period) + 1) * period
-    return Execution.of_log(HEXAPOD, period, BY_POSE.struts(t))
+    return Execution.of_log(HEXAPOD, period, BY_POSE.drives(t))
 
 
 def test_logged_struts_tell_the_motion_of_the_platform() -> None:
     log, expected = by_struts(1e-3), BY_POSE.kinematics(INNER)
     found = log.kinematics(INNER)
     assert log.duration == pytest.approx(BY_POSE.duration)
-    np.testing.assert_allclose(log.struts(INNER), BY_POSE.struts(INNER), atol=1e-10)
+    np.testing.assert_allclose(log.drives(INNER), BY_POSE.drives(INNER), atol=1e-10)
     np.testing.assert_allclose(found.pose, expected.pose, atol=1e-9)
     np.testing.assert_allclose(found.twist, expected.twist, atol=1e-6)
     np.testing.assert_allclose(found.twist_rate, expected.twist_rate, atol=1e-3)
@@ -57,8 +57,8 @@ def test_forces_are_recorded_late_by_delay_and_sampling_offset() -> None:
 def test_encoders_record_whole_steps_and_lose_no_more_than_half_of_one() -> None:
     step = CASE.simulation.encoder_resolution
     recording = simulate_recording(CASE, BY_POSE, np.zeros((0, 2)), 0)
-    np.testing.assert_allclose(recording.struts / step, np.round(recording.struts / step), atol=1e-3)
-    assert np.abs(recording.struts - BY_POSE.struts(recording.t)).max() <= 0.501 * step
+    np.testing.assert_allclose(recording.drives / step, np.round(recording.drives / step), atol=1e-3)
+    assert np.abs(recording.drives - BY_POSE.drives(recording.t)).max() <= 0.501 * step
 
 
 def test_noise_is_white_of_the_stated_size_and_repeats_with_its_seed() -> None:

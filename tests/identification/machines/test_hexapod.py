@@ -13,7 +13,7 @@ from tests.helpers import HOME, one_line, paper_poses
 
 CASE = load_case("hexapod")
 HEXAPOD = Hexapod.of(CASE)
-BOX = CASE.limits.motion.pose
+BOX = CASE.limits.motion.coordinates
 share = st.lists(st.floats(0.0, 1.0), min_size=6, max_size=6)
 
 

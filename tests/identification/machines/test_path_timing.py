@@ -55,7 +55,7 @@ def ratio(report: LimitReport, *names: str) -> float:
 def test_the_wave_is_what_it_says():
     t = np.linspace(0.0, 4.0, 40_001)
     m = Wave(1.0).at(t)
-    for lower, upper in ((m.pose, m.rates), (m.rates, m.accelerations), (m.accelerations, m.jerks)):
+    for lower, upper in ((m.coordinates, m.rates), (m.rates, m.accelerations), (m.accelerations, m.jerks)):
         assert np.allclose(np.gradient(lower, t, axis=0)[5:-5], upper[5:-5], atol=1e-5)
 
 
@@ -65,7 +65,7 @@ def test_a_motion_inside_its_limits_keeps_its_pace():
     found = retime(wave, CASE)
     assert found.duration == pytest.approx(wave.duration, rel=1e-5)
     t = np.linspace(0.0, wave.duration, 500)
-    assert np.allclose(found.at(t).pose, wave.at(t).pose, atol=1e-5)
+    assert np.allclose(found.at(t).coordinates, wave.at(t).coordinates, atol=1e-5)
     assert np.allclose(found.at(t).jerks, wave.at(t).jerks, atol=1e-3)
 
 
@@ -93,8 +93,8 @@ def test_struts_slow_a_motion_down_although_the_coordinates_could_go_faster():
 def test_the_same_poses_are_passed_in_the_same_order():
     wave = Wave(1.5, 0.5)
     found = retime(wave, CASE)
-    here = found.at(found.times).pose
-    assert np.allclose(here, wave.at(found.shares * wave.duration).pose, atol=1e-9)
+    here = found.at(found.times).coordinates
+    assert np.allclose(here, wave.at(found.shares * wave.duration).coordinates, atol=1e-9)
     assert np.all(np.diff(found.times) > 0.0)
 
 
@@ -102,7 +102,7 @@ def test_derivatives_belong_together():
     found = retime(Wave(1.5, 0.5), CASE)
     t = np.linspace(0.0, found.duration, 200_001)
     m = found.at(t)
-    assert np.allclose(np.gradient(m.pose, t, axis=0), m.rates, atol=1e-4)
+    assert np.allclose(np.gradient(m.coordinates, t, axis=0), m.rates, atol=1e-4)
     assert np.abs(np.gradient(m.rates, t, axis=0) - m.accelerations).mean() < 1e-2  # accelerations may step
 
 
@@ -119,7 +119,7 @@ def test_a_path_with_stops_is_timed_through_them():
     assert ratio(prove(path, CASE)) > 1.0
     found = retime(path, CASE)
     assert ratio(prove(found, CASE)) <= 1.0 + 1e-6
-    assert np.allclose(found.at([found.duration]).pose[0], HOME, atol=1e-9)
+    assert np.allclose(found.at([found.duration]).coordinates[0], HOME, atol=1e-9)
 
 
 class InMotion(Wave):
@@ -127,7 +127,7 @@ class InMotion(Wave):
 
     def at(self, t: ArrayLike) -> Motion:
         m = super().at(np.asarray(t, dtype=float) * 0.75 + self.duration / 4)
-        return Motion(np.asarray(t, dtype=float), m.pose, m.rates, m.accelerations, m.jerks)
+        return Motion(np.asarray(t, dtype=float), m.coordinates, m.rates, m.accelerations, m.jerks)
 
 
 class Broken(Wave):
@@ -135,7 +135,7 @@ class Broken(Wave):
 
     def at(self, t: ArrayLike) -> Motion:
         m = super().at(t)
-        pose = m.pose.copy()
+        pose = m.coordinates.copy()
         pose[len(pose) // 2, 2] = np.nan
         return Motion(m.t, pose, m.rates, m.accelerations, m.jerks)
 
@@ -164,7 +164,7 @@ def test_a_path_that_no_pace_makes_possible_says_why(monkeypatch: pytest.MonkeyP
 
 def test_timed_points_of_a_user_are_a_path_too():
     t = np.linspace(0.0, 1.0, 21)
-    points = TimedPoints.through(t, Wave(2.0, 1.0).at(t).pose)
+    points = TimedPoints.through(t, Wave(2.0, 1.0).at(t).coordinates)
     found = retime(points, CASE)
     assert ratio(prove(found, CASE)) <= 1.0 + 1e-6
 

@@ -22,7 +22,7 @@ TILTED = Standstill(HOME + np.array([0.1, -0.2, 0.05, 0.3, -0.25, 0.4]), 3.0)
 def forces_of(number: int, u: dict[str, float], trajectory: Trajectory, t: np.ndarray) -> np.ndarray:
     model = identification_model(CASE, number)
     now = trajectory.at(t)
-    matrices = over_samples(model.coordinate_regressor, now.pose, now.rates, now.accelerations)[0]
+    matrices = over_samples(model.coordinate_regressor, now.coordinates, now.rates, now.accelerations)[0]
     return matrices @ [u[name] for name in model.names]
 
 
@@ -59,7 +59,7 @@ def test_sensors_carry_what_moves_every_mass_of_the_body(number: int, trajectory
     u = drawn_parameters(number)
     offsets = np.array([u[f"f_q0_{k}"] for k in range(1, 7)])
     for t, forces in zip(TIMES, forces_of(number, u, trajectory, TIMES), strict=True):
-        deforming, at_sensors = deformation(u, trajectory.at(np.array([t])).pose[0])
+        deforming, at_sensors = deformation(u, trajectory.at(np.array([t])).coordinates[0])
         expected = BODY.wrench(trajectory, t, CASE.gravity) + deforming
         np.testing.assert_allclose(wrench_of_bars(BARS, forces - offsets - at_sensors), expected, atol=2e-6)
 
@@ -67,8 +67,8 @@ def test_sensors_carry_what_moves_every_mass_of_the_body(number: int, trajectory
 @pytest.mark.parametrize("number", range(10))
 def test_both_forms_of_the_regressor_are_one(number: int) -> None:
     now, model = Harmonic(seed=1).at(TIMES), identification_model(CASE, number)
-    planned = over_samples(model.coordinate_regressor, now.pose, now.rates, now.accelerations)[0]
-    kinematics = kinematics_of_coordinates(now.pose, now.rates, now.accelerations)
+    planned = over_samples(model.coordinate_regressor, now.coordinates, now.rates, now.accelerations)[0]
+    kinematics = kinematics_of_coordinates(now.coordinates, now.rates, now.accelerations)
     np.testing.assert_allclose(regressors(model, kinematics), planned, atol=1e-11)
 
 

@@ -17,7 +17,7 @@ def derivatives_agree(motion: Trajectory) -> None:
     h = 1e-6
     t = np.linspace(0.013, motion.duration - 0.013, 40)
     before, after, here = motion.at(t - h), motion.at(t + h), motion.at(t)
-    for lower, upper in (("pose", "rates"), ("rates", "accelerations")):
+    for lower, upper in (("coordinates", "rates"), ("rates", "accelerations")):
         slope = (getattr(after, lower) - getattr(before, lower)) / (2 * h)
         assert np.allclose(slope, getattr(here, upper), atol=2e-4)
     slope = (after.accelerations - before.accelerations) / (2 * h)
@@ -32,7 +32,7 @@ def test_an_arc_keeps_its_radius_and_its_plane_and_turns_as_far_as_asked(plane: 
     move = CircularMove(START, TURNED, plane, centre, angle, fastest_profile(1.0, 1.0, 4.0, 30.0))
     derivatives_agree(move)
     t = np.linspace(0.0, move.duration, 400)
-    pose = move.at(t).pose
+    pose = move.at(t).coordinates
     arm = pose[:, [first, second]] - centre
     assert np.allclose(np.linalg.norm(arm, axis=1), 0.05)
     assert np.allclose(pose[:, normal], START[normal])
@@ -82,7 +82,7 @@ def test_pieces_join_without_a_jump_and_end_at_rest():
     edge = motion.at([0.4 - 1e-9, 0.4 + 1e-9])
     assert np.abs(np.diff(edge.accelerations, axis=0)).max() < 1e-6
     last = motion.at([1.0])
-    assert np.allclose(last.pose, START + np.linspace(-0.1, 0.1, 6))
+    assert np.allclose(last.coordinates, START + np.linspace(-0.1, 0.1, 6))
     assert np.allclose(last.rates, 0.0, atol=1e-12)
 
 
@@ -90,7 +90,7 @@ def test_a_slowed_spline_takes_the_same_path():
     fast, slow = two_pieces(), two_pieces().slowed(0.1)
     t = np.linspace(0.0, 1.0, 33)
     assert slow.duration == pytest.approx(10.0)
-    assert np.allclose(fast.at(t).pose, slow.at(10 * t).pose, atol=1e-12)
+    assert np.allclose(fast.at(t).coordinates, slow.at(10 * t).coordinates, atol=1e-12)
     assert np.allclose(fast.at(t).jerks, 1000 * slow.at(10 * t).jerks, atol=1e-9)
 
 

@@ -10,7 +10,7 @@ from identification.motion.moves import StraightMove
 from tests.helpers import HOME, Harmonic, jerked
 
 gaps = st.lists(st.floats(0.05, 2.0), min_size=1, max_size=12)
-ORDERS = ("pose", "rates", "accelerations", "jerks")
+ORDERS = ("coordinates", "rates", "accelerations", "jerks")
 
 
 def points(gaps: list[float], seed: int = 0) -> TimedPoints:
@@ -27,7 +27,7 @@ def joined() -> Joined:
 @given(gaps=gaps, seed=st.integers(0, 1000))
 def test_timed_points_are_passed_on_time_from_rest_to_rest(gaps: list[float], seed: int) -> None:
     motion = points(gaps, seed)
-    np.testing.assert_allclose(motion.at(motion.times).pose, motion.poses, atol=1e-9)
+    np.testing.assert_allclose(motion.at(motion.times).coordinates, motion.poses, atol=1e-9)
     ends = motion.at([0.0, motion.duration])
     speed = np.abs(motion.poses).max() / min(gaps)
     np.testing.assert_allclose(ends.rates, 0.0, atol=1e-8 * speed)
@@ -38,7 +38,7 @@ def test_points_of_a_motion_of_constant_jerks_are_that_motion() -> None:
     """Any smoother curve through them would overshoot the jerks where they jump."""
     motion = jerked(np.array([100.0, -50.0, 20.0, 200.0, 10.0, 0.0]), 0.05)
     times = np.linspace(0.0, motion.duration, 41)
-    poses = np.round(motion.at(times).pose, 8)  # as in a program
+    poses = np.round(motion.at(times).coordinates, 8)  # as in a program
     points = TimedPoints.through(times, poses)
     t = np.linspace(0.0, motion.duration, 2001)[1:-1] + 1e-7
     for order, tolerance in zip(ORDERS, (2e-8, 1e-5, 5e-3, 1.0), strict=True):
@@ -84,20 +84,20 @@ def test_a_joined_motion_has_no_jump_where_its_parts_meet() -> None:
     motion = joined()
     for seam in motion.starts[1:-1]:
         around = motion.at([seam - 1e-9, seam, seam + 1e-9])
-        np.testing.assert_allclose(np.ptp(around.pose, axis=0), 0.0, atol=1e-8)
+        np.testing.assert_allclose(np.ptp(around.coordinates, axis=0), 0.0, atol=1e-8)
         np.testing.assert_allclose(np.ptp(around.rates, axis=0), 0.0, atol=1e-6)
 
 
 def test_outside_its_time_a_joined_motion_stands_at_its_ends() -> None:
     motion = joined()
     np.testing.assert_allclose(
-        motion.at([-1.0, motion.duration + 1.0]).pose, motion.at([0.0, motion.duration]).pose, atol=1e-12
+        motion.at([-1.0, motion.duration + 1.0]).coordinates, motion.at([0.0, motion.duration]).coordinates, atol=1e-12
     )
 
 
 def test_a_standstill_stands_still() -> None:
     motion = Standstill(HOME, 2.0).at([0.0, 1.0, 2.0])
-    np.testing.assert_array_equal(motion.pose, np.tile(HOME, (3, 1)))
+    np.testing.assert_array_equal(motion.coordinates, np.tile(HOME, (3, 1)))
     for order in ORDERS[1:]:
         assert not getattr(motion, order).any()
 

@@ -55,9 +55,9 @@ def test_coordinates_keep_step_and_none_passes_its_limit():
     motion = move.at(np.linspace(0.0, move.duration, 3001))
     for values, limit in ((motion.rates, RATE), (motion.accelerations, ACCELERATION), (motion.jerks, JERK)):
         assert (np.abs(values) / limit).max() <= 1 + 1e-6
-    shares = motion.pose[:, THERE != 0.0] / THERE[THERE != 0.0]
+    shares = motion.coordinates[:, THERE != 0.0] / THERE[THERE != 0.0]
     assert np.allclose(shares, shares[:, :1], atol=1e-12)
-    assert np.allclose(motion.pose[-1], THERE, rtol=0.0, atol=1e-12)
+    assert np.allclose(motion.coordinates[-1], THERE, rtol=0.0, atol=1e-12)
     fastest = StraightMove.fastest(HERE, THERE, RATE, ACCELERATION, JERK).duration
     assert fastest <= move.duration <= fastest + 1.001e-3
 

@@ -109,9 +109,9 @@ def test_a_straight_move_is_straight_and_saturates_a_limit(end: list[float], see
     start = np.full(6, 0.1)
     move = StraightMove.fastest(start, start + end, *bounds)
     motion = move.at(np.linspace(0.0, move.duration, 2001))
-    along = (motion.pose - start) @ end / np.dot(end, end)
-    np.testing.assert_allclose(motion.pose, start + along[:, None] * end, atol=1e-12)
-    np.testing.assert_allclose(motion.pose[-1], start + end, atol=1e-9)
+    along = (motion.coordinates - start) @ end / np.dot(end, end)
+    np.testing.assert_allclose(motion.coordinates, start + along[:, None] * end, atol=1e-12)
+    np.testing.assert_allclose(motion.coordinates[-1], start + end, atol=1e-9)
     used = [
         np.abs(v).max(axis=0) / b
         for v, b in zip((motion.rates, motion.accelerations, motion.jerks), bounds, strict=True)

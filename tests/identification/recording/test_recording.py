@@ -29,7 +29,7 @@ def test_what_is_written_is_read_back(tmp_path: Path, recording: Recording, hexa
     for place in (file, tmp_path):  # a file, or the folder that holds it
         back = read(place, hexapod_case)
         np.testing.assert_allclose(back.t, recording.t, atol=1e-9)
-        np.testing.assert_allclose(back.struts, recording.struts, atol=1e-11)  # 1e-8 mm
+        np.testing.assert_allclose(back.drives, recording.drives, atol=1e-11)  # 1e-8 mm
         np.testing.assert_allclose(back.forces, recording.forces, atol=1e-6)
         np.testing.assert_array_equal(back.trigger, recording.trigger)
         assert back.rotations is None
@@ -63,7 +63,7 @@ def test_columns_may_have_other_names_and_any_order(tmp_path: Path, recording: R
     columns = {"l1_mm": "q[0]", "t_s": "Zeit"}
     recorded = hexapod_case.recording.model_copy(update={"columns": columns})
     back = read(file, hexapod_case.model_copy(update={"recording": recorded}))
-    np.testing.assert_allclose(back.struts, recording.struts, atol=1e-11)
+    np.testing.assert_allclose(back.drives, recording.drives, atol=1e-11)
     np.testing.assert_allclose(back.forces, recording.forces, atol=1e-6)
     with pytest.raises(RecordingError, match=r"l1_mm .*missing.*q\[0\]"):
         read(file, hexapod_case)

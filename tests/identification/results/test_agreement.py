@@ -59,7 +59,7 @@ def test_along_the_base_a_load_turns_with_the_zeros_of_joints() -> None:
     data = of.case.model_dump(mode="json", exclude_unset=True) | {"tolerances": {"joint_zeros_deg": 1e-6}}
     case = Case.model_validate(data).found_at(ARM)
     run = recorded(of, Moves(of, 1, 4.0), 1, Noise(0.05, encoder=0.0), SOUND)
-    wrong, right = (identify(replace(run, struts=run.struts + by, case=case), case) for by in (-off, 0.0 * off))
+    wrong, right = (identify(replace(run, drives=run.drives + by, case=case), case) for by in (-off, 0.0 * off))
     still = np.zeros((1, 6))
     pose = SerialChain.of(case).kinematics((case.chain.home + off)[None], still, still).pose[0]
     place = np.eye(4)

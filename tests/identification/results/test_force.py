@@ -52,7 +52,7 @@ def standing(samples: int = 400, shift: float = 0.0) -> Recording:
     execution = PoseExecution(HEXAPOD, Standstill(np.add(HOME, [0.05, 0.1, 0.0, 0.1, -0.1, 0.05]), 1.0))
     run = simulate_recording(CASE, execution, np.zeros((0, 2)), 3, "still.csv")
     return replace(
-        run, forces=run.forces[:samples] + shift, t=run.t[:samples], struts=run.struts[:samples], trigger=None
+        run, forces=run.forces[:samples] + shift, t=run.t[:samples], drives=run.drives[:samples], trigger=None
     )
 
 
@@ -106,7 +106,7 @@ def test_weight_is_an_external_force_downwards(saved: Result) -> None:
     heavier = with_values(saved, saved.values - np.eye(20)[0])  # the parameters know 1 kg less
     still = standing()
     found = force(replace(still, t=None), heavier)
-    run = HEXAPOD.poses(still.struts[:1])[0]
+    run = HEXAPOD.poses(still.drives[:1])[0]
     from scipy.spatial.transform import Rotation
 
     expected = Rotation.from_euler("xyz", run[3:]).as_matrix().T @ [0.0, 0.0, -9.81]

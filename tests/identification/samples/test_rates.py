@@ -32,7 +32,7 @@ def two_rates(ratio: float, noise: float = 0.0, step: float = 2e-3, late: float 
     t, fine = np.arange(0.0, 3.0, step), np.arange(0.0, 3.0 - step / 2, step / ratio)
     draw = np.random.default_rng(seed)
     forces = true_forces(CASE, EXECUTION, fine - late) + noise * draw.normal(size=(len(fine), 6))
-    struts = Stream("struts.csv", t, EXECUTION.struts(t), None, None, (t > 0.2) & (t < 2.8))
+    struts = Stream("struts.csv", t, EXECUTION.drives(t), None, None, (t > 0.2) & (t < 2.8))
     return Recording("forces.csv", fine, None, None, forces, None, others=(struts,))
 
 
@@ -103,7 +103,7 @@ def held(ratio: int) -> Recording:
     step = 1e-3
     t = np.arange(0.0, 3.0, step / ratio)
     new = np.maximum((np.arange(len(t)) - 3) // ratio * ratio + 3, 0)
-    return Recording("run.csv", t, EXECUTION.struts(t[new]), None, true_forces(CASE, EXECUTION, t), t > 0.1)
+    return Recording("run.csv", t, EXECUTION.drives(t[new]), None, true_forces(CASE, EXECUTION, t), t > 0.1)
 
 
 @pytest.mark.first(1)
@@ -112,7 +112,7 @@ def test_held_struts_are_taken_when_they_are_new(ratio: int) -> None:
     recording = held(ratio)
     joined = on_one_clock(recording, CASE)
     assert joined.averaged == pytest.approx(ratio)
-    np.testing.assert_allclose(joined.struts, EXECUTION.struts(joined.t), atol=1e-12)
+    np.testing.assert_allclose(joined.drives, EXECUTION.drives(joined.t), atol=1e-12)
     assert (
         joined.lines.place(7) == f"line {2 + 3 % ratio + ratio + 7 * ratio}"
     )  # the first average needs what is before it
@@ -126,17 +126,17 @@ def test_a_run_with_one_rate_is_left_alone() -> None:
     recording = simulate_recording(CASE, EXECUTION, np.array([[0.1, 2.9]]), 0)
     assert on_one_clock(recording, CASE) is recording
     coarse = ideal(CASE)
-    stepped = replace(recording, struts=np.round(recording.struts, 4))  # encoder steps of 0.1 mm: no rhythm
+    stepped = replace(recording, drives=np.round(recording.drives, 4))  # encoder steps of 0.1 mm: no rhythm
     assert on_one_clock(stepped, coarse) is stepped
 
 
 def test_struts_that_are_faster_than_the_forces_are_read_at_the_forces() -> None:
     t, fine = np.arange(0.0, 3.0, 3e-3), np.arange(0.0, 3.0, 1e-3)
-    struts = Stream("struts.csv", fine, EXECUTION.struts(fine), None, None, None)
+    struts = Stream("struts.csv", fine, EXECUTION.drives(fine), None, None, None)
     joined = on_one_clock(
         Recording("forces.csv", t, None, None, true_forces(CASE, EXECUTION, t), None, others=(struts,)), CASE
     )
-    np.testing.assert_allclose(joined.struts, EXECUTION.struts(t), atol=1e-9)
+    np.testing.assert_allclose(joined.drives, EXECUTION.drives(t), atol=1e-9)
     assert joined.averaged == 1.0
 
 
@@ -167,23 +167,23 @@ def test_averages_over_missing_forces_are_marked() -> None:
 def test_forces_where_struts_of_their_own_clock_are_missing_are_marked() -> None:
     t, fine = np.arange(0.0, 3.0, 3e-3), np.arange(0.0, 3.0, 1e-3)
     keep = (fine < 1.0) | (fine > 1.2)
-    struts = Stream("struts.csv", fine[keep], EXECUTION.struts(fine[keep]), None, None, None)
+    struts = Stream("struts.csv", fine[keep], EXECUTION.drives(fine[keep]), None, None, None)
     joined = on_one_clock(
         Recording("forces.csv", t, None, None, true_forces(CASE, EXECUTION, t), None, others=(struts,)), CASE
     )
     inside = (t[: len(joined.t)] > 1.0) & (t[: len(joined.t)] < 1.2)
     assert joined.missing[inside].all()
     assert joined.missing.sum() <= inside.sum() + 2
-    np.testing.assert_allclose(joined.struts[~joined.missing], EXECUTION.struts(joined.t[~joined.missing]), atol=1e-8)
+    np.testing.assert_allclose(joined.drives[~joined.missing], EXECUTION.drives(joined.t[~joined.missing]), atol=1e-8)
 
 
 def test_held_struts_whose_rhythm_a_gap_breaks_are_refused() -> None:
     t = np.arange(0.0, 3.0, 1e-3)
-    held = EXECUTION.struts(t[5 * (np.arange(len(t)) // 5)])
+    held = EXECUTION.drives(t[5 * (np.arange(len(t)) // 5)])
     run = Recording("run.csv", t, held, None, true_forces(CASE, EXECUTION, t), None)
     assert on_one_clock(run, CASE).step == pytest.approx(5e-3)
     keep = np.r_[0:1500, 1512 : len(t)]
-    broken = replace(run, t=t[keep], struts=held[keep], forces=run.forces[keep])
+    broken = replace(run, t=t[keep], drives=held[keep], forces=run.forces[keep])
     with pytest.raises(RecordingError, match=r"run\.csv, line 1502: .*drives.* 5 rows"):
         on_one_clock(broken, CASE)
 

@@ -88,8 +88,8 @@ def test_noise_of_the_struts_is_not_taken_for_smoothing() -> None:
     """It disturbs forces by its second derivative and their bend by its fourth, which are opposite to each other."""
     noise = np.random.default_rng(0).normal(0.0, 2e-6, (len(run(0.5, 1.0).forces), 6))
     record = run(0.5, 1.0)
-    assert record.struts is not None
-    found = estimate_parameters(replace(record, struts=record.struts + noise), CASE)
+    assert record.drives is not None
+    found = estimate_parameters(replace(record, drives=record.drives + noise), CASE)
     assert "smoothing_s2" not in found.quantities
     assert np.abs(errors(found)).max() < 4.5
 

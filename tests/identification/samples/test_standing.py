@@ -82,7 +82,7 @@ def test_without_a_trigger_no_slow_beginning_of_a_movement_is_averaged() -> None
 
 def test_averages_are_the_struts_of_the_poses_and_as_precise_as_the_number_of_samples_makes_them() -> None:
     averages = average(RUN, find_standstills(RUN, SETTLE))
-    struts = averages.struts
+    struts = averages.drives
     assert struts is not None
     assert averages.t is None
     np.testing.assert_allclose(struts, Hexapod.of(CASE).strut_lengths(poses()), atol=1e-7)
@@ -221,8 +221,8 @@ def test_a_motion_without_a_clock_is_told_from_standstills(name: str) -> None:
     """Though it stands more than half of the time, and encoders count steps."""
     whole = RUN if name == "hexapod" else mistaken.run(name, 0).recording
     rest = np.r_[np.arange(len(whole.forces)), np.full(2 * len(whole.forces), len(whole.forces) - 1)]
-    struts = np.round(whole.struts[rest] / 1e-6) * 1e-6  # type: ignore[index]
-    run = replace(whole, t=None, trigger=None, struts=struts, forces=whole.forces[rest])
+    struts = np.round(whole.drives[rest] / 1e-6) * 1e-6  # type: ignore[index]
+    run = replace(whole, t=None, trigger=None, drives=struts, forces=whole.forces[rest])
     with pytest.raises(RecordingError) as caught:
         identify(run, load_case(name))
     said = one_line(caught.value)

@@ -23,7 +23,7 @@ CASE = load_case("hexapod")
 MODEL = identification_model(CASE, 9)
 MOTION = Harmonic(seed=1, duration=2.0)
 CLEAN = simulate_recording(CASE, PoseExecution(Hexapod.of(CASE), MOTION), np.array([[0.15, 1.85]]), 0, "run.csv")
-NOISY = replace(CLEAN, struts=CLEAN.struts + 20e-6 * np.random.default_rng(4).normal(size=CLEAN.struts.shape))
+NOISY = replace(CLEAN, drives=CLEAN.drives + 20e-6 * np.random.default_rng(4).normal(size=CLEAN.drives.shape))
 TRUTH = CASE.need_simulation("the test").parameters.body
 
 

@@ -43,7 +43,7 @@ def scaled_matrices(count: int, seed: int) -> np.ndarray:
     states = uniform_states(CASE, count, seed)
     box, home = CASE.limits.motion, CASE.machine.home.vector
     signs = np.random.default_rng(seed).choice([-1.0, 0.0, 1.0], (count, 18))
-    pose = np.where(signs[:, :6] > 0, box.pose[1], box.pose[0]) * np.abs(signs[:, :6])
+    pose = np.where(signs[:, :6] > 0, box.coordinates[1], box.coordinates[0]) * np.abs(signs[:, :6])
     corners = (home + pose, signs[:, 6:12] * box.rate, signs[:, 12:] * box.acceleration)
     both = [np.vstack([a, b]) for a, b in zip(states, corners, strict=True)]
     return over_samples(MODEL.coordinate_regressor, *both)[0] * SCALING
@@ -125,7 +125,7 @@ def test_no_design_of_states_in_the_box_passes_the_bound(seed: int, count: int, 
 
 @seeds(6)
 def test_no_motion_inside_the_limits_passes_the_bound(seed: int, found: Bound):
-    half = np.ptp(CASE.limits.motion.pose, axis=0) / 2
+    half = np.ptp(CASE.limits.motion.coordinates, axis=0) / 2
     family = FourierFamily(2 + seed, 3.0, 1, CASE.machine.home.vector, half)
     unknowns = np.random.default_rng(seed).normal(size=family.unknowns * 6)
     unknowns /= prove(family.motion(unknowns), CASE, 1000.0).worst_ratio

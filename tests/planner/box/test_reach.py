@@ -93,7 +93,7 @@ def test_corners_that_random_poses_miss_count(hexapod_case: Case) -> None:
 def test_the_share_is_that_of_the_proof(name: str, request: pytest.FixtureRequest) -> None:
     case = request.getfixturevalue(name)
     found = reach(case)
-    poses = case.machine.home.vector + np.random.default_rng(5).uniform(*case.limits.motion.pose, (1500, 6))
+    poses = case.machine.home.vector + np.random.default_rng(5).uniform(*case.limits.motion.coordinates, (1500, 6))
     share = kept_poses(case, poses).mean()
     assert 0.05 < found.share < 0.95
     assert abs(found.share - share) < 4 * np.hypot(found.share_std, np.sqrt(share * (1 - share) / len(poses)))
@@ -127,7 +127,9 @@ def test_the_reach_of_a_chain_ends_where_its_bodies_touch():
     data["machine"]["chain"]["keep_out"].append(pillar)
     case = Case.model_validate(data).found_at("ur10_wrist")
     found = reach(case, 500)
-    poses = case.chain.home + np.random.default_rng(0).uniform(*case.limits.motion.pose, (300, case.chain.home.size))
+    poses = case.chain.home + np.random.default_rng(0).uniform(
+        *case.limits.motion.coordinates, (300, case.chain.home.size)
+    )
     assert not found.whole
     assert found.exceeded["distance from pillar"] > 0.0
     assert found.share == pytest.approx(kept_poses(case, poses).mean(), abs=0.15)

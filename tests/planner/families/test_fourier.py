@@ -39,7 +39,7 @@ def test_it_rests_at_the_start_and_after_every_period(order: int):
     between = motion.at(np.linspace(0.0, 3.0, 100))
     assert np.abs(at_rest.rates).max() < 1e-12 * np.abs(between.rates).max()
     assert np.abs(at_rest.accelerations).max() < 1e-12 * np.abs(between.accelerations).max()
-    assert np.allclose(at_rest.pose, at_rest.pose[0], atol=1e-13)
+    assert np.allclose(at_rest.coordinates, at_rest.coordinates[0], atol=1e-13)
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -66,9 +66,11 @@ def test_order_1_is_led_out_of_rest_and_back_within_the_same_duration(centred: b
     ends, circle = motion.at([0.0, 12.0]), motion.at(np.linspace(1.5, 10.5, 300))
     assert np.abs(ends.rates).max() < 1e-12
     assert np.abs(ends.accelerations).max() < 1e-10
-    assert ends.pose == pytest.approx(np.array([motion.centre, motion.centre]), abs=1e-12)
+    assert ends.coordinates == pytest.approx(np.array([motion.centre, motion.centre]), abs=1e-12)
     w = 2 * np.pi / 3.0
-    assert circle.accelerations == pytest.approx(-(w**2) * (circle.pose - motion.centre), abs=1e-12)  # one harmonic
+    assert circle.accelerations == pytest.approx(
+        -(w**2) * (circle.coordinates - motion.centre), abs=1e-12
+    )  # one harmonic
 
 
 @pytest.mark.parametrize("order", [1, 2, 5])
@@ -77,7 +79,7 @@ def test_centred_series_turn_about_the_middle_of_the_box(order: int):
     motion = some.motion(np.random.default_rng(order).normal(size=some.unknowns * 6))
     assert motion.centre == pytest.approx(HOME)
     series = motion.at(motion.run_in + np.arange(1000) * 3.0 / 1000)
-    assert series.pose.mean(axis=0) == pytest.approx(HOME, abs=1e-12)
+    assert series.coordinates.mean(axis=0) == pytest.approx(HOME, abs=1e-12)
     assert np.abs(motion.at([0.0]).rates).max() < 1e-12
 
 
@@ -86,7 +88,7 @@ def test_a_saved_run_in_comes_back_and_a_damaged_one_is_named():
     entries = motion_entries(motion)
     again, t = motion_of_entries(entries), np.linspace(0.0, 12.0, 50)
     assert again.duration == motion.duration
-    assert np.array_equal(again.at(t).pose, motion.at(t).pose)
+    assert np.array_equal(again.at(t).coordinates, motion.at(t).coordinates)
     with pytest.raises(ValueError, match="run_in_s"):
         motion_of_entries({"fourier": entries["fourier"] | {"run_in_s": -1.0}})
 
@@ -95,7 +97,7 @@ def test_a_saved_run_in_comes_back_and_a_damaged_one_is_named():
 def test_pose_rates_and_accelerations_pass_from_run_in_to_series_and_out_without_a_step(t: float):
     motion = led_family().motion(np.random.default_rng(2).normal(size=18))
     before, after = motion.at([t - 1e-9]), motion.at([t + 1e-9])
-    for name in ("pose", "rates", "accelerations"):
+    for name in ("coordinates", "rates", "accelerations"):
         assert getattr(before, name) == pytest.approx(getattr(after, name), abs=1e-6), name
 
 
@@ -103,7 +105,7 @@ def test_pose_rates_and_accelerations_pass_from_run_in_to_series_and_out_without
 @pytest.mark.parametrize("t", [0.7, 11.3])
 def test_each_derivative_of_run_in_and_run_out_is_that_of_the_one_before(name: str, t: float):
     motion = led_family(3).motion(np.random.default_rng(3).normal(size=42))
-    before = {"rates": "pose", "accelerations": "rates", "jerks": "accelerations"}[name]
+    before = {"rates": "coordinates", "accelerations": "rates", "jerks": "accelerations"}[name]
     derivative = getattr(motion.at([t]), name)
     assert taylor_slope(lambda t: getattr(motion.at([t]), before), t, derivative, 0.01) == pytest.approx(2, abs=0.1)
 
@@ -114,7 +116,7 @@ def test_maps_of_order_1_give_on_the_grid_what_the_motion_is_there(centred: bool
     unknowns = np.random.default_rng(1).normal(size=some.unknowns * 6)
     motion = some.motion(unknowns).at(some.grid)
     table = unknowns.reshape(some.unknowns, 6)
-    expected = (motion.pose - HOME, motion.rates, motion.accelerations, motion.jerks)
+    expected = (motion.coordinates - HOME, motion.rates, motion.accelerations, motion.jerks)
     for matrix, values in zip(some.limit_maps(), expected, strict=True):
         assert np.allclose(matrix @ table * HALF, values, rtol=1e-12, atol=1e-12 * np.abs(values).max())
 
@@ -123,7 +125,7 @@ def test_a_slower_pace_leads_in_as_much_more_slowly():
     motion = led_family().motion(np.random.default_rng(2).normal(size=18))
     slow, t = motion.slowed(0.5), np.linspace(0.0, 12.0, 40)
     assert slow.duration == pytest.approx(24.0)
-    assert slow.at(2 * t).pose == pytest.approx(motion.at(t).pose, abs=1e-12)
+    assert slow.at(2 * t).coordinates == pytest.approx(motion.at(t).coordinates, abs=1e-12)
     assert slow.at(2 * t).accelerations == pytest.approx(motion.at(t).accelerations / 4, abs=1e-10)
 
 
@@ -154,8 +156,8 @@ def test_states_and_rows_of_a_free_period_are_those_of_the_motion_at_equal_phase
     at = some.motion(unknowns).at(series / 1.3)
     places = np.isin(some.grid, series)
     states = layout.critical.at(unknowns)[0][places]
-    assert states[:, :18] == pytest.approx(np.hstack([at.pose, at.rates, at.accelerations]), abs=1e-10)
-    shares = np.hstack([(at.pose - HOME) / HALF, at.rates / box.rate, at.accelerations / box.acceleration])
+    assert states[:, :18] == pytest.approx(np.hstack([at.coordinates, at.rates, at.accelerations]), abs=1e-10)
+    shares = np.hstack([(at.coordinates - HOME) / HALF, at.rates / box.rate, at.accelerations / box.acceleration])
     values = layout.rows[0].all_values(unknowns).reshape(-1, len(some.grid), 6)[:, places]
     assert np.hstack(list(values[1:3])) == pytest.approx(shares[:, 6:], abs=1e-10)
     assert values[3] == pytest.approx(at.jerks / box.jerk, abs=1e-10)
@@ -202,7 +204,7 @@ def test_the_weighted_mean_over_the_grid_is_the_time_average(some: FourierFamily
 @pytest.mark.parametrize("order", [2, 5, 7])
 def test_each_derivative_is_the_derivative_of_the_one_before(name: str, order: int):
     motion = random_motion(order, seed=3)
-    before = {"rates": "pose", "accelerations": "rates", "jerks": "accelerations"}[name]
+    before = {"rates": "coordinates", "accelerations": "rates", "jerks": "accelerations"}[name]
     derivative = getattr(motion.at([1.234]), name)
     assert taylor_slope(lambda t: getattr(motion.at([t]), before), 1.234, derivative, 0.01) == pytest.approx(2, abs=0.1)
 
@@ -213,7 +215,7 @@ def test_maps_give_on_the_grid_what_the_motion_is_there(order: int):
     unknowns = np.random.default_rng(order).normal(size=some.unknowns * 6)
     motion = some.motion(unknowns).at(some.grid)
     table = unknowns.reshape(some.unknowns, 6)
-    expected = (motion.pose - HOME, motion.rates, motion.accelerations, motion.jerks)
+    expected = (motion.coordinates - HOME, motion.rates, motion.accelerations, motion.jerks)
     for matrix, values in zip(some.limit_maps(), expected, strict=True):
         assert np.allclose(matrix @ table * HALF, values, rtol=1e-12, atol=1e-12 * np.abs(values).max())
 
@@ -227,4 +229,4 @@ def test_the_grid_covers_one_period_evenly_with_its_density_for_the_highest_harm
 def test_repeats_make_it_longer_and_nothing_else():
     once, thrice = (family(3, 2.0, n).motion(np.ones(30)) for n in (1, 3))
     assert (once.duration, thrice.duration) == (2.0, 6.0)
-    assert np.allclose(thrice.at([4.7]).pose, once.at([0.7]).pose)
+    assert np.allclose(thrice.at([4.7]).coordinates, once.at([0.7]).coordinates)

@@ -39,7 +39,7 @@ def test_the_sequence_of_section_7_keeps_every_limit_and_touches_one(hexapod_cas
     assert ways.all(axis=1).sum() >= 3
     assert {p.plane.value for p in motion.parts if isinstance(p, CircularMove)} == {"XY", "ZX", "YZ"}
     ends = motion.at([0.0, motion.duration])
-    assert np.allclose(ends.pose, HOME, atol=1e-12)
+    assert np.allclose(ends.coordinates, HOME, atol=1e-12)
     assert np.abs(ends.rates).max() < 1e-12
 
 
@@ -48,12 +48,12 @@ def test_steps_do_what_they_say(hexapod_case: Case, tmp_path: Path):
         tmp_path, 'title = "t"\nsteps = [{x_mm = 100.0}, {pause_s = 0.5}, {circle = "XY", radius_mm = 50.0}]'
     )
     move, pause, circle, back = manual_motion(hexapod_case, file).parts
-    assert move.at([move.duration]).pose[0] == pytest.approx([0.1, 0, 0.9, 0, 0, 0])
+    assert move.at([move.duration]).coordinates[0] == pytest.approx([0.1, 0, 0.9, 0, 0, 0])
     assert isinstance(pause, Standstill)
     assert pause.duration == 0.5
-    places = circle.at(np.linspace(0, circle.duration, 50)).pose
+    places = circle.at(np.linspace(0, circle.duration, 50)).coordinates
     assert np.hypot(places[:, 0] - 0.05, places[:, 1]) == pytest.approx(0.05)
-    assert back.at([back.duration]).pose[0] == pytest.approx(HOME)
+    assert back.at([back.duration]).coordinates[0] == pytest.approx(HOME)
 
 
 def test_half_the_speed_takes_twice_the_time(hexapod_case: Case, tmp_path: Path):
@@ -67,7 +67,7 @@ def test_half_the_speed_takes_twice_the_time(hexapod_case: Case, tmp_path: Path)
 def test_a_list_of_poses_is_visited_in_order_and_left_for_home(hexapod_case: Case, tmp_path: Path):
     table = "x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n100,0,900,0,0,0\n0,50,950,5,0,-5\n"
     motion = manual_motion(hexapod_case, written(tmp_path, table, "poses.csv"))
-    corners = motion.at(motion.starts).pose
+    corners = motion.at(motion.starts).coordinates
     assert corners[1, :3] == pytest.approx([0.1, 0.0, 0.9])
     assert corners[2] == pytest.approx([0.0, 0.05, 0.95, *np.radians([5, 0, -5])])
     assert corners[3] == pytest.approx(HOME)
@@ -158,7 +158,7 @@ def test_a_machine_without_a_sequence_moves_each_coordinate_to_both_ends(hexapod
     assert (alone.sum(axis=0) == 3).all()
     assert (ways.sum(axis=1) == 6).sum() == 3
     assert prove(motion, hexapod_case).kept
-    assert motion.at([0.0, motion.duration]).pose == pytest.approx(np.tile(HOME, (2, 1)))
+    assert motion.at([0.0, motion.duration]).coordinates == pytest.approx(np.tile(HOME, (2, 1)))
 
 
 @pytest.mark.parametrize("name", [pytest.param("ur10_wrist", marks=pytest.mark.slow), "five_axis_table"])

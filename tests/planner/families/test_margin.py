@@ -61,9 +61,9 @@ def test_joints_and_their_boxes_stop_before_their_ends(family: FamilySettings) -
     found = plan(case, family, duration=6.0, starts=1, workers=1)
     home, limits = case.need_motion("a test")
     margin = np.where(limits.turns, np.radians(0.1), 1e-3)
-    pose = sample(found.motion, 1000.0).pose - home
-    assert np.all(pose >= limits.pose[0] + 0.999 * margin)
-    assert np.all(pose <= limits.pose[1] - 0.999 * margin)
+    pose = sample(found.motion, 1000.0).coordinates - home
+    assert np.all(pose >= limits.coordinates[0] + 0.999 * margin)
+    assert np.all(pose <= limits.coordinates[1] - 0.999 * margin)
     assert any(c.kind in (LimitKind.POSITION, LimitKind.ANGLE) and c.ratio > 0.9 for c in found.limits.checks)
 
 
@@ -101,10 +101,10 @@ def test_a_noisy_run_of_a_plan_that_keeps_the_margin_gets_no_word_about_the_work
     """Struts come as near to their ends as a plan may, and encoders stray beyond them by less than the margin [mm]."""
     case = load_case("hexapod")
     run = simulate_recording(case, PoseExecution(Hexapod.of(case), Harmonic(duration=1.0)), np.array([[0.1, 0.9]]), 0)
-    struts = run.struts + 2e-4 * np.random.default_rng(0).normal(size=run.struts.shape)
+    struts = run.drives + 2e-4 * np.random.default_rng(0).normal(size=run.drives.shape)
     data = deepcopy(case.model_dump())
-    ends = 1e3 * run.struts.min() - left, 1e3 * run.struts.max() + left
+    ends = 1e3 * run.drives.min() - left, 1e3 * run.drives.max() + left
     for table in (data["limits"]["motion"], data["workspace"]):
         table["strut_length_mm"] = ends
-    _, findings = scan(replace(run, struts=struts), Case.model_validate(data))
+    _, findings = scan(replace(run, drives=struts), Case.model_validate(data))
     assert any("outside the workspace" in f.sentence for f in findings) is told

@@ -65,7 +65,7 @@ def test_it_is_at_rest_at_both_ends_and_between_its_moves(start: np.ndarray, fam
     assert np.abs(corners.rates).max() < 1e-12
     assert family.steps or np.abs(corners.accelerations).max() < 1e-10
     points = family.split(start)[0]
-    assert corners.pose == pytest.approx(family.middle + points * family.half, abs=1e-15)
+    assert corners.coordinates == pytest.approx(family.middle + points * family.half, abs=1e-15)
     assert len(points) == MOVES + 1
     assert len(motion.parts) == MOVES
 
@@ -83,7 +83,7 @@ def test_its_derivatives_are_those_of_its_poses(start: np.ndarray, family: Point
     motion, h = family.motion(start), 1e-5
     t = np.linspace(0.1, 3.9, 400)
     before, now, after = (motion.at(t + d) for d in (-h, 0.0, h))
-    assert (after.pose - before.pose) / (2 * h) == pytest.approx(now.rates, abs=1e-7)
+    assert (after.coordinates - before.coordinates) / (2 * h) == pytest.approx(now.rates, abs=1e-7)
     smooth = np.abs(after.accelerations - before.accelerations).max(axis=1) < 0.1
     assert smooth.mean() > 0.9
     slopes = (after.rates - before.rates) / (2 * h)
@@ -101,7 +101,7 @@ def test_states_of_the_optimiser_are_states_of_the_motion(
     lasting = states[:, :, 18].sum(axis=1) * motion.duration
     assert lasting == pytest.approx(np.diff(motion.starts), abs=1e-12)
     fine = motion.at(np.linspace(0.0, motion.duration, 40_001))
-    found = np.hstack([fine.pose, fine.rates])
+    found = np.hstack([fine.coordinates, fine.rates])
     for some in (states, problem.rows[-1].states.at(start)):
         for state in some[::3].reshape(-1, 19)[:, :12]:
             assert np.abs(found - state).max(axis=1).min() < 2e-3

@@ -31,7 +31,7 @@ def motions(machine: str, family: FamilySettings, seed: int) -> tuple[Array, ...
     case: Case = load_case(machine)
     found = search(Request(family, duration=2.0, model=6, starts=1, seed=seed), case, silent, stopped_at_once)
     t = np.linspace(0.0, 2.0, 50)
-    return tuple(start.family.motion(start.unknowns).at(t).pose for start in found.starts)
+    return tuple(start.family.motion(start.unknowns).at(t).coordinates for start in found.starts)
 
 
 @pytest.mark.first(1)

@@ -133,7 +133,7 @@ def test_trapezoids_are_read_back_as_they_were_saved(hexapod_case: Case):
     again = motion_of_entries(entries)
     t = np.linspace(0.0, motion.duration, 501)
     assert has_steps(again)
-    for one, other in zip(motion.at(t).pose.T, again.at(t).pose.T, strict=True):
+    for one, other in zip(motion.at(t).coordinates.T, again.at(t).coordinates.T, strict=True):
         assert one == pytest.approx(other, abs=1e-15)
     entries["moves"][0]["hold_time_s"] = 0.0  # nothing would accelerate
     with pytest.raises(ValueError, match=r"moves\[0\]"):
@@ -145,7 +145,7 @@ def test_trapezoids_are_polynomials_of_the_second_degree(hexapod_case: Case):
     pieces = polynomials_of([part for part in motion.parts if isinstance(part, StraightMove)])
     assert not pieces.table[3:].any()
     t = np.linspace(0.0, motion.duration, 997)
-    assert pieces.at(t).pose == pytest.approx(motion.at(t).pose, abs=1e-12)
+    assert pieces.at(t).coordinates == pytest.approx(motion.at(t).coordinates, abs=1e-12)
     assert pieces.at(t).rates == pytest.approx(motion.at(t).rates, abs=1e-10)
 
 

@@ -41,8 +41,8 @@ def difference(values: np.ndarray, step: float, order: int) -> np.ndarray:
 def test_it_keeps_every_limit_of_the_box_by_finite_differences(motion: FourierMotion, hexapod_case: Case):
     """Poses alone, differentiated; the motion repeats, so that its samples have no ends."""
     box, step = hexapod_case.limits.motion, motion.period / INSTANTS
-    pose = motion.at(np.arange(INSTANTS) * step).pose
-    low, high = hexapod_case.machine.home.vector + box.pose
+    pose = motion.at(np.arange(INSTANTS) * step).coordinates
+    low, high = hexapod_case.machine.home.vector + box.coordinates
     assert np.all((low <= pose) & (pose <= high))
     for order, limit in enumerate((box.rate, box.acceleration, box.jerk), start=1):
         assert np.all(np.abs(difference(pose, step, order)) <= limit * (1 + 1e-5))
@@ -50,7 +50,7 @@ def test_it_keeps_every_limit_of_the_box_by_finite_differences(motion: FourierMo
 
 def test_it_keeps_every_limit_of_the_struts_by_finite_differences(motion: FourierMotion, hexapod_case: Case):
     box, step = hexapod_case.limits.motion, motion.period / INSTANTS
-    lengths = strut_lengths(motion.at(np.arange(INSTANTS) * step).pose, hexapod_case)
+    lengths = strut_lengths(motion.at(np.arange(INSTANTS) * step).coordinates, hexapod_case)
     assert np.all((box.strut_length[0] <= lengths) & (lengths <= box.strut_length[1]))
     assert np.abs(difference(lengths, step, 1)).max() <= box.strut_velocity_m_s * (1 + 1e-5)
     assert np.abs(difference(lengths, step, 2)).max() <= box.strut_acceleration_m_s2 * (1 + 1e-5)
@@ -79,13 +79,13 @@ def test_it_rests_at_both_ends(motion: FourierMotion):
     ends = motion.at([0.0, motion.duration])
     assert np.abs(ends.rates).max() < 1e-9
     assert np.abs(ends.accelerations).max() < 1e-9
-    assert np.allclose(ends.pose[0], ends.pose[1], atol=1e-12)
+    assert np.allclose(ends.coordinates[0], ends.coordinates[1], atol=1e-12)
 
 
 def test_it_carries_more_information_than_any_of_many_random_motions(saved_plan: Plan, hexapod_case: Case):
     model = identification_model(hexapod_case, 9)
     scaling = reference_scaling(hexapod_case, model)
-    half = np.ptp(hexapod_case.limits.motion.pose, axis=0) / 2
+    half = np.ptp(hexapod_case.limits.motion.coordinates, axis=0) / 2
     family = FourierFamily(5, 3.0, 1, hexapod_case.machine.home.vector, half)
     problem = build_program(hexapod_case, model, family, scaling, UNUSED_SHARE)
     best = -math.inf
@@ -102,7 +102,7 @@ def test_its_figures_follow_from_its_motion(planned: dict[str, Any], motion: Fou
     model = identification_model(hexapod_case, 9)
     scaling = reference_scaling(hexapod_case, model)
     samples = motion.at((np.arange(24_000) + 0.5) / 2000)
-    states = (samples.pose, samples.rates, samples.accelerations)
+    states = (samples.coordinates, samples.rates, samples.accelerations)
     stacked = over_samples(model.coordinate_regressor, *states)[0].reshape(-1, 20)
     scaled = np.linalg.svd(stacked * scaling, compute_uv=False)
     logdet = 2 * np.log(scaled).sum() - 20 * np.log(24_000)

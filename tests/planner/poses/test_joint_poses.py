@@ -35,7 +35,7 @@ def test_poses_of_joints_lie_in_the_box_clear_of_everything_and_no_design_is_bet
     case = plan.case
     home, box = case.need_motion("a test")
     assert plan.poses.shape == (COUNT, joints)
-    assert np.all((plan.poses >= home + box.pose[0] - 1e-9) & (plan.poses <= home + box.pose[1] + 1e-9))
+    assert np.all((plan.poses >= home + box.coordinates[0] - 1e-9) & (plan.poses <= home + box.coordinates[1] + 1e-9))
     assert prove(StandingPoses(plan.poses), case, 1.0).kept
     assert 0.98 < plan.worth.efficiency < 1.1
     plan.save(tmp_path / "plan")

@@ -17,7 +17,7 @@ from tests.postprocessors.changed_case import changed
 
 
 def family(case: Case) -> FourierFamily:
-    half = (case.limits.motion.pose[1] - case.limits.motion.pose[0]) / 2
+    half = (case.limits.motion.coordinates[1] - case.limits.motion.coordinates[0]) / 2
     return FourierFamily(2, 3.0, 1, case.machine.home.vector, half)
 
 

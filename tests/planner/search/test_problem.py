@@ -54,8 +54,8 @@ def linear(problem: NonlinearProgram) -> LinearRows:
 def box_shares(case: Case, some: FourierFamily, unknowns: np.ndarray) -> np.ndarray:
     """Largest share of each limit of pose, rate, acceleration and jerk on the grid."""
     box, motion = case.limits.motion, some.motion(unknowns).at(some.grid)
-    half = np.ptp(box.pose, axis=0) / 2
-    values = [(motion.pose - some.middle) / half, motion.rates / box.rate]
+    half = np.ptp(box.coordinates, axis=0) / 2
+    values = [(motion.coordinates - some.middle) / half, motion.rates / box.rate]
     values += [motion.accelerations / box.acceleration, motion.jerks / box.jerk]
     return np.array([np.abs(v).max() for v in values])
 
@@ -84,7 +84,7 @@ def test_strut_limits_are_the_struts_of_the_motion(problem: NonlinearProgram, un
     """Velocities and accelerations against differences of lengths that follow from the definition."""
     some, h = fourier(hexapod_case), 1e-4
     motion = some.motion(0.1 * unknowns)
-    before, now, after = (strut_lengths(motion.at(some.grid + d).pose, hexapod_case) for d in (-h, 0.0, h))
+    before, now, after = (strut_lengths(motion.at(some.grid + d).coordinates, hexapod_case) for d in (-h, 0.0, h))
     box = hexapod_case.limits.motion
     short, long = box.strut_length
     expected = {
@@ -108,7 +108,11 @@ def test_limits_that_are_left_out_are_not_near_anywhere_in_the_box(name: str):
     signs = draw.choice((-1.0, 1.0), (2, 500, 6))
     table = np.zeros((500, state_size(6)))
     table[:, :18] = np.hstack(
-        [machine.home.vector + draw.uniform(*box.pose, (500, 6)), signs[0] * box.rate, signs[1] * box.acceleration]
+        [
+            machine.home.vector + draw.uniform(*box.coordinates, (500, 6)),
+            signs[0] * box.rate,
+            signs[1] * box.acceleration,
+        ]
     )
     near = [kind for kind, *_ in near_limits(case)]
     for kind, _, kernel in state_limits(case):

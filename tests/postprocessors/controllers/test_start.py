@@ -24,7 +24,7 @@ ACCEPTED = ("jerk", "strut velocity", "strut acceleration")
 def there_and_back(case: Case) -> Program:
     """A small move and back, as LinuxCNC gets it."""
     home, limits = case.need_motion("a test")
-    far = home + 0.1 * limits.pose[1]
+    far = home + 0.1 * limits.coordinates[1]
     share = [0.2 * limit for limit in (limits.rate, limits.acceleration, limits.jerk)]
     moves = StraightMove.fastest(home, far, *share), StraightMove.fastest(far, home, *share)
     return proven_program(Joined(moves), case, dialect("linuxcnc"), "p.ngc", (), accepted=ACCEPTED)

@@ -40,10 +40,10 @@ def test_the_struts_that_it_moves_are_the_inverse_kinematics_of_the_planned_moti
     (planned,) = (s.points for s in parts(text, hexapod_case) if isinstance(s, Timed))
     ((start, end),) = executed.trigger
     t = np.linspace(0.0, planned.duration, 500)
-    expected = strut_lengths(planned.at(t).pose, hexapod_case)
+    expected = strut_lengths(planned.at(t).coordinates, hexapod_case)
     cycle = hexapod_case.controller.cycle
     rounded_off = hexapod_case.limits.motion.strut_acceleration_m_s2 * cycle**2 / 6
-    assert np.abs(executed.execution.struts(start + t) - expected).max() < rounded_off
+    assert np.abs(executed.execution.drives(start + t) - expected).max() < rounded_off
     assert end - start == pytest.approx(planned.duration, abs=1e-12)
 
 
@@ -55,11 +55,11 @@ def test_drives_move_smoothly_between_the_set_points_of_a_cycle(cycle_ms: float,
     executed, exact = run(text, case).execution, PoseExecution(Hexapod.of(case), motion_of(text, case))
     cycle = cycle_ms * 1e-3
     t = np.arange(0.0, exact.duration, cycle / 10)
-    most, steps = np.abs(exact.struts(t, 2)).max(), np.abs(np.diff(exact.struts(t, 2), axis=0)).max()
+    most, steps = np.abs(exact.drives(t, 2)).max(), np.abs(np.diff(exact.drives(t, 2), axis=0)).max()
     assert steps > most / 2
-    assert np.abs(executed.struts(t, 2)).max() <= most * (1 + 1e-6)
-    assert np.abs(np.diff(executed.struts(t, 2), axis=0)).max() < 0.3 * most
-    assert np.abs(executed.struts(t) - exact.struts(t)).max() < most * cycle**2 / 6
+    assert np.abs(executed.drives(t, 2)).max() <= most * (1 + 1e-6)
+    assert np.abs(np.diff(executed.drives(t, 2), axis=0)).max() < 0.3 * most
+    assert np.abs(executed.drives(t) - exact.drives(t)).max() < most * cycle**2 / 6
 
 
 @pytest.mark.repeats
@@ -114,7 +114,7 @@ def test_moves_that_it_times_itself_keep_every_limit_and_the_feed(line: str, hex
 
 def test_it_starts_and_ends_with_a_rest_that_filters_need(hexapod_case: Case):
     executed = run(typed(timed(there_and_back())), hexapod_case)
-    struts = executed.execution.struts(np.array([0.0, REST / 2, REST]))
+    struts = executed.execution.drives(np.array([0.0, REST / 2, REST]))
     assert np.ptp(struts, axis=0).max() < 1e-9  # a thousandth of an encoder's step
     assert REST * hexapod_case.recording.filter_cutoff_Hz >= 4.0  # half the filter's length
 
@@ -123,7 +123,7 @@ def test_motion_is_continuous_over_all_its_parts(hexapod_case: Case):
     body = f"G1 X2 A1 F3000\nG4 P0.1\nG0 X0 A0\n{timed(there_and_back())}"
     motion = sample(motion_of(typed(body), hexapod_case), 10_000.0)
     box = hexapod_case.limits.motion
-    assert np.all(np.abs(np.diff(motion.pose, axis=0)) <= box.rate * 1e-4 * (1 + 1e-6))
+    assert np.all(np.abs(np.diff(motion.coordinates, axis=0)) <= box.rate * 1e-4 * (1 + 1e-6))
     assert np.all(np.abs(np.diff(motion.rates, axis=0)) <= box.acceleration * 1e-4 * (1 + 1e-6))
 
 

@@ -66,7 +66,7 @@ def states(case: Case, count: int, seed: int) -> States:
     draw = np.random.default_rng(seed)
     if case.limits is not None and case.machine is not None:
         box = case.limits.motion
-        pose = case.machine.home.vector + draw.uniform(box.pose[0], box.pose[1], (count, 6))
+        pose = case.machine.home.vector + draw.uniform(box.coordinates[0], box.coordinates[1], (count, 6))
         rates = box.rate * draw.uniform(-1, 1, (count, 6))
         accelerations = box.acceleration * draw.uniform(-1, 1, (count, 6))
     else:

@@ -82,14 +82,14 @@ def test_at_a_kilohertz_three_steps_close_the_struts(nine: Compiled) -> None:
     """The pose of the cycle before is at most 1.1 mm away at full speed."""
     nine("init")
     motion = Harmonic(seed=3, duration=3.0, size=0.8).at(np.arange(0, 3.0, 1e-3))
-    lengths = Hexapod.of(CASE).strut_lengths(motion.pose)
+    lengths = Hexapod.of(CASE).strut_lengths(motion.coordinates)
     zero = np.zeros(6)
     steps = []
     for row in lengths:
         nine.wrench("from_struts", row, zero, zero, zero)
         steps.append(nine.steps)
     assert max(steps[1:]) <= 3
-    np.testing.assert_allclose(np.array(nine.model.pose), motion.pose[-1], atol=1e-13)
+    np.testing.assert_allclose(np.array(nine.model.pose), motion.coordinates[-1], atol=1e-13)
 
 
 def test_struts_that_do_not_close_end_after_bounded_steps_and_change_nothing(nine: Compiled) -> None:
@@ -127,8 +127,8 @@ def test_a_tare_does_what_hexcite_tare_does(tmp_path: Path) -> None:
     expected = tare(recording, made)
     zero = np.zeros(6)
     compiled("tare_begin")
-    assert recording.struts is not None
-    for struts, forces in zip(recording.struts, recording.forces, strict=True):
+    assert recording.drives is not None
+    for struts, forces in zip(recording.drives, recording.forces, strict=True):
         compiled.wrench("from_struts", struts, zero, zero, forces)
         compiled("tare_add")
     assert compiled("tare_end") == len(recording.forces)
@@ -172,8 +172,8 @@ def test_the_chain_reads_no_force_from_a_fast_motion_with_late_noisy_forces(dela
     chain = Chain(compiled, 1e-3, half, delay_ms * 1e-3)
     assert chain.status == OK
     found, plain = [], []
-    assert run.struts is not None
-    for struts, forces in zip(run.struts, run.forces, strict=True):
+    assert run.drives is not None
+    for struts, forces in zip(run.drives, run.forces, strict=True):
         if chain.push(struts, forces) == OK:
             s = chain.sample
             compiled.wrench("from_struts", *(np.array(v) for v in (s.position, s.velocity, s.acceleration, s.force)))

@@ -127,8 +127,8 @@ def test_a_tare_does_what_hexcite_tare_does(made: Result, block: Callable[[], Bl
     recording = simulate_recording(CASE, execution, np.zeros((0, 2)), 3, "still.csv")
     expected = tare(recording, made)
     one = block()
-    assert recording.struts is not None
-    for struts, forces in zip(recording.struts, recording.forces, strict=True):
+    assert recording.drives is not None
+    for struts, forces in zip(recording.drives, recording.forces, strict=True):
         one(Position=struts, Forces=forces, Tare=True)
     one(Tare=False)
     found = [cell.value for cell in one["parameters"].values()]

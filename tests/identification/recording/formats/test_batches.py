@@ -25,7 +25,7 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_long_file_is_read_whole(file: Path) -> None:
     recording = read(file, HEXAPOD)
     np.testing.assert_allclose(recording.t, LONG.t, atol=1e-9)
-    np.testing.assert_allclose(recording.struts, LONG.struts, rtol=1e-8)
+    np.testing.assert_allclose(recording.drives, LONG.struts, rtol=1e-8)
 
 
 @pytest.mark.parametrize("row", [0, 1, 44_000, 59_999])

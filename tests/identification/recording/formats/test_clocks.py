@@ -107,8 +107,8 @@ def test_a_few_missing_samples_are_put_back_and_marked(tmp_path: Path) -> None:
     np.testing.assert_allclose(np.diff(recording.t), 1e-3, rtol=1e-6)
     share = np.arange(1, 4)[:, None] / 4
     line = (1 - share) * RUN.struts[9] + share * RUN.struts[10]
-    np.testing.assert_allclose(recording.struts[10:13], line, rtol=1e-9)
-    np.testing.assert_allclose(recording.struts[13:], RUN.struts[10:], rtol=1e-9)
+    np.testing.assert_allclose(recording.drives[10:13], line, rtol=1e-9)
+    np.testing.assert_allclose(recording.drives[13:], RUN.struts[10:], rtol=1e-9)
     assert recording.lines.place(12) == "line 11"
     assert recording.lines.place(13) == "line 12"
     (told,) = map(str, unmeasured(recording))

@@ -36,8 +36,8 @@ def parts() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Time [s], joints [deg] and forces [N, N m]."""
     some = whole()
     assert some.t is not None
-    assert some.struts is not None
-    return some.t[:ROWS], np.degrees(some.struts[:ROWS]), some.forces[:ROWS]
+    assert some.drives is not None
+    return some.t[:ROWS], np.degrees(some.drives[:ROWS]), some.forces[:ROWS]
 
 
 def rows(*columns: np.ndarray, separator: str, decimal: str = ".", form: str = "%.7f") -> str:
@@ -123,9 +123,9 @@ def test_the_proposal_reads_what_was_recorded(written: object, tmp_path: Path) -
     again = read(file, case.model_copy(update={"recording": form}))
     t, joints, forces = parts()
     assert again.t is not None
-    assert again.struts is not None
+    assert again.drives is not None
     np.testing.assert_allclose(again.t, t, atol=2e-6)
-    np.testing.assert_allclose(np.degrees(again.struts), joints, atol=1e-5)
+    np.testing.assert_allclose(np.degrees(again.drives), joints, atol=1e-5)
     np.testing.assert_allclose(again.forces, forces, atol=1e-5)
     assert found.rate == pytest.approx(500.0, rel=1e-3)
 

@@ -44,7 +44,7 @@ def test_a_run_is_read_with_names_and_period_of_the_case(tagged: bool, tmp_path:
     case = case_with(format="halsampler", column_names=NAMES[1:], clock={"period_ms": 1.0})
     recording = read(file, case)
     np.testing.assert_allclose(recording.t, RUN.t, atol=1e-12)
-    np.testing.assert_allclose(recording.struts, RUN.struts, atol=1e-9)
+    np.testing.assert_allclose(recording.drives, RUN.struts, atol=1e-9)
     np.testing.assert_allclose(recording.forces, RUN.forces, atol=1e-6)
 
 

@@ -238,7 +238,7 @@ def test_samples_that_were_taken_when_their_stamps_say_are_interpolated(tmp_path
     recording = read(written(tmp_path, table(seconds(true.t), true)), CASE)
     assert "interpolated" in str(of_clock(recording)[0])
     struts = run(recording.t + true.t[0]).struts  # time begins with the first sample
-    assert np.abs(recording.struts - struts)[5:-5].max() < 2e-6
+    assert np.abs(recording.drives - struts)[5:-5].max() < 2e-6
     identified(recording)
 
 

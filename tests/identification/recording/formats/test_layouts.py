@@ -50,7 +50,7 @@ def test_any_layout_that_the_case_states_is_read(
     text, says = layout
     recording = read(written(tmp_path, mark + text), case_with(**says))
     np.testing.assert_allclose(recording.t, RUN.t, atol=1e-9)
-    np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-8)
+    np.testing.assert_allclose(recording.drives, RUN.struts, rtol=1e-8)
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
 
 
@@ -64,7 +64,7 @@ def test_names_in_the_letters_of_windows_are_found(tmp_path: Path) -> None:
     names = ["Länge" if n == "l1_mm" else n for n in NAMES]
     file = written(tmp_path, csv(RUN.numbers(), names).encode("cp1252"))
     case = case_with(encoding="cp1252", columns={"l1_mm": "Länge"})
-    np.testing.assert_allclose(read(file, case).struts, RUN.struts, rtol=1e-8)
+    np.testing.assert_allclose(read(file, case).drives, RUN.struts, rtol=1e-8)
     with pytest.raises(RecordingError, match=r"not UTF-8.*save"):
         read(file, case_with(columns={"l1_mm": "Länge"}))
 
@@ -72,7 +72,7 @@ def test_names_in_the_letters_of_windows_are_found(tmp_path: Path) -> None:
 def test_a_column_that_the_case_gives_another_meaning_has_only_this_one(tmp_path: Path) -> None:
     drives = {f"l{k}_mm": f"q{k}_mm" for k in range(1, 7)}
     file = written(tmp_path, csv(RUN.numbers(), [drives.get(n, n) for n in NAMES]))
-    np.testing.assert_allclose(read(file, case_with(columns=drives)).struts, RUN.struts, rtol=1e-8)
+    np.testing.assert_allclose(read(file, case_with(columns=drives)).drives, RUN.struts, rtol=1e-8)
 
 
 WRONG = {

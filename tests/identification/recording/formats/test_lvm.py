@@ -87,7 +87,7 @@ WRITTEN = {
 
 def require_the_run(recording: Recording) -> None:
     np.testing.assert_allclose(recording.t, RUN.t, atol=1e-9)
-    np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-8)
+    np.testing.assert_allclose(recording.drives, RUN.struts, rtol=1e-8)
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
 
 
@@ -157,7 +157,7 @@ def test_channels_that_end_earlier_are_a_stream_of_their_own(tmp_path: Path) -> 
     recording = read(written(tmp_path, text, "run.lvm"), CASE)
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
     (other,) = recording.others
-    np.testing.assert_allclose(other.struts, RUN.struts[::2], rtol=1e-8)
+    np.testing.assert_allclose(other.drives, RUN.struts[::2], rtol=1e-8)
     np.testing.assert_allclose(other.t, RUN.t[::2], atol=1e-9)
 
 

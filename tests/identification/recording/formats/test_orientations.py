@@ -110,14 +110,14 @@ def test_a_body_on_a_hexapod_is_weighed_in_poses_of_any_convention(orientation: 
     angles = np.degrees(RUN.turn.as_rotvec()) if vector else RUN.angles(order.upper() if kind == "intrinsic" else order)
     case = of_pose(["U", "V", "W"], orientation=orientation)
     recording = read(hexapod(tmp_path, ["U", "V", "W"], angles), case)
-    np.testing.assert_allclose(recording.struts, RUN.struts, atol=1e-8)
+    np.testing.assert_allclose(recording.drives, RUN.struts, atol=1e-8)
     require_load(identify(recording, case), MASS, CENTRE)
 
 
 def test_poses_of_a_hexapod_may_be_quaternions_or_matrices(tmp_path: Path) -> None:
     names = ["q1", "q2", "q3", "q4"]
     file = hexapod(tmp_path, names, SHORT.turn.as_quat(scalar_first=True), SHORT)
-    np.testing.assert_allclose(read(file, of_pose(names, QUATERNION)).struts, SHORT.struts, atol=1e-8)
+    np.testing.assert_allclose(read(file, of_pose(names, QUATERNION)).drives, SHORT.struts, atol=1e-8)
     # a 4 x 4 matrix, column by column, position in m
     whole = np.zeros((len(SHORT.t), 4, 4))
     whole[:, :3, :3], whole[:, :3, 3], whole[:, 3, 3] = SHORT.turn.as_matrix(), SHORT.position, 1.0
@@ -127,7 +127,7 @@ def test_poses_of_a_hexapod_may_be_quaternions_or_matrices(tmp_path: Path) -> No
     places = {f"r{i + 1}{j + 1}": f"O_T_EE[{4 * j + i}]" for i in range(3) for j in range(3)}
     columns = places | {name: f"O_T_EE[{12 + k}]" for k, name in enumerate(POSITIONS)}
     recording = read(file, case_with(columns=columns, units={"positions": "m"}))
-    np.testing.assert_allclose(recording.struts, SHORT.struts, atol=1e-8)
+    np.testing.assert_allclose(recording.drives, SHORT.struts, atol=1e-8)
 
 
 def test_angles_that_leap_by_a_turn_are_one_way(tmp_path: Path) -> None:
@@ -177,7 +177,7 @@ def test_struts_alone_need_no_orientation(tmp_path: Path) -> None:
     rows = np.column_stack([SHORT.t, SHORT.struts * 1e3, SHORT.forces])
     file = written(tmp_path, csv(rows, ["t_s", *STRUTS, *BAR_FORCES]))
     recording = read(file, case_with(CASE, orientation="rotation vector"))
-    np.testing.assert_allclose(recording.struts, SHORT.struts, atol=1e-8)
+    np.testing.assert_allclose(recording.drives, SHORT.struts, atol=1e-8)
 
 
 @pytest.mark.parametrize(("unit", "value"), [("m", 1.0), ("in", 0.0254), ("cm", 0.01)])
@@ -191,13 +191,13 @@ def test_positions_that_are_about_home_in_another_unit_alone_are_refused_with_it
     ) as caught:
         read(file, CASE)
     one_line(caught.value)
-    np.testing.assert_allclose(read(file, case_with(units={"positions": unit})).struts, SHORT.struts, atol=1e-8)
+    np.testing.assert_allclose(read(file, case_with(units={"positions": unit})).drives, SHORT.struts, atol=1e-8)
 
 
 def test_struts_beside_half_a_pose_are_enough(tmp_path: Path) -> None:
     rows = np.column_stack([SHORT.t, SHORT.struts * 1e3, SHORT.position * 1e3, SHORT.forces])
     file = written(tmp_path, csv(rows, ["t_s", *STRUTS, *POSITIONS, *BAR_FORCES]))
-    np.testing.assert_allclose(read(file, CASE).struts, SHORT.struts, atol=1e-8)
+    np.testing.assert_allclose(read(file, CASE).drives, SHORT.struts, atol=1e-8)
 
 
 @pytest.mark.parametrize(

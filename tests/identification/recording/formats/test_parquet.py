@@ -39,7 +39,7 @@ def test_what_is_written_is_read_back_from_file_and_folder(tmp_path: Path) -> No
     (tmp_path / "table.csv").unlink()
     for place in (tmp_path, tmp_path / "recording.parquet"):
         back = read(place, HEXAPOD)
-        np.testing.assert_array_equal(back.struts, read_back(tmp_path).struts)
+        np.testing.assert_array_equal(back.drives, read_back(tmp_path).drives)
         np.testing.assert_allclose(back.t, RUN.t, atol=1e-12)
         np.testing.assert_array_equal(back.trigger, np.arange(RUN.count) % 7 > 2)
 
@@ -63,7 +63,7 @@ def test_names_units_and_types_are_mapped_as_in_text(tmp_path: Path) -> None:
     content["f3_N"] = RUN.forces[:, 2].astype("float32")
     case = case_with(columns={"l1_mm": "axis.1", "t_s": "clock"}, units={"struts": "um"}, clock={"unit": "ms"})
     recording = read(parquet(tmp_path, content), case)
-    np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-12)
+    np.testing.assert_allclose(recording.drives, RUN.struts, rtol=1e-12)
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-6)
     np.testing.assert_allclose(recording.t, RUN.t, atol=1e-12)
 

@@ -97,7 +97,7 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_bag_of_a_robot_is_identified(stored: StoragePlugin, tmp_path: Path) -> None:
     """Two clocks, stamps up to milliseconds late, lost messages: deviations hold all the same."""
     recording = read(write(tmp_path / "bag", run(), stored), ROBOT)
-    assert recording.others[0].struts is not None
+    assert recording.others[0].drives is not None
     result = identify(recording, ROBOT)
     truth = ROBOT.need_simulation("a test").parameters
     for name, true in (("m", truth.body.mass_kg), ("zC", 0.086), ("xC", 0.004), ("f_q0_1", 3.2), ("f_q0_6", 0.12)):
@@ -114,7 +114,7 @@ def test_both_clocks_run_evenly_and_lost_messages_are_missing(tmp_path: Path) ->
     assert 20 < joints.missing.sum() < 60
     there = ~joints.missing
     assert there[0]
-    np.testing.assert_allclose(joints.struts[there], swing(0.004 * np.arange(len(there)))[0][there], atol=1e-12)
+    np.testing.assert_allclose(joints.drives[there], swing(0.004 * np.arange(len(there)))[0][there], atol=1e-12)
 
 
 REFUSED = {
@@ -230,7 +230,7 @@ def test_names_and_units_of_a_table_are_not_those_of_a_bag(bag: Path) -> None:
     columns = {f"q{k + 1}_deg": f"joint {k + 1}" for k in range(len(NAMES))}
     case = with_recording(columns=columns, units={"joints": "deg", "forces": "kN"})
     np.testing.assert_array_equal(read(bag, case).forces, read(bag, ROBOT).forces)
-    np.testing.assert_array_equal(read(bag, case).others[0].struts, read(bag, ROBOT).others[0].struts)
+    np.testing.assert_array_equal(read(bag, case).others[0].drives, read(bag, ROBOT).others[0].drives)
     assert look(bag, case).reads
 
 

@@ -35,9 +35,9 @@ def test_radians_names_and_the_output_bit_are_read(tmp_path: Path) -> None:
     file = tmp_path / "robot_data.csv"
     file.write_text("\n".join([" ".join(COLUMNS.values()), *rows]) + "\n")
     found = read(file, rtde_case())
-    assert found.struts is not None
+    assert found.drives is not None
     assert found.t is not None
-    np.testing.assert_allclose(found.struts, q, atol=1e-12)
+    np.testing.assert_allclose(found.drives, q, atol=1e-12)
     np.testing.assert_allclose(found.forces, wrench, atol=1e-12)
     np.testing.assert_array_equal(found.trigger, trigger == 1)
     assert np.diff(found.t) == pytest.approx(np.full(399, 0.002), abs=1e-6)
@@ -59,7 +59,7 @@ def test_a_joint_without_ends_is_read_through_its_turns(tmp_path: Path) -> None:
         text[50][6] = "nan"
         file = tmp_path / name
         file.write_text("\n".join([",".join(["t_s", *columns]), *map(",".join, text)]) + "\n", encoding="utf-8")
-        return read(file, case).struts
+        return read(file, case).drives
 
     counted = recorded("counted.csv", q)
     wrapped = recorded("wrapped.csv", np.column_stack([q[:, :5], (q[:, 5] + 180.0) % 360.0 - 180.0]))

@@ -33,12 +33,12 @@ def files(folder: Path, late: float = 0.0, unit: float = 1.0) -> list[Path]:
 def require_streams(recording: Recording) -> None:
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
     np.testing.assert_allclose(recording.t, RUN.t, atol=1e-9)
-    assert recording.struts is None
+    assert recording.drives is None
     (struts,) = recording.others
-    np.testing.assert_allclose(struts.struts, RUN.struts[::4], rtol=1e-8)
+    np.testing.assert_allclose(struts.drives, RUN.struts[::4], rtol=1e-8)
     np.testing.assert_allclose(struts.t, RUN.t[::4] + 0.0005, atol=1e-9)
     assert struts.step == pytest.approx(4e-3)
-    assert [list(s.channels) for s in (recording, *recording.others)] == [["forces"], ["struts"]]
+    assert [list(s.channels) for s in (recording, *recording.others)] == [["forces"], ["drives"]]
 
 
 @pytest.mark.parametrize("reverse", [False, True])
@@ -61,12 +61,12 @@ def test_columns_of_one_file_are_shifted_apart(late: float, tmp_path: Path) -> N
     numbers = np.column_stack([RUN.t, RUN.struts * 1e3, RUN.forces, RUN.t > 0.01])
     file = written(tmp_path, csv(numbers, ["t_s", *STRUTS, *BAR_FORCES, "trigger"]))
     recording = read(file, case_with(clock={"offset_s": {"forces": -late}}))
-    motion = recording.stream_with("struts")
+    motion = recording.stream_with("drives")
     assert motion is not None
     assert motion.t is not None
     assert recording.t is not None
     np.testing.assert_allclose(motion.t - recording.t, late, atol=1e-9)
-    np.testing.assert_allclose(motion.struts, RUN.struts, rtol=1e-8)
+    np.testing.assert_allclose(motion.drives, RUN.struts, rtol=1e-8)
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
     assert recording.stream_with("trigger") is motion  # a controller has both
 
@@ -77,7 +77,7 @@ def test_files_whose_samples_coincide_are_joined(tmp_path: Path) -> None:
         written(tmp_path, csv(np.column_stack([RUN.t, RUN.forces]), ["t_s", *BAR_FORCES]), "b.csv"),
     ]
     recording = read(paths, HEXAPOD)
-    np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-8)
+    np.testing.assert_allclose(recording.drives, RUN.struts, rtol=1e-8)
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
     assert recording.others == ()
 
@@ -89,14 +89,14 @@ def test_standstills_in_several_files_are_joined_row_by_row(tmp_path: Path) -> N
     ]
     recording = read(paths, HEXAPOD)
     assert recording.t is None
-    assert recording.struts.shape == recording.forces.shape
+    assert recording.drives.shape == recording.forces.shape
 
 
 def test_a_run_of_one_file_has_one_stream(tmp_path: Path) -> None:
     numbers = np.column_stack([RUN.t, RUN.struts * 1e3, RUN.forces])
     stream = read(written(tmp_path, csv(numbers, ["t_s", *STRUTS, *BAR_FORCES])), HEXAPOD)
     assert stream.others == ()
-    assert list(stream.channels) == ["struts", "forces"]
+    assert list(stream.channels) == ["drives", "forces"]
     assert stream.rows == RUN.count
 
 
@@ -117,7 +117,7 @@ def damaged(folder: Path) -> dict[str, tuple[list[Path], str]]:
     felt = written(folder, "t_s,ax,ay,az\n0,0,0,1\n1,0,0,1\n", "felt.csv")
     return {
         "one file twice": ([forces, struts, forces], r"forces.csv: has forces, as .*forces.csv does; .*each once"),
-        "two runs": ([forces, struts, later], r"later.*: has struts, as .*struts.csv does; give the files of one run"),
+        "two runs": ([forces, struts, later], r"later.*: has drives, as .*struts.csv does; give the files of one run"),
         "no forces": ([struts], r"struts.csv: no forces: none of the columns f1_N, .*; it has t_s, l1_mm"),
         "no pose": ([forces], r"forces.csv: no pose: none of the columns l1_mm"),
         "not together": ([forces, later], r"struts.csv: starts 99.96\d* s after .*forces.csv ends; .*offset_s"),

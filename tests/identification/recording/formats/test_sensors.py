@@ -38,7 +38,7 @@ def test_struts_follow_from_drives_by_sign_order_and_offset(unit: str, size: flo
     numbers, names = table(**dict(zip(DRIVE_NAMES, drives().T * 1e-3 / size, strict=True)))
     case = case_with(drives=DRIVES, units={"drives": unit})
     recording = read(written(tmp_path, csv(numbers, names)), case)
-    np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-8)
+    np.testing.assert_allclose(recording.drives, RUN.struts, rtol=1e-8)
 
 
 @pytest.mark.parametrize("names_of_speeds", ["qd{}_mm_s", "ld{}_mm_s"])
@@ -49,7 +49,7 @@ def test_measured_velocities_are_left_out(names_of_speeds: str, tmp_path: Path) 
     columns |= {names_of_speeds.format(k + 1): speeds[:, k] for k in range(6)}
     numbers, names = table(**columns)
     recording = read(written(tmp_path, csv(numbers, names)), case_with(drives=DRIVES))
-    np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-8)
+    np.testing.assert_allclose(recording.drives, RUN.struts, rtol=1e-8)
     assert recording.missing is None
 
 
@@ -64,7 +64,7 @@ def test_struts_follow_from_poses_by_inverse_kinematics(tmp_path: Path) -> None:
     recording = read(written(tmp_path, csv(numbers, names)), HEXAPOD)
     si = poses() * ([1e-3] * 3 + [np.pi / 180] * 3)
     np.testing.assert_allclose(recording.poses, si, rtol=1e-12)
-    np.testing.assert_allclose(Hexapod.of(HEXAPOD).poses(recording.struts), si, atol=1e-9)
+    np.testing.assert_allclose(Hexapod.of(HEXAPOD).poses(recording.drives), si, atol=1e-9)
 
 
 def test_without_a_machine_poses_turn_the_sensor(tmp_path: Path, wrist_case) -> None:

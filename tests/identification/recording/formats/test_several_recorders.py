@@ -85,7 +85,7 @@ def test_two_channels_of_a_sampler_have_a_list_of_names_each(tmp_path: Path) -> 
         written(tmp_path, tagged(truth.forces), "c1.txt"),
     ]
     recording = read(files, case_of(SAMPLER, SAMPLER | {"column_names": [*BAR_FORCES]}))
-    np.testing.assert_allclose(recording.struts, truth.struts, atol=1e-8)
+    np.testing.assert_allclose(recording.drives, truth.struts, atol=1e-8)
     np.testing.assert_allclose(recording.forces, truth.forces, atol=1e-5)
     assert recording.others == ()
 
@@ -123,13 +123,13 @@ def test_what_belongs_to_the_machine_is_stated_once(tmp_path: Path) -> None:
         drives={"order": (1, 2, 3, 4, 5, 6), "sign": [-1.0] * 6, "offset_mm": [1500.0] * 6},
     )
     recording = read([sampled(tmp_path), amplified(tmp_path, 0.0)], case)
-    motion = recording.stream_with("struts")
-    np.testing.assert_allclose(motion.struts, 1.5 - run(motion.t - 0.1).struts, atol=1e-8)
+    motion = recording.stream_with("drives")
+    np.testing.assert_allclose(motion.drives, 1.5 - run(motion.t - 0.1).struts, atol=1e-8)
 
 
 def stream(t: np.ndarray, edges: Sequence[float], late: float = 0.0, rate: float = 0.0, **channels: object) -> Stream:
     """A trigger sampled at instants of one clock, and stamped by a clock that is `late` and fast by `rate`."""
-    values = {"struts": None, "rotations": None, "forces": None} | channels
+    values = {"drives": None, "rotations": None, "forces": None} | channels
     return Stream(f"{next(iter(channels))}.csv", late + t * (1.0 + rate), trigger=switched(t, edges) == 1, **values)
 
 
@@ -139,7 +139,7 @@ def pair(
     """Motion at 250 Hz from -1 s on, forces at 400 Hz from `lead` on, and the true instants of these."""
     motion, forces = np.arange(-1.0, end, 0.004), np.arange(lead, end, 0.0025)
     struts, zeros = np.zeros((len(motion), 6)), np.zeros((len(forces), 6))
-    return stream(motion, edges, struts=struts), stream(forces, edges, late, rate, forces=zeros), forces
+    return stream(motion, edges, drives=struts), stream(forces, edges, late, rate, forces=zeros), forces
 
 
 @settings(max_examples=examples(60), deadline=None)

@@ -21,7 +21,7 @@ ROWS = rows(RUN.numbers())
 
 def require_the_run(recording: Recording) -> None:
     np.testing.assert_allclose(recording.t, RUN.t, atol=1e-9)
-    np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-8)
+    np.testing.assert_allclose(recording.drives, RUN.struts, rtol=1e-8)
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
 
 

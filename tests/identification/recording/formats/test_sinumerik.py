@@ -62,7 +62,7 @@ def session(lines: list[str], frames: int = 1, mark: str = "") -> str:
 
 def require_the_run(recording: Any) -> None:
     np.testing.assert_allclose(recording.t, RUN.t, atol=1e-9)
-    np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-8)
+    np.testing.assert_allclose(recording.drives, RUN.struts, rtol=1e-8)
     np.testing.assert_allclose(recording.forces, HELD, rtol=1e-8)
     assert recording.missing is None
 
@@ -75,7 +75,7 @@ def test_one_line_of_names_and_a_time_column(unit: str, tmp_path: Path) -> None:
     )
     recording = read(file, case)
     np.testing.assert_allclose(recording.t, RUN.t, atol=1e-9)
-    np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-8)
+    np.testing.assert_allclose(recording.drives, RUN.struts, rtol=1e-8)
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
 
 
@@ -88,7 +88,7 @@ def test_signals_listed_above_the_numbers_and_rows_below(tmp_path: Path) -> None
     )  # fmt: skip
     recording = read(written(tmp_path, text), case)
     np.testing.assert_allclose(recording.t, RUN.t, atol=1e-9)
-    np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-8)
+    np.testing.assert_allclose(recording.drives, RUN.struts, rtol=1e-8)
 
 
 @pytest.mark.parametrize("says", ["format", "nothing"])

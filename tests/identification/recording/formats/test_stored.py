@@ -34,7 +34,7 @@ def test_the_run_is_the_same_however_its_text_is_stored(how: str, tmp_path: Path
     file = written(tmp_path, STORED[how])
     recording = read(file, HEXAPOD)
     np.testing.assert_allclose(recording.t, RUN.t, atol=1e-9)
-    np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-8)
+    np.testing.assert_allclose(recording.drives, RUN.struts, rtol=1e-8)
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
     assert look(file, HEXAPOD).reads
 

@@ -76,7 +76,7 @@ def test_frames_of_echoed_wrenches_are_those_of_the_case(tmp_path: Path) -> None
 def require_the_run(run: Recording) -> None:
     """Positions and forces at the instants when they were sampled."""
     at = run.t - run.t[0]
-    np.testing.assert_allclose(run.struts, swing(at)[0], atol=2e-5)
+    np.testing.assert_allclose(run.drives, swing(at)[0], atol=2e-5)
     np.testing.assert_allclose(run.forces, swung_forces(at), atol=0.02)
 
 

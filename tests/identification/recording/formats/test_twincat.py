@@ -61,7 +61,7 @@ def case(**says: object):
 
 def require_the_run(recording: Recording) -> None:
     np.testing.assert_allclose(recording.t, RUN.t, atol=1e-9)
-    np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-8)
+    np.testing.assert_allclose(recording.drives, RUN.struts, rtol=1e-8)
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
 
 
@@ -111,16 +111,16 @@ def test_channels_of_another_rate_are_a_stream_of_their_own(shared: bool, tmp_pa
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
     np.testing.assert_allclose(recording.t, RUN.t, atol=1e-9)
     (other,) = recording.others
-    np.testing.assert_allclose(other.struts, slow, rtol=1e-8)
+    np.testing.assert_allclose(other.drives, slow, rtol=1e-8)
     np.testing.assert_allclose(other.t, 0.5e-3 + 4e-3 * np.arange(len(slow)), atol=1e-9)
-    assert recording.struts is None
-    assert recording.stream_with("struts") is other
+    assert recording.drives is None
+    assert recording.stream_with("drives") is other
 
 
 def test_a_channel_that_ends_a_sample_early_shortens_its_group(tmp_path: Path) -> None:
     groups = [(STRUTS, 1e3 * RUN.t, RUN.struts * 1e3), (FORCES, 1e3 * RUN.t[:-1], RUN.forces[:-1])]
     recording = read(written(tmp_path, exported(groups)), case())
-    np.testing.assert_allclose(recording.struts, RUN.struts[:-1], rtol=1e-8)
+    np.testing.assert_allclose(recording.drives, RUN.struts[:-1], rtol=1e-8)
     np.testing.assert_allclose(recording.forces, RUN.forces[:-1], rtol=1e-8)
 
 

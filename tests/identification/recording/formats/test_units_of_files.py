@@ -61,7 +61,7 @@ def test_labels_are_read_in_the_units_that_they_state(
     columns = dict(zip(("t_s", *STRUTS, *BAR_FORCES), (clock, *struts, *labels), strict=True))
     recording = read(file, case_with(columns=columns))
     np.testing.assert_allclose(recording.t, RUN.t, atol=1e-12)
-    np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-12)
+    np.testing.assert_allclose(recording.drives, RUN.struts, rtol=1e-12)
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-12)
     said = " ".join(f.sentence for f in recording.findings)
     others = {force, length, time} - {"N", "mm", "s"}
@@ -248,7 +248,7 @@ def test_scale_and_offset_of_struts_and_joints_are_in_the_unit_of_the_name(tmp_p
     counts = (RUN.struts * 1e3 - 700.0) / 0.005
     file = written(tmp_path, csv(np.column_stack([RUN.t, counts, RUN.forces]), ["t_s", *STRUTS, *BAR_FORCES]))
     case = case_with(scale=dict.fromkeys(STRUTS, 0.005), offset=dict.fromkeys(STRUTS, 700.0))
-    np.testing.assert_allclose(read(file, case).struts, RUN.struts, rtol=1e-7)
+    np.testing.assert_allclose(read(file, case).drives, RUN.struts, rtol=1e-7)
     robot = load_case("ur10_wrist")
     q = np.random.default_rng(2).uniform(-1.0, 1.0, (RUN.count, 6))
     names = [f"q{k}_deg" for k in range(1, 7)]
@@ -256,7 +256,7 @@ def test_scale_and_offset_of_struts_and_joints_are_in_the_unit_of_the_name(tmp_p
     numbers = np.column_stack([RUN.t, (np.degrees(q) - 90.0) / -0.01, RUN.forces])
     file = written(tmp_path, csv(numbers, ["t_s", *names, *wrench]), "robot.csv")
     case = case_with(robot, scale=dict.fromkeys(names, -0.01), offset=dict.fromkeys(names, 90.0))
-    np.testing.assert_allclose(read(file, case).struts, q, atol=1e-7)
+    np.testing.assert_allclose(read(file, case).drives, q, atol=1e-7)
 
 
 ATI = """Start Time: 11/26/26 3:12 PM
