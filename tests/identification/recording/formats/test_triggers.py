@@ -54,7 +54,9 @@ def test_the_only_bit_that_changes_needs_no_key(tmp_path: Path) -> None:
 
 def test_of_several_bits_the_message_says_which_change(tmp_path: Path) -> None:
     other = 8.0 * (np.arange(RUN.count) % 7 == 3)
-    with pytest.raises(RecordingError, match=r"is not a level of a switch; .*bits 0, 3 change.*recording\.trigger") as caught:
+    with pytest.raises(
+        RecordingError, match=r"is not a level of a switch; .*bits 0, 3 change.*recording\.trigger"
+    ) as caught:
         recorded(256.0 + ON + other, tmp_path)
     one_line(caught.value)
 
