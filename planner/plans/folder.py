@@ -95,8 +95,8 @@ _CIRCLE = {"start": "start_m_rad", "end_angles": "end_angles_rad", "centre": "ce
 _MOVES: dict[str, tuple[Callable[..., Trajectory], dict[str, str]]] = {
     "straight": (StraightMove, {"start": "start_m_rad", "end": "end_m_rad"}),
     "circle": (CircularMove, _CIRCLE | {"plane": "plane"}),
-    "pause": (Standstill, {"pose": "pose_m_rad", "settle": "duration_s"}),
-    "measure": (Standstill, {"pose": "pose_m_rad", "settle": "settle_s", "average": "average_s"}),
+    "pause": (Standstill, {"coordinates": "pose_m_rad", "settle": "duration_s"}),
+    "measure": (Standstill, {"coordinates": "pose_m_rad", "settle": "settle_s", "average": "average_s"}),
 }
 """Kinds of moves: what makes them, and the entry of each of its fields; a time law has entries of its own."""
 
