@@ -22,7 +22,7 @@ from cases.machine import Tool, turned
 MOST_MESH = 64 * 2**20  # bytes
 _TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _HEAD = 84  # bytes of a binary STL before its triangles
-_VERTEX = re.compile(rb"^\s*(?:vertex|v)\s+(\S+)\s+(\S+)\s+(\S+)", re.MULTILINE)
+_VERTEX = re.compile(rb"^[ \t]*+(?:vertex|v)[ \t]++(\S++)[ \t]++(\S++)[ \t]++(\S++)", re.MULTILINE)
 _MOST = 1e3  # [m] of a point
 FEWEST_CORNERS = 4  # of a body; fewer points get a capsule
 

@@ -310,8 +310,8 @@ def _changes(name: str, before: Mapping[str, Any], after: Mapping[str, Any]) -> 
 
 def _around(text: str, table: str) -> tuple[str, str]:
     """The text above the first section of a table, and that below its last, headers of other sections first."""
-    headers = [*re.finditer(r"^[ \t]*\[+[ \t]*([^\]\n]+?)[ \t]*\]", text, re.MULTILINE)]
-    own = [k for k, header in enumerate(headers) if re.split(r"\s*\.\s*", header[1])[0] == table]
+    headers = [*re.finditer(r"^[ \t]*+\[++([^\]\n]++)\]", text, re.MULTILINE)]
+    own = [k for k, header in enumerate(headers) if header[1].partition(".")[0].strip() == table]
     if not own:
         return "", ""
     below = headers[own[-1] + 1].start() if own[-1] + 1 < len(headers) else len(text)

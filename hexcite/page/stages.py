@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from cases.base.errors import HexciteError
+from cases.base.file_reading import read_whole
 from cases.basis import changes_since, plan_basis, recording_basis, result_basis
 from cases.scaffold import readiness
 from cases.schema import Case, load_case
@@ -270,7 +271,7 @@ def _made(
         try:
             status = file.stat()
             record, fingerprint = _record(str(file), status.st_mtime_ns, status.st_size)
-        except (OSError, ValueError):
+        except (OSError, ValueError, RecursionError, HexciteError):
             continue  # damaged: the command that uses it says so
         if record.get("case") == case.name:
             changed = tuple(changes_since(record, basis(record, case), case.hash))
@@ -281,7 +282,7 @@ def _made(
 def _record(file: str, time_ns: int, size: int) -> tuple[dict[str, Any], str]:
     if size > MOST_BYTES:
         raise ValueError(file)
-    content = Path(file).read_bytes()
+    content = read_whole(Path(file), MOST_BYTES)  # of a file, not of a pipe, which would hold the page up
     record = json.loads(content)
     if not isinstance(record, dict):
         raise ValueError(file)

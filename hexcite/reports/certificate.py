@@ -18,8 +18,10 @@ from typing import Any, NamedTuple
 from cases.base.atomic import atomic_file
 from cases.base.doors import checks
 from cases.base.errors import Code, FileProblem
+from cases.base.file_reading import DAMAGED, MOST_JSON, read_whole
 from cases.base.output_places import check_file
 from cases.base.provenance import sha256_of
+from cases.base.text_formats import json_text
 from cases.basis import content_of
 from cases.certificate import CertificateOf
 from identification.estimation.fit import COVERAGE_FACTOR
@@ -135,13 +137,10 @@ def verify_certificate(file: Path | str, result: Result | None = None) -> Verifi
     """
     place = Path(file)
     try:
-        content = place.read_bytes()
-    except OSError as error:
+        content = read_whole(place, MOST_JSON)
+    except FileProblem as error:
         raise FileProblem(
-            place=place,
-            problem=f"cannot be read ({error.strerror})",
-            remedy="name a certificate, a PDF file",
-            code=Code.UNREADABLE,
+            place=place, problem=error.problem, remedy="name a certificate, a PDF file", code=Code.UNREADABLE
         ) from error
     match = _EMBEDDED.search(content)
     if match is None:
@@ -159,10 +158,22 @@ def verify_certificate(file: Path | str, result: Result | None = None) -> Verifi
             remedy="ask for the original, or issue it again",
             code=Code.CHANGED,
         )
-    stated = json.loads(base64.b64decode(match[1]))
-    prints, lines = stated["fingerprints"], list[tuple[str, str]]()
+    try:
+        stated = json.loads(base64.b64decode(match[1]))
+        certified = str(stated["fingerprints"]["result"])
+        recordings = [(Path(entry["file"]), str(entry["sha256"])) for entry in stated["fingerprints"]["recording"]]
+        json_text(stated)  # no NaN, which is not JSON
+        str(Verification(stated, ()))
+    except (*DAMAGED, RecursionError) as error:  # anybody can make a file with a fingerprint that is right
+        raise FileProblem(
+            place=place,
+            problem="does not hold what a certificate of hexcite states",
+            remedy="ask for the original, or issue it again",
+            code=Code.DAMAGED,
+        ) from error
+    lines = list[tuple[str, str]]()
     if result is not None:
-        if content_of(result.record.to_json()) != prints["result"]:
+        if content_of(result.record.to_json()) != certified:
             raise FileProblem(
                 place=place,
                 problem=f"is of another result than {result.source}",
@@ -170,11 +181,10 @@ def verify_certificate(file: Path | str, result: Result | None = None) -> Verifi
                 code=Code.OTHER_SOURCE,
             )
         lines.append((f"result {result.source}", "the one that is certified"))
-    for entry in prints["recording"]:
-        recording = Path(entry["file"])
+    for recording, fingerprint in recordings:
         if not recording.is_file():
             lines.append((f"recording {recording}", "is not here, not compared"))
-        elif sha256_of(recording) != entry["sha256"]:
+        elif sha256_of(recording) != fingerprint:
             raise FileProblem(
                 place=recording,
                 problem=f"is not the recording of {place}",

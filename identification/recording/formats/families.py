@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from cases.base.unit_names import is_unit
+from identification.recording.formats.labels import LONGEST
 
 NUMBER, AXIS, JOINT = "#", "@", "&"  # what stands in the words of a family for the place in which its labels differ
 AXES = "xyz"
@@ -51,6 +52,8 @@ class Family:
 
 def words_of(name: str) -> tuple[str, ...]:
     """Words and numbers of a name, in small letters, without a unit: `Axis1.Pos[0] [mm]` is axis, 1, pos, 0."""
+    if len(name) > LONGEST:
+        return ()
     bare = _BRACKETED.sub(
         lambda found: found[0] if _ADDRESS.fullmatch(found[1]) or not _is_unit(found[1]) else " ", name
     )

@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 
 from cases.base.unit_names import COUNTS, SHARES, Units, is_other_unit, is_unit, plain_unit
 
+LONGEST = 1000
+"""Characters of a label, or of a line that states something; what is longer is text, and patterns take its square."""
 _BRACKETED = re.compile(r"\[([^\]]*)\]|\(([^)]*)\)|<([^>]*)>|\{([^}]*)\}")
 # Letters that may be a unit which we do not know: names of channels and addresses have digits or other signs.
 _PREFIX = re.compile(r"^(?:in|units?|einheit)\b[:=\s]+", re.I)
@@ -59,8 +61,8 @@ def stated_unit(label: str, cell: str, units: Units, header: Sequence[str] = ())
         units: those that the column can have.
         header: lines above the rows, which may state the units of all forces or moments, and counts for one unit.
     """
-    own = _of_column(label, cell, units)
-    whole = "\n".join(header)
+    own = None if max(len(label), len(cell)) > LONGEST else _of_column(label, cell, units)
+    whole = "\n".join(line for line in header if len(line) <= LONGEST)
     counts = [float(number) for word, number in _COUNTS.findall(whole) if _quantity(word) == units.quantity]
     lines = [text.strip() for word, text in _LINES.findall(whole) if _quantity(word) == units.quantity]
     if lines and (own is None or (counts and is_count(own.text))):

@@ -4,6 +4,8 @@ import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from identification.recording.formats.labels import LONGEST
+
 _NUMBER = r"(?P<number>\d+(?:[.,]\d+)?(?:e[+-]?\d{1,2})?)"
 _OF_SAMPLES = r"(?:sampl\w*|abtast\w*|scan\w*|mess|acquisition|aufzeichnungs?|record\w*|log\w*|daq)"
 _RATE = r"(?:rate|freq\w*|takt)"
@@ -35,7 +37,7 @@ def stated_step(header: Sequence[str]) -> StatedStep | None:
 
 
 def _of_line(line: str) -> StatedStep | None:
-    match = _PATTERN.search(line)
+    match = _PATTERN.search(line) if len(line) <= LONGEST else None
     if match is None:
         return None
     units = _STEPS if match["rate"] is None else _RATES

@@ -34,9 +34,9 @@ class Planner(NamedTuple):
     jerk: float | None  # MAX_LINEAR_JERK in machine units; None: trapezoids
 
 
-_SECTION = re.compile(r"\[\s*(?P<name>[^\]]+?)\s*\]")
-_ENTRY = re.compile(r"(?P<key>[A-Za-z0-9_]+)\s*=\s*(?P<value>.*?)\s*")
-_INCLUDE = re.compile(r"#INCLUDE\s+(?P<file>.+?)\s*")
+_SECTION = re.compile(r"\[(?P<name>[^\]]+)\]")
+_ENTRY = re.compile(r"(?P<key>[A-Za-z0-9_]+)\s*=(?P<value>.*)")
+_INCLUDE = re.compile(r"#INCLUDE\s(?P<file>.+)")
 
 
 def _lines(file: Path, nested: bool = True) -> Iterator[tuple[str, str]]:
@@ -49,7 +49,7 @@ def _lines(file: Path, nested: bool = True) -> Iterator[tuple[str, str]]:
             continue
         text, whole = (whole + line).strip(), ""
         if (match := _INCLUDE.fullmatch(text)) and nested:
-            yield from _lines(file.parent / Path(match["file"]).expanduser(), nested=False)
+            yield from _lines(file.parent / Path(match["file"].strip()).expanduser(), nested=False)
         elif text and text[0] not in "#;":
             yield text, f"{file}, line {start}"
 
@@ -60,9 +60,9 @@ def read_ini(file: Path) -> Entries:
     section = ""
     for text, place in _lines(file):
         if match := _SECTION.fullmatch(text):
-            section = match["name"]
+            section = match["name"].strip()
         elif match := _ENTRY.fullmatch(text):
-            entries.setdefault((section, match["key"]), (match["value"], place))
+            entries.setdefault((section, match["key"]), (match["value"].strip(), place))
     return entries
 
 

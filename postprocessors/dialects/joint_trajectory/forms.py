@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 YAML, JSON, SCRIPT = (".yaml", ".yml"), ".json", ".py"
 STANDS = 0.1  # deg or mm by which a joint may be off where the trajectory begins: actual positions are hundredths off
-_MESSAGE = re.compile(rb'^MESSAGE = r"""\n(.*?\n)"""$', re.MULTILINE | re.DOTALL)
+_BEGIN, _END = b'\nMESSAGE = r"""\n', b'\n"""\n'  # of the message in a script
 _KEY = re.compile(r"(?<![\w\"'])(positions|velocities|accelerations|time_from_start|sec|nanosec):")
 
 
@@ -55,12 +55,13 @@ def embedded(content: bytes, file: str, case: Case) -> Embedded | None:
         return Embedded(content.decode("utf-8", "replace"), 1)
     if not content.startswith(b"#!"):
         return None
-    found = _MESSAGE.search(content)
+    before, begin, rest = content.partition(_BEGIN)
+    message, end, _ = rest.partition(_END)
     remedy = "write it again with hexcite post, and change the case, not the script"
-    if found is None:
+    if not begin or not end:
         raise ProgramError(file=file, line=1, problem="a script without its message", remedy=remedy, code=Code.DAMAGED)
     header = [line for line in content.decode("utf-8", "replace").splitlines()[1:] if line.startswith("#")]
-    text = found[1].decode("utf-8", "replace")
+    text = message.decode("utf-8", "replace") + "\n"
     chain, _ = case.need_chain("a joint trajectory")
     own = _script(header, text, chain, settings_of(case))
     if own != content:
@@ -70,7 +71,7 @@ def embedded(content: bytes, file: str, case: Case) -> Embedded | None:
             f"this script is not the one that goes with the case: it was changed, or controller.ros2 was; {remedy}"
         )
         raise ProgramError(file=file, line=line + 1, column=0, problem=problem, code=Code.CHANGED)
-    return Embedded(text, content[: found.start(1)].count(b"\n") + 1)
+    return Embedded(text, before.count(b"\n") + 3)
 
 
 def points_of(message: Embedded, file: str, case: Case) -> list[tuple[int, dict[str, Any]]]:

@@ -14,6 +14,7 @@ from pathlib import Path
 from tests.bench.reliability.executed import tally_of_executed
 from tests.bench.reliability.folders import tally_of_cases, tally_of_plans, tally_of_recordings, tally_of_results
 from tests.bench.reliability.interrupted import tally_of_full_disks, tally_of_kills
+from tests.bench.reliability.long_texts import tally_of_long_texts
 from tests.bench.reliability.programs import DIALECTS
 from tests.bench.reliability.rearranged import tally_of_rearranged
 from tests.bench.reliability.recordings import tally_of_other_files, tally_of_runs
@@ -51,6 +52,7 @@ PARTS = (
     Part("recordings", 5_000, tally_of_recordings),
     Part("results", 5_000, tally_of_results),
     Part("texts", 5_000, tally_of_texts),
+    Part("long texts", 2_000, tally_of_long_texts),
     Part("bags", 5_000, tally_of_bags),
     Part("parquet", 5_000, tally_of_parquet),
     Part("rearranged", 10_000, tally_of_rearranged),

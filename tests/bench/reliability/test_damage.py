@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.bench.reliability.folders import tally_of_cases, tally_of_plans, tally_of_recordings, tally_of_results
+from tests.bench.reliability.long_texts import READERS, SIZE, reader_of, tally_of_long_texts
 from tests.bench.reliability.programs import CASE, DIALECTS
 from tests.bench.reliability.recordings import ALONE_AND_IN_PAIRS, KINDS, tally_of_other_files, tally_of_runs
 from tests.bench.reliability.stored import tally_of_bags, tally_of_parquet
@@ -51,6 +52,32 @@ def test_damaged_texts_of_all_formats(tmp_path: Path) -> None:
     tally = tally_of_texts(range(len(bases())), tmp_path)
     assert tally.defects == []
     assert min(tally.counts["refused"], tally.counts["answered"]) > len(bases()) // 4, "not a test"
+
+
+@pytest.mark.parametrize(
+    ("reader", "text"),
+    [
+        ("mesh", "\n" * SIZE),
+        ("INI", f"[AXIS_X]\nMAX_VELOCITY = 1{' ' * SIZE}1\n"),
+        ("INI", f"[A{' ' * SIZE}B\n"),
+        ("ros2 .py", "#!\n" + 'MESSAGE = r"""\n' * (SIZE // 15)),
+        *((f"{how} commas", f"t_s,{'[' * 60_000}\n0,1\n1,2\n") for how in ("look at", "read")),
+    ],
+)
+def test_no_pattern_takes_the_square_of_a_text(reader: str, text: str, tmp_path: Path) -> None:
+    """Each of these took minutes to hours."""
+    own, tally = reader_of(reader), Tally("long texts")
+    file = tmp_path / own.name
+    file.write_text(text, encoding="utf-8")
+    tally.attempt(0, lambda: own.read(file), "")
+    assert tally.defects == []
+
+
+@pytest.mark.slow
+def test_long_texts(tmp_path: Path) -> None:
+    tally = tally_of_long_texts(range(2 * len(READERS)), tmp_path)
+    assert tally.defects == []
+    assert min(tally.counts["refused"], tally.counts["answered"]) > 0, "not a test"
 
 
 @pytest.mark.slow

@@ -1,5 +1,8 @@
 """A certificate states what a result says, on A4 pages, and shows when it was changed."""
 
+import base64
+import hashlib
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +16,7 @@ from cases.certificate import CertificateOf
 from identification.results.result import Result
 from identification.texts import value_text
 from tests.damaged.runs import SOUND, STATED, Moves, machine, recorded
+from tests.helpers import one_line
 
 ABOUT = CertificateOf(operator="A. Müller", serial_numbers={"machine": "HX-7"}, conditions="$22.5 °C$, warm")
 
@@ -55,6 +59,27 @@ def test_any_change_of_the_file_shows(result: Result, tmp_path: Path) -> None:
         hx.verify_certificate(changed)
     with pytest.raises(FileProblem, match="overwrite"):
         hx.certificate(result, place)
+
+
+@pytest.mark.parametrize(
+    "stated",
+    ["[" * 100_000, "[]", "3", "{}", '{"issued": 1, "fingerprints": {"result": 1, "recording": [{"file": 1}]}}',
+     '{"issued": NaN, "fingerprints": {"result": "a", "recording": []}}', "no JSON"],
+)  # fmt: skip
+def test_a_forged_file_with_a_right_fingerprint_is_refused(stated: str, tmp_path: Path) -> None:
+    embedded = b"hexcite:" + base64.b64encode(stated.encode())
+    own = hashlib.sha256(embedded + b" sha256:" + b"0" * 64).hexdigest().encode()
+    forged = tmp_path / "c.pdf"
+    forged.write_bytes(embedded + b" sha256:" + own)
+    with pytest.raises(FileProblem, match="does not hold what a certificate") as caught:
+        hx.verify_certificate(forged)
+    assert one_line(caught.value).startswith(str(forged))
+
+
+def test_a_pipe_is_not_a_certificate(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "c.pdf")
+    with pytest.raises(FileProblem, match=r"a pipe or device.*name a certificate"):
+        hx.verify_certificate(tmp_path / "c.pdf")
 
 
 def test_another_result_or_recording_shows(result: Result, tmp_path: Path) -> None:

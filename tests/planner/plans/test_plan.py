@@ -101,11 +101,12 @@ def test_its_figures_follow_from_its_motion(planned: dict[str, Any], motion: Fou
     """Information over the whole excitation, summed anew from samples at 2 kHz."""
     model = identification_model(hexapod_case, 9)
     scaling = reference_scaling(hexapod_case, model)
-    samples = motion.at((np.arange(24_000) + 0.5) / 2000)
+    count = round(2000 * motion.duration)
+    samples = motion.at((np.arange(count) + 0.5) / 2000)
     states = (samples.coordinates, samples.rates, samples.accelerations)
     stacked = over_samples(model.coordinate_regressor, *states)[0].reshape(-1, 20)
     scaled = np.linalg.svd(stacked * scaling, compute_uv=False)
-    logdet = 2 * np.log(scaled).sum() - 20 * np.log(24_000)
+    logdet = 2 * np.log(scaled).sum() - 20 * np.log(count)
     assert planned["logdet"] == pytest.approx(logdet, abs=1e-6)
     assert planned["condition"] == pytest.approx(scaled[0] / scaled[-1], rel=1e-6)
     assert 0.0 < planned["d_efficiency"] < 1.0

@@ -32,7 +32,7 @@ def test_motion_csv_is_the_motion_in_millimetres_and_degrees_a_thousand_times_a_
         "acc_x_mm_s2,acc_y_mm_s2,acc_z_mm_s2,acc_a_deg_s2,acc_b_deg_s2,acc_c_deg_s2"
     )
     table = np.loadtxt(file, delimiter=",", skiprows=1)
-    assert table[:, 0] == pytest.approx(np.arange(12_001) / 1000, abs=1e-8)
+    assert table[:, 0] == pytest.approx(np.arange(round(1000 * saved_plan.motion.duration) + 1) / 1000, abs=1e-8)
     motion = saved_plan.motion.at(table[:, 0])
     assert table[:, 1:4] == pytest.approx(motion.coordinates[:, :3] * 1000, abs=1e-5)
     assert table[:, 4:7] == pytest.approx(np.degrees(motion.coordinates[:, 3:]), abs=1e-6)
