@@ -46,7 +46,7 @@ STEPS, SMALL, LONGEST = 60, 1e-3, 3.0  # of the search: how many, gain of the la
 SIZES = 4  # rounds in which the sizes of channels that remember alike follow their shares
 UNLIKE = 5.0  # of the logarithm of the likelihood beyond Akaike's price, from which on channels remember unlike
 HARDLY_SHOWN = 3  # slow noises, with memories of the run's length, a half and a quarter of it
-TOO_SHORT = 0.4  # share of the variance by these, from which deviations were 1.2 to 1.45 times too small in trials
+TOO_SHORT = 0.35  # share of the variance by these, from which deviations were 1.0 to 1.5 times too small in trials
 INSIDE, MANY = 0.975, 1e9  # share below the upper end of an interval of 95 %; degrees of freedom that are no fewer
 NOTHING = 1e-9  # share of the largest power, below which no power counts
 
