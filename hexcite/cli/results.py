@@ -1,7 +1,7 @@
 """`hexcite pool`, `history`, `accept` and `certificate`: results together, over time, judged, and signed for."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 import typer
 
@@ -92,6 +92,7 @@ def certificate(
     operator: Annotated[str | None, option("Who recorded and evaluated; by default [certificate] of the case.")] = None,
     conditions: Annotated[str | None, option("Temperature, tool and the like; by default those of the case.")] = None,
     number: Annotated[str, option("Number of the certificate.")] = "",
+    language: Annotated[str, option("Language of its pages: en or de.")] = "en",
     verify: Annotated[bool, option("Say whether a certificate is as it was issued.", "--verify")] = False,
     of: Annotated[Path | None, option("With --verify: the result that it has to be of.", "--result")] = None,
     output: Annotated[Path | None, out("PDF file to write; RESULT-certificate.pdf by default.")] = None,
@@ -124,5 +125,5 @@ def certificate(
     from cases.certificate import CertificateOf
 
     about = (loaded.case.certificate or CertificateOf()).model_copy(update=given)
-    hx.certificate(loaded, file, about, number, overwrite)
+    hx.certificate(loaded, file, about, number, overwrite, cast(Any, language))  # which it looks at itself
     console.answered({"certificate": str(file)}, json, f"certificate written: {file}")

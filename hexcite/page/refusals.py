@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import Self
 
-from hexcite.page.texts import text
+from hexcite.texts import text
 
 
 class Refusal(ValueError):

@@ -32,8 +32,8 @@ from hexcite.page.journal import Address, keep_address
 from hexcite.page.refusals import Refusal
 from hexcite.page.security import MOST_UPLOAD, PICTURE, REPORT, Guard, Outside, file_name, form_of, inside
 from hexcite.page.stages import BAG_INDEX, PROGRAMS, RECORDINGS, STAGES, machine_of
-from hexcite.page.texts import LANGUAGES, Language, language_of, text
 from hexcite.page.words import Words
+from hexcite.texts import LANGUAGES, Language, language_of, text
 
 STATIC = {"page.css": "text/css", "page.js": "text/javascript"}
 UNASKED = 3.0  # [s] without a page being asked for, after which stages are prepared

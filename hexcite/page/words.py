@@ -6,16 +6,16 @@ from typing import Any
 
 from markupsafe import Markup, escape
 
-from cases.base.phrases import QUOTED
 from cases.schema import NO_TITLE
 from hexcite.page.refusals import Refusal
-from hexcite.page.texts import Language, sentences, text
-from hexcite.page.texts import answers as german
-from hexcite.page.texts.case_keys import KEYS, NOUNS, TABLES
 from hexcite.page.values import Entry, Section
+from hexcite.texts import Language, text
+from hexcite.texts import answers as german
+from hexcite.texts.by_code import parameter, sentence
+from hexcite.texts.case_keys import KEYS, NOUNS, TABLES
 from identification.limits.limit import Limit
 from identification.recording.formats.reasons import Why
-from identification.texts import PARAMETER, parameter_words
+from identification.texts import parameter_words
 
 
 @dataclass(frozen=True)
@@ -92,9 +92,7 @@ class Words:
 
     def parameter(self, name: str) -> str:
         """A parameter in words with its letter."""
-        if self._own or name not in german.PARAMETERS:
-            return parameter_words(name)
-        return f"{german.PARAMETERS[name]} ({name})"
+        return parameter_words(name) if self._own else parameter(name)
 
     def check(self, code: str, of: str, english: str) -> Markup:
         """What is judged."""
@@ -125,27 +123,8 @@ class Words:
         """
         if self._own or not isinstance(entries, Mapping):
             return None
-        said = self._said(entries)
+        said = sentence(entries, self.quoted)
         return None if said is None else Markup(said[:1].upper() + said[1:])
-
-    def _said(self, value: object) -> Markup | None:
-        if not isinstance(value, Mapping):
-            return escape(value)
-        code, values = str(value.get("code")), value.get("values")
-        if not isinstance(values, Mapping):
-            return None
-        if code in sentences.SIGNS:
-            parts = [self._said(part) for part in values.get("parts", ())]
-            return None if None in parts else Markup(sentences.SIGNS[code]).join(each for each in parts if each)
-        if code == PARAMETER:
-            return escape(self.parameter(str(values.get("name"))))
-        if code == QUOTED:
-            return self.quoted(values.get("text", ""))
-        words = sentences.SENTENCES.get(code)
-        inner = {str(name): self._said(each) for name, each in values.items()}
-        if words is None or None in inner.values():
-            return None
-        return Markup(words).format(**inner)
 
     def clause(self, entries: object, english: str) -> Markup:
         """A clause by its code, else as a quotation."""

@@ -17,13 +17,15 @@ from typing import Any, NamedTuple
 
 from cases.base.atomic import atomic_file
 from cases.base.doors import checks
-from cases.base.errors import Code, FileProblem
+from cases.base.errors import Code, FileProblem, HexciteError, choice, option
 from cases.base.file_reading import DAMAGED, MOST_JSON, read_whole
 from cases.base.output_places import check_file
 from cases.base.provenance import sha256_of
 from cases.base.text_formats import json_text
 from cases.basis import content_of
 from cases.certificate import CertificateOf
+from hexcite.texts import LANGUAGES, Language, answers, text
+from hexcite.texts.by_code import parameter, plain
 from identification.estimation.fit import COVERAGE_FACTOR
 from identification.recording.record import RunOrigin
 from identification.results.result import Result
@@ -38,7 +40,12 @@ _NONE = b"0" * 64
 
 @checks
 def certificate(
-    result: Result, file: Path | str, about: CertificateOf | None = None, number: str = "", overwrite: bool = False
+    result: Result,
+    file: Path | str,
+    about: CertificateOf | None = None,
+    number: str = "",
+    overwrite: bool = False,
+    language: Language = "en",
 ) -> None:
     """Writes the certificate of a result, one PDF file of A4 pages.
 
@@ -50,13 +57,23 @@ def certificate(
         about: laboratory, operator, serial numbers and conditions; `[certificate]` of the case unless given.
         number: number of the certificate.
         overwrite: whether a file that stands there is replaced.
+        language: `en` or `de`; what has German words in no table is quoted in English.
 
     Raises:
+        HexciteError: there is no such language.
         FileProblem: it stands there, or cannot be written.
     """
     place = Path(file)
     check_file(place, (".pdf",), overwrite=overwrite)
+    if language not in LANGUAGES:
+        raise HexciteError(
+            place=option("language"),
+            problem=f"{language!r} is not a language of certificates",
+            remedy=choice(language, LANGUAGES, "choose from"),
+            code=Code.UNKNOWN,
+        )
     stated = statements(result, about or result.case.certificate or CertificateOf(), number)
+    stated["language"] = language
     content = _pdf(stated)
     with atomic_file(place) as part:
         part.write_bytes(content)
@@ -101,6 +118,7 @@ def statements(result: Result, about: CertificateOf, number: str) -> dict[str, A
         "not_counted": list(result.not_counted),
         "verdict": verdict.to_json(),
         "warnings": list(result.warnings),
+        "phrases": [f.phrase for f in result.findings if f.severity == "warning" and f.sentence],
         "fingerprints": {
             "case": record.case_hash,
             "plan": record.plan_hash or "",
@@ -202,7 +220,7 @@ def _pdf(stated: Mapping[str, Any]) -> bytes:
     from matplotlib.backends.backend_pdf import PdfPages
 
     data = base64.b64encode(json.dumps(stated, sort_keys=True).encode()).decode()
-    title = f"Calibration certificate {stated['number']}".strip()
+    title = f"{text('c_title', stated['language'])} {stated['number']}".strip()
     about = {
         "Title": title, "Subject": stated["machine"]["title"], "Creator": FORMAT,
         "Keywords": f"hexcite:{data} sha256:{_NONE.decode()}",
@@ -247,10 +265,11 @@ class _Sheet:
         self, cells: Sequence[tuple[float, str]], size: float = 8.0, weight: str = "normal", ends: bool = False
     ) -> None:
         """Writes cells of a line, each at its place from left to right; with `ends`, all but the first end there."""
-        for k, (x, text) in enumerate(cells):
+        for k, (x, words) in enumerate(cells):
             align = "right" if ends and k else "left"
-            text = text.replace("$", r"\$")
-            self.figures[-1].text(x, self.y, text, fontsize=size, weight=weight, ha=align, va="top")
+            self.figures[-1].text(
+                x, self.y, words.replace("$", r"\$"), fontsize=size, weight=weight, ha=align, va="top"
+            )
         self.y -= LINE * max(1.0, size / 8.5)
 
     def rule(self) -> None:
@@ -286,73 +305,85 @@ class _Sheet:
 def _pages(stated: Mapping[str, Any], title: str) -> Iterator[Any]:
     """Figures of the pages."""
     sheet, machine, prints = _Sheet(), stated["machine"], stated["fingerprints"]
+    language: Language = stated["language"]
+    english = language == "en"
+
+    def say(key: str, **places: Any) -> str:
+        return text(f"c_{key}", language, **places)
+
+    def cause(kind: str) -> str:
+        return kind if english else answers.CAUSES.get(kind, kind)
+
     verdict, method = stated["verdict"], stated["method"]
     sheet.put([(LEFT, title)], 15.0, "bold")
     sheet.put([(LEFT, machine["title"])], 10.0)
     sheet.y -= 0.5 * LINE
-    word = "PASS" if verdict["passed"] else "FAIL"
-    sheet.put([(LEFT, f"Verdict: {word}")], 11.0, "bold")
+    words_of = {passed: text("pass" if passed else "fail", language) for passed in (True, False)}
+    sheet.put([(LEFT, say("verdict", word=words_of[verdict["passed"]]))], 11.0, "bold")
     if stated["simulated"]:
-        sheet.put([(LEFT, "Simulated: sensors and encoders were computed, no machine was measured.")], 9.0, "bold")
-    sheet.heading("Object and run")
-    for name, value in (
-        ("Issued by", stated["laboratory"]), ("Operator", stated["operator"]), ("Date of issue", stated["issued"]),
-        ("Date of the recording", f"{stated['recorded']} (by its file)" if stated["recorded"] else ""),
-        ("Machine", f"{machine['case']}, setup {machine['setup']}"),
-        ("Serial numbers", ", ".join(f"{part} {number}" for part, number in stated["serial_numbers"].items())),
-        ("Conditions", stated["conditions"]), ("Program", stated["program"]),
+        sheet.put([(LEFT, say("simulated"))], 9.0, "bold")
+    sheet.heading(say("object"))
+    for key, value in (
+        ("issued_by", stated["laboratory"]), ("operator", stated["operator"]), ("issued", stated["issued"]),
+        ("recorded", say("by_file", date=stated["recorded"]) if stated["recorded"] else ""),
+        ("machine", say("of_setup", case=machine["case"], setup=machine["setup"])),
+        ("serial", ", ".join(f"{part} {number}" for part, number in stated["serial_numbers"].items())),
+        ("conditions", stated["conditions"]), ("program", stated["program"]),
     ):  # fmt: skip
-        sheet.fact(name, value)
-    sheet.heading("Method")
-    of = "averaged standstills" if method["standstills"] else "samples of a motion"
-    known = [*(f"{name} = {value:g} known" for name, value in method["known"].items())]
-    known += [f"prior of {name}" for name in method["priors"]]
-    sheet.paragraph(
-        f"Parameters of the inverse model {method['model']} (Friedrich & Ihlenfeldt, Sensors 21 (2021) 3537) by least "
-        f"squares, weights {method['weights']}, from {method['samples']} {of}; rank {method['rank']}, condition "
-        f"{method['condition']:.3g}, s0 {method['s0']:.3g}{'; ' if known else ''}{', '.join(known)}."
-    )
-    sheet.heading(f"Parameters with expanded uncertainty U (k = {stated['coverage_factor']:g})")
+        sheet.fact(say(key), value)
+    sheet.heading(say("method"))
+    known = [say("known", name=name, value=value) for name, value in method["known"].items()]
+    known += [say("prior", name=name) for name in method["priors"]]
+    of = say("of_standstills" if method["standstills"] else "of_samples")
+    figures = {key: method[key] for key in ("model", "weights", "samples", "rank", "condition", "s0")}
+    sheet.paragraph(say("by", of=of, more="".join(f"; {each}" for each in known), **figures))
+    sheet.heading(say("parameters", k=stated["coverage_factor"]))
     ends = (LEFT, LEFT + 0.55, LEFT + 0.7)
-    sheet.put([*zip(ends, ("parameter", "value", "U"), strict=True)], 7.5, "bold", ends=True)
+    heads = (text("parameter", language), text("value", language), "U")
+    sheet.put([*zip(ends, heads, strict=True)], 7.5, "bold", ends=True)
     for name, of_name in stated["parameters"].items():
         scale, unit = legible(of_name["unit"])
         value, expanded = of_name["value"] * scale, of_name["U"] * scale
         sheet.need(1)
         given = expanded <= 1e-9 * abs(value)
-        texts = (f"{value:.6g}", "given") if given else (value_text(value, expanded), std_text(expanded))
-        cells = [(LEFT, parameter_words(name)), *zip(ends[1:], texts, strict=True)]
+        texts = (
+            (f"{value:.6g}", text("given", language)) if given else (value_text(value, expanded), std_text(expanded))
+        )
+        cells = [(LEFT, parameter_words(name) if english else parameter(name)), *zip(ends[1:], texts, strict=True)]
         sheet.put(cells, ends=True)
         sheet.y += LINE
         sheet.put([(ends[2] + 0.015, unit)])
     sheet.y -= 0.4 * LINE
-    sheet.paragraph(f"U counts: {', '.join(stated['counted'])}.")
+    sheet.paragraph(say("counts", what=", ".join(map(cause, stated["counted"]))))
     if stated["not_counted"]:
-        sheet.paragraph(f"U does NOT count tolerances of: {', '.join(stated['not_counted'])} (the case states none).")
-    sheet.heading("Verdicts")
+        sheet.paragraph(say("counts_not", what=", ".join(map(cause, stated["not_counted"]))))
+    sheet.heading(say("verdicts"))
     for check in verdict["checks"]:
         sheet.need(1)
-        limit = f"at least {check['at_least']:.3g}" if "at_least" in check else f"at most {check['at_most']:.3g}"
-        words = ["PASS" if check["passed"] else "FAIL", check["check"], f"{check['value']:.3g}", limit, check["unit"]]
-        sheet.put(list(zip((LEFT, LEFT + 0.07, LEFT + 0.55, LEFT + 0.65, LEFT + 0.77), words, strict=True)))
+        bound = "at_least" if "at_least" in check else "at_most"
+        limit = text(bound, language, limit=f"{check[bound]:.3g}")
+        judged = check["check"]
+        if not english and check["code"] in answers.CHECKS:
+            judged = answers.CHECKS[check["code"]].format(of=parameter(str(check.get("of", ""))))
+        words = [words_of[check["passed"]], judged, f"{check['value']:.3g}", limit, check["unit"]]
+        first = LEFT + (0.07 if english else 0.15)
+        sheet.put(list(zip((LEFT, first, LEFT + 0.57, LEFT + 0.65, LEFT + 0.79), words, strict=True)))
     for reason in verdict["not_judged"]:
-        sheet.paragraph(f"Not judged: {reason}.")
+        sheet.paragraph(say("not_judged", reason=reason if english else f"“{reason}”"))
     if stated["warnings"]:
-        sheet.heading("Warnings")
-        for warning in stated["warnings"]:
-            sheet.paragraph(f"- {warning}")
+        sheet.heading(say("warnings"))
+        for warning, phrase in zip(stated["warnings"], stated["phrases"], strict=True):
+            sheet.paragraph(f"- {warning if english else plain(phrase, warning)}")
     sheet.need(7 + 2 * len(prints["recording"]))
-    sheet.heading("Chain of fingerprints")
-    chain = [("Case", prints["case"]), ("Plan", prints["plan"]), ("Program", prints["program"])]
-    chain += [("Recording", f"{entry['file']}  SHA-256 {entry['sha256']}") for entry in prints["recording"]]
-    for name, value in (*chain, ("Result", prints["result"])):
-        sheet.fact(name, value)
-    sheet.fact("Computed with", ", ".join(f"{name} {version}" for name, version in stated["versions"].items()))
+    sheet.heading(say("chain"))
+    chain = [(key, prints[key]) for key in ("case", "plan", "program")]
+    chain += [("recording", f"{entry['file']}  SHA-256 {entry['sha256']}") for entry in prints["recording"]]
+    for key, value in (*chain, ("result", prints["result"])):
+        sheet.fact(say(key), value)
+    sheet.fact(say("versions"), ", ".join(f"{name} {version}" for name, version in stated["versions"].items()))
     sheet.y -= 0.4 * LINE
-    sheet.paragraph(
-        "hexcite certificate --verify FILE shows whether this file is as it was issued. It bears no signature."
-    )
+    sheet.paragraph(say("verify"))
     for k, figure in enumerate(sheet.figures, 1):
-        figure.text(RIGHT, 0.035, f"page {k} of {len(sheet.figures)}", fontsize=7.5, ha="right")
+        figure.text(RIGHT, 0.035, say("page", k=k, count=len(sheet.figures)), fontsize=7.5, ha="right")
         figure.text(LEFT, 0.035, f"{title}, {stated['issued']}", fontsize=7.5)
         yield figure

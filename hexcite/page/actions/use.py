@@ -63,6 +63,8 @@ def _certificate(context: Context, there: Workspace, fields: Fields) -> Job:
     for name in ("operator", "conditions", "number"):
         if text := field(fields, name):
             command.append(f"--{name}={line(name, text)}")
+    if context.words.language != "en":
+        command.append(f"--language={context.words.language}")
     query = f"?result={quote(result)}"
     goto = f"{context.address}/use{query}#certificate"
     return job_of(context, "use", [*command, "-o", output], output=output, about=result, query=query, goto=goto)

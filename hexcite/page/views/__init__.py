@@ -11,8 +11,8 @@ from hexcite.page import drawing
 from hexcite.page.actions.common import Context
 from hexcite.page.jobs import Job
 from hexcite.page.stages import STAGES, built_in, own_machines, workspace
-from hexcite.page.texts import Language, text
 from hexcite.page.words import Words
+from hexcite.texts import Language, text
 
 
 def machines(root: Path) -> dict[str, Any]:

@@ -23,9 +23,9 @@ from hexcite.page.keys import example_of
 from hexcite.page.refusals import Unfit
 from hexcite.page.server import app_of
 from hexcite.page.stages import built_in
-from hexcite.page.texts import answers, sentences
-from hexcite.page.texts.case_keys import KEYS, NOUNS, TABLES
 from hexcite.page.words import ENGLISH, Words
+from hexcite.texts import answers, sentences
+from hexcite.texts.case_keys import KEYS, NOUNS, TABLES
 from identification.finding import Kind
 from identification.findings.causes.channels import order_words
 from identification.findings.causes.hypothesis import Family

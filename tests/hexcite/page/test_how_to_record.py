@@ -6,7 +6,7 @@ import pytest
 
 import hexcite as hx
 from hexcite.page.how_to_record import STEPS, recipe
-from hexcite.page.texts import LANGUAGES, text
+from hexcite.texts import LANGUAGES, text
 
 MACHINES = {
     "linuxcnc": "strut_sensors", "sinumerik": "hexapod", "twincat": "hexapod", "setpoints": "five_axis_table",

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from hexcite.page import texts
-from hexcite.page.texts import LANGUAGES, PARTS, TEXTS, language_of, text
+from hexcite import page
+from hexcite.texts import LANGUAGES, PARTS, TEXTS, language_of, text
 
-FOLDER = Path(texts.__file__).parents[1]
+FOLDER = Path(page.__file__).parent
 ASKED = re.compile(r"""\bt\("(\w+)"[,)]""")
 
 

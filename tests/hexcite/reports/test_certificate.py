@@ -5,20 +5,28 @@ import hashlib
 import os
 from dataclasses import replace
 from pathlib import Path
+from typing import Any, cast
 
 import pytest
 from pypdf import PdfReader
 
 import hexcite as hx
-from cases.base.errors import FileProblem
+from cases.base.errors import FileProblem, HexciteError
+from cases.base.phrases import phrase
 from cases.base.provenance import sha256_of
 from cases.certificate import CertificateOf
+from identification.finding import Kind, warning
 from identification.results.result import Result
 from identification.texts import value_text
 from tests.damaged.runs import SOUND, STATED, Moves, machine, recorded
 from tests.helpers import one_line
 
 ABOUT = CertificateOf(operator="A. Müller", serial_numbers={"machine": "HX-7"}, conditions="$22.5 °C$, warm")
+
+ODD = (
+    warning(Kind.CLOCK, phrase("large_delay", "delay of {delay} ms: do the streams match?", delay="12.0")),
+    warning(Kind.CASE, "something without a code"),
+)
 
 
 @pytest.fixture(scope="module")
@@ -41,6 +49,22 @@ def test_its_pages_state_what_the_result_says(result: Result, tmp_path: Path) ->
     stated = hx.verify_certificate(tmp_path / "c.pdf", result).stated
     assert stated["parameters"]["m"] == {"value": mass.value, "U": 2.0 * mass.reported, "unit": "kg"}
     assert stated["verdict"]["not_judged"]
+
+
+def test_it_is_german_where_that_is_asked_for(result: Result, tmp_path: Path) -> None:
+    noisy = replace(result, record=result.record.replaced(findings=(*result.findings, *ODD)))
+    hx.certificate(noisy, tmp_path / "c.pdf", ABOUT, "7", language="de")
+    text = "\n".join(page.extract_text() for page in PdfReader(tmp_path / "c.pdf").pages)
+    for words in (
+        "Kalibrierzertifikat 7", "Bearbeiter", "BESTANDEN", "U enthält KEINE Toleranzen von: Zeichnung",
+        "Masse (m)", "- Verzögerung von 12.0 ms", "“something without a code”", "Seite 1 von",
+    ):  # fmt: skip
+        assert words in text, words
+    own = {"Calibration", "Verdict", "Operator", "PASS", "Warnings", "Recording", "at most", "does NOT", "mass (m)"}
+    assert not [words for words in own if words in text]
+    assert hx.verify_certificate(tmp_path / "c.pdf", noisy).stated["language"] == "de"
+    with pytest.raises(HexciteError, match="'fr' is not a language"):
+        hx.certificate(result, tmp_path / "f.pdf", language=cast(Any, "fr"))
 
 
 def test_any_change_of_the_file_shows(result: Result, tmp_path: Path) -> None:

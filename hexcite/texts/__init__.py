@@ -2,12 +2,12 @@
 
 from typing import Literal
 
-from hexcite.page.texts import common, data, machine, plan, program, refusals, result, use
+from hexcite.texts import certificate, common, data, machine, plan, program, refusals, result, use
 
 Language = Literal["en", "de"]
 LANGUAGES: tuple[Language, ...] = ("en", "de")
 
-PARTS = (common, machine, plan, program, data, result, use, refusals)
+PARTS = (certificate, common, machine, plan, program, data, result, use, refusals)
 TEXTS: dict[str, tuple[str, str]] = {key: words for part in PARTS for key, words in part.TEXTS.items()}
 """Key -> English, German."""
 

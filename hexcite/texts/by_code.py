@@ -1,0 +1,49 @@
+"""Sentences in German by their codes and values, and names of parameters, checks and causes."""
+
+from collections.abc import Callable, Mapping
+from html import unescape
+
+from markupsafe import Markup, escape
+
+from cases.base.phrases import QUOTED
+from hexcite.texts import answers, sentences
+from identification.texts import PARAMETER, parameter_words
+
+
+def parameter(name: str) -> str:
+    """A parameter in words with its letter."""
+    words = answers.PARAMETERS.get(name)
+    return parameter_words(name) if words is None else f"{words} ({name})"
+
+
+def sentence(value: object, quoted: Callable[[object], Markup]) -> Markup | None:
+    """A sentence by its code and values, escaped; None where a code has no German words.
+
+    Args:
+        value: entries as `Phrase.to_json` gives them, or a text, which stays.
+        quoted: shows a text that is English.
+    """
+    if not isinstance(value, Mapping):
+        return escape(value)
+    code, values = str(value.get("code")), value.get("values")
+    if not isinstance(values, Mapping):
+        return None
+    if code in sentences.SIGNS:
+        parts = [sentence(part, quoted) for part in values.get("parts", ())]
+        return None if None in parts else Markup(sentences.SIGNS[code]).join(each for each in parts if each)
+    if code == PARAMETER:
+        return escape(parameter(str(values.get("name"))))
+    if code == QUOTED:
+        return quoted(values.get("text", ""))
+    words = sentences.SENTENCES.get(code)
+    inner = {str(name): sentence(each, quoted) for name, each in values.items()}
+    return None if words is None or None in inner.values() else Markup(words).format(**inner)
+
+
+def plain(value: object, english: str) -> str:
+    """A sentence by its code without any markup; the English one in quotation marks where it has no German words."""
+    found = sentence(value, lambda text: escape(f"“{text}”")) if isinstance(value, Mapping) else None
+    if found is None:
+        return f"“{english}”"
+    said = unescape(str(found))
+    return said[:1].upper() + said[1:]
