@@ -10,6 +10,7 @@ from cases.scaffold import readiness
 from cases.schema import Case
 from cases.tables import find_case
 from hexcite.reports.case_figures import case_figures, has_motion_box, leftovers, share_sentences
+from hexcite.reports.collision import Kept, kept_apart
 from planner.box.proposal import ProposedBox, proposed_box
 from planner.box.reach import Reach
 from planner.box.reach import reach as reach_of
@@ -24,13 +25,14 @@ class CaseCheck:
     missing: Mapping[str, tuple[str, ...]]  # command -> what it misses in the case; empty where it is ready
     remarks: tuple[str, ...]  # what a person should look at
     reach: Reach | None  # reachable share of the motion box; None where the case has none
+    kept: Kept | None = None  # bodies and boxes that are kept apart; None where no machine is described
     proposal: ProposedBox | None = None  # a box that is within reach, where one was asked for
 
     def to_json(self) -> dict[str, Any]:
         """Entries for programs."""
         missing = {command: list(lacks) for command, lacks in self.missing.items()}
         answer = {"figures": dict(self.figures), "missing": missing, "remarks": list(self.remarks)}
-        parts = {"reach": self.reach, "proposal": self.proposal}
+        parts = {"reach": self.reach, "kept_apart": self.kept, "proposal": self.proposal}
         return answer | {name: part.to_json() for name, part in parts.items() if part is not None}
 
     def __repr__(self) -> str:
@@ -42,6 +44,7 @@ class CaseCheck:
             lines.append(f"not ready for: {commands}; the case misses {', '.join(missing)}")
         lines += [f"look at {remark}" for remark in self.remarks]
         lines += [] if self.reach is None else [share_sentences(self.reach)]
+        lines += [] if self.kept is None else [repr(self.kept)]
         return "\n".join([*lines, *self._proposed()])
 
     def _proposed(self) -> list[str]:
@@ -77,4 +80,4 @@ def check_case(case: Path | str, propose: bool = False) -> CaseCheck:
     figures = case_figures(loaded, str(find_case(str(case))))
     reach = reach_of(loaded) if has_motion_box(loaded) else None
     proposal = proposed_box(loaded) if propose else None
-    return CaseCheck(loaded, figures, readiness(loaded), leftovers(loaded), reach, proposal)
+    return CaseCheck(loaded, figures, readiness(loaded), leftovers(loaded), reach, kept_apart(loaded), proposal)

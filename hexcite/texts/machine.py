@@ -8,6 +8,17 @@ TEXTS: dict[str, tuple[str, str]] = {
         "Sechs Schritte führen von der Zeichnung einer Maschine zum bewiesenen Programm und vom aufgezeichneten Lauf "
         "zu kalibrierten Werten. Alles steht im oben genannten Ordner; nichts verlässt diesen Rechner.",
     ),
+    "kept_apart": ("Kept apart:", "Auseinandergehalten:"),
+    "boxes": ("Boxes that nothing enters:", "Kästen, in die nichts gerät:"),
+    "no_bodies": ("none", "keine"),
+    "bare_parts": (
+        "Without a body, so that nothing keeps them clear:",
+        "Ohne Körper, sodass nichts sie fernhält:",
+    ),
+    "part_surroundings": ("surroundings", "Umgebung"),
+    "part_tool": ("tool", "Werkzeug"),
+    "shape_round": ("round", "rund"),
+    "shape_hull": ("hull", "Hülle"),
     "plan_needs": ("To plan a motion, state:", "Um eine Bewegung zu planen, angeben:"),
     "to_machine": ("State them: Machine", "Angeben: Maschine"),
     "own_machines": ("Your machines in this folder", "Ihre Maschinen in diesem Ordner"),
