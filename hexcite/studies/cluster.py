@@ -1,7 +1,7 @@
 """A Dask cluster for a study: one of this computer's, or a running one, whose workers are asked for their versions.
 
 Whoever can talk to a scheduler runs code as the user who started it. Clusters of this computer therefore take nobody
-without the certificate that is made for each of them and kept in memory; running ones are reached with TLS.
+without the certificate that is made for each of them, which no file keeps; running ones are reached with TLS.
 """
 
 import asyncio
@@ -50,7 +50,8 @@ def require_dask() -> None:
 def local_client(workers: int | None, memory_GB: float) -> Iterator["Client"]:
     """A cluster on this computer: single-threaded processes, one a core, which restart where they need more memory.
 
-    Other users of the computer cannot talk to it: certificate and key are made for it, and never written to a disk.
+    Other users of the computer cannot talk to it: certificate and key are made for it. Dask keeps them in memory;
+    while it loads them, they stand in a temporary folder that nobody else may open.
     """
     import dask
     from distributed import Client, LocalCluster
