@@ -4,9 +4,10 @@ The criterion couples all unknowns, so that its second derivative is full; yet i
 (`planner.search.objective`): one of rank u (u + 1) / 2 in the information, and a sum over states of small matrices.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -80,6 +81,19 @@ class NonlinearProgram:
             rows.append(part)
         return replace(self, rows=tuple(rows))
 
+    def with_rows_near(self, unknowns: Array, share: float, near: float) -> "NonlinearProgram":
+        """The program with further rows as `with_rows_above(near)`, and without those of non-linear limits below share.
+
+        A motion that hardly uses half of a limit at an instant seldom comes to exceed it there, and each of these rows
+        depends on all unknowns of its block.
+        """
+        before = len(self.rows) - len(self.limits)
+        rows = [
+            part.choosing(part.chosen & (np.abs(part.all_values(unknowns)) > share)) if k >= before else part
+            for k, part in enumerate(self.rows)
+        ]
+        return replace(self, rows=tuple(rows)).with_rows_above(unknowns, near)
+
     def tightened(self, shares: Sequence[float], bound: float) -> "NonlinearProgram":
         """The program with bounds lowered by as much as `largest_shares` exceed a bound that all should satisfy."""
         factors = np.array([bound / max(bound, share) for share in shares])  # 0 is the share of jerk without a limit
@@ -120,29 +134,40 @@ class NonlinearProgram:
 
     def value(self, unknowns: Array) -> float:
         """Value of the criterion."""
-        return criterion_at(self.letter, self.information(unknowns), self.halvings).value
+        value: float = self._remembered(
+            "value", unknowns, lambda: criterion_at(self.letter, self.information(unknowns), self.halvings).value
+        )
+        return value
 
     def row_values(self, unknowns: Array) -> Array:
         """Values of all rows, shape (R,)."""
-        return np.concatenate([part.values(unknowns) for part in self.rows])
+        rows: Array = self._remembered(
+            "rows", unknowns, lambda: np.concatenate([part.values(unknowns) for part in self.rows])
+        )
+        return rows
+
+    def _remembered(self, what: str, unknowns: Array, compute: Callable[[], Any]) -> Any:
+        """What is computed of unknowns; the last answer is kept, because solvers ask for each several times."""
+        last: dict[str, tuple[Array, Any]] = self.__dict__.setdefault("_last", {})
+        if what not in last or not np.array_equal(last[what][0], unknowns):
+            last[what] = unknowns.copy(), compute()
+        return last[what][1]
 
     def row_slopes(self, unknowns: Array) -> Array:
         """Derivatives of the rows, in the order of `pattern`."""
         return np.concatenate([part.jacobian(unknowns) for part in self.rows])
 
     def _point(self, unknowns: Array) -> InformationOfStates:
-        """The information with its derivatives; the last answer is remembered: solvers need both in turn."""
-        last: list[tuple[Array, InformationOfStates]] = self.__dict__.setdefault("_last", [])
-        if last and np.array_equal(last[0][0], unknowns):
-            return last[0][1]
+        """The information with its derivatives."""
+        point: InformationOfStates = self._remembered("point", unknowns, lambda: self._with_slopes(unknowns))
+        return point
+
+    def _with_slopes(self, unknowns: Array) -> InformationOfStates:
         states = np.concatenate(self.states.at(unknowns))
         regressors, slopes = self.regressor.slopes(states)
         if self.errors is None:
-            point = InformationOfStates.white(states, regressors, slopes, self.size)
-        else:
-            point = self.errors.with_slopes(states, regressors, slopes)
-        last[:] = [(unknowns.copy(), point)]
-        return point
+            return InformationOfStates.white(states, regressors, slopes, self.size)
+        return self.errors.with_slopes(states, regressors, slopes)
 
     def _pull(self, point: InformationOfStates, local: Local) -> tuple[Array, Array]:
         """Derivatives of the criterion by the states, for a share of one and times it, shapes (K, d)."""

@@ -5,6 +5,9 @@ in units of itself and satisfied where every component lies between -1 and 1. `i
 by other means.
 """
 
+import pickle
+from functools import lru_cache
+
 import casadi as ca
 import numpy as np
 
@@ -105,8 +108,15 @@ def near_limits(case: Case) -> Limits:
     """The non-linear limits that come close somewhere in the motion box, judged by seeded states of it.
 
     Poses are uniform, and half of them at corners; rates and accelerations are at corners. Of several payloads those
-    count with which the sensor forces are largest in at least one of the states.
+    count with which the sensor forces are largest in at least one of the states. The limits of the last cases are kept,
+    with the derivatives that were built of them: a process runs several starts of a search.
     """
+    return _near_limits(pickle.dumps(case))
+
+
+@lru_cache(maxsize=2)
+def _near_limits(pickled: bytes) -> Limits:
+    case: Case = pickle.loads(pickled)
     states = _extreme_states(case)
     loads: tuple[int, ...] = ()
     if case.sensors.range is not None and case.bodies:

@@ -4,9 +4,11 @@ Criterion and limits of every result are computed anew, whatever the solver repo
 motion that exceeds a limit between the instants at which it was constrained is optimised again with tighter limits.
 """
 
+import pickle
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -15,13 +17,15 @@ from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.criteria import Criterion, reference_scaling, singular_values
 from identification.limits.limit import UNUSED_SHARE
-from identification.model.model import identification_model
+from identification.model.model import Model, identification_model
 from planner.families.family import Family
 from planner.families.ptp import PointToPointFamily
+from planner.families.states import Kernel
 from planner.noise import PoseErrors, expected_noise, information_of, seen_through
 from planner.request import Solver
 from planner.search.annealing import TEMPERATURES, annealed_start
 from planner.search.feasibility import keep_limits, require_rest
+from planner.search.nlp import regressor_kernel
 from planner.search.problem import build_program, largest_shares
 from planner.search.record import Failed, SolverStatus, StartRecord
 from planner.search.solvers import Barrier, Watch, solve
@@ -31,6 +35,7 @@ SLIPPED = 5e-4  # further unused share of each limit in the rows: for excess bet
 FINER = 1e-4  # part of that share for excess between the instants of the quick check
 TIGHTER = 3  # times at most that limits are constrained at more instants, and tightened by the remaining excess
 NEAR = 0.8  # share of a limit from which its instants are then constrained
+FAR = 0.6  # share of a non-linear limit below which a refinement does not constrain an instant, until it comes near
 DRAWN_BACK = 0.98  # share: a motion that had to shrink to less is searched for once more, from inside
 FURTHER = 25  # the same of a motion that is drawn back from
 SHARPER = (2, 5, 8)  # halvings of the p-norms of K and N, one round after the other: p = 8, 64, 512
@@ -149,19 +154,33 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     return Start(record, inside, run.family, share, unknowns, promise)
 
 
+@lru_cache(maxsize=2)
+def _information_of(pickled: bytes) -> tuple[Model, Array, PoseErrors | None, Kernel]:
+    """Model behind the weights, reference scaling, errors of the pose, and the regressor of one state.
+
+    They are the same for all starts of a search, and take as long to build as some iterations.
+
+    Args:
+        pickled: case, case of the reference scaling, numbers of model and payload.
+    """
+    case, reference, number, payload = pickle.loads(pickled)
+    model = identification_model(case, number)
+    scaling = reference_scaling(reference, model)
+    noise = expected_noise(case, model, payload)
+    seen = seen_through(model, noise.whitening)
+    return seen, scaling, PoseErrors.of(case, noise), regressor_kernel(seen, scaling)
+
+
 class _Run:
     """One start while it is optimised: its problem at present, and status and iterations of the solver."""
 
     def __init__(self, task: Task, watch: Watch) -> None:
         require_rest(task.case)
-        model = identification_model(task.case, task.model)
         self.task, self.family, self.watch = task, task.family, watch
-        self.scaling = reference_scaling(task.reference or task.case, model)
-        noise = expected_noise(task.case, model, task.payload)
-        self.model, self.errors = seen_through(model, noise.whitening), PoseErrors.of(task.case, noise)
-        self.program = build_program(
-            task.case, self.model, self.family, self.scaling, UNUSED_SHARE + SLIPPED, self.errors
-        )
+        known = pickle.dumps((task.case, task.reference or task.case, task.model, task.payload))
+        self.model, self.scaling, self.errors, regressor = _information_of(known)
+        program = build_program(task.case, self.model, self.family, self.scaling, UNUSED_SHARE + SLIPPED, self.errors)
+        self.program = replace(program, regressor=regressor)
         self.iterations, self.status = 0, SolverStatus.NOT_RUN
         self.converged, self.stopped = False, False
         self.begun = np.zeros(0)  # where the solver began
@@ -187,7 +206,7 @@ class _Run:
         """Unknowns at which the solver begins."""
         task, family, draw = self.task, self.family, np.random.default_rng(self.task.seed)
         if task.begin is not None:
-            self.program = self.program.with_rows_above(task.begin, NEAR)
+            self.program = self.program.with_rows_near(task.begin, FAR, NEAR)
             return task.begin
         if isinstance(family, PointToPointFamily):
             return annealed_start(task.case, self.model, self.scaling, family, draw, self.stops)
