@@ -54,12 +54,13 @@ class Kernel:
 
         The last ones are remembered: first and second derivatives of a program ask for the same.
         """
-        if self._last is None or not np.array_equal(self._last[0], at):
+        last = self._last
+        if last is None or not np.array_equal(last[0], at):
             values, slopes = over_samples(self._slopes, at)
             slopes = slopes.transpose(0, 2, 1)  # CasADi's columns are rows in memory
             values.flags.writeable = slopes.flags.writeable = False
-            self._last = (at.copy(), values, slopes)
-        return self._last[1], self._last[2]
+            self._last = last = (at.copy(), values, slopes)
+        return last[1], last[2]
 
     def curvature(self, at: Array, weights: Array) -> Array:
         """Second derivatives of the sum of the values weighted by shape (n, r) at vectors (n, d), shape (n, d, d)."""
