@@ -5,7 +5,7 @@ Their common functions for lines, words and axes are at the end.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -54,8 +54,8 @@ class Untimed:
     end: Array  # shape (6,) [m, rad]
     feed: float | None  # along XYZ [m/s], or along ABC [rad/s] where XYZ stands still; None for a rapid
     linear: bool  # whether X, Y or Z moves by the controller's own measure: then the feed is one of lengths
-    arc: Arc | None  # None for a straight move
-    trigger: bool  # whether the trigger is on
+    arc: Arc | None = None  # None for a straight move
+    trigger: bool = False  # whether the trigger is on
     counted: tuple[int, ...] = ()  # indices of the coordinates whose way the feed counts; of an arc it counts the arc
     # acceleration of that way, where the text states it: its time law is then the text's [m/s^2 or rad/s^2]
     acceleration: float | None = None
@@ -194,34 +194,20 @@ class Grouping:
             raise self.error(block[0], "a timed block under exact stop lasts longer", "write G64")
         self.timed.append(block)
 
-    def move(
-        self,
-        line: int,
-        end: Array,
-        feed: float | None,
-        linear: bool,
-        exact: bool,
-        arc: Arc | None = None,
-        law: tuple[tuple[int, ...], float | None] = ((), None),
-        within: Array | None = None,
-        start: Array | None = None,
-    ) -> None:
-        """Adds a move that the controller times itself.
+    def move(self, move: Untimed, exact: bool) -> None:
+        """Adds a move that the controller times itself; `exact`: whether the controller comes to rest at its end.
 
-        `law` is `counted` and `acceleration` of `Untimed`, `within` as there; `start` is the known place before it as
-        the controller rounds it, shape (k,) [m, rad].
+        It begins where the motion before ends, unless it states its start as the controller rounds it; the trigger is
+        as it was switched.
         """
         self._finish_path()
         self._settle_trigger()
         if not exact:
             problem = "a move at a feed without exact stop is blended into the next, its path is not known"
-            raise self.error(line, f"{problem}", f"write {self.exact_stop}")
-        self.stretches.append(
-            Untimed(
-                line, self.coordinates if start is None else start, end, feed, linear, arc, self.trigger, *law, within
-            )
-        )
-        self.coordinates = end
+            raise self.error(move.line, problem, f"write {self.exact_stop}")
+        start = self.coordinates if move.start is None else move.start
+        self.stretches.append(replace(move, start=start, trigger=self.trigger))
+        self.coordinates = move.end
 
     def rows(self, line: int, cycle: float, poses: Array, rates: Array, accelerations: Array) -> None:
         """Adds a path row by row, from rest to rest, whose first row is at `line`; arguments as `Tabulated`."""

@@ -250,7 +250,7 @@ def tolerated_in_motion(
     late = (forces(ends[0]) - forces(ends[1])) / (ends[1] - ends[0])[:, None]
     load, drives = _load(case, motion, t)
     each = case.recording.rate_Hz * motion.duration / count / expected.sensors**2
-    return _tolerated(case, model, values, load, drives, t, late, noise, expected, each)
+    return _tolerated(case, model, values, _Sampled(t, load, drives, late), noise, expected, each)
 
 
 def tolerated_at_poses(
@@ -267,7 +267,16 @@ def tolerated_at_poses(
     drives = places, np.zeros_like(places), np.zeros_like(places)
     load = machine.kinematics(*drives, poses if machine.of_pose else None)
     t = np.arange(1.0, len(poses) + 1)
-    return _tolerated(case, model, values, load, drives, t, None, noise, expected, averaged**-2)
+    return _tolerated(case, model, values, _Sampled(t, load, drives), noise, expected, averaged**-2)
+
+
+class _Sampled(NamedTuple):
+    """What moves at instants of a plan, or at its poses."""
+
+    t: Array  # instants [s], of poses their numbers, shape (n,)
+    load: Kinematics
+    drives: tuple[Array, Array, Array]  # places, speeds and accelerations, each of shape (n, k)
+    late: Array | None = None  # forces of a delay of 1 s, shape (n, 6) [N/s]; None where there is none to estimate
 
 
 def _load(case: Case, motion: Trajectory, t: Array) -> tuple[Kinematics, tuple[Array, Array, Array]]:
@@ -281,10 +290,9 @@ def _load(case: Case, motion: Trajectory, t: Array) -> tuple[Kinematics, tuple[A
 
 
 def _tolerated(
-    case: Case, model: Model, values: Array, load: Kinematics, drives: tuple[Array, Array, Array], t: Array,
-    late: Array | None, noise: Array, expected: ExpectedNoise, share: float,
-) -> Tolerated:  # fmt: skip
-    """What tolerances do, of samples with a late column or none.
+    case: Case, model: Model, values: Array, at: _Sampled, noise: Array, expected: ExpectedNoise, share: float
+) -> Tolerated:
+    """What tolerances do to an estimate from samples.
 
     Args:
         share: samples that each of them stands for, over the variance of the sensors' noise [1/N^2].
@@ -296,8 +304,8 @@ def _tolerated(
     from identification.findings.tolerances import shares_of
     from identification.samples.samples import MotionOfSamples
 
-    bars, own = case.sensor_frame.bars, len(values)
-    of_samples = MotionOfSamples(np.ones(len(t), dtype=bool), load, drives, machine_of(case))
+    bars, own, t, late = case.sensor_frame.bars, len(values), at.t, at.late
+    of_samples = MotionOfSamples(np.ones(len(t), dtype=bool), at.load, at.drives, machine_of(case))
     ends = None if bars is None else (bars.lower.points, bars.upper.points)
     none = np.zeros(0, dtype=np.int64)
     left_out = LeftOut(model, of_samples, values, t, late, 1.0, none, Names.of(case), bars=ends)

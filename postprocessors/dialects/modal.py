@@ -12,7 +12,7 @@ from cases.base.errors import Code, ProgramError
 from cases.base.units import DEG, MINUTE, MM
 from identification.motion.motion import Array
 from identification.motion.moves import Plane
-from postprocessors.reading import Grouping, Reading
+from postprocessors.reading import Grouping, Reading, Untimed
 
 ROUND = 2e-3  # [mm] largest difference of the radii at both ends, by rounding of words; LinuxCNC accepts 5e-3
 STILL = 1e-7  # [mm] distance below which places are the same
@@ -357,7 +357,8 @@ class ModalState(ABC):
         start = None
         if within is None and not np.isnan(before).any():
             start, end = self._as_rounded(before) * self.scale, self._as_rounded(end)
-        self.motions.move(self.line, end * self.scale, feed, linear, exact, None, (counted, None), within, start)
+        move = Untimed(self.line, start, end * self.scale, feed, linear, counted=counted, within=within)
+        self.motions.move(move, exact)
 
     def _taken_home(self, end: Array, feed: float | None, counted: tuple[int, ...]) -> Array:
         """Largest way of each coordinate of a move to the checked place, shape (k,) [m, rad]; then it is there.
@@ -398,4 +399,5 @@ class ModalState(ABC):
         centre = self.coordinates[[axis, other]] + offset
         self.coordinates = end
         arc = plane, centre * MM, angle if positive else -angle
-        self.motions.move(self.line, end * self.scale, self.feed * MM / MINUTE, True, exact, arc)
+        move = Untimed(self.line, None, end * self.scale, self.feed * MM / MINUTE, linear=True, arc=arc)
+        self.motions.move(move, exact)

@@ -6,7 +6,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-from postprocessors.reading import Arc, Grouping, Reading, TimedBlock
+from postprocessors.reading import Arc, Grouping, Reading, TimedBlock, Untimed
 
 
 class Move(NamedTuple):
@@ -42,9 +42,8 @@ class _Log(Grouping):
         _, duration, end, _ = block
         self.reports.append(Move(end, duration, None, exact))
 
-    def move(self, line: int, end: np.ndarray, feed: float | None, linear: bool, exact: bool, *others: Any) -> None:
-        arc, _, within, _ = (*others, None, None, None, None)[:4]
-        self.reports.append(Move(end, None, feed, exact, arc, within is not None))
+    def move(self, move: Untimed, exact: bool) -> None:
+        self.reports.append(Move(move.end, None, move.feed, exact, move.arc, move.within is not None))
 
     def pause(self, line: int, duration: float, switches: bool = False) -> None:
         self.reports.append(Pause(duration))

@@ -72,7 +72,10 @@ def read_urscript(content: bytes, file: str, case: Case) -> Reading:
                 leading, within = range(JOINTS), motions.checked[1]
                 if np.any(np.abs(end - motions.checked[0]) > within):
                     raise motions.error(line, "the first move does not go to the checked place", "move there first")
-            motions.move(line, end, speed, False, True, None, (tuple(leading), acceleration), within)
+            move = Untimed(
+                line, None, end, speed, linear=False, counted=tuple(leading), acceleration=acceleration, within=within
+            )
+            motions.move(move, exact=True)
     return motions.reading(len(lines))
 
 
