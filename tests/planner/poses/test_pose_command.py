@@ -63,7 +63,7 @@ def test_the_folder_is_a_plan_with_poses(planned: dict[str, Any]) -> None:
     saved = Plan.load(plan)
     with (plan / "poses.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    poses = [part.pose for part in saved.motion.parts if isinstance(part, Standstill)]  # type: ignore[attr-defined]
+    poses = [part.coordinates for part in saved.motion.parts if isinstance(part, Standstill)]  # type: ignore[attr-defined]
     written = np.array([[float(row[k]) for k in ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg")] for row in rows])
     np.testing.assert_allclose(written[:, :3] * 1e-3, np.array(poses)[:, :3], atol=1e-9)
     np.testing.assert_allclose(np.deg2rad(written[:, 3:]), np.array(poses)[:, 3:], atol=1e-9)
