@@ -212,3 +212,17 @@ def test_over_200_runs_with_noise_of_a_20_Hz_filter_the_robust_intervals_hold_an
     assert 91.0 <= found.robust <= 98.0
     assert found.width <= 1.5
     assert found.white < 91.0
+
+
+@pytest.mark.parametrize("phi", [0.0, 0.9, 0.97])
+def test_errors_are_on_average_as_large_as_reported_where_noise_remembers_up_to_a_tenth_of_the_run(phi: float) -> None:
+    """Of noise that is known, the covariance is exact: squares of true over reported deviations have a mean near 1."""
+    basis = A.reshape(-1, UNKNOWNS)
+    gain = np.linalg.inv(basis.T @ basis) @ basis.T
+    memories = np.kron(phi ** np.abs(np.subtract.outer(np.arange(SAMPLES), np.arange(SAMPLES))), np.eye(6))
+    true = np.diag(gain @ memories @ gain.T)
+    squares = []
+    for seed in range(12):
+        fit = gauss_markov(Regression(A, A @ U + memory(seed, phi), NAMES), ONES)
+        squares.append(true / coloured(fit) ** 2)
+    assert 0.9 < np.sqrt(np.mean(squares)) < 1.15
