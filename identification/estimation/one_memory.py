@@ -19,7 +19,7 @@ from identification.estimation.noise_spectra import NOTHING, Shown, likeliest, s
 PER_OCTAVE, OCTAVES_BEYOND = 2, 1  # memories that are tried, from so many octaves above the run's length downwards
 HARDLY_SHOWN = 1 + PER_OCTAVE * (OCTAVES_BEYOND + 2)  # of them: those of a quarter of the run or longer
 SIZES, REACH = 24, 5.0  # of the noise with memory that are tried, over so many of their deviations to either side
-LEAST = 1e-5  # of the other noises' size: the least that counts
+LEAST = 1e-5  # of the white noise: the least size that counts
 LEAST_KNOWN = 1e-2  # independent numbers that tell of a size, at least
 RISES = 1.0  # logarithm of the likelihood that noise of accelerations must gain
 PRICE = 3.0  # of a size, a memory and how much of it there is: Akaike's
@@ -105,7 +105,7 @@ def _sizes(power: Array, left: Array, free: Array, shares: Array, memory: int) -
     known = max(float(np.sum(free * part**2) - np.sum(free * part) ** 2 / count), LEAST_KNOWN)
     width = REACH / np.sqrt(known)
     upper = float(np.log(shares[memory])) + min(width, REACH)
-    least = float(np.log(LEAST * (shares.sum() - shares[memory])))
+    least = float(np.log(LEAST * shares[0]))
     lower = min(max(float(np.log(shares[memory])) - width, least), upper - 1.0)
     logs = np.linspace(lower, upper, SIZES)
     total = beside + np.exp(logs)[:, None] * left[memory]
