@@ -43,7 +43,7 @@ SIZES = 4  # rounds in which the sizes of channels that remember alike follow th
 UNLIKE = 5.0  # of the logarithm of the likelihood beyond Akaike's price, from which on channels remember unlike
 RICHER = 2.0  # the same, from which on noise is a mixture of many memories
 SLOWEST = 3  # of a mixture's memories: the run's length, a half and a quarter of it
-TOO_SHORT = 0.35  # share of the variance by such memories, from which deviations were too small in trials
+TOO_SHORT = 0.4  # share of the variance by such memories, from which deviations were too small in trials
 INSIDE = 0.975  # share below the upper end of an interval of 95 %
 
 
