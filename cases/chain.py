@@ -219,10 +219,10 @@ class JointLimit(Part):
             raise ValueError(f"{self.name}: no limits are stated; {both}")
         if turning and sliding:
             raise ValueError(f"{self.name}: {', '.join(turning)} stand beside {', '.join(sliding)}; {both}")
-        own = [[key for key in keys if key in stated] for keys in self._kind]
-        if missing := [keys for keys, found in zip(self._kind, own, strict=True) if not found]:
+        stated_keys = [[key for key in keys if key in stated] for keys in self._kind]
+        if missing := [keys for keys, found in zip(self._kind, stated_keys, strict=True) if not found]:
             raise ValueError(f"{self.name}: {_choices(missing)} not stated; add what is missing")
-        if twice := [keys for keys in own if len(keys) > 1]:
+        if twice := [keys for keys in stated_keys if len(keys) > 1]:
             raise ValueError(f"{self.name}: {' and '.join(twice[0])} state the same; remove one")
         low, high = getattr(self, position := self.keys[0])
         if not low <= 0.0 <= high:

@@ -41,7 +41,7 @@ def covering(link: Element, place: Array, folder: Path, name: str) -> Iterator[T
     """
     elements = link.findall("collision")
     for k, element in enumerate(elements, 1):
-        own = name if len(elements) == 1 else f"{name} {k}"
+        body_name = name if len(elements) == 1 else f"{name} {k}"
         try:
             points, radius = _hull(element, folder)
         except Uncovered as reason:
@@ -51,7 +51,7 @@ def covering(link: Element, place: Array, folder: Path, name: str) -> Iterator[T
         rounded = [tuple(round(float(v), 2) + 0.0 for v in point) for point in points]
         shape = {"from_mm": rounded[0], "to_mm": rounded[1]} if len(rounded) == 2 else {"corners_mm": rounded}
         # Rounding of points is in the radius.
-        yield Tool.model_validate({"name": own, **shape, "radius_mm": math.ceil(1e2 * radius / MM + 1.0) / 1e2})
+        yield Tool.model_validate({"name": body_name, **shape, "radius_mm": math.ceil(1e2 * radius / MM + 1.0) / 1e2})
 
 
 def _hull(element: Element, folder: Path) -> tuple[Array, float]:
@@ -94,7 +94,7 @@ def _points(uri: str, folder: Path) -> Array:
             points = np.frombuffer(content, _TRIANGLE, count, _HEAD)["corners"].reshape(-1, 3).astype(float)
     if suffix in (".stl", ".obj") and not len(points):
         try:
-            points = np.array([[float(v) for v in found] for found in _VERTEX.findall(content)]).reshape(-1, 3)
+            points = np.array([[float(v) for v in vertex] for vertex in _VERTEX.findall(content)]).reshape(-1, 3)
         except ValueError:
             raise Uncovered(f"mesh {file}: a corner that is not three numbers") from None
     if suffix not in (".stl", ".obj"):

@@ -140,18 +140,18 @@ def contradictions(stated: Sequence[Stated], relations: Relations) -> Iterator[D
     of_key = {value.key: value for value in stated}
     values: Values = {value.key: value.si for value in stated}
     now = list(relations(values))
-    tried = list(_hypotheses(of_key)) if _unusual(now) > COST else []
+    hypotheses = list(_hypotheses(of_key)) if _unusual(now) > COST else []
     while (unusual := _unusual(now)) > COST:  # no hypothesis costs less
-        fits = [(_left(hypothesis, values, relations) + hypothesis.cost, hypothesis) for hypothesis in tried]
+        fits = [(_left(hypothesis, values, relations) + hypothesis.cost, hypothesis) for hypothesis in hypotheses]
         score, best = min(fits, key=lambda fit: fit[0], default=(math.inf, None))
         if best is None or score >= unusual:
             break
-        own = [relation for relation in now if best.concerns(relation)]
-        words = _accusation(best, of_key, max(own, key=lambda relation: relation.distance))
+        concerned = [relation for relation in now if best.concerns(relation)]
+        words = _accusation(best, of_key, max(concerned, key=lambda relation: relation.distance))
         yield Doubt(words, best.factors)
         values = best.applied(values)
         now = list(relations(values))
-        tried = [other for other in tried if not set(other.factors) & set(best.factors)]
+        hypotheses = [other for other in hypotheses if not set(other.factors) & set(best.factors)]
     for relation in _first_of_each(relation for relation in now if relation.distance > DOUBTFUL):
         others = ", ".join(of_key[key].words for key in relation.keys[1:])
         cure = f"beside {others}: {relation.words}; one of them is wrong" if others else f"{relation.words}; correct it"
@@ -188,10 +188,10 @@ def _hypotheses(stated: Mapping[str, Stated]) -> Iterator[_Hypothesis]:
                     and (unit, factor) in _units(other)
                 ):
                     together[(min(key, other), max(key, other), unit)] = {key: factor, other: factor}
-    seen = set[tuple[frozenset[str], str]]()
+    pairs = set[tuple[frozenset[str], str]]()
     for (_, _, unit), factors in together.items():
-        if len(factors) > 1 and (frozenset(factors), unit) not in seen:
-            seen.add((frozenset(factors), unit))
+        if len(factors) > 1 and (frozenset(factors), unit) not in pairs:
+            pairs.add((frozenset(factors), unit))
             yield _Hypothesis(unit, factors)
 
 
@@ -212,7 +212,7 @@ def _first_of_each(broken: Iterable[Relation]) -> Iterator[Relation]:
 def _accusation(hypothesis: _Hypothesis, stated: Mapping[str, Stated], relation: Relation) -> str:
     accused = [stated[key] for key in hypothesis.factors]
     others = ", ".join(stated[key].words for key in relation.keys if key not in hypothesis.factors)
-    beside = f" beside {others}" if others else ""
+    context = f" beside {others}" if others else ""
     texts = {re.sub(r"\[\d+\]", "", value.corrected(hypothesis.factors[value.key])) for value in accused}
     written = "; ".join(sorted(texts)[:SHOWN]) + (" and so on" if len(texts) > SHOWN else "")
     unit = hypothesis.unit
@@ -220,7 +220,7 @@ def _accusation(hypothesis: _Hypothesis, stated: Mapping[str, Stated], relation:
         f"{unit}{ending}" if (ending := _per_time(v.key)) else _WORDS.get(unit, unit) for v in accused
     )
     looks = "looks like" if len(accused) == 1 else "look like"
-    return f"{_listed(accused)}{beside}: {relation.words}; {looks} {' and '.join(units)}: write {written}"
+    return f"{_listed(accused)}{context}: {relation.words}; {looks} {' and '.join(units)}: write {written}"
 
 
 _WORDS = {"m": "metres", "mm": "millimetres", "um": "micrometres", "rad": "radians", "deg": "degrees", "s": "seconds"}
@@ -541,7 +541,7 @@ def of_geometry(machine: HexapodMachine | None, frame: SensorFrame, workspace: W
 
 def of_times(stated: Mapping[str, float | None]) -> Iterator[Doubt]:
     """Doubts about rates and times, by the keys of `TIMES`; None where one is not stated."""
-    given = [Stated(key, np.array(value)) for key, value in stated.items() if value is not None]
+    statements = [Stated(key, np.array(value)) for key, value in stated.items() if value is not None]
     rate, cutoff = "recording.rate_Hz", "recording.filter_cutoff_Hz"
     block, cycle = "controller.block_ms", "controller.cycle_ms"
 
@@ -559,7 +559,7 @@ def of_times(stated: Mapping[str, float | None]) -> Iterator[Doubt]:
                 (block, cycle), float(now[block] / now[cycle]), 0.5, 1e4, HARDLY, "a block lasts a cycle at least"
             )
 
-    yield from contradictions(given, relations)
+    yield from contradictions(statements, relations)
 
 
 TIMES: Mapping[str, tuple[float, float]] = {

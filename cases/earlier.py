@@ -29,5 +29,5 @@ def _stands(tables: Any, path: list[str]) -> bool:
 
 
 def _without(tables: Mapping[str, Any], place: str) -> dict[str, Any]:
-    kept = {key: value for key, value in tables.items() if f"{place}{key}" not in LEFT}
-    return {key: _without(v, f"{place}{key}.") if isinstance(v, Mapping) else v for key, v in kept.items()}
+    remaining = {key: value for key, value in tables.items() if f"{place}{key}" not in LEFT}
+    return {key: _without(v, f"{place}{key}.") if isinstance(v, Mapping) else v for key, v in remaining.items()}

@@ -214,20 +214,20 @@ _TO_DO = "TO BE FILLED IN"  # what comments say of values that no example has
 
 def commented(text: str) -> dict[Place, Any]:
     """Values of keys that a TOML file has as comments, but for those that are still to be filled in."""
-    found = dict[Place, Any]()
+    examples = dict[Place, Any]()
     lines = text.split("\n")
     for _, place, value, header, remark in _comments(text):
         if not remark.startswith(_TO_DO) and _TO_DO not in lines[header]:
-            found[place] = (_parsed(f"value = {value}") or {}).get("value")
-    return {place: value for place, value in found.items() if value is not None}
+            examples[place] = (_parsed(f"value = {value}") or {}).get("value")
+    return {place: value for place, value in examples.items() if value is not None}
 
 
 def _comments(text: str) -> Iterator[tuple[int, Place, str, int, str]]:
     """Keys in comments: line, place, what stands there, line of the header above, and the remark behind it."""
     counts, table, header, listed, number = dict[str, int](), "", 0, False, 0
     for k, line in enumerate(text.split("\n")):
-        if found := _HEADER.match(line):
-            header, listed, table = k, found[2] == "[[", found[3]
+        if header_match := _HEADER.match(line):
+            header, listed, table = k, header_match[2] == "[[", header_match[3]
             number = counts[table] = counts.get(table, -1) + 1
         elif table and (commented := _COMMENTED.match(line)):
             value, _, remark = commented[2].partition(" # ")
@@ -311,11 +311,11 @@ def _changes(name: str, before: Mapping[str, Any], after: Mapping[str, Any]) -> 
 def _around(text: str, table: str) -> tuple[str, str]:
     """The text above the first section of a table, and that below its last, headers of other sections first."""
     headers = [*re.finditer(r"^[ \t]*+\[++([^\]\n]++)\]", text, re.MULTILINE)]
-    own = [k for k, header in enumerate(headers) if header[1].partition(".")[0].strip() == table]
-    if not own:
+    positions = [k for k, header in enumerate(headers) if header[1].partition(".")[0].strip() == table]
+    if not positions:
         return "", ""
-    below = headers[own[-1] + 1].start() if own[-1] + 1 < len(headers) else len(text)
-    return text[: headers[own[0]].start()], text[below:]
+    below = headers[positions[-1] + 1].start() if positions[-1] + 1 < len(headers) else len(text)
+    return text[: headers[positions[0]].start()], text[below:]
 
 
 def _edited(file: Path, text: str, values: Mapping[str, Any]) -> str:
@@ -391,9 +391,9 @@ def _taken_from(section: Any) -> list[Any]:
     while end and body[end - 1][0] is None:
         end -= 1
     blank = next((k for k in range(end, len(body)) if not body[k][1].as_string().strip()), len(body))
-    taken = [item for _, item in body[blank:]]
+    items = [item for _, item in body[blank:]]
     del body[blank:]
-    return taken
+    return items
 
 
 def _item(value: Any, section: bool) -> Any:

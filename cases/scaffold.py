@@ -51,7 +51,7 @@ def new_case(name: str, like: str = "hexapod", folder: Path | str | None = None)
         "{B} is the frame of the base, {P} that of the platform. `hexcite case check` says what cannot be, `hexcite "
         "look` proposes the table [recording]. Delete tables of controllers that you do not have."
     )
-    own = {"name": name, "title": NO_TITLE, "source": "where these values come from"}
+    texts = {"name": name, "title": NO_TITLE, "source": "where these values come from"}
     comments, latest = explanations(Case), ""
     for line in find_case(like).read_text(encoding="utf-8").splitlines():
         if line.startswith("#"):
@@ -68,7 +68,7 @@ def new_case(name: str, like: str = "hexapod", folder: Path | str | None = None)
             words = comments.get(key[1], "")
             lines += _comment(words if words != latest else "")
             latest = words
-            line = f'{key[1]} = "{own[key[1]]}"' if key[1] in own else re.sub(r"\] # .*", "]", line)
+            line = f'{key[1]} = "{texts[key[1]]}"' if key[1] in texts else re.sub(r"\] # .*", "]", line)
             if key[1] == "title" and comments == explanations(Case):
                 lines += [line, *_comment(comments["template"])]
                 line = f'template = "{like}"'
@@ -268,8 +268,8 @@ def readiness(case: Case) -> dict[str, tuple[str, ...]]:
 
 def _lacks(case: Case, command: str, keys: tuple[str | AnyOf, ...]) -> tuple[str, ...]:
     """Keys that a command misses, of a table that is missing its own name only, or the machine that it is for."""
-    if wanted := _other_machine(case, command.removeprefix("post --dialect ")):
-        return (wanted,)
+    if machine := _other_machine(case, command.removeprefix("post --dialect ")):
+        return (machine,)
     moving = () if case.chain is None or "limits.motion" not in keys else case.chain.joints
     missing: list[str | AnyOf] = [
         f"machine.chain.joints.{key}" for key in sorted({key for joint in moving for key in joint.lacks})

@@ -270,8 +270,8 @@ class Case(Heading):
         """Problems of tolerances of what the machine does not have: they would count for nothing."""
         for key, _ in () if self.tolerances is None else self.tolerances.stated():
             if key not in self.tolerable:
-                own = ", ".join(self.tolerable)
-                yield f"tolerances.{key} is of something that this machine does not have; it has {own}"
+                tolerable = ", ".join(self.tolerable)
+                yield f"tolerances.{key} is of something that this machine does not have; it has {tolerable}"
 
     @cached_property
     def doubts(self) -> tuple[doubts.Doubt, ...]:
@@ -280,14 +280,14 @@ class Case(Heading):
         Keys of earlier versions, which do nothing, are named first.
         """
         motion, chain, frame = None if self.limits is None else self.limits.motion, self.chain, self.sensor_frame
-        found = list(doubts.of_geometry(self.hexapod, frame, self.workspace))
+        doubtful = list(doubts.of_geometry(self.hexapod, frame, self.workspace))
         if isinstance(motion, MotionLimits):
-            found += doubts.of_motion(motion, self.hexapod)
+            doubtful += doubts.of_motion(motion, self.hexapod)
         elif motion is not None and chain is not None:
-            found += doubts.of_chain(chain, motion)
+            doubtful += doubts.of_chain(chain, motion)
         carried = doubts.Carried(dict(self._bodies()), self._size, frame, self.gravity, self._turns())
-        found += doubts.of_loads(carried, self.sensors)
-        return (*self._earlier, *found, *doubts.of_times({key: self._stated(key) for key in doubts.TIMES}))
+        doubtful += doubts.of_loads(carried, self.sensors)
+        return (*self._earlier, *doubtful, *doubts.of_times({key: self._stated(key) for key in doubts.TIMES}))
 
     def _bodies(self) -> Iterator[tuple[str, RigidBody]]:
         """Bodies of the case with their tables."""

@@ -225,8 +225,8 @@ def content_of_tables(path: Path) -> dict[str, Any]:
     """The content of a TOML file as it stands there; raises CaseError where it cannot be read, or is of no machine."""
     try:
         text = read_whole(path, MOST_BYTES).decode("utf-8-sig")
-        if found := _LONG_KEY.search(text):
-            line = 1 + text.count("\n", 0, found.start())
+        if match := _LONG_KEY.search(text):
+            line = 1 + text.count("\n", 0, match.start())
             raise CaseError(
                 file=path, problem=f"line {line} has a key of 50 parts and more", remedy="correct it", code=Code.DAMAGED
             )
@@ -301,10 +301,10 @@ def _explained(model: type[BaseModel], path: Path, error: ValidationError) -> Ca
         for problem in errors
         for words in _words(model, problem).split(ALSO)
     )
-    meant = {
+    meanings = {
         f"{key.rpartition('.')[0]}.{hint[1] or hint[2]}" for _, key, words in problems if (hint := _HINT.search(words))
     }
-    problems = [p for p in problems if p[2] != _MISSING or (p[1] not in meant and f".{p[1]}" not in meant)]
+    problems = [p for p in problems if p[2] != _MISSING or (p[1] not in meanings and f".{p[1]}" not in meanings)]
     problems.sort(key=lambda problem: (problem[0], len(problem[1]) + len(problem[2])))
     lines = [f"{key}: {words}" if key else words for _, key, words in problems]
     _, key, words = problems[0]
@@ -375,8 +375,10 @@ def _words(model: type[BaseModel], problem: ErrorDetails) -> str:
         return f"{_shown(value)}: is not {_SHAPES[kind]}; write one"
     if kind in ("too_short", "too_long"):
         of = problem["ctx"]
-        wanted = f"at least {of['min_length']}" if "min_length" in of else f"at most {of['max_length']}"
-        return f"has {of['actual_length']} entries, {wanted} are wanted; correct it (a decimal comma makes two entries)"
+        expected = f"at least {of['min_length']}" if "min_length" in of else f"at most {of['max_length']}"
+        return (
+            f"has {of['actual_length']} entries, {expected} are wanted; correct it (a decimal comma makes two entries)"
+        )
     return f"{_shown(value)}: {problem['msg'][0].lower()}{problem['msg'][1:]}; correct the value"
 
 

@@ -142,14 +142,14 @@ def read_links(file: Path) -> tuple[LinkPlace, ...]:
         links = _named(root, "link", findings)
         carriers = _carriers(root, links, findings)
         findings.require_none()
-        found = []
+        chain_links = []
         for name in links:
             way, place = _way(name, carriers), np.eye(4)
             for joint in way:
                 place = place @ _origin(joint, _Findings())
             moved_by = sum(joint.get("type") in _MOVING and joint.find("mimic") is None for joint in way)
-            found.append(LinkPlace(name, way[-1].attrib[_PARENT] if way else "", place[:3, 3], moved_by))
-        return tuple(found)
+            chain_links.append(LinkPlace(name, way[-1].attrib[_PARENT] if way else "", place[:3, 3], moved_by))
+        return tuple(chain_links)
 
     return _read(file, links_of)
 
@@ -237,14 +237,14 @@ def _bodies(
     cluster: Iterator[tuple[str, Array]], links: Mapping[str, Element], folder: Path, findings: _Findings
 ) -> tuple[Tool, ...]:
     """Round bodies that cover a link and those fixed to it, in the link's frame."""
-    found = []
+    bodies = []
     for name, place in cluster:
         for body in covering(links[name], place, folder, name):
             if isinstance(body, str):
                 findings.note("link", name, f"{body}: no round body covers it")
             else:
-                found.append(body)
-    return tuple(found)
+                bodies.append(body)
+    return tuple(bodies)
 
 
 def _is_controllers(flange: str, behind: Mapping[str, Array], findings: _Findings) -> bool:
@@ -455,11 +455,15 @@ def _body(cluster: Iterator[tuple[str, Array]], links: Mapping[str, Element], fi
             if inside is None:
                 doubtful.append(name)
             elif inside[0] > 0.0:
-                own_mass, own_place, own = inside
+                own_mass, own_place, inertia_about_centre = inside
                 place = at @ own_place
                 arm, turn = place[:3, 3], place[:3, :3]
                 mass, moment = mass + own_mass, moment + own_mass * arm
-                tensor = tensor + turn @ own @ turn.T + own_mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+                tensor = (
+                    tensor
+                    + turn @ inertia_about_centre @ turn.T
+                    + own_mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+                )
                 heavy.append(name)
     if heavy and not doubtful:
         centre = moment / mass

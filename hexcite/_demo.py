@@ -148,11 +148,11 @@ def demo(
     where = "as asked" if on is not None else reason or f"in place of {language.name}"
     way = _Way(case, on or best, where, seed, starts, progress)
     for_paths = language if real else dialect(usual_dialect(case, path=True))
-    wanted: list[tuple[FamilySettings, Dialect]] = [(FOURIER, for_paths)]
+    families: list[tuple[FamilySettings, Dialect]] = [(FOURIER, for_paths)]
     if machine_of(case).of_pose:
-        wanted.insert(0, (Manual(), language))
+        families.insert(0, (Manual(), language))
     others, left_out = [], []
-    for family, own in wanted:
+    for family, own in families:
         try:
             others.append(way.gone(family, own, place / family.name))
         except HexciteError as error:

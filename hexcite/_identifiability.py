@@ -41,8 +41,8 @@ def identifiability(
     Raises:
         HexciteError: poses or a recording without a case, a result without its recording, or no such model.
     """
-    own, number, evaluate, _ = _looked_at(thing, case)
-    chosen = identification_model(own, number if model is None else model)
+    machine, number, evaluate, _ = _looked_at(thing, case)
+    chosen = identification_model(machine, number if model is None else model)
     return analysed(evaluate(chosen), chosen.names, chosen.number)
 
 
@@ -50,9 +50,9 @@ def identifiability_of_models(
     thing: Plan | Recording | Result | Array, case: Case | None = None
 ) -> tuple[Identifiability, ...]:
     """The same of all models that the sensors can have, by number; errors as of `identifiability`."""
-    own, _, evaluate, known = _looked_at(thing, case)
+    machine, _, evaluate, known = _looked_at(thing, case)
     with threadpool_limits(limits=1, user_api="blas"):  # small matrices: a second thread would wait for the first
-        return of_models({number: model for number, model in models_of(own).items() if known(model)}, evaluate)
+        return of_models({number: model for number, model in models_of(machine).items() if known(model)}, evaluate)
 
 
 def _looked_at(
@@ -61,12 +61,12 @@ def _looked_at(
     """The case, the number of the usual model, what gives A for a model, and of which models it can."""
     match thing:
         case Plan():
-            own = thing.case if case is None else case
+            machine = thing.case if case is None else case
             if len(thing.poses):
-                return own, thing.model, lambda model: _at_poses(model, thing.poses), _any
+                return machine, thing.model, lambda model: _at_poses(model, thing.poses), _any
             motion = sample(thing.motion, min(RATE, MOST_INSTANTS / thing.duration))
             states = motion.coordinates, motion.rates, motion.accelerations
-            return own, thing.model, lambda model: over_samples(model.coordinate_regressor, *states)[0], _any
+            return machine, thing.model, lambda model: over_samples(model.coordinate_regressor, *states)[0], _any
         case Recording():
             own_case = thing.case if case is None else case
             if own_case is None:
@@ -87,8 +87,8 @@ def _looked_at(
                     remedy="give its recording",
                     code=Code.MISSING,
                 )
-            own = thing.case if case is None else case
-            return own, thing.record.model, *_at_samples(thing.estimate.samples, thing.estimate.at)
+            machine = thing.case if case is None else case
+            return machine, thing.record.model, *_at_samples(thing.estimate.samples, thing.estimate.at)
         case _:
             if case is None:
                 raise HexciteError(

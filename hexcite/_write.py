@@ -213,10 +213,10 @@ def naming_another(file: Path, content: bytes, case: Case) -> Iterator[None]:
         yield
     except (ProgramError, CaseError) as error:
         if other := written_for_another(content, case):
-            found = error.typed.removeprefix(f"{file}: ")
+            message = error.typed.removeprefix(f"{file}: ")
             raise ProgramError(
                 file=file,
-                problem=f"is {other}; {found}",
+                problem=f"is {other}; {message}",
                 remedy=f"name its own case with {option('case')}",
                 code=Code.OTHER_SOURCE,
             ) from error

@@ -98,15 +98,15 @@ def identify(
             code=Code.MISSING,
         )
     whole = on_one_clock(recording, case)
-    beside = None if plan is None else closest(whole, case, plan)
-    differences = () if plan is None else as_planned(beside, plan)
+    comparison = None if plan is None else closest(whole, case, plan)
+    differences = () if plan is None else as_planned(comparison, plan)
     try:
-        found = _identified(recording, whole, case, model, how, average_standstills, poses, differences, treatment)
+        result = _identified(recording, whole, case, model, how, average_standstills, poses, differences, treatment)
     except (IdentificationError, RecordingError) as error:
         raise error.beside(sentences(differences, "warning")) from error
-    if beside is None or beside.share < ANOTHER or found.estimate is None:
-        return found
-    return replace(found, estimate=replace(found.estimate, planned=(beside.plan.motion, beside.begins)))
+    if comparison is None or comparison.share < ANOTHER or result.estimate is None:
+        return result
+    return replace(result, estimate=replace(result.estimate, planned=(comparison.plan.motion, comparison.begins)))
 
 
 def _identified(
@@ -129,20 +129,21 @@ def _identified(
         raise _explained(error, _cause_of_standstills(whole, case)).at(recording.source) from error
     number = default_model(run, case) if model is None else model
     about = recording.record or RunRecord()
-    own = about.case
+    recorded_case = about.case
     method = how if isinstance(how, Method) else how(identification_model(case, number))
     try:
         estimate = estimate_parameters(run, case, number, method, treatment)
     except (IdentificationError, RecordingError) as error:
-        if own not in (None, case.name):
+        if recorded_case not in (None, case.name):
             raise IdentificationError(
-                problem=f"{error.message}; it was recorded with the case {own}, not {case.name}", code=Code.OTHER_SOURCE
+                problem=f"{error.message}; it was recorded with the case {recorded_case}, not {case.name}",
+                code=Code.OTHER_SOURCE,
             ) from error
         raise
     changed = changed_cases(recording.remarks)
     changes = changes_since(about.to_json(), recording_basis(case), case.hash)
-    if own not in (None, case.name) and changes:
-        sentence = f"it was recorded with the case {own}, not {case.name}: {changes[0]}"
+    if recorded_case not in (None, case.name) and changes:
+        sentence = f"it was recorded with the case {recorded_case}, not {case.name}: {changes[0]}"
         sentence += f" ({len(changes) - 1} more)" if len(changes) > 1 else ""
         changed += (warning(Kind.CASE, f"{sentence}; leave --case out"),)
     estimate = replace(estimate, findings=(*changed, *differences, *estimate.findings))
@@ -253,13 +254,13 @@ def estimate_parameters(
                 raise _explained(error, answer(recording, case, model, evaluate)) from error
             if not doubtful(estimate.samples, estimate.fit, case, estimate.findings):
                 return estimate
-            said = answer(recording, case, model, evaluate, estimate.fit)
-            if said is None:
+            cause = answer(recording, case, model, evaluate, estimate.fit)
+            if cause is None:
                 return estimate
-            if said.named:
-                raise _named(said)
-        tried = warning(Kind.MODEL, said.sentence) if said.large else note(Kind.MODEL, said.sentence)
-        return replace(estimate, findings=(*estimate.findings, tried))
+            if cause.named:
+                raise _named(cause)
+        finding = warning(Kind.MODEL, cause.sentence) if cause.large else note(Kind.MODEL, cause.sentence)
+        return replace(estimate, findings=(*estimate.findings, finding))
     except (IdentificationError, RecordingError) as error:
         raise error.at(recording.source).beside(sentences(recording.findings, "warning")) from error
 
@@ -427,22 +428,22 @@ def fitted_with_sizes(
     the most probable sizes, until these settle.
     """
     plain = fitted_run(recording, case, identification_model(case, number), method, treatment)
-    told = told_by(plain.fitted, case)
-    if told is None or not told.worth(len(plain.fitted.samples.model.names)):
+    sizes = told_by(plain.fitted, case)
+    if sizes is None or not sizes.worth(len(plain.fitted.samples.model.names)):
         return Joint(plain, case, None, ())
     for _ in range(ROUNDS_OF_SIZES):
         try:
-            run, edited = without(recording, case, told.by_key)
+            run, edited = without(recording, case, sizes.by_key)
             joint = fitted_run(run, edited, identification_model(edited, number), method, treatment)
-            told = told_by(joint.fitted, edited, told.sizes)
+            sizes = told_by(joint.fitted, edited, sizes.sizes)
         except (IdentificationError, RecordingError):  # sizes that no machine has, found in a run that follows no model
             break
-        if told is None:
+        if sizes is None:
             break
-        if told.settled:
-            findings = tuple(findings_of(told, case, joint.fitted))
-            joint = joint._replace(fitted=told.allowed_for(joint.fitted))
-            return Joint(joint, edited, told, findings)
+        if sizes.settled:
+            findings = tuple(findings_of(sizes, case, joint.fitted))
+            joint = joint._replace(fitted=sizes.allowed_for(joint.fitted))
+            return Joint(joint, edited, sizes, findings)
     sentence = "what the residuals show of the sizes in [tolerances] did not settle: they are not estimated beside"
     return Joint(plain, case, None, (note(Kind.CASE, f"{sentence} the parameters"),))
 
@@ -454,10 +455,12 @@ def _estimated(
     recording: Recording, case: Case, model: Model, method: Method, treatment: Treatment | None = None
 ) -> Estimate:
     """The estimate with all that its residuals say; errors as of `identify`."""
-    (clean, fitted, contacts), used, told, told_of = fitted_with_sizes(recording, case, method, model.number, treatment)
+    (clean, fitted, contacts), used, sizes, told_of = fitted_with_sizes(
+        recording, case, method, model.number, treatment
+    )
     recording = clean.recording
     odd = odd_clock(recording, case) if fitted.samples.nuisances else None
-    systematic = systematic_of(fitted, used, odd, told)
+    systematic = systematic_of(fitted, used, odd, sizes)
     drift = drift_of(fitted) if systematic is None else systematic.drift
     findings = louder_than_stated(recording, case, fitted)
     findings += systematic_findings(case, fitted, systematic)

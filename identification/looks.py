@@ -205,8 +205,8 @@ def look(files: Path | str | Sequence[Path | str], case: Case | None = None) -> 
             remedy="look at it by itself",
             code=Code.NOT_SUPPORTED,
         )
-    own = None if case is None or not _says_how(case) else _refusal(places, case)
-    return _tables(places, case, own)
+    refusal = None if case is None or not _says_how(case) else _refusal(places, case)
+    return _tables(places, case, refusal)
 
 
 def _says_how(case: Case) -> bool:
@@ -219,7 +219,7 @@ def _tables(files: Sequence[Path], case: Case | None, own: str | None) -> Look:
     reads = case is not None and _says_how(case) and own is None
     laid_out = None if reads or case is None else _as_laid_out(files, case)
     if laid_out is not None:
-        proposals, settings, tried = laid_out
+        proposals, settings, trial = laid_out
     else:
         found = [
             (file, *(_as_stated(file, case) if reads and case is not None else (_table(file), case))) for file in files
@@ -228,8 +228,8 @@ def _tables(files: Sequence[Path], case: Case | None, own: str | None) -> Look:
         settings = proposal_of_run([(file.name, proposal) for file, _, proposal in proposals])
         if reads and case is not None and case.recording.files:
             settings = stated_of(case.recording)
-        tried = _trial(files, settings, case)
-    problem = tried.problem
+        trial = _trial(files, settings, case)
+    problem = trial.problem
     whole = {ours for _, _, proposal in proposals for ours in proposal.places}
     doubts = [
         f"{file.name}: {doubt}" if len(files) > 1 else doubt
@@ -240,9 +240,9 @@ def _tables(files: Sequence[Path], case: Case | None, own: str | None) -> Look:
         doubts.insert(0, f"the [recording] that the case has does not read it: {own}")
     for file, table, proposal in proposals:
         prefix = f"{file.name}: " if len(files) > 1 else ""
-        doubts += [f"{prefix}{said}" for said in _of_unnamed(table, proposal)]
+        doubts += [f"{prefix}{sentence}" for sentence in _of_unnamed(table, proposal)]
     doubts += _of_another_file(files, whole, case)
-    unchanged = case is not None and tried.form == case.recording
+    unchanged = case is not None and trial.form == case.recording
     tables = settings.get("files", ())
     parts = tuple(
         FileLook(file, tuple(_columns(table, proposal)), _table_of(file, k, tables, proposal), proposal.setting_reasons)
@@ -252,8 +252,8 @@ def _tables(files: Sequence[Path], case: Case | None, own: str | None) -> Look:
     rows = max((len(column.values) for column in columns), default=0)
     rate = max((proposal for _, _, proposal in proposals), key=lambda proposal: proposal.has_forces).rate
     file = files[0]
-    odd = _sentences(problem, [*doubts, *tried.doubts])
-    repairs = tuple(each for each in tried.repairs if each not in odd)
+    odd = _sentences(problem, [*doubts, *trial.doubts])
+    repairs = tuple(each for each in trial.repairs if each not in odd)
     others = tuple(files[1:])
     return Look(file, rows, tuple(columns), settings, odd, problem, unchanged, (), rate, others, parts, repairs)
 
@@ -278,8 +278,8 @@ def _as_laid_out(files: Sequence[Path], case: Case) -> "tuple[_Proposals, dict[s
             return None
         proposals.append((file, table, proposed(table, case)))
     settings = proposal_of_run([(file.name, proposal) for file, _, proposal in proposals])
-    tried = _trial(files, settings, case)
-    return (proposals, settings, tried) if tried.problem is None else None
+    trial = _trial(files, settings, case)
+    return (proposals, settings, trial) if trial.problem is None else None
 
 
 def _table_of(file: Path, k: int, tables: Sequence[Mapping[str, Any]], proposal: Proposal) -> int | None:
@@ -294,25 +294,25 @@ def _table_of(file: Path, k: int, tables: Sequence[Mapping[str, Any]], proposal:
 
 def _of_unnamed(table: TextColumns, proposal: Proposal) -> Iterator[str]:
     """What the columns of a file without names may be by their values; nothing is proposed for them."""
-    said = [
+    sentences = [
         f"{name} has no name: {_by_values(table.numbers[k])}"
         for k, name in enumerate(proposal.names)
         if name == f"column {k + 1}" and k in table.numbers and k not in proposal.places.values()
     ]
-    yield from said
-    if said:
+    yield from sentences
+    if sentences:
         yield "list the names of all columns in recording.column_names, in their order; nothing is guessed from values"
 
 
 def _by_values(values: Array) -> str:
     """What numbers of a column, shape (n,), look like."""
-    own = values[np.isfinite(values)]
-    if len(own) < 3:
+    finite = values[np.isfinite(values)]
+    if len(finite) < 3:
         return "too few numbers to say what it is"
-    low, high, steps = float(own.min()), float(own.max()), np.diff(own)
+    low, high, steps = float(finite.min()), float(finite.max()), np.diff(finite)
     if low == high:
         return f"{low:.6g} all along, as a constant or a switch that is never used"
-    if np.isin(own, (low, high)).all():
+    if np.isin(finite, (low, high)).all():
         return f"{low:.6g} or {high:.6g}, as a switch; a trigger, perhaps"
     if steps.min() > 0.0 and np.ptp(steps) <= ALIKE * (usual := float(np.median(steps))):
         kind = "numbers of the rows" if usual == 1.0 and low == np.rint(low) else "a clock"
@@ -370,8 +370,8 @@ def _as_stated(file: Path, case: Case) -> tuple[TextColumns, Case]:
             stated = {key: value for key, value in stated_of(form).items() if key != "match"}
             stated |= {k: v for k, v in stated_of(case.recording).items() if k in ("filter_cutoff_Hz", "rate_Hz")}
             layout = {key: value for key, value in stated.items() if key in LAYOUT}
-            own = case.model_copy(update={"recording": RecordingFormat.model_validate(stated)})
-            return replace(table, settings=layout), own
+            stated_case = case.model_copy(update={"recording": RecordingFormat.model_validate(stated)})
+            return replace(table, settings=layout), stated_case
     raise problem or RecordingError(
         place=file, problem="fits several tables of the case", remedy="give each of them a match", code=Code.WRONG_KIND
     )
@@ -414,19 +414,21 @@ def _bag(bag: Path, case: Case | None) -> Look:
     doubts: list[str] = []
     ros = dict(settings.pop("ros", {}))
     chosen: dict[Topic, BagTopic] = {}
-    for what, meant in _MEANT.items():
+    for what, channels_of_kind in _MEANT.items():
         possible = [topic for topic in topics if topic.what == what and topic.messages]
         named = next((topic for topic in possible if topic.name == ros.get(what)), None)
         if what in ros and named is None:
             doubts.append(f"recording.ros.{what} of the case is {ros.pop(what)}, which the bag does not have")
         best = named or min(possible, key=lambda topic: _rank_of_topic(topic, ros.get("frame")), default=None)
         if best is None:
-            doubts.append(f"no topic of {meant}; record one")
+            doubts.append(f"no topic of {channels_of_kind}; record one")
             continue
         chosen[what] = best
         if len(possible) > 1 and named is None:
             ros[what] = best.name
-            doubts.append(f"several topics of {meant}: {listed([t.name for t in possible])}; {best.name} is proposed")
+            doubts.append(
+                f"several topics of {channels_of_kind}: {listed([t.name for t in possible])}; {best.name} is proposed"
+            )
         if not best.stamped and "time" not in ros:
             ros["time"] = "receipt"
             doubts.append(f"{best.name}: its headers have no stamps of use; the bag's own times, of receipt, are taken")
@@ -440,20 +442,22 @@ def _bag(bag: Path, case: Case | None) -> Look:
     elif case.chain is not None and "joints" in chosen:
         joints = dict(zip(case.chain.columns, case.chain.names, strict=True)) | case.recording.columns
         names = chosen["joints"].channels
-        own = {*case.chain.names} <= {*names}  # then columns of the case are those of another file, if there are any
-        if own or all(joints[ours] in names for ours in case.chain.columns):
+        has_all_joints = {*case.chain.names} <= {
+            *names
+        }  # then columns of the case are those of another file, if there are any
+        if has_all_joints or all(joints[ours] in names for ours in case.chain.columns):
             settings |= {"columns": case.recording.columns} if case.recording.columns else {}
         else:
             places = meaning_of(names, case).places
             renamed = {ours: names[places[ours]] for ours in case.chain.columns if ours in places}
             settings |= {"columns": renamed} if renamed else {}
     columns = tuple(c for topic in chosen.values() for c in _channels(topic, case, settings))
-    tried = _trial([bag], settings, case)
-    odd = _sentences(tried.problem, [*doubts, *tried.doubts])
-    unchanged = case is not None and tried.form == case.recording
+    trial = _trial([bag], settings, case)
+    odd = _sentences(trial.problem, [*doubts, *trial.doubts])
+    unchanged = case is not None and trial.form == case.recording
     rows = sum(topic.messages for topic in chosen.values())
-    repairs = tuple(each for each in tried.repairs if each not in odd)
-    return Look(bag, rows, columns, settings, odd, tried.problem, unchanged, topics, repairs=repairs)
+    repairs = tuple(each for each in trial.repairs if each not in odd)
+    return Look(bag, rows, columns, settings, odd, trial.problem, unchanged, topics, repairs=repairs)
 
 
 def _rank_of_topic(topic: BagTopic, frame: str | None) -> tuple[bool, bool, bool, str]:
@@ -488,8 +492,10 @@ def _channels(topic: BagTopic, case: Case | None, settings: Mapping[str, Any]) -
     if topic.what == "joints":
         chain = None if case is None else case.chain
         names = {} if chain is None else dict(zip(chain.columns, chain.names, strict=True))
-        own = {*names.values()} <= {*topic.channels}
-        ours = {theirs: column for column, theirs in (names if own else names | settings.get("columns", {})).items()}
+        is_complete = {*names.values()} <= {*topic.channels}
+        ours = {
+            theirs: column for column, theirs in (names if is_complete else names | settings.get("columns", {})).items()
+        }
     taken = because(Why.JOINTS_OF if topic.what == "joints" else Why.WRENCH_OF, topic=topic.name)
     for name, values in zip(topic.channels, topic.values.T, strict=True):
         unit = "rad" if topic.what == "joints" else "N" if name.startswith("force") else "Nm"
@@ -516,30 +522,32 @@ def _trial(files: Sequence[Path], settings: Mapping[str, Any], case: Case | None
         form = RecordingFormat.model_validate(dict(settings))
     except ValidationError as error:
         return _Trial("; ".join(str(problem["msg"]).removeprefix("Value error, ") for problem in error.errors()))
-    tried = _Trial(form=form)
+    trial = _Trial(form=form)
     try:
         if case is None:
             findings = [f for file in files for table in read_tables(file, form) for f in table.findings]
             done = findings
         else:
-            own = case.model_copy(update={"recording": form})
-            read_run = read(files, own)
+            case_with_form = case.model_copy(update={"recording": form})
+            read_run = read(files, case_with_form)
             findings = [*read_run.findings]
-            whole = on_one_clock(read_run, own)
-            clean = scan(whole, own)
+            whole = on_one_clock(read_run, case_with_form)
+            clean = scan(whole, case_with_form)
             done = [*findings, *clean.findings]
             if clean.recording.t is not None:
-                checked_filter(clean.recording, own)
-            tried.doubts += _refused_by_identify(whole, own, files[0]) if fitted else []
+                checked_filter(clean.recording, case_with_form)
+            trial.doubts += _refused_by_identify(whole, case_with_form, files[0]) if fitted else []
     except HexciteError as error:
         if isinstance(error, CaseError):
             raise
         return _Trial(_without_file(error, files[0]), form)
-    told = [_of_whom(finding, case) for finding in done]
-    tried.doubts += [_without_file(f, files[0]) for f in told[: len(findings)] if f.severity == "warning"]
-    said = (_without_file(f, files[0]) for f in told if f.sentence and f.kind in _ABOUT_READING)
-    tried.repairs += dict.fromkeys(said)
-    return tried
+    findings_of_reading = [_of_whom(finding, case) for finding in done]
+    trial.doubts += [
+        _without_file(f, files[0]) for f in findings_of_reading[: len(findings)] if f.severity == "warning"
+    ]
+    sentences = (_without_file(f, files[0]) for f in findings_of_reading if f.sentence and f.kind in _ABOUT_READING)
+    trial.repairs += dict.fromkeys(sentences)
+    return trial
 
 
 def _of_whom(finding: Finding, case: Case | None) -> Finding:
@@ -552,10 +560,10 @@ def _of_whom(finding: Finding, case: Case | None) -> Finding:
 
 def _states(settings: Mapping[str, Any], entries: Mapping[str, str]) -> bool:
     """Whether settings of a case hold a unit that a file contradicts."""
-    found: Any = settings
+    value: Any = settings
     for part in entries["key"].split(".")[1:]:
-        found = found.get(part) if isinstance(found, Mapping) else None
-    return bool(found == entries["used"])
+        value = value.get(part) if isinstance(value, Mapping) else None
+    return bool(value == entries["used"])
 
 
 def _refusal(files: Sequence[Path], case: Case) -> str | None:

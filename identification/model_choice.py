@@ -48,8 +48,8 @@ class ModelRow:
         """Its entries."""
         values = None if self.parameters is None else {n: v._asdict() for n, v in self.parameters.items()}
         numbers = {"s0": self.s0, "predicted": self.predicted, "worse_by_standard_errors": self.worse}
-        own = {"reason": self.reason} if self.reason is not None else numbers
-        return {"model": self.model, "count": self.count, **own, "parameters": values}
+        entries = {"reason": self.reason} if self.reason is not None else numbers
+        return {"model": self.model, "count": self.count, **entries, "parameters": values}
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -166,8 +166,8 @@ def identify_models(
     models, unit = carried(run, case), "poses" if run.t is None or case.setup == "1a" else "samples"
     with threadpool_limits(limits=1, user_api="blas"):
         fits = _fits(run, case, models, how)
-        made = {number: fit for number, fit in fits.items() if isinstance(fit, Fitted)}
-        if not made:
+        fitted = {number: fit for number, fit in fits.items() if isinstance(fit, Fitted)}
+        if not fitted:
             first = next(fit for fit in fits.values() if isinstance(fit, HexciteError))
             raise IdentificationError(
                 place=recording.source,
@@ -175,9 +175,9 @@ def identify_models(
                 remedy=first.said.remedy,
                 code=Code.NO_EXCITATION,
             )
-        weights = made[max(made, key=lambda n: len(models[n].names))].w
+        weights = fitted[max(fitted, key=lambda n: len(models[n].names))].w
         root = np.asarray(np.linalg.cholesky(weights).T)
-        errors = {number: left_out(fit, root) for number, fit in made.items()}
+        errors = {number: left_out(fit, root) for number, fit in fitted.items()}
     best = min(errors, key=lambda n: float(errors[n].mean()))
     worse = {number: _standard_errors(own - errors[best]) for number, own in errors.items()}
     preferred = min((n for n in errors if worse[n] <= 1.0), key=lambda n: (len(models[n].names), errors[n].mean()))

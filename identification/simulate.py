@@ -157,11 +157,11 @@ def truth_rows(case: Case, estimate: "Estimate") -> list[dict[str, Any]]:
     truth, _ = physical_form(model).of(u, np.zeros((len(u), len(u))))
     rows = []
     for true, (name, value) in zip(truth, estimate.physical.items(), strict=True):
-        found = {
+        rows_by_name = {
             "truth": float(true),
             "estimate": value.value,
             "std": value.reported,
             "error": value.value - float(true),
         }
-        rows.append({"name": name, "unit": value.unit} | found)
+        rows.append({"name": name, "unit": value.unit} | rows_by_name)
     return rows

@@ -59,15 +59,15 @@ def request_of(
     case: Case, family: FamilySettings | None, duration: float | None, **settings: Unpack[PlanOptions]
 ) -> Request:
     """What arguments of `plan` ask for: the model, the duration and what is known follow from the case."""
-    own: dict[str, Any] = dict(settings)
+    options: dict[str, Any] = dict(settings)
     results = settings.get("known")
     known = Known.of(results, case, settings.get("payload", 0), standing=False) if results else None
-    own["known"] = known
-    if own.get("model") is None:
-        own["model"] = full_model(case) if known is None else known.model
+    options["known"] = known
+    if options.get("model") is None:
+        options["model"] = full_model(case) if known is None else known.model
     if duration is None:
         duration = LONGEST_WANTED if settings.get("target") else DURATION
-    return Request(family or Best(), duration, **own)
+    return Request(family or Best(), duration, **options)
 
 
 def planned(request: Request, case: Case, progress: Callable[[Standing], None] | None = None) -> Plan:
@@ -103,15 +103,15 @@ def plan_poses(
     """
     from planner.poses.planned_poses import poses_planned  # SciPy, which motions do without
 
-    wanted: dict[str, Any] = dict(settings)
+    options: dict[str, Any] = dict(settings)
     results = settings.get("known")
     known = Known.of(results, case, 0, standing=True) if results else None
-    wanted["known"] = known
-    if wanted.get("model") is None:
-        wanted["model"] = static_model(case) if known is None else known.model
+    options["known"] = known
+    if options.get("model") is None:
+        options["model"] = static_model(case) if known is None else known.model
     if at is not None:
-        wanted["method"] = "given"
-    request = PoseRequest(**wanted)
-    own = load_poses(Path(at), case.need_motion("a plan of poses")[1].columns) if isinstance(at, Path | str) else at
+        options["method"] = "given"
+    request = PoseRequest(**options)
+    poses = load_poses(Path(at), case.need_motion("a plan of poses")[1].columns) if isinstance(at, Path | str) else at
     with threadpool_limits(limits=1, user_api="blas"):
-        return poses_planned(request, case, seldom(progress or (lambda _: None)), own)
+        return poses_planned(request, case, seldom(progress or (lambda _: None)), poses)

@@ -51,8 +51,8 @@ def controlled(case: Case, controller: str | None) -> tuple[Case, float]:
     linear, angular = guarantees.path_jerk
     slides = ~box.turns
     most = linear / math.sqrt(slides.sum()) if slides.any() else angular / math.sqrt(box.turns.sum())
-    own = np.where(slides if slides.any() else box.turns, np.minimum(box.jerk, most), box.jerk)
-    return (case.with_jerk(own) if np.any(own < box.jerk) else case), 0.0
+    jerk = np.where(slides if slides.any() else box.turns, np.minimum(box.jerk, most), box.jerk)
+    return (case.with_jerk(jerk) if np.any(jerk < box.jerk) else case), 0.0
 
 
 def with_steps(report: LimitReport, step_time: float) -> LimitReport:

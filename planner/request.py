@@ -165,8 +165,8 @@ class Request:
             "solver": self.solver,
         }
         entries |= {"target": dict(self.target)} if self.target else {}
-        own = {name: str(v) if isinstance(v, Path) else v for name, v in asdict(self.family).items()}
-        return {"seed": self.seed, "asked": entries | {"family": own}}
+        settings = {name: str(v) if isinstance(v, Path) else v for name, v in asdict(self.family).items()}
+        return {"seed": self.seed, "asked": entries | {"family": settings}}
 
     @classmethod
     def of_json(cls, data: Mapping[str, Any]) -> "Request":
@@ -230,7 +230,9 @@ def read_value(text: str, units: Mapping[str, str], option: str, example: str, m
             code=Code.UNKNOWN,
         )
     factor, for_people = legible(units[name])
-    scales = {re.sub(r"[ ^]", "", own): scale for own, scale in ((units[name], 1.0), (for_people, 1.0 / factor))}
+    scales = {
+        re.sub(r"[ ^]", "", unit_name): scale for unit_name, scale in ((units[name], 1.0), (for_people, 1.0 / factor))
+    }
     scales |= {"g": 1e-3} if units[name] == "kg" else {}
     if unit not in scales:
         problem = f"unit {match['unit']} does not fit {name}" if unit else "has no unit"

@@ -133,8 +133,8 @@ def as_fast_as_possible(
             f"the machine bears steps of acceleration, or with {option('with')} ruckig",
             code=Code.NOT_SUPPORTED,
         )
-    own = case.without_jerk()
-    forces = force_shares(own)
+    without_jerk = case.without_jerk()
+    forces = force_shares(without_jerk)
     timed: list[Trajectory] = []
     for number, part in enumerate(motion.parts if isinstance(motion, Joined) else (motion,), start=1):
         if isinstance(part, Standstill):
@@ -142,12 +142,14 @@ def as_fast_as_possible(
             continue
         path = Way(part) if isinstance(part, StraightMove | CircularMove) else part
         try:
-            timed.append(timed_path(path, own, HURRY, forces))
+            timed.append(timed_path(path, without_jerk, HURRY, forces))
         except UntimedMotion as error:
             where = f"{place}, move {number}" if isinstance(motion, Joined) else place
             raise InfeasiblePlan(place=where, problem=error, remedy=_REMEDY, code=Code.INFEASIBLE) from error
     whole = PolynomialMotion.of_pieces(rounded(Joined(tuple(timed)), WINDOW, PIECE))
-    slowed = fastest_within_limits(own, whole.slowed, place, _REMEDY)  # what is between gridpoints, and sensors at rest
+    slowed = fastest_within_limits(
+        without_jerk, whole.slowed, place, _REMEDY
+    )  # what is between gridpoints, and sensors at rest
     assert isinstance(slowed, PolynomialMotion)
     return slowed, STEP if limited else 0.0
 

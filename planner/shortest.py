@@ -54,25 +54,25 @@ def shortest(request: Request, case: Case, plan_of: Callable[[Request], Plan]) -
     """
     targets, longest, family = request.target, request.duration, request.family
     trials: list[Trial] = []
-    wanted: float | None = _whole(min(max(DURATION, family.least(case)), longest), family.step)
-    while wanted is not None and len(trials) < MOST:
-        asked = replace(request, family=family, duration=wanted, target={})
+    duration: float | None = _whole(min(max(DURATION, family.least(case)), longest), family.step)
+    while duration is not None and len(trials) < MOST:
+        asked = replace(request, family=family, duration=duration, target={})
         trial = _trial(asked, targets, plan_of)
         trials.append(trial)
         if trial.plan is not None:
             family = trial.plan.of_motion[0].family
             if trial.plan.interrupted:
                 break
-        wanted = following(trials, family.least(case), longest, family.step)
+        duration = following(trials, family.least(case), longest, family.step)
     enough = [trial for trial in trials if trial.excess <= 1.0]
     if not enough:
         raise _missed(trials, request, case)
     best = min(enough, key=lambda trial: trial.duration)
     assert best.plan is not None
-    own, worth = best.plan.of_motion
+    motion, worth = best.plan.of_motion
     interrupted = any(trial.plan is not None and trial.plan.interrupted for trial in trials)
-    worth = replace(worth, notes=(_note(best, trials, targets, case, own.model), *worth.notes))
-    return replace(best.plan, request=replace(own, target=targets), worth=worth, interrupted=interrupted)
+    worth = replace(worth, notes=(_note(best, trials, targets, case, motion.model), *worth.notes))
+    return replace(best.plan, request=replace(motion, target=targets), worth=worth, interrupted=interrupted)
 
 
 def require_more(request: Request, case: Case) -> None:
@@ -141,9 +141,9 @@ def following(trials: list[Trial], least: float, longest: float, step: float) ->
         ratio = 2.0
         if math.isfinite(lower.share):
             ratio = lower.share ** (-0.5 / power)
-        wanted = min(lower.duration * min(max(ratio, CLOSE), LONGER), longest)
+        duration = min(lower.duration * min(max(ratio, CLOSE), LONGER), longest)
     elif lower is None:
-        wanted = upper.duration * min(max(upper.share, SHORTER), 0.9)
+        duration = upper.duration * min(max(upper.share, SHORTER), 0.9)
     elif upper.duration <= CLOSE * lower.duration:
         return None
     else:
@@ -151,14 +151,14 @@ def following(trials: list[Trial], least: float, longest: float, step: float) ->
         if math.isfinite(lower.share):
             share = math.log(lower.share) / math.log(lower.share / upper.share)
         share = min(max(share, AMONG), 1.0 - AMONG)
-        wanted = lower.duration * (upper.duration / lower.duration) ** share
-    wanted = max(_whole(wanted, step), _whole(math.ceil(least / step - ROUNDING) * step, step))
+        duration = lower.duration * (upper.duration / lower.duration) ** share
+    duration = max(_whole(duration, step), _whole(math.ceil(least / step - ROUNDING) * step, step))
     if lower is not None:
-        wanted = max(wanted, _whole(lower.duration + step, step))
+        duration = max(duration, _whole(lower.duration + step, step))
     if upper is not None:
-        wanted = min(wanted, _whole(upper.duration - step, step))
+        duration = min(duration, _whole(upper.duration - step, step))
     known = {trial.duration for trial in trials}
-    return wanted if wanted not in known and least - step / 2 < wanted <= longest else None
+    return duration if duration not in known and least - step / 2 < duration <= longest else None
 
 
 def _whole(duration: float, step: float) -> float:

@@ -76,9 +76,9 @@ def least_separation(one: Array, other: Array, bound: Array) -> Array:
     some = np.unique(np.append(np.arange(0, len(bound), STRIDE), np.argmin(bound)))
     exact, along = _separated(one[some], other[some])
     # What separates bodies at an instant does so at those beside it, a little less.
-    beside = along[np.searchsorted(some, np.arange(len(bound)), side="right") - 1]
-    gaps = np.einsum("npi,ni->np", one, beside).min(axis=1) - np.einsum("npi,ni->np", other, beside).max(axis=1)
-    result = np.maximum(bound, np.where(beside.any(axis=1), gaps, -np.inf))
+    neighbours = along[np.searchsorted(some, np.arange(len(bound)), side="right") - 1]
+    gaps = np.einsum("npi,ni->np", one, neighbours).min(axis=1) - np.einsum("npi,ni->np", other, neighbours).max(axis=1)
+    result = np.maximum(bound, np.where(neighbours.any(axis=1), gaps, -np.inf))
     result[some] = np.maximum(bound[some], exact)
     left = result < result[some].min()
     left[some] = False
@@ -183,8 +183,8 @@ def sharp_edges(corners: Array) -> Array:
         return np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
     edges = [
         np.intersect1d(hull.simplices[face], hull.simplices[other])
-        for face, beside in enumerate(hull.neighbors)
-        for other in beside
+        for face, neighbours in enumerate(hull.neighbors)
+        for other in neighbours
         if other > face and hull.equations[face, :3] @ hull.equations[other, :3] < FLAT
     ]
     return np.asarray(corners[np.array(edges, dtype=int).reshape(-1, 2)])
@@ -197,8 +197,8 @@ def capsule_around(points: Array) -> tuple[Array, float]:
     """
     centred = points - points.mean(axis=0)
     _, _, principal = np.linalg.svd(centred, full_matrices=False) if len(points) > 2 else (0, 0, np.eye(3))
-    found = [_along(points, axis) for axis in (*principal, *np.eye(3))]
-    return min(found, key=lambda capsule: _volume(*capsule))
+    capsules = [_along(points, axis) for axis in (*principal, *np.eye(3))]
+    return min(capsules, key=lambda capsule: _volume(*capsule))
 
 
 def _volume(ends: Array, radius: float) -> float:
@@ -207,9 +207,9 @@ def _volume(ends: Array, radius: float) -> float:
 
 def _along(points: Array, axis: Array) -> tuple[Array, float]:
     """The capsule along a direction, shape (3,)."""
-    beside = np.eye(3) - np.outer(axis, axis)
-    flat, along = points @ beside, points @ axis
-    _, _, directions = np.linalg.svd(beside)  # the first two span the plane
+    projector = np.eye(3) - np.outer(axis, axis)
+    flat, along = points @ projector, points @ axis
+    _, _, directions = np.linalg.svd(projector)  # the first two span the plane
     plane = flat @ directions[:2].T
     middle = (plane.min(axis=0) + plane.max(axis=0)) / 2.0
     for _ in range(200):  # towards the farthest point, ever less: Badoiu and Clarkson 2003

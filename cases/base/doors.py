@@ -84,9 +84,9 @@ def _checked(function: FunctionType, package: str) -> Callable[..., Any]:
                     code=Code.UNKNOWN,
                 )
         for name, value in {**signature.bind(*args, **kwargs).arguments, **kwargs}.items():
-            if not _fits(value, wanted := annotations.get(name, object)):
+            if not _fits(value, annotation := annotations.get(name, object)):
                 text = repr(value) if len(repr(value)) < 60 else f"a {type(value).__name__}"
-                kinds = re.sub(r"\b\w+\.", "", inspect.formatannotation(wanted)).replace("'", "")
+                kinds = re.sub(r"\b\w+\.", "", inspect.formatannotation(annotation)).replace("'", "")
                 sources = "; ".join(source for kind, source in SOURCES.items() if re.search(rf"\b{kind}\b", kinds))
                 raise HexciteError(
                     place=f"{place}: {name} = {text}",

@@ -148,9 +148,9 @@ class HexciteError(Exception):
     def beside(self, doubts: Iterable[str]) -> Self:
         """The same error with what else is doubtful, which may be its cause, behind it."""
         error = copy(self)
-        said = tuple(doubts)
-        error.args = (ALSO.join([self.args[0], *said]),)
-        error.said = self.said._replace(remedy=ALSO.join([self.said.remedy, *said]))
+        sentences = tuple(doubts)
+        error.args = (ALSO.join([self.args[0], *sentences]),)
+        error.said = self.said._replace(remedy=ALSO.join([self.said.remedy, *sentences]))
         return error
 
     def in_doubt(self) -> Self:

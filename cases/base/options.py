@@ -90,8 +90,8 @@ def documented(*declarations: type) -> Callable[[T], T]:
         signature = inspect.signature(function)
         own = [*signature.parameters.values()]
         if any(p.kind is p.VAR_KEYWORD for p in own):
-            made = [inspect.Parameter(d.name, _KEYWORD, default=d.default, annotation=d.kind) for d in declared]
-            own = [*(p for p in own if p.kind is not p.VAR_KEYWORD), *made]
+            parameters = [inspect.Parameter(d.name, _KEYWORD, default=d.default, annotation=d.kind) for d in declared]
+            own = [*(p for p in own if p.kind is not p.VAR_KEYWORD), *parameters]
             function.__signature__ = signature.replace(parameters=own)
         return thing
 

@@ -43,18 +43,18 @@ def phrase(code: str, english: str, **values: object) -> Phrase:
         english: the text, with places in braces.
         values: by the names of the places.
     """
-    made = Phrase(english.format(**values))
-    made.code, made.values = code, values
-    return made
+    result = Phrase(english.format(**values))
+    result.code, result.values = code, values
+    return result
 
 
 def enumerated(sign: Sign, parts: Sequence[str]) -> Phrase:
     """Several texts behind each other; the one where it is one."""
     if len(parts) == 1:
         return said(parts[0])
-    made = Phrase(SIGNS[sign].join(parts))
-    made.code, made.values = sign, {"parts": [said(part) for part in parts]}
-    return made
+    result = Phrase(SIGNS[sign].join(parts))
+    result.code, result.values = sign, {"parts": [said(part) for part in parts]}
+    return result
 
 
 def said(text: str) -> Phrase:

@@ -145,7 +145,7 @@ def key_of(text: str) -> Write:
     import re
     import tomllib
 
-    name, given, value = text.partition("=")
+    name, equals, value = text.partition("=")
     place = list[str | int]()
     for part in name.strip().split("."):
         matched = re.fullmatch(r"([A-Za-z0-9_-]+)((?:\[[1-9]\d{0,5}\])*)", part)
@@ -157,16 +157,16 @@ def key_of(text: str) -> Write:
                 code=Code.WRONG_KIND,
             )
         place += [matched[1], *(int(number) - 1 for number in re.findall(r"\d+", matched[2]))]
-    if not given:
+    if not equals:
         return Write(tuple(place), None)
     try:
-        (found,) = tomllib.loads(f"value = {value.strip()}\n").values()
+        (parsed,) = tomllib.loads(f"value = {value.strip()}\n").values()
     except (tomllib.TOMLDecodeError, ValueError, RecursionError) as error:
         remedy = "write numbers plainly, texts in quotes, lists in brackets"
         raise hx.HexciteError(
             place=text, problem=f"its value is not TOML ({error})", remedy=remedy, code=Code.WRONG_KIND
         ) from error
-    return Write(tuple(place), found)
+    return Write(tuple(place), parsed)
 
 
 def toml_shown(value: object) -> str:

@@ -91,8 +91,8 @@ def _show_validation(answer: dict[str, Any], validation: "Validation") -> None:
     for method, reason in validation.failed.items():
         console.say(f"NOT RUN: {method}: {reason}")
     for method in dict.fromkeys(trial.method for trial in validation.trials):
-        own = [trial for trial in validation.trials if trial.method == method]
-        console.print_table(method, TABLE_7, table_7(own))
+        trials = [trial for trial in validation.trials if trial.method == method]
+        console.print_table(method, TABLE_7, table_7(trials))
     console.say(f"report written: {answer['report']}")
     for sentence in validation.sentences:
         console.say(f"recommendation: {sentence}")

@@ -25,13 +25,15 @@ def takes(
         families: declarations of options that one family alone has, by its name.
         but: names of options that the command line has in another form.
     """
-    made = [_parameter(each) for kind in declarations for each in options_of(kind) if each.name not in but]
-    made += [_parameter(each, f"{family}: ") for family, kind in (families or {}).items() for each in options_of(kind)]
+    parameters = [_parameter(each) for kind in declarations for each in options_of(kind) if each.name not in but]
+    parameters += [
+        _parameter(each, f"{family}: ") for family, kind in (families or {}).items() for each in options_of(kind)
+    ]
 
     def with_options(command: Command) -> Command:
         own = [_own(p) for p in inspect.signature(command).parameters.values() if p.kind is not p.VAR_KEYWORD]
         place = next((k for k, parameter in enumerate(own) if parameter.name == "output"), len(own))
-        signature = inspect.Signature([*own[:place], *made, *own[place:]])
+        signature = inspect.Signature([*own[:place], *parameters, *own[place:]])
         command.__signature__ = signature  # type: ignore[attr-defined]  # where typer looks
         return command
 
@@ -59,5 +61,5 @@ def _own(parameter: inspect.Parameter) -> inspect.Parameter:
     if not any(isinstance(extra, Option) for extra in extras):
         return parameter
     kind, said = get_args(parameter.annotation)[:2]
-    made = _parameter(Declared(parameter.name, kind, parameter.default, said))
-    return parameter.replace(annotation=made.annotation, default=made.default)
+    declared_parameter = _parameter(Declared(parameter.name, kind, parameter.default, said))
+    return parameter.replace(annotation=declared_parameter.annotation, default=declared_parameter.default)

@@ -70,15 +70,15 @@ def method_of(
         )
     nonlinear = estimator == "nonlinear"
     if symmetric:
-        own = symmetric_platform(model, nonlinear)
-        if twice := sorted({*own} & {*constants, *(drop or ()), *(p.name for p in priors)}):
+        platform = symmetric_platform(model, nonlinear)
+        if twice := sorted({*platform} & {*constants, *(drop or ()), *(p.name for p in priors)}):
             raise HexciteError(
                 place="--symmetric",
                 problem=f"says what {twice[0]} is",
                 remedy=f"leave {twice[0]} or --symmetric out",
                 code=Code.CONTRADICTION,
             )
-        constants |= own
+        constants |= platform
     return Method(constants, tuple(drop or ()), tuple(priors), weights, nonlinear)
 
 
@@ -115,7 +115,7 @@ def treatment_of(
 
 def verdict_of_references(texts: Sequence[str], parameters: Mapping[str, Value], model: int) -> Verdict:
     """E_n of parameters beside reference values as typed; HexciteError where one of them is not understood."""
-    units, found = {name: value.unit for name, value in parameters.items()}, []
+    units, checks = {name: value.unit for name, value in parameters.items()}, []
     for text in texts:
         typed = read_value(text, units, "--reference", "m=19.93+-0.01kg", model)
         if typed.std is None:
@@ -127,8 +127,8 @@ def verdict_of_references(texts: Sequence[str], parameters: Mapping[str, Value],
                 code=Code.MISSING,
             )
         value = parameters[typed.name]
-        found.append(Check(f"E_n of {parameter_words(typed.name)}", en(value, typed.value, typed.std), 1.0, ""))
-    return Verdict(tuple(found), ())
+        checks.append(Check(f"E_n of {parameter_words(typed.name)}", en(value, typed.value, typed.std), 1.0, ""))
+    return Verdict(tuple(checks), ())
 
 
 def answer_of_result(result: Result, folder: Path) -> dict[str, Any]:

@@ -90,9 +90,11 @@ def plan(
     with console.status("writing", json), first_ctrl_c():  # this takes a short time
         console.save_with_page(result, PLAN, folder, overwrite)
     written = f"plan written: {folder}, with its report {folder}/report.html"
-    told = hx.identifiability(result)
-    answer = answer_of_plan(result, folder) | {"identifiability": told.to_json()}
-    console.answered(answer, json, written, result, *([f"identifiability: {told.words}"] if told.sentences else []))
+    identifiable = hx.identifiability(result)
+    answer = answer_of_plan(result, folder) | {"identifiability": identifiable.to_json()}
+    console.answered(
+        answer, json, written, result, *([f"identifiability: {identifiable.words}"] if identifiable.sentences else [])
+    )
 
 
 def read_payloads(text: str) -> tuple[int, int | None]:

@@ -48,8 +48,8 @@ def poses(
         console.save_with_page(plan, PLAN, folder, overwrite)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()
     answer.pop("moves")
-    answer["identifiability"] = (told := hx.identifiability(plan)).to_json()
-    texts = (f"identifiability: {told.words}",) if told.sentences else ()
+    answer["identifiability"] = (identifiable := hx.identifiability(plan)).to_json()
+    texts = (f"identifiability: {identifiable.words}",) if identifiable.sentences else ()
     console.answered(answer, json, f"plan written: {folder}, with its report {folder}/report.html", plan, *texts)
 
 
@@ -59,9 +59,9 @@ def _say_least(case: "hx.Case", model: int, candidates: int | None, seed: int, j
     from planner.request import PoseRequest
 
     with console.status("removing poses", json) as remark:
-        found = least_poses(
+        counts = least_poses(
             PoseRequest(model=model, candidates=candidates, seed=seed), case, lambda rest: remark(f"{rest} poses")
         )
-    rows = [(each.criterion, each.method, str(each.poses), f"{each.condition:.4g}") for each in found]
-    answer = {"model": model, "least": [each._asdict() for each in found]}
+    rows = [(each.criterion, each.method, str(each.poses), f"{each.condition:.4g}") for each in counts]
+    answer = {"model": model, "least": [each._asdict() for each in counts]}
     console.answered(answer, json, *aligned(("criterion", "method", "fewest poses", "condition"), *rows))

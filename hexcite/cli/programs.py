@@ -167,5 +167,5 @@ def answer_of_run(recording: "hx.Recording", folder: Path) -> dict[str, Any]:
     """The JSON answer of a run that was written."""
     record, executed = recording.record, recording.executed
     assert record is not None
-    own = {"recording": str(folder), "duration_s": executed.executed_s, "poses": len(record.poses_m_rad)}
-    return {**record.to_json(), **own, "simulated": True}
+    answer = {"recording": str(folder), "duration_s": executed.executed_s, "poses": len(record.poses_m_rad)}
+    return {**record.to_json(), **answer, "simulated": True}

@@ -58,11 +58,11 @@ def history(
     A leap is a change between two results that follow each other, with the same payload, beyond what their own noise
     and the tolerances allow.
     """
-    found = hx.history(places, machine)
-    file = output_place(output, Path(f"{found.case}-history.html"), overwrite)
+    changes = hx.history(places, machine)
+    file = output_place(output, Path(f"{changes.case}-history.html"), overwrite)
     check_file(file, (".html",), places, overwrite)
-    hx.report(found, file)
-    console.answered({"report": str(file), **found.to_json()}, json, f"page written: {file}", found)
+    hx.report(changes, file)
+    console.answered({"report": str(file), **changes.to_json()}, json, f"page written: {file}", changes)
 
 
 def accept(
@@ -107,9 +107,9 @@ def certificate(
     """
     named = None if case is None else hx.load_case(case)
     if verify:
-        found = hx.verify_certificate(result, None if of is None else hx.Result.load(of, named, stale))
-        answer = {"certificate": str(result), "stated": dict(found.stated), "compared": dict(found.lines)}
-        console.answered(answer, json, found)
+        verification = hx.verify_certificate(result, None if of is None else hx.Result.load(of, named, stale))
+        answer = {"certificate": str(result), "stated": dict(verification.stated), "compared": dict(verification.lines)}
+        console.answered(answer, json, verification)
         return
     if of is not None:
         raise hx.HexciteError(
@@ -121,9 +121,9 @@ def certificate(
     file = output_place(output, Path(f"{result.resolve().stem}-certificate.pdf"), overwrite)
     check_file(file, (".pdf",), [result], overwrite)
     loaded = hx.Result.load(result, named, stale)
-    given = {key: text for key, text in (("operator", operator), ("conditions", conditions)) if text is not None}
+    texts = {key: text for key, text in (("operator", operator), ("conditions", conditions)) if text is not None}
     from cases.certificate import CertificateOf
 
-    about = (loaded.case.certificate or CertificateOf()).model_copy(update=given)
+    about = (loaded.case.certificate or CertificateOf()).model_copy(update=texts)
     hx.certificate(loaded, file, about, number, overwrite, cast(Any, language))  # which it looks at itself
     console.answered({"certificate": str(file)}, json, f"certificate written: {file}")

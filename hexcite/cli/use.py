@@ -50,9 +50,9 @@ def export(
         answered(answer | {"texts": texts}, json, *(text.rstrip("\n") for text in texts.values()))
         return
     names = [str(file) for file in hx.export(identified, to, output, frame=frame, force=force, overwrite=overwrite)]
-    told = (f"warning, also in the file: {warning}" for warning in warnings)
+    warning_lines = (f"warning, also in the file: {warning}" for warning in warnings)
     answer = {"file": names[0], "files": names, **answer}
-    answered(answer, json, *told, f"model {model} of case {case_name} written: {', '.join(names)}")
+    answered(answer, json, *warning_lines, f"model {model} of case {case_name} written: {', '.join(names)}")
 
 
 Parameters = Annotated[Path, option("Result folder of hexcite identify.", "--parameters")]
@@ -168,32 +168,32 @@ def payload(
         check_file(output, [".json"], [before, after], overwrite)
         check_file(output.with_suffix(".html"), [".html"], [before, after], overwrite)
     old = hx.Result.load(before, None if case is None else hx.load_case(case), stale)
-    found = hx.payload(old, hx.Result.load(after, old.case, stale))
-    answer = found.to_json()
-    texts: list[object] = [found]
+    difference = hx.payload(old, hx.Result.load(after, old.case, stale))
+    answer = difference.to_json()
+    texts: list[object] = [difference]
     body = None
     if frame is not None:
         from identification.results.frames import frame_named
 
-        body = found.in_frame(frame_named(frame))
+        body = difference.in_frame(frame_named(frame))
         answer["in_frame"] = body.to_json()
         texts.append(body)
     verdict = None
     if reference:
         from hexcite.cli.method_options import verdict_of_references
 
-        verdict = verdict_of_references(reference, found.parameters, old.model.number)
+        verdict = verdict_of_references(reference, difference.parameters, old.model.number)
         answer["reference"] = verdict.to_json()
         texts.append(verdict)
     if to is not None:
-        files = hx.export(found, to, output, frame=frame, force=force, overwrite=overwrite)
+        files = hx.export(difference, to, output, frame=frame, force=force, overwrite=overwrite)
         answer["file"] = str(files[0])
         texts.append(f"payload written: {files[0]}")
     elif output is not None:
         from hexcite.reports.payload import payload_page
 
         write_text(output, json_text(answer))
-        write_text(page := output.with_suffix(".html"), payload_page(found, body, verdict))
+        write_text(page := output.with_suffix(".html"), payload_page(difference, body, verdict))
         answer |= {"file": str(output), "report": str(page)}
         texts.append(f"payload written: {output}, and its page {page}")
     answered(answer, json, *texts)

@@ -128,19 +128,19 @@ def _joined(entries: Sequence[Sequence[Entry]]) -> tuple[list[list[Entry]], list
 
     A run has figures of the execution, a result has none until then.
     """
-    joined, said = list[list[Entry]](), list[str]()
+    joined, sentences = list[list[Entry]](), list[str]()
     for group in entries:
         runs = {e.name: [o for o in group if not o.notes and _of_one_run(o, e)] for e in group if e.notes}
-        said += [
-            f"{run} is the run of {', '.join(o.name for o in own)}, and stands there"
-            for run, own in runs.items()
-            if own
+        sentences += [
+            f"{run} is the run of {', '.join(o.name for o in entries_of_run)}, and stands there"
+            for run, entries_of_run in runs.items()
+            if entries_of_run
         ]
         rest = [e for e in group if not runs.get(e.name)]
         run_of = {o.name: e for e in group for o in runs.get(e.name, ())}
         executed = [(e, run_of.get(e.name, e)) for e in rest]
         joined.append([replace(e, notes=run.notes, measured=run.measured) for e, run in executed])
-    return joined, said
+    return joined, sentences
 
 
 def _of_one_run(one: Entry, other: Entry) -> bool:

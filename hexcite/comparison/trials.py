@@ -77,8 +77,8 @@ class Trial:
     @property
     def errors(self) -> dict[str, float]:
         """Estimates less truth in reported standard deviations, by name."""
-        own = self.estimate.physical
-        return {n: (own[n].value - true) / own[n].reported for n, true in self.truth.items() if n in own}
+        physical = self.estimate.physical
+        return {n: (physical[n].value - true) / physical[n].reported for n, true in self.truth.items() if n in physical}
 
     def to_json(self) -> dict[str, Any]:
         """One row of the answer, SI units."""
@@ -260,11 +260,11 @@ def language_of_method(case: Case, method: str, on: str) -> str:
     Raises:
         CaseError: the case has the settings of none of them.
     """
-    wanted = METHODS[method].program
-    if on != ControllerName.VIRTUAL or wanted == ControllerName.LINUXCNC:
+    program = METHODS[method].program
+    if on != ControllerName.VIRTUAL or program == ControllerName.LINUXCNC:
         return ControllerName.LINUXCNC
     ready = [name for name in OF_JERK_LIMITS if not readiness(case)[f"post --dialect {name}"]]
-    for name in (wanted, *OF_JERK_LIMITS):
+    for name in (program, *OF_JERK_LIMITS):
         if name in ready and not controlled(case, name)[1]:
             return name
     return case.missing(" or ".join(f"controller.{name}" for name in OF_JERK_LIMITS), f"the method {method}")

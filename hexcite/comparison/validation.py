@@ -150,14 +150,14 @@ def validate(
             raise HexciteError(
                 problem="; ".join(f"{method}: {reason}" for method, reason in failed.items()), code=Code.INFEASIBLE
             )
-        made = {
+        plans = {
             str(file.relative_to(work)): file.read_bytes()
             for name in ("plans", "programs")
             for file in sorted((work / name).rglob("*"))
             if file.is_file()
         }
     machine = _simulated(case, disturbances, settings)
-    return Validation(case, machine, tuple(found), failed, controllers, settings.on, made)
+    return Validation(case, machine, tuple(found), failed, controllers, settings.on, plans)
 
 
 def _simulated(case: Case, disturbances: Disturbances | None, settings: ValidationSettings) -> str:

@@ -71,8 +71,8 @@ class Runs:
         """Makes a folder; returns its name until it is whole."""
         folder = Path(tempfile.mkdtemp(prefix=RUN, dir=self.root))
         (folder / MARK).touch()
-        held = self._held[folder.name] = ExitStack()
-        held.enter_context(in_use(folder / MARK))
+        lock = self._held[folder.name] = ExitStack()
+        lock.enter_context(in_use(folder / MARK))
         self._heard[folder.name] = self._clock()
         return folder.name
 
@@ -110,14 +110,14 @@ class Runs:
 
     def end(self, name: str, taken: Collection[str]) -> str:
         """Gives a folder the name that its files have in common; returns it, empty where no file has come."""
-        shown = _appear(self.root, self.folder(name), taken, "")
+        shown_name = _appear(self.root, self.folder(name), taken, "")
         self._forget(name)
-        return shown
+        return shown_name
 
     def close(self) -> None:
         """Lets go of folders whose files no longer come."""
-        for held in self._held.values():
-            held.close()
+        for lock in self._held.values():
+            lock.close()
 
 
 ENDING = "-incomplete"
@@ -129,7 +129,7 @@ def left_over(root: Path) -> list[str]:
 
     What has come whole is the user's: it gets a name that says that something is missing. Empty folders go.
     """
-    shown = []
+    names = []
     for folder in sorted(root.glob(f"{RUN}*")):
         mark = folder / MARK
         with suppress(OSError):
@@ -137,8 +137,8 @@ def left_over(root: Path) -> list[str]:
                 continue
             with abandoned(mark) as is_so:
                 if is_so and (name := _appear(root, folder, (), ENDING)):
-                    shown.append(name)
-    return shown
+                    names.append(name)
+    return names
 
 
 def _appear(root: Path, folder: Path, taken: Collection[str], ending: str) -> str:
@@ -149,8 +149,8 @@ def _appear(root: Path, folder: Path, taken: Collection[str], ending: str) -> st
     stems = [Path(name).stem for name in names if name != BAG_INDEX] or names
     alike = takewhile(lambda letters: len({*letters}) == 1, zip(*stems, strict=False))
     common = "".join(letters[0] for letters in alike).strip("-_. ")
-    shown = free(root, (common if len(common) > 2 else "run") + ending, {*taken})
+    free_name = free(root, (common if len(common) > 2 else "run") + ending, {*taken})
     (folder / MARK).unlink()
-    folder.rename(root / shown)
-    (root / shown).chmod(0o777 & ~umask())  # a folder for one person alone until then
-    return shown
+    folder.rename(root / free_name)
+    (root / free_name).chmod(0o777 & ~umask())  # a folder for one person alone until then
+    return free_name

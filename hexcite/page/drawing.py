@@ -60,8 +60,8 @@ def _views(lines: Lines, labels: Labels, boxes: Sequence[KeepOut], lengths: tupl
 
 def _drawn(groups: Mapping[str, Sequence[Array]], labels: Labels, near: float, axes: tuple[int, int]) -> Markup:
     """Lines and names in two axes as SVG, in the colours of the style sheet."""
-    seen = np.vstack([line[:, axes] for group in groups.values() for line in group])
-    low, high = seen.min(axis=0), seen.max(axis=0)
+    vertices = np.vstack([line[:, axes] for group in groups.values() for line in group])
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
     scale = float(min((np.array([WIDTH, HEIGHT]) - 2.0 * EDGE) / np.maximum(high - low, 1.0)))
     middle = (low + high) / 2.0
 

@@ -153,10 +153,10 @@ class Jobs:
 
     def _recall(self) -> None:
         """Takes over what earlier servers of the folder kept; what another one has under way is its own."""
-        for name, kept in self._journal.records().items():
+        for name, record in self._journal.records().items():
             with suppress(KeyError, TypeError, ValueError):
-                job = Job.of_record(name, kept)
-                if kept["state"] not in _OVER and alive(kept["server"]):
+                job = Job.of_record(name, record)
+                if record["state"] not in _OVER and alive(record["server"]):
                     continue
                 job.number = job.number if job.number not in self._all else max(self._all) + 1
                 if job.state == "killed" and job.output and (self.root / job.output).exists():
@@ -188,13 +188,13 @@ class Jobs:
 
     def of(self, machine: str, stage: str) -> list[Job]:
         """Jobs of a stage: all that are under way, and the latest that has ended."""
-        own = [job for job in self._all.values() if (job.machine, job.stage) == (machine, stage)]
-        return [job for k, job in enumerate(own) if not job.over or k == len(own) - 1]
+        jobs_of_stage = [job for job in self._all.values() if (job.machine, job.stage) == (machine, stage)]
+        return [job for k, job in enumerate(jobs_of_stage) if not job.over or k == len(jobs_of_stage) - 1]
 
     def latest(self, machine: str, word: str, about: str) -> Job | None:
         """The latest job of a machine that ran a command of this name for something."""
-        own = [job for job in self._all.values() if (job.machine, job.about) == (machine, about)]
-        return next((job for job in reversed(own) if job.command[0] == word), None)
+        jobs_of_machine = [job for job in self._all.values() if (job.machine, job.about) == (machine, about)]
+        return next((job for job in reversed(jobs_of_machine) if job.command[0] == word), None)
 
     def writing(self, output: str) -> Job | None:
         """The latest job that writes something of this name."""
@@ -254,7 +254,7 @@ class Jobs:
             assert process.stdout is not None
             assert process.stderr is not None
             try:
-                said, _, _ = await asyncio.gather(
+                output, _, _ = await asyncio.gather(
                     process.stdout.read(), self._listen(job, process.stderr), _alone(process)
                 )
                 code = await process.wait()
@@ -263,7 +263,7 @@ class Jobs:
                     os.killpg(process.pid, signal.SIGKILL)
                 raise
             with suppress(ValueError):
-                answer = json.loads(said)
+                answer = json.loads(output)
                 job.answer = None if answer.keys() == {"error"} else answer  # an error is among the messages
                 job.refused = answer.get("error") or {}
             self._end(job, self._state(job, code))

@@ -28,8 +28,8 @@ class Address(NamedTuple):
 
 def address_of(root: Path) -> Address:
     """The address that the page of a folder had; a new one where it had none, or others may read it."""
-    found = _read(root / PLACE / _ADDRESS, private=True)
-    port, token = found.get("port"), found.get("token")
+    record = _read(root / PLACE / _ADDRESS, private=True)
+    port, token = record.get("port"), record.get("token")
     if isinstance(port, int) and 0 < port <= 65535 and isinstance(token, str) and len(token) >= 20:
         return Address(port, token)
     return Address(0, secrets.token_urlsafe(24))
@@ -63,8 +63,8 @@ class Journal:
             return {}
         for name in names[:-MOST_RECORDS]:
             self.remove(name)
-        found = {name: _read(self.folder / f"{name}.json") for name in names[-MOST_RECORDS:]}
-        return {name: record for name, record in found.items() if record}
+        records = {name: _read(self.folder / f"{name}.json") for name in names[-MOST_RECORDS:]}
+        return {name: record for name, record in records.items() if record}
 
 
 def alive(process: object) -> bool:
@@ -88,10 +88,10 @@ def _read(file: Path, private: bool = False) -> dict[str, Any]:
             open_to_others = private and (about.st_mode & 0o077 or about.st_uid != os.getuid())
             if not stat.S_ISREG(about.st_mode) or about.st_size > MOST_BYTES or open_to_others:
                 return {}
-            found = json.loads(stream.read())
+            content = json.loads(stream.read())
     except (OSError, ValueError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return content if isinstance(content, dict) else {}
 
 
 def _write(file: Path, content: Mapping[str, Any]) -> None:

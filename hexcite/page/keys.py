@@ -47,9 +47,9 @@ def part_of(place: Place, data: Table) -> type[Part] | None:
             return None
         table = at(data, place[: k + 1])
         table = table[0] if isinstance(table, list) and table else table
-        own = {*table} if isinstance(table, Mapping) else set[str]()
+        keys = {*table} if isinstance(table, Mapping) else set[str]()
         part = max(
-            kinds, key=lambda kind: len(own & kind.model_fields.keys()) - 100 * len(own - kind.model_fields.keys())
+            kinds, key=lambda kind: len(keys & kind.model_fields.keys()) - 100 * len(keys - kind.model_fields.keys())
         )
     return part
 
@@ -104,7 +104,7 @@ def missing(data: Table, case: Case | None, content: str = "") -> dict[Place, An
     What stands in the file as a comment goes before all else. Of tables that it does not have at all, those that the
     case which is most like it has, `[tolerances]`, `[limits.margin]` and the joints of `[limits.motion]`.
     """
-    example, found = example_of(data), dict[Place, Any]()
+    example, examples = example_of(data), dict[Place, Any]()
     for place, table in _tables((), data):
         part = part_of(place, data)
         if part is None:
@@ -112,12 +112,12 @@ def missing(data: Table, case: Case | None, content: str = "") -> dict[Place, An
         for key in part.model_fields:
             if key in table or not _leaf(part, key) or not _fits(part, key, table, "chain" in data.get("machine", {})):
                 continue
-            found[(*place, key)] = typical(data, example, (*place, key), part)
+            examples[(*place, key)] = typical(data, example, (*place, key), part)
         for key, field in part.model_fields.items():
             if key not in table and not _leaf(part, key):
-                found |= _table(data, example, (*place, key), _parts(field.annotation)[0], case)
+                examples |= _table(data, example, (*place, key), _parts(field.annotation)[0], case)
     stated = commented(content)
-    return {place: stated.get(place, value) for place, value in found.items()}
+    return {place: stated.get(place, value) for place, value in examples.items()}
 
 
 def _table(data: Table, example: Table, place: Place, part: type[Part], case: Case | None) -> dict[Place, Any]:
@@ -133,9 +133,9 @@ def _table(data: Table, example: Table, place: Place, part: type[Part], case: Ca
         )
     if (place[0] == "workspace" and not at(data, ("machine", "home"))) or place[0] in ("sensor_frame", "machine"):
         return {}
-    given = at(example, place)
-    if isinstance(given, Mapping):
-        return dict(leaves(place, given))
+    example_value = at(example, place)
+    if isinstance(example_value, Mapping):
+        return dict(leaves(place, example_value))
     if place[0] in ("simulation", "payloads") or (len(place) > 1 and place[0] != "limits"):
         return {}
     keys = {key: field.default for key, field in part.model_fields.items() if _leaf(part, key)}
@@ -145,13 +145,13 @@ def _table(data: Table, example: Table, place: Place, part: type[Part], case: Ca
 
 
 def _joint_limits(data: Table, example: Table, place: Place) -> dict[Place, Any]:
-    found = dict[Place, Any]()
+    examples = dict[Place, Any]()
     for k, joint in enumerate(at(data, ("machine", "chain", "joints"))):
-        found[(*place, k, "name")] = joint.get("name", "")
+        examples[(*place, k, "name")] = joint.get("name", "")
         unit, si = ("mm", "m") if joint.get("kind") == "prismatic" else ("deg", "rad")
         for key in (f"position_{unit}", f"velocity_{unit}_s", f"acceleration_{si}_s2", f"jerk_{si}_s3"):
-            found[(*place, k, key)] = typical(data, example, (*place, k, key), JointLimit)
-    return found
+            examples[(*place, k, key)] = typical(data, example, (*place, k, key), JointLimit)
+    return examples
 
 
 def leaves(place: Place, value: Any) -> Iterator[tuple[Place, Any]]:

@@ -96,13 +96,13 @@ def tables(words: Words, answer: Mapping[str, Any], case: Case | None) -> tuple[
     if "files" not in settings:
         reasons = {key: why for file in reversed(files) for key, why in _reasons(words, file).items()}
         return (_table(words, "", "", answer["columns"], settings, reasons, _needed(case, answer["columns"])),)
-    made, begin = [], 0
+    forms_of_files, begin = [], 0
     for file in files:
-        own = answer["columns"][begin : (begin := begin + len(file["columns"]))]
+        columns = answer["columns"][begin : (begin := begin + len(file["columns"]))]
         if file["table"] is not None:
             stated, name = settings["files"][file["table"]], str(file["file"]).rpartition("/")[2]
-            made.append(_table(words, f"@{file['table']}", name, own, stated, _reasons(words, file), ()))
-    return tuple({table.mark: table for table in made}.values())
+            forms_of_files.append(_table(words, f"@{file['table']}", name, columns, stated, _reasons(words, file), ()))
+    return tuple({table.mark: table for table in forms_of_files}.values())
 
 
 def _table(
@@ -181,8 +181,8 @@ def chosen_settings(answer: Mapping[str, Any], fields: Fields) -> dict[str, Any]
         by_table: dict[int, set[str]] = {}
         begin = 0
         for file in answer["files"]:
-            own = answer["columns"][begin : (begin := begin + len(file["columns"]))]
-            by_table.setdefault(file["table"], set()).update(column["name"] for column in own)
+            columns = answer["columns"][begin : (begin := begin + len(file["columns"]))]
+            by_table.setdefault(file["table"], set()).update(column["name"] for column in columns)
         settings["files"] = [
             _with(dict(table), _of(fields, f"@{k}"), by_table.get(k, set()))
             for k, table in enumerate(settings["files"])
@@ -194,15 +194,15 @@ def chosen_settings(answer: Mapping[str, Any], fields: Fields) -> dict[str, Any]
     try:
         RecordingFormat.model_validate(settings)
     except ValidationError as error:
-        said = (str(problem["msg"]).removeprefix("Value error, ") for problem in error.errors())
-        raise Unfit.of(said) from error
+        messages = (str(problem["msg"]).removeprefix("Value error, ") for problem in error.errors())
+        raise Unfit.of(messages) from error
     return settings
 
 
 def _of(fields: Fields, mark: str) -> dict[str, str]:
     """The fields of one table by their names without its mark."""
-    own = (name for name in fields if name.partition("@")[1:] == (mark[:1], mark[1:]))
-    return {name.partition("@")[0]: field(fields, name) for name in own}
+    names = (name for name in fields if name.partition("@")[1:] == (mark[:1], mark[1:]))
+    return {name.partition("@")[0]: field(fields, name) for name in names}
 
 
 def _group(chosen: Mapping[str, str], kind: str) -> Iterator[tuple[str, str]]:

@@ -67,8 +67,8 @@ class Guard:
             return PlainTextResponse("This page answers at its own address only.", 421)
         if request.method in CHANGING and not self._of_this_page(request.headers):
             return PlainTextResponse("This comes from another page.", 403)
-        given = request.query_params.get("token")
-        if given is not None and request.method == "GET" and _same(given, self.token):
+        token = request.query_params.get("token")
+        if token is not None and request.method == "GET" and _same(token, self.token):
             answer = RedirectResponse(request.url.path, 303)
             answer.set_cookie(self.cookie, self.token, httponly=True, samesite="strict", path="/")
             return answer
@@ -107,10 +107,10 @@ def inside(root: Path, *parts: str) -> Path:
 
 def file_name(name: str) -> str:
     """A name of an uploaded file that is safe on every system; raises Outside where nothing is left of it."""
-    own = re.sub(r"[^\w.+-]+", "-", name.replace("\\", "/").rpartition("/")[2]).strip("-.")[-120:]
-    if not own:
+    cleaned = re.sub(r"[^\w.+-]+", "-", name.replace("\\", "/").rpartition("/")[2]).strip("-.")[-120:]
+    if not cleaned:
         raise Outside(name)
-    return own
+    return cleaned
 
 
 async def form_of(request: Request) -> dict[str, list[str]]:

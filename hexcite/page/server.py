@@ -63,13 +63,13 @@ def app_of(
     @asynccontextmanager
     async def life(app: Starlette) -> AsyncIterator[None]:
         page.jobs = Jobs(root, cores)
-        beside = [
+        tasks = [
             asyncio.create_task(page.warmed()),
             asyncio.create_task(_tidied(root)),
             asyncio.create_task(page.given_up()),
         ]
         yield
-        for task in beside:
+        for task in tasks:
             task.cancel()
         await page.jobs.close()
         page.runs.close()
@@ -104,18 +104,18 @@ async def _tidied(root: Path) -> None:
     """Clears the folder of what an earlier server, its commands or a browser left half finished; once more later."""
     for wait in (0.0, ABANDONED + 1.0):
         await asyncio.sleep(wait)
-        shown = await run_in_threadpool(_tidy, root)
-        for name in shown:
+        names = await run_in_threadpool(_tidy, root)
+        for name in names:
             print(f"{name}: from a command or upload that had ended before its time", file=sys.stderr, flush=True)
 
 
 def _tidy(root: Path) -> list[str]:
-    back: list[Path] = []
+    restored: list[Path] = []
     for folder in (root, *(each for each in root.iterdir() if not each.name.startswith("."))):
         if folder.is_dir() and not folder.is_symlink():
             with suppress(OSError):
-                back += tidy(folder)
-    return [*(path.relative_to(root).as_posix() for path in back), *left_over(root)]
+                restored += tidy(folder)
+    return [*(path.relative_to(root).as_posix() for path in restored), *left_over(root)]
 
 
 class _Page:
@@ -151,8 +151,10 @@ class _Page:
                 print(f"{name}: its browser went away before all files had come", file=sys.stderr, flush=True)
 
     def _language(self, request: Request) -> Language:
-        kept = request.cookies.get("hexcite-language")
-        return next((own for own in LANGUAGES if own == kept), language_of(request.headers.get("accept-language", "")))
+        cookie = request.cookies.get("hexcite-language")
+        return next(
+            (each for each in LANGUAGES if each == cookie), language_of(request.headers.get("accept-language", ""))
+        )
 
     def _rendered(self, request: Request, template: str, **values: Any) -> str:
         language = self._language(request)
@@ -161,8 +163,8 @@ class _Page:
             return text(key, language, **places)
 
         self.answered.set()
-        own = {"t": say, "w": Words(language), "language": language, "root": str(self.root)}
-        return self.templates.get_template(template).render(**own, **values)
+        always = {"t": say, "w": Words(language), "language": language, "root": str(self.root)}
+        return self.templates.get_template(template).render(**always, **values)
 
     def _context(self, request: Request) -> Context:
         machine = machine_of(self.root, request.path_params["key"])
@@ -192,8 +194,8 @@ class _Page:
         query = dict(request.query_params)
         language = self._language(request)
         values = await run_in_threadpool(views.stage, context, stage, query, language)
-        said = request.query_params.getlist("said")
-        whole = {"jobs": jobs, "error": "", "saved": False, "said": said, **values, **more}
+        sentences = request.query_params.getlist("said")
+        whole = {"jobs": jobs, "error": "", "saved": False, "said": sentences, **values, **more}
         return HTMLResponse(self._rendered(request, f"{stage}.html.jinja", stage=stage, **whole), status)
 
     async def act(self, request: Request) -> Response:
@@ -228,11 +230,11 @@ class _Page:
 
         saved = await run_in_threadpool(save, context, fields)
         if saved.refused is None:
-            said = "".join(f"&said={quote(sentence, safe='')}" for sentence in saved.converted[:20])
-            return RedirectResponse(f"/m/{quote(context.machine.key, safe='+')}/machine?saved=1{said}", 303)
+            sentences = "".join(f"&said={quote(sentence, safe='')}" for sentence in saved.converted[:20])
+            return RedirectResponse(f"/m/{quote(context.machine.key, safe='+')}/machine?saved=1{sentences}", 303)
         error = context.words.refused(saved.refused)
-        given = given_values(fields)
-        return await self._stage(request, context, "machine", 409, error=error, given=given)
+        values = given_values(fields)
+        return await self._stage(request, context, "machine", 409, error=error, given=values)
 
     async def space(self, request: Request) -> Response:
         """What draws a machine in 3-D, in an origin of its own; scenes are sent to it."""
@@ -274,7 +276,7 @@ class _Page:
         fields = await form_of(request)
         back = field(fields, "back", "/")
         answer = RedirectResponse(back if back.startswith("/") and not back.startswith(("//", "/\\")) else "/", 303)
-        language = next((own for own in LANGUAGES if own == field(fields, "language")), "en")
+        language = next((each for each in LANGUAGES if each == field(fields, "language")), "en")
         answer.set_cookie("hexcite-language", language, max_age=31_536_000, httponly=True, samesite="strict")
         return answer
 
@@ -382,8 +384,8 @@ class _Page:
             raise HTTPException(404)
         content, version = self.static_files[name]
         asked = request.query_params.get("v") == version
-        kept = "private, max-age=31536000, immutable" if asked else "no-cache"
-        return Response(content, media_type=STATIC[name], headers={"cache-control": kept})
+        caching = "private, max-age=31536000, immutable" if asked else "no-cache"
+        return Response(content, media_type=STATIC[name], headers={"cache-control": caching})
 
     async def lost(self, request: Request, error: Exception) -> Response:
         """A place that there is not, or that a browser may not name."""
@@ -392,8 +394,8 @@ class _Page:
 
     async def unfit(self, request: Request, error: Exception) -> Response:
         """A form with a field that cannot be used."""
-        said = Words(self._language(request)).refused(error) if isinstance(error, Refusal) else ""
-        return HTMLResponse(self._rendered(request, "lost.html.jinja", message=said), 400)
+        message = Words(self._language(request)).refused(error) if isinstance(error, Refusal) else ""
+        return HTMLResponse(self._rendered(request, "lost.html.jinja", message=message), 400)
 
 
 def _event(kind: str, data: str) -> str:
@@ -437,10 +439,10 @@ def serve(root: Path, host: str, port: int, address: Address, opened: Callable[[
             code=Code.NOT_WRITABLE,
         ) from error
     port = listener.getsockname()[1]
-    shown = f"[{host}]" if ":" in host else host
+    host_in_address = f"[{host}]" if ":" in host else host
     if host == "127.0.0.1":
         keep_address(root, Address(port, token))
-    names = {f"{shown}:{port}"} | ({f"localhost:{port}"} if host in ("127.0.0.1", "::1") else set())
+    names = {f"{host_in_address}:{port}"} | ({f"localhost:{port}"} if host in ("127.0.0.1", "::1") else set())
     app = app_of(root, frozenset(names), token, f"hexcite-{port}")
     server = uvicorn.Server(uvicorn.Config(app, log_level="warning", access_log=False, timeout_graceful_shutdown=3))
 
@@ -449,7 +451,7 @@ def serve(root: Path, host: str, port: int, address: Address, opened: Callable[[
         while not server.started and not task.done():
             await asyncio.sleep(0.02)
         if server.started:
-            opened(f"http://{shown}:{port}/?token={token}")
+            opened(f"http://{host_in_address}:{port}/?token={token}")
         await task
 
     with suppress(KeyboardInterrupt, Interrupted):  # which uvicorn passes on once it has ended

@@ -76,8 +76,8 @@ def machine_of(root: Path, key: str) -> Machine | None:
 def own_machines(root: Path) -> list[Machine]:
     """The cases in the folders of the root."""
     files = sorted(root.glob(f"*/{CASE_FILE}"))[:MOST]
-    found = (machine_of(root, f"+{file.parent.name}") for file in files)
-    return [machine for machine in found if machine is not None]
+    machines = (machine_of(root, f"+{file.parent.name}") for file in files)
+    return [machine for machine in machines if machine is not None]
 
 
 def built_in() -> list[Machine]:
@@ -216,15 +216,15 @@ def workspace(root: Path, machine: Machine) -> Workspace:
         if path.name.startswith(".") or not path.is_file() or suffix not in PROGRAMS | RECORDINGS:
             continue
         status = path.stat()
-        found = _plan_of(str(path), status.st_mtime_ns, status.st_size) if suffix in PROGRAMS else ""
-        plan = next((plan.name for plan in plans if found and plan.fingerprint.startswith(found)), "")
+        fingerprint = _plan_of(str(path), status.st_mtime_ns, status.st_size) if suffix in PROGRAMS else ""
+        plan = next((plan.name for plan in plans if fingerprint and plan.fingerprint.startswith(fingerprint)), "")
         if suffix == ".json" and _is_message(str(path), status.st_mtime_ns, status.st_size):
             begun = [plan.name for plan in plans if path.stem.startswith(plan.name)]
             plan = max(begun, key=len, default="")  # a message of JSON has no place for a fingerprint
         if plan:
             programs.append(Program(path.name, plan, status.st_mtime))
         elif (
-            not found
+            not fingerprint
             and suffix in RECORDINGS
             and not path.name.endswith("-force.csv")
             and not _made_here(str(path), status.st_mtime_ns, status.st_size)
@@ -294,10 +294,10 @@ def _plan_of(file: str, time_ns: int, size: int) -> str:
     """The fingerprint of the plan that a program names; empty where it names none."""
     try:
         with open(file, "rb") as stream:
-            found = _PLAN_HASH.search(stream.read(4096))
+            match = _PLAN_HASH.search(stream.read(4096))
     except OSError:
         return ""
-    return found[1].decode() if found else ""
+    return match[1].decode() if match else ""
 
 
 @lru_cache(1024)

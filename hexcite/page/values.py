@@ -115,9 +115,9 @@ def _usual(data: Mapping[str, Any], example: Mapping[str, Any], place: Place, pa
 
 def _entry(place: Place, value: Any, part: type[Part] | None, mark: str, doubts: Iterable[Doubt] = ()) -> Entry:
     key = str(place[-1])
-    shown = "" if value is None else value if isinstance(value, str) else toml_value(value)
+    value_text = "" if value is None else value if isinstance(value, str) else toml_value(value)
     dotted = re.sub(r"\[\d+\]", "", named(place))
-    own = tuple(
+    doubts_of_key = tuple(
         doubt
         for doubt in doubts
         if any(named(place) == of or dotted == re.sub(r"\[\d+\]", "", of) for of in _keys(doubt))
@@ -128,17 +128,19 @@ def _entry(place: Place, value: Any, part: type[Part] | None, mark: str, doubts:
     field = None if part is None else part.model_fields.get(key)
     needed = mark == "missing" and field is not None and is_needed(field)
     words = words_of(part).get(key, "")
-    return Entry(named(place), key, noun(key), str(shown), words, mark, choices, ways, needed, own, _owners(part))
+    return Entry(
+        named(place), key, noun(key), str(value_text), words, mark, choices, ways, needed, doubts_of_key, _owners(part)
+    )
 
 
 def _keys(doubt: Doubt) -> list[str]:
     """Keys of a doubt one by one: of those that it is about together, each with the table that they share."""
-    found = list[str]()
+    keys = list[str]()
     for key in doubt.keys:
         table, _, _ = key.partition(",")[0].rpartition(".")
         first, *others = key.split(", ")
-        found += [first, *(f"{table}.{other}" for other in others)]
-    return found
+        keys += [first, *(f"{table}.{other}" for other in others)]
+    return keys
 
 
 def named(place: Place) -> str:
@@ -178,9 +180,9 @@ def edited(content: str, fields: Mapping[str, str], file: Path = Path(CASE_FILE)
         fields: `v.NAME` the text of a value, `u.NAME` the name of the spelling that it is in, `on.NAME` any text where
             a key, or all of a table, is to be added with the text `w.NAME`.
     """
-    wanted, converted = changed(content, fields)
+    tables, converted = changed(content, fields)
     try:
-        return Written(with_values(file, content, wanted), converted)
+        return Written(with_values(file, content, tables), converted)
     except HexciteError as error:
         raise Refused.of(error.lines) from error
 
@@ -188,7 +190,7 @@ def edited(content: str, fields: Mapping[str, str], file: Path = Path(CASE_FILE)
 def changed(content: str, fields: Mapping[str, str]) -> tuple[dict[str, Any], tuple[str, ...]]:
     """The tables of a case file with other values, and what was converted; fields and errors as `edited`."""
     data = tomllib.loads(content)
-    wanted, converted = copy.deepcopy(data), list[str]()
+    tables, converted = copy.deepcopy(data), list[str]()
     there = {named(place): (place, value) for place, value in leaves((), data)}
     on = [name[3:] for name in fields if name.startswith("on.")]
     more = missing(data, None, content) if on else {}
@@ -214,12 +216,12 @@ def changed(content: str, fields: Mapping[str, str]) -> tuple[dict[str, Any], tu
         if way is not None and (way.factor != 1.0 or way.key != place[-1]):
             after = _scaled(after, way.factor)
             converted.append(f"{named((*place[:-1], way.key))} = {toml_value(after)} ({text.strip()} {way.unit})")
-            _drop(wanted, place)
+            _drop(tables, place)
             place = (*place[:-1], way.key)
         elif kind == "v" and after == before:
             continue
-        _put(wanted, place, after)
-    return wanted, tuple(converted)
+        _put(tables, place, after)
+    return tables, tuple(converted)
 
 
 def write_motion_box(file: Path, box: Mapping[str, Any]) -> None:

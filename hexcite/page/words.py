@@ -53,8 +53,8 @@ class Words:
     def _of(self, table: Mapping[str, str], names: Iterable[str], english: str) -> Markup:
         if self._own:
             return escape(english)
-        found = next((table[name] for name in names if name in table), None)
-        return self.quoted(english) if found is None else escape(found)
+        entry = next((table[name] for name in names if name in table), None)
+        return self.quoted(english) if entry is None else escape(entry)
 
     def limit(self, name: str, place: str = "") -> str:
         """A limit by its name, with the strut, joint or body that comes closest."""
@@ -128,8 +128,8 @@ class Words:
 
     def clause(self, entries: object, english: str) -> Markup:
         """A clause by its code, else as a quotation."""
-        found = self.by_code(entries)
-        return self.quoted(english) if found is None else found
+        sentence = self.by_code(entries)
+        return self.quoted(english) if sentence is None else sentence
 
     def error(self, error: Mapping[str, Any]) -> Markup | None:
         """A refusal of a command by its codes, with its place; None where its sentence has none."""
@@ -141,8 +141,8 @@ class Words:
             parts.append(self.clause(phrases.get("remedy"), str(error["remedy"])))
         if parts[0] is None:
             return None
-        said = Markup("; ").join(each for each in parts if each is not None)
-        return Markup("{}: {}").format(error["place"], said) if error.get("place") else said
+        sentence = Markup("; ").join(each for each in parts if each is not None)
+        return Markup("{}: {}").format(error["place"], sentence) if error.get("place") else sentence
 
     def refusal(self, code: str) -> str:
         """What a refused command lacks; empty in English, whose sentence says it."""

@@ -87,9 +87,9 @@ def _of_the_template(case: Case) -> Iterator[str]:
     template = case.template or _likely_template(case)
     if template is None:
         return
-    own, other = (_by_table(values(of, _TABLES)) for of in (case, load_case(template)))
+    values_of_case, other = (_by_table(values(of, _TABLES)) for of in (case, load_case(template)))
     whole, keys = list[str](), list[str]()
-    for table, leaves in sorted(own.items(), key=lambda item: _TABLES.index(item[0])):
+    for table, leaves in sorted(values_of_case.items(), key=lambda item: _TABLES.index(item[0])):
         same = [f"{table}.{key}" for key, value in leaves.items() if other.get(table, {}).get(key) == value]
         if len(same) == len(leaves):
             whole.append(table)
@@ -109,9 +109,11 @@ def _is_zero(value: Any) -> bool:
 
 def _likely_template(case: Case) -> str | None:
     """The built-in case of which a case has the most whole tables; None where it has none."""
-    own = {name: table for name in _TABLES if len(table := values(case, [name])) > 2}  # two values may well be the same
+    tables = {
+        name: table for name in _TABLES if len(table := values(case, [name])) > 2
+    }  # two values may well be the same
     whole = {
-        other: sum(len(table) for name, table in own.items() if table == values(load_case(other), [name]))
+        other: sum(len(table) for name, table in tables.items() if table == values(load_case(other), [name]))
         for other in built_in_cases()
         if other != case.name
     }

@@ -345,9 +345,9 @@ def _pages(stated: Mapping[str, Any], title: str) -> Iterator[Any]:
         scale, unit = legible(of_name["unit"])
         value, expanded = of_name["value"] * scale, of_name["U"] * scale
         sheet.need(1)
-        given = expanded <= 1e-9 * abs(value)
+        exact = expanded <= 1e-9 * abs(value)
         texts = (
-            (f"{value:.6g}", text("given", language)) if given else (value_text(value, expanded), std_text(expanded))
+            (f"{value:.6g}", text("given", language)) if exact else (value_text(value, expanded), std_text(expanded))
         )
         cells = [(LEFT, parameter_words(name) if english else parameter(name)), *zip(ends[1:], texts, strict=True)]
         sheet.put(cells, ends=True)

@@ -107,11 +107,13 @@ def acceleration_blocks(groups: Sequence[Sequence[Entry]]) -> tuple[Block, ...]:
         motion = next((e.motion for e in group if e.motion is not None), None)
         runs = [e for e in group if e.measured is not None and e.measured.estimate is not None]
         for k, entry in enumerate(runs):
-            made = None if entry.measured is None else entry.measured.estimate
-            measured = None if made is None else measured_accelerations(made)
-            if made is None or measured is None:
+            estimate = None if entry.measured is None else entry.measured.estimate
+            measured = None if estimate is None else measured_accelerations(estimate)
+            if estimate is None or measured is None:
                 continue
-            planned = None if made.planned is None else planned_accelerations(entry.conditions.case, *made.planned)
+            planned = (
+                None if estimate.planned is None else planned_accelerations(entry.conditions.case, *estimate.planned)
+            )
             blocks += acceleration_charts(measured, planned, f"-{number}-{k}", entry.name)
         if not runs and motion is not None:
             planned = planned_accelerations(group[0].conditions.case, motion)

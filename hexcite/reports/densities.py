@@ -59,15 +59,15 @@ def compared_densities(entries: Sequence[Entry]) -> tuple[Chart, ...]:
     """Densities of mass and centre of gravity of each entry, one beside the other: about values, of plans about 0."""
     charts = []
     for name in SHOWN:
-        own = [(k, e, e.parameters[name]) for k, e in enumerate(entries) if name in e.parameters]
-        own = [(k, e, value) for k, e, value in own if value.reported > 0.0]
-        if not own:
+        densities = [(k, e, e.parameters[name]) for k, e in enumerate(entries) if name in e.parameters]
+        densities = [(k, e, value) for k, e, value in densities if value.reported > 0.0]
+        if not densities:
             continue
-        scale, unit = legible(own[0][2].unit)
-        middles = [v.value * scale for _, _, v in own if np.isfinite(v.value)]
+        scale, unit = legible(densities[0][2].unit)
+        middles = [v.value * scale for _, _, v in densities if np.isfinite(v.value)]
         middle = float(np.mean(middles)) if middles else 0.0
         series = []
-        for k, entry, value in own:
+        for k, entry, value in densities:
             std, at = value.reported * scale, value.value * scale if np.isfinite(value.value) else middle
             x = at + np.linspace(-WIDTH, WIDTH, POINTS) * std
             dash: Dash = "solid" if entry.level == "identified" else "dash"

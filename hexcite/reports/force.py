@@ -19,8 +19,8 @@ def force_charts(force: ExternalForce) -> list[Chart]:
     still = force.origin is None
     x = Axis("standstill" if still else "time [s]")
     charts = []
-    for name, words, own, unit in _GROUPS:
-        wrench, reach = force.wrench[:, own], force.expanded[:, own]
+    for name, words, components, unit in _GROUPS:
+        wrench, reach = force.wrench[:, components], force.expanded[:, components]
         ends = (lines(force.t, wrench + sign * reach, "xyz", 0.7, "dot") for sign in (-1.0, 1.0))
         series = (*lines(force.t, wrench, "xyz", dots=still), *(line for end in ends for line in end))
         caption = f"{words.format(force.frame)} Dotted: U (k = 2) below and above."
@@ -36,8 +36,8 @@ def unit_of_component(name: str) -> str:
 def force_page(force: ExternalForce) -> str:
     """The page of external force and moment over a recording."""
     rows, largest = [], []
-    for name, _, own, unit in _GROUPS:
-        rms, peak, reach = force.rms[own], force.peak[own], force.typical_expanded[own]
+    for name, _, components, unit in _GROUPS:
+        rms, peak, reach = force.rms[components], force.peak[components], force.typical_expanded[components]
         rows += [
             (
                 f"{name} {axis}", value_text(float(r), float(r) / 10.0), value_text(float(p), float(r) / 10.0),

@@ -35,10 +35,10 @@ def history_page(of: History) -> str:
     """The page of a history."""
     head, *rows = of.rows()
     first, last = of.entries[0].when, of.entries[-1].when
-    said = of.findings or ("Nothing leaps or drifts beyond its deviation.",)
+    sentences = of.findings or ("Nothing leaps or drifts beyond its deviation.",)
     return page(
         "History",
-        Head(f"{said[0][0].upper()}{said[0][1:]}", not of.findings, of.case, ()),
+        Head(f"{sentences[0][0].upper()}{sentences[0][1:]}", not of.findings, of.case, ()),
         f"{of.words.capitalize()} of {of.case} from {first:%Y-%m-%d %H:%M} to {last:%Y-%m-%d %H:%M}. A leap is a "
         "change between two results that follow each other, with the same payload, beyond what their own noise and "
         "the tolerances allow.",

@@ -50,16 +50,16 @@ def identifiability_blocks(models: Sequence[Identifiability], own: int) -> tuple
         )
         for m in models
     ]
-    said: dict[str, list[str]] = {}
+    sentences: dict[str, list[str]] = {}
     for m in models:
         for sentence in m.sentences:
-            said.setdefault(sentence, []).append(str(m.model))
+            sentences.setdefault(sentence, []).append(str(m.model))
     (used,) = (m for m in models if m.model == own)
     return (
         table(("model", "works", "rank", "condition"), rows, left=2),
         *(
             note(f"Model{'s' * (len(numbers) > 1)} {', '.join(numbers)}: {sentence}.")
-            for sentence, numbers in said.items()
+            for sentence, numbers in sentences.items()
         ),
         note(
             "By the motion alone, without forces, all channels weighed alike. Models 0 to 9: Table 2; 10: model 3 with "

@@ -67,8 +67,8 @@ def identify_page(result: Result) -> str:
     if densities := density_charts(result.parameters):
         sections.append(section("Normal densities of the parameters (Table 5)", *densities))
     if residuals is not None:
-        told = identifiability_blocks(identifiability_of_models(result), record.model)
-        sections.append(section("Which parameters can be told apart", *told))
+        blocks_of_models = identifiability_blocks(identifiability_of_models(result), record.model)
+        sections.append(section("Which parameters can be told apart", *blocks_of_models))
     return page(
         f"Identification: {case.heading}",
         identified_head(result),
@@ -239,11 +239,11 @@ def residual_charts(case: Case, residuals: Residuals) -> list[Chart]:
 
 def acceleration_blocks(result: Result) -> tuple[Block, ...]:
     """Accelerations of the run beside those of its plan (Figure 5); none where nothing moves."""
-    made = result.estimate
-    measured = None if made is None else measured_accelerations(made)
-    if made is None or measured is None:
+    estimate = result.estimate
+    measured = None if estimate is None else measured_accelerations(estimate)
+    if estimate is None or measured is None:
         return ()
-    planned = None if made.planned is None else planned_accelerations(result.case, *made.planned)
+    planned = None if estimate.planned is None else planned_accelerations(result.case, *estimate.planned)
     words = () if planned is None else (note(f"{summary(measured, planned)}."),)
     return (*acceleration_charts(measured, planned), *words)
 
@@ -256,10 +256,10 @@ def misfit_blocks(result: Result) -> tuple[Block, ...]:
         if effects := finding.quantity.get("systematic"):
             rows = [(e["follows"], e["as_with"], f"{100 * e['share']:.2g} %", f"{e['chance']:.0e}") for e in effects]
             blocks.append(table(("residuals follow", "as with", "share of their power", "chance of it by noise"), rows))
-    made = result.estimate
-    stated = None if made is None else stated_noise(made.samples, made.fit, result.case)
-    if made is not None and stated is not None:
-        noise = noise_of_channels(made.samples, made.fit)
+    estimate = result.estimate
+    stated = None if estimate is None else stated_noise(estimate.samples, estimate.fit, result.case)
+    if estimate is not None and stated is not None:
+        noise = noise_of_channels(estimate.samples, estimate.fit)
         rows = [
             (name, f"{n:.3g}", f"{s:.3g}", f"{n / s:.2g}") for name, n, s in zip(channels, noise, stated, strict=True)
         ]

@@ -77,18 +77,18 @@ def look_pages(report: Look) -> Iterator[Figure]:
     rows = np.arange(1.0, report.rows + 1.0) if clock is None else clock.values
     count = -(-len(panels) // MOST_PANELS)
     for page in range(count):
-        shown = panels[page * MOST_PANELS : (page + 1) * MOST_PANELS]
-        figure = Figure(figsize=(_WIDTH, _PANEL * len(shown) + 0.8), layout="constrained")
+        panels_of_page = panels[page * MOST_PANELS : (page + 1) * MOST_PANELS]
+        figure = Figure(figsize=(_WIDTH, _PANEL * len(panels_of_page) + 0.8), layout="constrained")
         title = f"{report.file.name}, page {page + 1} of {count}" if count > 1 else report.file.name
         figure.suptitle(_escaped(title), fontsize="medium")
-        own = any(column.t is not None for panel in shown for column in panel.columns)
-        every = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
-        for axes, panel in zip(every, shown, strict=True):
+        own_clocks = any(column.t is not None for panel in panels_of_page for column in panel.columns)
+        every = figure.subplots(len(panels_of_page), 1, sharex=True, squeeze=False)[:, 0]
+        for axes, panel in zip(every, panels_of_page, strict=True):
             for column in panel.columns:
                 axes.plot(*_line(rows if column.t is None else column.t, column.values), lw=0.8, label=_label(column))
             axes.set_ylabel(_escaped(panel.title))
             axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="x-small", frameon=False)
-        every[-1].set_xlabel("t [s]" if own else _escaped(axis))
+        every[-1].set_xlabel("t [s]" if own_clocks else _escaped(axis))
         yield figure
 
 

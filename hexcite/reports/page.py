@@ -175,8 +175,8 @@ def page(
         inputs: what it was done with, versions too: names and values.
         warnings: stand first.
     """
-    given = [Markup("<li>{}</li>").format(explained(warning)) for warning in warnings]
-    listed = Markup('<ul class="warnings" aria-label="warnings">\n{}\n</ul>').format(_joined(given)) if given else ""
+    items = [Markup("<li>{}</li>").format(explained(warning)) for warning in warnings]
+    listed = Markup('<ul class="warnings" aria-label="warnings">\n{}\n</ul>').format(_joined(items)) if items else ""
     last = section("Inputs and versions", table(("input", "value"), inputs, left=2))
     files = resources.files("hexcite.reports") / "templates"
     parts = {name: Markup((files / f"page.{name}").read_text(encoding="utf-8")) for name in ("css", "js", "html")}

@@ -57,12 +57,12 @@ def _both(payload: Payload) -> tuple[Result, Result]:
 def _largest(payload: Payload) -> list[tuple[str, str]]:
     """Mass and centre of gravity with their deviations, as tiles."""
     words = {"m": "mass", "xC": "centre of gravity, x", "yC": "centre of gravity, y", "zC": "centre of gravity, z"}
-    shown = []
+    rows = []
     for name, text in words.items():
         if (value := payload.parameters.get(name)) is not None:
             scale, unit = legible(value.unit)
-            shown.append((f"{with_deviation(value.value * scale, value.reported * scale)} {unit}", text))
-    return shown
+            rows.append((f"{with_deviation(value.value * scale, value.reported * scale)} {unit}", text))
+    return rows
 
 
 def _parameters(parameters: Mapping[str, Value]) -> Block:

@@ -23,7 +23,7 @@ def case_figure(case: Case) -> Figure:
     figure = Shown(figsize=(13, 8), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(1.25, 1.0))
     space: Axes3D = figure.add_subplot(grid[:, 0], projection="3d")
-    above, beside = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
+    above, side = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
     lines, labels, boxes = outline(case)
     points = np.vstack([line for _, group in lines.values() for line in group])
     corners = room(points.min(axis=0), points.max(axis=0), boxes)
@@ -32,22 +32,22 @@ def case_figure(case: Case) -> Figure:
         for k, line in enumerate(group):
             space.plot(*line.T, color=colour, label=None if k else name)
             above.plot(*line.T[[0, 1]], color=colour, linewidth=1.0)
-            beside.plot(*line.T[[0, 2]], color=colour, linewidth=1.0)
+            side.plot(*line.T[[0, 2]], color=colour, linewidth=1.0)
     for place, text in labels:
         space.text(*place, text)
     space.set(xlabel="x [mm]", ylabel="y [mm]", zlabel="z [mm]", title=f"{case.name} in {{B}}\n{where(case)}")
     space.set_aspect("equal", adjustable="datalim")
     space.legend(loc="upper left")
     above.set(xlabel="x [mm]", ylabel="y [mm]", title="from above")
-    beside.set(xlabel="x [mm]", ylabel="z [mm]", title="from the side, along y")
+    side.set(xlabel="x [mm]", ylabel="z [mm]", title="from the side, along y")
     size = float(np.ptp(points, axis=0).max())
-    for axes, seen in ((above, [0, 1]), (beside, [0, 2])):
-        for (x, y), text in together([(place[seen], text) for place, text in labels], SAME_PLACE * size):
+    for axes, axes_of_view in ((above, [0, 1]), (side, [0, 2])):
+        for (x, y), text in together([(place[axes_of_view], text) for place, text in labels], SAME_PLACE * size):
             axes.annotate(text, (x, y), xytext=(3, 3), textcoords="offset points", fontsize="small")
         axes.set_aspect("equal", adjustable="datalim")
         axes.grid(color="0.9")
     if case.chain is None:
-        _dimensions(case, above, beside, figure)
+        _dimensions(case, above, side, figure)
     return figure
 
 

@@ -171,8 +171,8 @@ def shown_alone(scene: Scene) -> Scene:
 def _shown(moving: Scene, keep_out: Sequence[KeepOut]) -> Scene:
     """The scene with the ends of its axes, its boxes, and the axes of poses."""
     motion, parts, steps = moving, moving.parts, moving.steps
-    shown = np.unique(np.linspace(0, len(motion.t) - 1, min(len(motion.t), 60)).astype(int))
-    points = np.vstack([moving.path, *(line for k in shown for part in parts for line in part.placed(moving, k))])
+    frames = np.unique(np.linspace(0, len(motion.t) - 1, min(len(motion.t), 60)).astype(int))
+    points = np.vstack([moving.path, *(line for k in frames for part in parts for line in part.placed(moving, k))])
     triads = _triads(moving, TRIAD * float(np.ptp(points, axis=0).max())) if steps else ()
     points = np.vstack([points, *(line for part in triads for line in part.placed(moving, 0))])
     low, high = room(points.min(axis=0), points.max(axis=0), keep_out)
@@ -279,9 +279,9 @@ def frames_at_sensor(chain: Chain) -> tuple[tuple[str, Array], ...]:
 
 def room(low: Array, high: Array, boxes: Iterable[KeepOut]) -> tuple[Array, Array]:
     """Corners, shape (3,) [mm], of a picture that shows boxes too, as far as they stand beside a machine."""
-    beside, corners = BESIDE * (high - low), [box.corners / MM for box in boxes]
-    first = np.min([low, *(np.clip(least, low - beside, low) for least, _ in corners)], axis=0)
-    last = np.max([high, *(np.clip(most, high, high + beside) for _, most in corners)], axis=0)
+    margin, corners = BESIDE * (high - low), [box.corners / MM for box in boxes]
+    first = np.min([low, *(np.clip(least, low - margin, low) for least, _ in corners)], axis=0)
+    last = np.max([high, *(np.clip(most, high, high + margin) for _, most in corners)], axis=0)
     return first, last
 
 

@@ -115,14 +115,14 @@ def _draw(axes: Axes, chart: Chart) -> None:
 
 
 def _set_axis(axes: Axes, letter: str, axis: Axis, heat: bool) -> None:
-    own = axes.xaxis if letter == "x" else axes.yaxis
-    own.set_label_text(_plain(axis.title))
+    this_axis = axes.xaxis if letter == "x" else axes.yaxis
+    this_axis.set_label_text(_plain(axis.title))
     if axis.logarithmic:
         (axes.set_xscale if letter == "x" else axes.set_yscale)("log")
     if axis.names:
-        own.set_ticks(list(range(len(axis.names))), labels=[_plain(name) for name in axis.names])
-        own.set_tick_params(labelrotation=axis.tilt, labelsize=7)
-        own.grid(visible=False)
+        this_axis.set_ticks(list(range(len(axis.names))), labels=[_plain(name) for name in axis.names])
+        this_axis.set_tick_params(labelrotation=axis.tilt, labelsize=7)
+        this_axis.grid(visible=False)
     if axis.ends is not None:
         (axes.set_xlim if letter == "x" else axes.set_ylim)(*axis.ends)
     elif letter == "x" and not axis.names and axes.lines and not heat:
@@ -137,14 +137,14 @@ def machine_picture(scene: Scene) -> str:
 def machine_figure(scene: Scene) -> Figure:
     """A machine at the start of its path, with the path; in some of its poses, where it has such."""
     count = min(MOST_PICTURES, len(scene.t)) if scene.steps else 1
-    shown = np.unique(np.linspace(0, len(scene.t) - 1, count).round().astype(int)) if scene.steps else np.zeros(1, int)
-    columns = min(3, len(shown))
-    side = SIDE if len(shown) > 1 else ALONE
+    frames = np.unique(np.linspace(0, len(scene.t) - 1, count).round().astype(int)) if scene.steps else np.zeros(1, int)
+    columns = min(3, len(frames))
+    side = SIDE if len(frames) > 1 else ALONE
     with mpl.rc_context(STYLE):
-        figure = Shown(figsize=(columns * side, -(-len(shown) // columns) * side), layout="constrained")
-        for place, k in enumerate(shown, 1):
-            axes: Axes3D = figure.add_subplot(-(-len(shown) // columns), columns, place, projection="3d")
-            _draw_machine(axes, scene, int(k), small=len(shown) > 1)
+        figure = Shown(figsize=(columns * side, -(-len(frames) // columns) * side), layout="constrained")
+        for place, k in enumerate(frames, 1):
+            axes: Axes3D = figure.add_subplot(-(-len(frames) // columns), columns, place, projection="3d")
+            _draw_machine(axes, scene, int(k), small=len(frames) > 1)
         handles, names = figure.axes[0].get_legend_handles_labels()
         figure.legend(handles, names, loc="outside upper left", ncols=6)
     return figure

@@ -50,9 +50,11 @@ def validation_page(validation: Validation) -> str:
     for trial in validation.trials:
         by_method.setdefault(trial.method, []).append(trial)
     tables: list[Block] = []
-    for method, own in by_method.items():
-        words = f"{method} ({METHODS[method].label}), {own[0].duration:.1f} s, model {own[0].estimate.model.number}"
-        tables += [note(words), table(TABLE_7, table_7(own))]
+    for method, trials in by_method.items():
+        words = (
+            f"{method} ({METHODS[method].label}), {trials[0].duration:.1f} s, model {trials[0].estimate.model.number}"
+        )
+        tables += [note(words), table(TABLE_7, table_7(trials))]
     entries = comparison.entries
     mounted = ", ".join(dict.fromkeys(f"{trial.load:.0f}" for trial in validation.trials))
     return page(
@@ -84,7 +86,7 @@ def growth_chart(validation: Validation) -> Chart:
     caption = "s0 over the load: vibration and errors of the pose make it grow with the mass that is moved."
     series = []
     for k, method in enumerate(dict.fromkeys(trial.method for trial in validation.trials)):
-        own = [trial for trial in validation.trials if trial.method == method]
-        loads, s0 = np.array([t.load for t in own]), np.array([t.s0 for t in own])
+        trials = [trial for trial in validation.trials if trial.method == method]
+        loads, s0 = np.array([t.load for t in trials]), np.array([t.s0 for t in trials])
         series.append(Line(loads, s0, method, colour(k), dots=True))
     return Chart("s0", caption, tuple(series), Axis("load [kg]"), Axis("s0 [N]", logarithmic=True), height=340)

@@ -158,14 +158,14 @@ def _security(address: str, certificates: Path | None) -> "Security":
     from distributed.security import Security
 
     if certificates is None:
-        own = Security(require_encryption=True)  # of Dask's own configuration
-        if not all(getattr(own, name) for name in OF_TLS):
+        security = Security(require_encryption=True)  # of Dask's own configuration
+        if not all(getattr(security, name) for name in OF_TLS):
             raise HexciteError(
                 problem=f"scheduler {address} wants certificates",
                 remedy=f"name their folder, with {', '.join(OF_TLS.values())}, with {option('certificates')}",
                 code=Code.MISSING,
             )
-        return own
+        return security
     files = {name: certificates / file for name, file in OF_TLS.items()}
     for file in files.values():
         if not file.is_file():

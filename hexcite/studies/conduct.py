@@ -69,9 +69,9 @@ def groups(rows: "pa.Table") -> list[SettingsGroup]:
         "cell": "count_distinct", "converged": "mean", "iterations": "mean", "seconds": "sum", "parameters": "sum",
         "inside_95": "sum", "score": "list", "d_efficiency": "list",
     }  # fmt: skip
-    found = rows.group_by(GROUPED).aggregate(list(figures.items())).sort_by([(name, "ascending") for name in GROUPED])
+    table = rows.group_by(GROUPED).aggregate(list(figures.items())).sort_by([(name, "ascending") for name in GROUPED])
     result = []
-    for row in found.to_pylist():
+    for row in table.to_pylist():
         scores = [score for score in row["score_list"] if score is not None]
         efficiencies = tuple(value for value in row["d_efficiency_list"] if value is not None)
         cells, intervals = row["cell_count_distinct"], row["parameters_sum"]
@@ -254,17 +254,17 @@ def _require_own(folder: Path, spec: Spec, case: Case) -> None:
 
 def study_page(spec: Spec, case: Case, cells: int, rows: "pa.Table") -> str:
     """The page of a study: the best settings, a table of all, and the D-efficiency of their plans."""
-    found = groups(rows)
+    summaries = groups(rows)
     outcomes = zip(rows["status"].to_pylist(), rows["reason"].to_pylist(), strict=True)
     failures = Counter(str(reason) for status, reason in outcomes if status == FAILED)
     best = [
         note(f"Criterion {letter}, best {group.best:.4g}: {command_of(group.settings, case.origin)}")
-        for letter, group in best_groups(found).items()
+        for letter, group in best_groups(summaries).items()
     ]
-    varied = [name for name in GROUPED if len({group.settings.get(name) for group in found}) > 1]
+    varied = [name for name in GROUPED if len({group.settings.get(name) for group in summaries}) > 1]
     spread: list[Box] = []
     cells_of_table = []
-    for group in found:
+    for group in summaries:
         texts = [str(group.settings.get(name, "-")) for name in varied]
         spread.append(Box(tuple(group.efficiencies), ", ".join(texts)))
         shares = [percent(share) for share in (group.converged, group.spread, group.inside)]
@@ -286,7 +286,7 @@ def study_page(spec: Spec, case: Case, cells: int, rows: "pa.Table") -> str:
         (("case", f"{case.name} (hash {case.hash})"), ("hexcite", version("hexcite"))),
         [f"{count} rows failed: {reason}" for reason, count in failures.most_common(MOST_REASONS)],
         section("Best settings", *(best or [note("No cell is done yet.")]), note(words)),
-        *solver_sections(found),
+        *solver_sections(summaries),
         section("Settings", table(columns, cells_of_table, left=len(varied)), chart),
     )
 
@@ -321,10 +321,10 @@ class SolverSummary:
 
 def solver_summaries(settings_groups: list[SettingsGroup]) -> list[SolverSummary]:
     """One for each solver and kind of start values, in the order of their names."""
-    own = "solver", "equal_start"
+    keys = "solver", "equal_start"
     best: dict[tuple[object, ...], float] = {}
     for group in settings_groups:
-        rest = _without(group.settings, own)
+        rest = _without(group.settings, keys)
         best[rest] = max(best.get(rest, 0.0), *group.efficiencies, 0.0)
     kinds: dict[tuple[str, bool], list[SettingsGroup]] = {}
     for group in settings_groups:
@@ -335,7 +335,7 @@ def solver_summaries(settings_groups: list[SettingsGroup]) -> list[SolverSummary
     for (solver, equal), several in sorted(kinds.items()):
         done = [group for group in several if group.done]
         plans = sum(group.done for group in done)
-        reached = [float(np.median(g.efficiencies)) / best[_without(g.settings, own)] for g in done]
+        reached = [float(np.median(g.efficiencies)) / best[_without(g.settings, keys)] for g in done]
         summaries.append(
             SolverSummary(
                 solver,

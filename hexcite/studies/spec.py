@@ -131,8 +131,8 @@ def cells_of(spec: Spec, case: Case) -> dict[str, CellSettings]:
         settings = dict(zip(SETTINGS, values, strict=True))
         family = settings["family"]
         # Settings of another family do not make another cell.
-        own = [k for k in settings if k not in OPTIONS or OWNERS.get(OPTIONS[k].name, family) == family]
-        settings = {"model": full_model(case)} | {k: settings[k] for k in own if settings[k] is not None}
+        axes = [k for k in settings if k not in OPTIONS or OWNERS.get(OPTIONS[k].name, family) == family]
+        settings = {"model": full_model(case)} | {k: settings[k] for k in axes if settings[k] is not None}
         if settings.get("equal_start"):  # its seed decides nothing
             settings["seed"] = 0
         request_of(settings)
@@ -144,8 +144,8 @@ def request_of(settings: CellSettings) -> Request:
     """The request of a cell, with one start; HexciteError where its settings cannot be planned."""
     ours = {OPTIONS[key].name: value for key, value in settings.items() if key != "family"}
     kind = family_class(settings["family"])
-    own = {name: ours.pop(name) for name in OWNERS if name in ours}
-    return Request(kind(**own), starts=1, **ours)
+    of_family = {name: ours.pop(name) for name in OWNERS if name in ours}
+    return Request(kind(**of_family), starts=1, **ours)
 
 
 def command_of(settings: CellSettings, case: str) -> str:

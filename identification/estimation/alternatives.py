@@ -129,15 +129,15 @@ class Remainder(NamedTuple):
         Of an effect with many columns these should be what it supports (`Effect.supported`): parameters answer to
         directions that a run hardly shows as if they were of any size.
         """
-        left, inside = self.without_fit(self.root @ columns)
-        norms = np.sqrt(np.maximum(np.sum(left**2, axis=(0, 1)), np.finfo(float).tiny))
-        values, vectors = np.linalg.eigh(np.tensordot(left / norms, left / norms, ((0, 1), (0, 1))))
-        seen = values > UNSEEN
-        back = vectors[:, seen] / np.sqrt(values[seen])
-        new = (left / norms) @ back
+        residuals, inside = self.without_fit(self.root @ columns)
+        norms = np.sqrt(np.maximum(np.sum(residuals**2, axis=(0, 1)), np.finfo(float).tiny))
+        values, vectors = np.linalg.eigh(np.tensordot(residuals / norms, residuals / norms, ((0, 1), (0, 1))))
+        significant = values > UNSEEN
+        whitening = vectors[:, significant] / np.sqrt(values[significant])
+        new = (residuals / norms) @ whitening
         rest = without(new, self.residuals)
         # to what the new directions take, parameters answer with minus what the columns had of the fit
-        half = np.hstack([self.half, -self.half @ ((inside / norms) @ back)])
+        half = np.hstack([self.half, -self.half @ ((inside / norms) @ whitening)])
         basis, smooth = (np.concatenate([columns, new], axis=2) for columns in (self.basis, self.smooth))
         floor = _floor(rest, self.places) if self.coloured else 0.0
         return self._replace(basis=basis, smooth=smooth, half=half, residuals=rest, floor=floor)
@@ -190,19 +190,19 @@ def _scores_of(alternative: Alternative, rest: Remainder) -> _Scores | None:
     space = _space_of(alternative.columns, rest)
     if space is None:
         return None
-    left, inside, scale, back, strength = space
-    count = back.shape[1]
-    each = np.tensordot(left, rest.residuals, ((0, 1), (0, 1)))
-    size = np.sum(left**2, axis=(0, 1))
+    residuals, inside, scale, whitening, strength = space
+    count = whitening.shape[1]
+    each = np.tensordot(residuals, rest.residuals, ((0, 1), (0, 1)))
+    size = np.sum(residuals**2, axis=(0, 1))
     alone = np.where(size > UNSEEN, each**2 / np.maximum(size, UNSEEN), 0.0)
-    scores = back.T @ each
+    scores = whitening.T @ each
     explained = float(scores @ scores)
     if explained < rest.floor * (count + SURPRISE * np.sqrt(2.0 * count)):
         return None
     share = explained / float(np.sum(rest.residuals**2))
     evidence = -0.5 * (rest.independent * float(np.log1p(-min(share, 1.0 - 1e-12))) + count * np.log(rest.independent))
     evidence -= float(np.log(alternative.chosen))
-    return _Scores(alternative, left, inside, scale, back, strength, scores, alone, share, evidence)
+    return _Scores(alternative, residuals, inside, scale, whitening, strength, scores, alone, share, evidence)
 
 
 def _best_column(found: _Scores) -> int:
@@ -228,13 +228,19 @@ def _space_of(columns: Array, rest: Remainder) -> tuple[Array, Array, Array, Arr
     if not some.any():
         return None
     scale = np.where(some, 1.0 / np.where(some, norms, 1.0), 0.0)
-    left, inside = rest.without_fit(weighted * scale)
-    values, vectors = np.linalg.eigh(np.tensordot(left, left, ((0, 1), (0, 1))))
-    seen = values > UNSEEN
-    count = int(seen.sum())
+    residuals, inside = rest.without_fit(weighted * scale)
+    values, vectors = np.linalg.eigh(np.tensordot(residuals, residuals, ((0, 1), (0, 1))))
+    significant = values > UNSEEN
+    count = int(significant.sum())
     if not count or rest.freedom - count < LEAST_FREEDOM:
         return None
-    return left, inside, scale, vectors[:, seen] / np.sqrt(values[seen]), float(values[seen].sum())
+    return (
+        residuals,
+        inside,
+        scale,
+        vectors[:, significant] / np.sqrt(values[significant]),
+        float(values[significant].sum()),
+    )
 
 
 def sizes_of(columns: Array, rest: Remainder, *, roughly: bool = False) -> Sizes | None:
@@ -248,12 +254,14 @@ def sizes_of(columns: Array, rest: Remainder, *, roughly: bool = False) -> Sizes
     space = _space_of(columns, rest)
     if space is None:
         return None
-    left, inside, scale, back, _ = space
-    basis = left @ back
+    residuals, inside, scale, whitening, _ = space
+    basis = residuals @ whitening
     scores = np.tensordot(basis, rest.residuals, ((0, 1), (0, 1)))
     noise = (rough_noise if roughly else noise_of)(basis, rest, rest.residuals - basis @ scores)
     answer = rest.half @ inside / np.where(scale > 0.0, scale, 1.0)
-    return Sizes(scale * (back @ scores), noise.along(*(scale[:, None] * back)), answer, float(scores @ scores))
+    return Sizes(
+        scale * (whitening @ scores), noise.along(*(scale[:, None] * whitening)), answer, float(scores @ scores)
+    )
 
 
 def _effect_of(found: _Scores, rest: Remainder, most: float) -> Effect | None:
@@ -298,13 +306,15 @@ def rough_noise(basis: Array, rest: Remainder, noise: Array) -> Noise:
     if not rest.coloured or len(noise) < LEAST_SAMPLES:
         return noise_of(basis, rest, noise)
     joint = np.concatenate([rest.basis, basis], axis=2)
-    found = in_turned_channels(joint, np.eye(joint.shape[2]), noise, rest.places)
-    power = np.abs(rfft(found.series(found.noise), axis=0)) ** 2
-    takes, answers = (rfft(found.series(each), axis=0) for each in (found.taken, found.answer))
-    left = np.sum((takes - 2.0 * answers) * takes.conj(), axis=2).real / len(noise)  # of white noise, less all of it
-    power = _beside(power) / np.maximum(_beside(np.clip(1.0 + left, 0.0, 1.0)), UNSEEN)
-    power[1 : (found.length + 1) // 2] *= 2.0  # of both signs of a frequency
-    own = answers[:, :, rest.basis.shape[2] :] * np.sqrt(power / (found.length * len(noise)))[:, :, None]
+    channels = in_turned_channels(joint, np.eye(joint.shape[2]), noise, rest.places)
+    power = np.abs(rfft(channels.series(channels.noise), axis=0)) ** 2
+    takes, answers = (rfft(channels.series(each), axis=0) for each in (channels.taken, channels.answer))
+    white_power = np.sum((takes - 2.0 * answers) * takes.conj(), axis=2).real / len(
+        noise
+    )  # of white noise, less all of it
+    power = _beside(power) / np.maximum(_beside(np.clip(1.0 + white_power, 0.0, 1.0)), UNSEEN)
+    power[1 : (channels.length + 1) // 2] *= 2.0  # of both signs of a frequency
+    own = answers[:, :, rest.basis.shape[2] :] * np.sqrt(power / (channels.length * len(noise)))[:, :, None]
     flat = own.reshape(-1, basis.shape[2])
     return Noise((flat.conj().T @ flat).real / (1.0 + LESS / basis.shape[2]), (), ())
 
@@ -318,22 +328,22 @@ def _beside(values: Array) -> Array:
 def noise_of(basis: Array, rest: Remainder, noise: Array) -> Noise:
     """What noise makes of the scores of a basis U, shape (n, 6, k), by what is left beside it, shape (n, 6)."""
     joint = np.concatenate([rest.basis, basis], axis=2)
-    found = in_turned_channels(joint, np.eye(joint.shape[2]), noise, rest.places)
-    own = slice(rest.basis.shape[2], None)
+    channels = in_turned_channels(joint, np.eye(joint.shape[2]), noise, rest.places)
+    columns = slice(rest.basis.shape[2], None)
     if rest.coloured and len(noise) >= LEAST_SAMPLES:
-        each = mixtures(found)
-        parts = [mixture.parts.covariances[:, own, own] for mixture in each]
+        each = mixtures(channels)
+        parts = [mixture.parts.covariances[:, columns, columns] for mixture in each]
         spreads, shares = [mixture.parts.spread for mixture in each], [mixture.parts.shares for mixture in each]
         total = np.sum([np.tensordot(of, part, 1) for of, part in zip(shares, parts, strict=True)], axis=0)
         # how much slow noise there is in the band of these scores follows from what is left of it in that band alone
         slow = np.array([np.tensordot(of[1:], part[1:], 1) for of, part in zip(shares, parts, strict=True)])
-        bands = np.sum(np.abs(rfft(found.series(found.answer[:, :, own]), axis=0)) ** 2, axis=2).T
+        bands = np.sum(np.abs(rfft(channels.series(channels.answer[:, :, columns]), axis=0)) ** 2, axis=2).T
         known = [_left_in_band(band, mixture.free) for band, mixture in zip(bands, each, strict=True)]
         return Noise(total, (*parts, slow), (*spreads, np.diag(2.0 / np.array(known))))
-    through = found.answer[:, :, own].transpose(1, 0, 2)
+    through = channels.answer[:, :, columns].transpose(1, 0, 2)
     # samples that are independent: of each channel there are as many residuals as fit and effect leave
-    freedom = np.maximum(len(noise) - np.einsum("nkv,nkv->k", found.taken, found.answer), 1.0)
-    size = np.sqrt(np.sum(found.noise**2, axis=0) / freedom)
+    freedom = np.maximum(len(noise) - np.einsum("nkv,nkv->k", channels.taken, channels.answer), 1.0)
+    size = np.sqrt(np.sum(channels.noise**2, axis=0) / freedom)
     through = through * size[:, None, None]
     crossed = np.einsum("ani,bnj->abij", through, through)
     first, second = np.triu_indices(6, 1)
@@ -353,23 +363,25 @@ class Unseen(NamedTuple):
 
 def unseen(alternatives: Sequence[Alternative], rest: Remainder) -> list[Unseen]:
     """How well residuals show each effect that has one size; without those that the fit takes all of."""
-    found = []
+    effects = []
     for alternative in alternatives:
         space = _space_of(alternative.columns, rest) if alternative.columns.shape[2] == 1 else None
         if space is not None:
-            left, inside, scale, _, strength = space
-            found.append((alternative, left[:, :, 0] / strength * scale[0], (rest.half @ inside)[:, 0] / scale[0]))
-    if not found:
+            residuals, inside, scale, _, strength = space
+            effects.append(
+                (alternative, residuals[:, :, 0] / strength * scale[0], (rest.half @ inside)[:, 0] / scale[0])
+            )
+    if not effects:
         return []
-    turned = in_turned_channels(rest.basis, np.eye(rest.basis.shape[2]), rest.residuals, rest.places)
-    mixing = np.linalg.lstsq(turned.noise, rest.residuals, rcond=None)[0]  # residuals = noise mixing
-    takes = turned.series(np.stack([take for _, take, _ in found], axis=2).transpose(0, 2, 1) @ mixing.T)
+    channels = in_turned_channels(rest.basis, np.eye(rest.basis.shape[2]), rest.residuals, rest.places)
+    mixing = np.linalg.lstsq(channels.noise, rest.residuals, rcond=None)[0]  # residuals = noise mixing
+    takes = channels.series(np.stack([take for _, take, _ in effects], axis=2).transpose(0, 2, 1) @ mixing.T)
     variances = np.sum(takes**2, axis=(0, 2))
     if rest.coloured and len(rest.residuals) >= LEAST_SAMPLES:
-        noises = enumerate(mixtures(turned))
+        noises = enumerate(mixtures(channels))
         responses = [np.sum(takes[:, :, k] * toeplitz(m.autocovariance, takes[:, :, k]), axis=0) for k, m in noises]
         variances = np.sum(responses, axis=0)
-    return [Unseen(of, float(np.sqrt(v)), answer) for (of, _, answer), v in zip(found, variances, strict=True)]
+    return [Unseen(of, float(np.sqrt(v)), answer) for (of, _, answer), v in zip(effects, variances, strict=True)]
 
 
 def _left_in_band(band: Array, free: Array) -> float:
@@ -381,8 +393,8 @@ def _left_in_band(band: Array, free: Array) -> float:
     """
     shares = np.convolve(band, np.ones(2 * NEXT + 1), "same")
     shares = shares / max(float(shares.sum()), np.finfo(float).tiny)
-    left = 1.0 - float(shares[: len(free)] @ (1.0 - free))
-    return max(2.0 * left / max(float(shares @ shares), np.finfo(float).tiny), 1.0)
+    share = 1.0 - float(shares[: len(free)] @ (1.0 - free))
+    return max(2.0 * share / max(float(shares @ shares), np.finfo(float).tiny), 1.0)
 
 
 def effects_of(alternatives: Sequence[Alternative], rest: Remainder, chance: float) -> list[Effect]:
@@ -390,12 +402,14 @@ def effects_of(alternatives: Sequence[Alternative], rest: Remainder, chance: flo
 
     None where noise makes as much as the best with more than a chance.
     """
-    found = [scores for scores in (_scores_of(alternative, rest) for alternative in alternatives) if scores is not None]
-    single = [best for best in map(_best_of, found) if best is not None]
-    found += [scores for scores in (_scores_of(best, rest) for best in single) if scores is not None]
-    found.sort(key=lambda scores: -scores.evidence)
+    scores_of_effects = [
+        scores for scores in (_scores_of(alternative, rest) for alternative in alternatives) if scores is not None
+    ]
+    single = [best for best in map(_best_of, scores_of_effects) if best is not None]
+    scores_of_effects += [scores for scores in (_scores_of(best, rest) for best in single) if scores is not None]
+    scores_of_effects.sort(key=lambda scores: -scores.evidence)
     effects: list[Effect] = []
-    for scores in found[:MOST_TRIED]:
+    for scores in scores_of_effects[:MOST_TRIED]:
         if effects and scores.evidence < effects[0].evidence - NEAR:
             break
         effect = _effect_of(scores, rest, 1.0 if effects else chance)

@@ -46,15 +46,15 @@ def bounded(
     """
     if bounds is None or MASS not in model.blocks:
         return None
-    form, own = physical_form(model), len(model.names)
+    form, count = physical_form(model), len(model.names)
     names = [p.name for p in form.parameters]
     free = Free.of(covariance)
     wide = larger_of(free.down @ covariance @ free.down.T, free.down @ robust @ free.down.T)
     every = free.lift @ wide @ free.lift.T
 
     def at(u: Array) -> tuple[Array, Array]:  # physical parameters and their slopes by the values
-        physical, slope = (v.full() for v in form.map(u[:own]))
-        return physical[:, 0], np.hstack([slope, np.zeros((len(slope), len(u) - own))])
+        physical, slope = (v.full() for v in form.map(u[:count]))
+        return physical[:, 0], np.hstack([slope, np.zeros((len(slope), len(u) - count))])
 
     first, slope = at(values)
     used, middles, deviations = [], [], []
@@ -74,17 +74,17 @@ def bounded(
         rows = slope[used]
         gain = np.linalg.solve(rows @ every @ rows.T + np.diag(np.square(deviations)), rows @ every).T
         u = values + gain @ (stated - now[used] - rows @ (values - u))
-    kept = np.eye(len(values)) - gain @ rows
-    before, after = np.diag(every), np.diag(kept @ every)
+    reduction = np.eye(len(values)) - gain @ rows
+    before, after = np.diag(every), np.diag(reduction @ every)
     if not np.any(after[before > 0.0] < WORTH**2 * before[before > 0.0]):
         return None
-    return Bounded(u, kept, gain * deviations, tuple(names[k] for k in used))
+    return Bounded(u, reduction, gain * deviations, tuple(names[k] for k in used))
 
 
 def _ranges(bounds: Bounds) -> list[tuple[str, tuple[float, float]]]:
     """Ranges of physical parameters [SI], by their names; a centre of gravity is where the body is."""
-    found = [] if bounds.mass_kg is None else [("m", bounds.mass_kg)]
+    ranges = [] if bounds.mass_kg is None else [("m", bounds.mass_kg)]
     box = bounds.centre_of_gravity_mm or bounds.body_mm
     if box is not None:
-        found += [(n, (float(a), float(b))) for n, a, b in zip(("xC", "yC", "zC"), *box.ends, strict=True)]
-    return found
+        ranges += [(n, (float(a), float(b))) for n, a, b in zip(("xC", "yC", "zC"), *box.ends, strict=True)]
+    return ranges

@@ -21,14 +21,14 @@ class Free(NamedTuple):
         scale = np.sqrt(np.diag(covariance).clip(0.0))
         scale = np.where(scale > 0.0, scale, 1.0)
         values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
-        kept = vectors[:, values > FIXED * values.max()] if len(values) and values.max() > 0.0 else vectors[:, :0]
-        return cls(scale[:, None] * kept, kept.T / scale)
+        directions = vectors[:, values > FIXED * values.max()] if len(values) and values.max() > 0.0 else vectors[:, :0]
+        return cls(scale[:, None] * directions, directions.T / scale)
 
 
 def larger_of(least: Array, other: Array) -> Array:
     """The smallest covariance that is nowhere below one that is positive definite, nor below another, shape (x, x)."""
     root = np.linalg.cholesky(least)
-    back = np.linalg.inv(root)
-    values, vectors = np.linalg.eigh(back @ (0.5 * (other + other.T)) @ back.T)
-    turned = root @ vectors
-    return np.asarray((turned * np.maximum(values, 1.0)) @ turned.T)
+    inverse = np.linalg.inv(root)
+    values, vectors = np.linalg.eigh(inverse @ (0.5 * (other + other.T)) @ inverse.T)
+    rotated = root @ vectors
+    return np.asarray((rotated * np.maximum(values, 1.0)) @ rotated.T)

@@ -65,8 +65,8 @@ class Criterion(StrEnum):
         if self is not Criterion.D:
             return self.of(information - regressors.transpose(0, 2, 1) @ regressors)
         weighted = (regressors.reshape(-1, len(information)) @ np.linalg.inv(information)).reshape(regressors.shape)
-        left = np.eye(6) - weighted @ regressors.transpose(0, 2, 1)  # log det F + log det(1 - A F^-1 A^T)
-        return np.asarray(_log_det(information) + _log_det(left))
+        remainder = np.eye(6) - weighted @ regressors.transpose(0, 2, 1)  # log det F + log det(1 - A F^-1 A^T)
+        return np.asarray(_log_det(information) + _log_det(remainder))
 
 
 def singular_values(information: Array, names: Sequence[str]) -> Array:

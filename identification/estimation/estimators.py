@@ -60,8 +60,8 @@ class Method:
             raise IdentificationError(
                 problem=f"weights {self.weights!r} are unknown", remedy=f"choose {', '.join(ALIKE)}", code=Code.UNKNOWN
             )
-        given = [*self.known.items(), *((p.name, number) for p in self.priors for number in (p.value, p.std))]
-        for name, value in given:
+        stated_numbers = [*self.known.items(), *((p.name, number) for p in self.priors for number in (p.value, p.std))]
+        for name, value in stated_numbers:
             if not (isinstance(name, str) and isinstance(value, Real) and math.isfinite(value)):
                 raise IdentificationError(
                     place=f"Method: {name} = {value!r}",
@@ -135,22 +135,22 @@ class Method:
             return self, ()
         begin = replace(self, tangent=None)
         linear = begin.estimate(regression, model)
-        own, form = len(model.names), physical_form(model)
+        count, form = len(model.names), physical_form(model)
         known = np.array([p.name in self.known for p in form.parameters])
-        at = form.of(linear.values[:own], np.zeros((own, own)))[0]
+        at = form.of(linear.values[:count], np.zeros((count, count)))[0]
         at[[name in self.dropped for name in model.names]] = 0.0
         at[known] = [self.known[p.name] for p, fixed in zip(form.parameters, known, strict=True) if fixed]
         dropped = np.array([name in self.dropped for name in model.names])
         for steps in range(1, MOST_STEPS + 1):
             tangent = tangent_at(model, at, known | dropped)
             fit = replace(self, tangent=tangent).estimate(regression, model)
-            free = np.linalg.lstsq(tangent.basis, fit.values[:own] - tangent.offset, rcond=None)[0]
+            free = np.linalg.lstsq(tangent.basis, fit.values[:count] - tangent.offset, rcond=None)[0]
             step = free - at[~(known | dropped)]
             at[~(known | dropped)] = free
             half = np.linalg.pinv(tangent.basis)
-            spread = np.sqrt(np.diag(half @ fit.covariance[:own, :own] @ half.T))
+            spread = np.sqrt(np.diag(half @ fit.covariance[:count, :count] @ half.T))
             if np.all(np.abs(step) <= STEP * spread + ROUNDING * np.abs(free)):
-                apart = np.abs(form.of(linear.values[:own], np.zeros((own, own)))[0][~(known | dropped)] - free)
+                apart = np.abs(form.of(linear.values[:count], np.zeros((count, count)))[0][~(known | dropped)] - free)
                 most = float(np.max(apart / np.maximum(spread, np.finfo(float).tiny)))
                 words = f"non-linear form (18): {steps} Gauss-Newton steps; the linear form, from which they began, is "
                 words += f"at most {most:.2g} standard deviations away"

@@ -218,10 +218,10 @@ def _projected(at: Array, root: Array, turn: Array, constraints: tuple[_Constrai
     size = root.shape[1]
     quadratic, zero = csc_matrix(np.eye(size)), np.zeros(size)
     solver = clarabel.DefaultSolver(quadratic, zero, csc_matrix(np.vstack(blocks)), np.hstack(sides), cones, settings)
-    found = solver.solve()
-    if found.status not in (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved):
+    solution = solver.solve()
+    if solution.status not in (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved):
         return None
-    return np.array(found.x)
+    return np.array(solution.x)
 
 
 def _triangle(square: Array) -> Array:

@@ -77,9 +77,9 @@ def coloured_covariance(found: Turned) -> Robust | None:
     if len(found.noise) < LEAST_SAMPLES:
         return None
     noises = _noises(found)
-    covariance = found.share * found.covariance(np.sum([own.meat for own in noises], axis=0))
+    covariance = found.share * found.covariance(np.sum([parts.meat for parts in noises], axis=0))
     # of each group, variances of u by a unit of each of its noises, shape (c, u)
-    each = [np.einsum("ui,cij,uj->cu", found.half, own.covariances, found.half, optimize=True) for own in noises]
+    each = [np.einsum("ui,cij,uj->cu", found.half, parts.covariances, found.half, optimize=True) for parts in noises]
     wider = _wider(noises, each)
     findings = () if found.share < 1.0 else _too_short(noises, each)
     return Robust(np.asarray(wider[:, None] * covariance * wider), findings, sources=source_covariance(found))
@@ -122,7 +122,7 @@ def _noises(found: Turned) -> list[Parts]:
     single = channels_of(found, len(channels[0].power))
     each, alike = [_chosen([channel]) for channel in channels], _chosen(channels)
     rising = found.sources is not None
-    if sum(own.criterion for own in each) - alike.criterion > UNLIKE:
+    if sum(likeliest.criterion for likeliest in each) - alike.criterion > UNLIKE:
         alone = zip(channels, single, each, strict=True)
         return [_described([many], [one], likely, rising) for many, one, likely in alone]
     return [_described(channels, single, alike, rising)]
@@ -183,8 +183,8 @@ def _wider(noises: Sequence[Parts], each: Sequence[Array]) -> Array:
         noises: of each channel, or of all of them.
         each: variances of u by a unit of each of its noises, shapes (c, u).
     """
-    variance = np.sum([own.shares @ of for own, of in zip(noises, each, strict=True)], axis=0)
-    spread = np.sum([np.sum(of * (own.spread @ of), axis=0) for own, of in zip(noises, each, strict=True)], axis=0)
+    variance = np.sum([parts.shares @ of for parts, of in zip(noises, each, strict=True)], axis=0)
+    spread = np.sum([np.sum(of * (parts.spread @ of), axis=0) for parts, of in zip(noises, each, strict=True)], axis=0)
     freedom = 2.0 * variance**2 / np.maximum(spread, np.maximum(2.0 * variance**2 / MANY, np.finfo(float).tiny))
     return np.asarray(stdtrit(np.clip(freedom, 1.0, MANY), INSIDE) / stdtrit(MANY, INSIDE))
 
@@ -211,8 +211,8 @@ def _spread(shares: Array, expected: Array, free: Array) -> Array:
         expected: power that each noise leaves in the residuals, shape (c, f).
         free: as in `Mixture`: where the fit takes all, a frequency says nothing, shape (f,).
     """
-    left = np.maximum(shares @ expected, NOTHING * float(expected.max()))
-    part = shares[:, None] * np.maximum(expected, 0.0) / left
+    total = np.maximum(shares @ expected, NOTHING * float(expected.max()))
+    part = shares[:, None] * np.maximum(expected, 0.0) / total
     relative = np.linalg.inv((part * free) @ part.T + 0.5 * np.eye(len(shares)))
     return np.asarray(shares[:, None] * relative * shares)
 

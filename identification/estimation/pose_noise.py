@@ -107,14 +107,14 @@ def covariance_by_pose(found: Turned, struts: Array, residuals: Array | None = N
     reach = float(np.sqrt(np.median(squared[np.triu_indices(len(squared), 1)])))
     if reach == 0.0:
         return None
-    noise, taken = found.noise[rows], independent(found.taken[rows])
+    noise, explained = found.noise[rows], independent(found.taken[rows])
     series, mask, scale = found.series(found.noise), found.series(np.ones(samples)), samples / found.freedom
     near = np.mean([autoregressive(channel, mask, scale)[0] for channel in series.T], axis=0)
     memories = [near, *slow_noises(found.length)]
     lags = np.abs(found.places[rows][:, None] - found.places[rows])
     kernels = np.array([m[lags] for m in memories])
-    _, without = likeliest(noise, taken, kernels)
-    shares, value = likeliest(noise, taken, kernels, np.sqrt(squared) / reach)
+    _, without = likeliest(noise, explained, kernels)
+    shares, value = likeliest(noise, explained, kernels, np.sqrt(squared) / reach)
     if without - value <= UNKNOWNS:
         return None
     length = reach * float(shares[-1])
@@ -125,7 +125,7 @@ def covariance_by_pose(found: Turned, struts: Array, residuals: Array | None = N
     begin = np.array([shares[0], 1.0, shares[-2]])
     by_channel = np.zeros((found.noise.shape[1], len(begin)))
     counts = begin * alike[:, 0, 0] > COUNTED
-    by_channel[:, counts] = shares_by_channel(noise, taken, alike[counts], begin[counts])
+    by_channel[:, counts] = shares_by_channel(noise, explained, alike[counts], begin[counts])
     meat = _field_covariance(found, struts / length, by_channel[:, -1])
     answer = found.series(found.answer)
     for share, memory in zip(by_channel[:, :-1].T, memories, strict=True):
@@ -148,8 +148,8 @@ def likeliest(noise: Array, taken: Array, kernels: Array, distances: Array | Non
     begin, bounds = [BEGIN[0], *[BEGIN[1]] * (len(kernels) - 1)], [SHARES] * len(kernels)
     if distances is not None:
         begin, bounds = [*begin, *BEGIN[2:]], [*bounds, SHARES, LENGTHS]
-    options, given = {"maxiter": MOST_STEPS, "ftol": SETTLED, "maxcor": 20}, (noise, taken, kernels, distances)
-    best = minimize(likelihood, np.log(begin), given, "L-BFGS-B", jac=True, bounds=np.log(bounds), options=options)
+    options, arguments = {"maxiter": MOST_STEPS, "ftol": SETTLED, "maxcor": 20}, (noise, taken, kernels, distances)
+    best = minimize(likelihood, np.log(begin), arguments, "L-BFGS-B", jac=True, bounds=np.log(bounds), options=options)
     return np.exp(best.x), float(best.fun)
 
 

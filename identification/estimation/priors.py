@@ -42,10 +42,10 @@ def as_measurements(priors: Sequence[Prior], model: Model) -> Callable[[Array], 
             prior that is not finite or has no uncertainty.
     """
     form, count = physical_form(model), len(model.names)
-    names, given = [*model.names, *(p.name for p in form.parameters)], [p.name for p in priors]
-    require_names(given, list(dict.fromkeys(names)))
+    names, known_names = [*model.names, *(p.name for p in form.parameters)], [p.name for p in priors]
+    require_names(known_names, list(dict.fromkeys(names)))
     for k, prior in enumerate(priors):
-        if prior.name in given[:k]:
+        if prior.name in known_names[:k]:
             raise IdentificationError(
                 problem=f"two priors on {prior.name}", remedy="combine them into one", code=Code.CONTRADICTION
             )
@@ -57,7 +57,7 @@ def as_measurements(priors: Sequence[Prior], model: Model) -> Callable[[Array], 
                 remedy="what is known exactly is fixed by a selection",
                 code=Code.OUT_OF_RANGE,
             )
-    picks = [names.index(name) for name in given]
+    picks = [names.index(name) for name in known_names]
 
     def at(u: Array) -> tuple[Array, Array]:  # components of u beyond the model have no prior
         physical, jacobian = (value.full() for value in form.map(u[:count]))
@@ -112,13 +112,13 @@ def with_priors(regression: Regression, model: Model, weights: Array, priors: Se
     weighed = [p.value for p in priors if p.name == "m"] or [start[mass]]
     start[mass] = weighed[0] if weighed[0] > 0.0 else 1.0  # others are divided by it
     precise = {"xtol": 1e-14, "ftol": 1e-14, "gtol": 1e-14, "max_nfev": EVALUATIONS}
-    found = least_squares(residual, start, slopes, method="lm", x_scale="jac", **precise)
-    if not found.success or not np.isfinite(found.cost):
+    solution = least_squares(residual, start, slopes, method="lm", x_scale="jac", **precise)
+    if not solution.success or not np.isfinite(solution.cost):
         raise IdentificationError(
             problem="no minimum was found with these priors: check them, or give more known values",
             code=Code.NO_CONVERGENCE,
         )
-    values = np.asarray(found.x)
+    values = np.asarray(solution.x)
     jacobian = slopes(values)
     rank, condition = determined(jacobian, regression.names, rows, regression.nuisance)
     spread = inverse_root(jacobian)

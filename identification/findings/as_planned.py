@@ -128,9 +128,9 @@ def compared(recording: Recording, case: Case, plan: Planned) -> Comparison | No
         return None
     scale = np.empty(drives.shape[1])
     for turns, least in zip((False, True), LEAST_RANGE, strict=True):
-        own = machine.turns == turns
-        ranges = np.ptp(drives[:, own], axis=0)
-        scale[own] = np.maximum(ranges, max(least, LEAST_SHARE * ranges.max(initial=0.0)))
+        of_kind = machine.turns == turns
+        ranges = np.ptp(drives[:, of_kind], axis=0)
+        scale[of_kind] = np.maximum(ranges, max(least, LEAST_SHARE * ranges.max(initial=0.0)))
     length = float(np.linalg.norm(np.diff(drives / scale, axis=0), axis=1).sum())
     step = max(STEP, length / MOST_POINTS)
     planned = _walked(t, drives, scale, step)
@@ -186,10 +186,10 @@ def findings_of(comparison: Comparison) -> tuple[Finding, ...]:
             share=f"{100 * share:.0f}",
         )
         return (warning(Kind.PROGRAM, text, as_planned=figures),)
-    said = [*_shifts(comparison, figures), *_differences(comparison, figures), *_paces(comparison, figures)]
-    if not said:
+    sentences = [*_shifts(comparison, figures), *_differences(comparison, figures), *_paces(comparison, figures)]
+    if not sentences:
         return (note(Kind.PROGRAM, as_planned=figures),)
-    first, *others = said
+    first, *others = sentences
     return (_of(first, name, as_planned=figures), *(_of(text, name) for text in others))
 
 
@@ -215,15 +215,15 @@ def _walked(t: Array, drives: Array, scale: Array, step: float) -> _Path:
     """
     places = drives / scale
     at, when = [places[0]], [float(t[0])]
-    row, ahead = 1, 64
+    row, reach = 1, 64
     while row < len(places):
-        part = places[row : row + ahead]
+        part = places[row : row + reach]
         away = np.linalg.norm(part - at[-1], axis=1)
         beyond = np.flatnonzero(away >= step)
         if not len(beyond):
-            row, ahead = row + len(part), min(2 * ahead, 4096)
+            row, reach = row + len(part), min(2 * reach, 4096)
             continue
-        row, ahead = row + int(beyond[0]), 64
+        row, reach = row + int(beyond[0]), 64
         before = places[row - 1]
         share = _crossing(before - at[-1], places[row] - before, step)
         at.append(before + share * (places[row] - before))
@@ -292,9 +292,9 @@ def _aligned(planned: Array, run: Array, near: float) -> Indices:
         far = ((run - planned[i]) ** 2).sum(axis=1) / near**2
         matched = np.concatenate([[np.inf], cost[:-1] + np.where(far > 1.0, FAR, far)])
         deleted = cost + LEFT_OUT
-        taken = np.minimum(matched, deleted)
-        least = np.minimum.accumulate(taken - steps) + steps
-        choice[i + 1] = np.where(least < taken - 1e-12, INSERT, np.where(matched <= deleted, MATCH, DELETE))
+        least_cost = np.minimum(matched, deleted)
+        least = np.minimum.accumulate(least_cost - steps) + steps
+        choice[i + 1] = np.where(least < least_cost - 1e-12, INSERT, np.where(matched <= deleted, MATCH, DELETE))
         cost = least
     i, j = rows, int(np.argmin(cost))
     pairs = []
@@ -307,11 +307,11 @@ def _aligned(planned: Array, run: Array, near: float) -> Indices:
             i -= 1
         else:
             j -= 1
-    found: Indices = np.array(pairs[::-1], dtype=np.int64).reshape(-1, 2)
-    if not len(found):
-        return found
-    groups = np.split(found, 1 + np.flatnonzero(np.diff(found[:, 0]) > 2))
-    return np.concatenate([found[:0], *(group for group in groups if len(group) >= FEWEST)])
+    matches: Indices = np.array(pairs[::-1], dtype=np.int64).reshape(-1, 2)
+    if not len(matches):
+        return matches
+    groups = np.split(matches, 1 + np.flatnonzero(np.diff(matches[:, 0]) > 2))
+    return np.concatenate([matches[:0], *(group for group in groups if len(group) >= FEWEST)])
 
 
 def _in_coordinates(comparison: Comparison, points: Indices) -> Array | None:
@@ -354,19 +354,19 @@ def _differences(comparison: Comparison, figures: dict[str, Any]) -> list[_Said]
     """What to say of parts of the plan that the run does not hold."""
     planned, pairs, matched = comparison.planned, comparison.pairs, comparison.matched
     total, count = comparison.plan.motion.duration, len(matched)
-    said: list[_Said] = []
+    sentences: list[_Said] = []
     figures["not_run"] = missing = []
     missed = _missed_poses(comparison)
     if missed:
         figures["poses_not_visited"] = missed
         which = f"pose {missed[0]} was" if len(missed) == 1 else f"poses {_listed(missed)} were"
-        said.append(_Said(f"{which} not visited, or not stayed at as planned (of {len(comparison.plan.poses)})"))
+        sentences.append(_Said(f"{which} not visited, or not stayed at as planned (of {len(comparison.plan.poses)})"))
     of_poses = len(comparison.plan.poses) > 0
     first, last = int(pairs[0, 0]), int(pairs[-1, 0])
     least = max(FEWEST, round((1.0 - WHOLE) * count))
     if first >= least and planned.t[first] > LATE and (missed or not of_poses):
         missing.append([0.0, round(float(planned.t[first]), 3)])
-        said.append(
+        sentences.append(
             _Said(
                 f"the recording begins {planned.t[first]:.3g} s into its {total:.3g} s: "
                 f"{100 * first / count:.2g} % of the path is missing at its start"
@@ -375,7 +375,7 @@ def _differences(comparison: Comparison, figures: dict[str, Any]) -> list[_Said]
     if count - 1 - last >= least and total - planned.t[last] > LATE and (missed or not of_poses):
         missing.append([round(float(planned.t[last]), 3), round(total, 3)])
         rest = 100 * (count - 1 - last) / count
-        said.append(
+        sentences.append(
             _Said(f"the run ends at {planned.t[last]:.3g} s of its {total:.3g} s: {rest:.2g} % of the path is missing")
         )
     parts = []
@@ -387,13 +387,13 @@ def _differences(comparison: Comparison, figures: dict[str, Any]) -> list[_Said]
         start, end, how = max(parts, key=lambda part: part[1] - part[0])
         more = f" ({len(parts) - 1} more places)" if len(parts) > 1 else ""
         moves = _moves(comparison.plan.motion, start, end)
-        said.append(
+        sentences.append(
             _Said(
                 f"the run went elsewhere from {start:.3g} to {end:.3g} s of the plan{moves}{how}{more}: the program "
                 "was changed after planning, or is another one"
             )
         )
-    return said
+    return sentences
 
 
 def _moves(motion: Trajectory, start: float, end: float) -> str:
@@ -412,9 +412,9 @@ def _moves(motion: Trajectory, start: float, end: float) -> str:
 def _astray(comparison: Comparison, i: int, i_next: int, j: int, j_next: int) -> str:
     """How far points j .. j_next of the run leave the plan's points i .. i_next, in the coordinate where it is most."""
     _, limits = comparison.case.need_motion("the comparison with a plan")
-    own = comparison.planned.drives[i : i_next + 1] + comparison.shift
+    planned_path = comparison.planned.drives[i : i_next + 1] + comparison.shift
     its = comparison.run.drives[j : j_next + 1]
-    distance = (((own[:, None] - its[None]) / comparison.scale) ** 2).sum(axis=2)
+    distance = (((planned_path[:, None] - its[None]) / comparison.scale) ** 2).sum(axis=2)
     worst = int(distance.min(axis=1).argmax())
     nearest = int(distance[worst].argmin())
     measured = _in_coordinates(comparison, np.array([j + nearest]))
@@ -451,8 +451,8 @@ def _missed_poses(comparison: Comparison) -> list[int]:
 
 
 def _listed(numbers: Sequence[int]) -> str:
-    shown = ", ".join(map(str, numbers[:6]))
-    return f"{shown} and {len(numbers) - 6} more" if len(numbers) > 6 else shown
+    listing = ", ".join(map(str, numbers[:6]))
+    return f"{listing} and {len(numbers) - 6} more" if len(numbers) > 6 else listing
 
 
 def _paces(comparison: Comparison, figures: dict[str, Any]) -> list[_Said]:

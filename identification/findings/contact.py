@@ -86,8 +86,8 @@ def find_contacts(t: Array, residuals: Array, structure: Array, expected: Array)
     step = float(np.median(np.diff(t))) if len(t) > 1 else NEARBY
     width = 2 * max(1, round(NEARBY / step)) + 1
     change = maximum_filter1d(expected, width, axis=0) - minimum_filter1d(expected, width, axis=0)
-    own = np.any(np.abs(residuals) > SHARE * change + OWN * noise, axis=1)
-    clear = (distance >= CLEAR) & own
+    exceeded = np.any(np.abs(residuals) > SHARE * change + OWN * noise, axis=1)
+    clear = (distance >= CLEAR) & exceeded
     wrench = np.linalg.norm((residuals @ structure.T)[:, :3], axis=1)
     contacts: list[Contact] = []
     for rows in stretches(distance > 1.0):

@@ -176,8 +176,13 @@ def _other_mass(mass: float, case: Case) -> list[Finding]:
 
 def _no_body(model: Model, fit: Fit) -> list[Finding]:
     """What to say of an inertia that no body has, however noise moved it."""
-    own = slice(len(model.names))
-    nearest = nearest_body(model, fit.values[own], fit.covariance[own, own], fit.covariance_robust[own, own])
+    parameters = slice(len(model.names))
+    nearest = nearest_body(
+        model,
+        fit.values[parameters],
+        fit.covariance[parameters, parameters],
+        fit.covariance_robust[parameters, parameters],
+    )
     return [impossible(nearest.words)] if nearest is not None and nearest.impossible else []
 
 

@@ -22,18 +22,18 @@ def with_bounds(fitted: Fitted, known: Bounded, counted: bool) -> Fitted:
         known: what bounds make of it.
         counted: whether deviations that allow for all count those of the bounds too.
     """
-    fit, kept = fitted.fit, known.kept
-    more = known.biases @ known.biases.T if counted else np.zeros_like(kept)
+    fit, remaining = fitted.fit, known.kept
+    more = known.biases @ known.biases.T if counted else np.zeros_like(remaining)
     moved = replace(
         fit,
         values=known.values,
-        covariance=kept @ fit.covariance @ kept.T,
-        covariance_robust=kept @ fit.covariance_robust @ kept.T + more,
+        covariance=remaining @ fit.covariance @ remaining.T,
+        covariance_robust=remaining @ fit.covariance_robust @ remaining.T + more,
         residuals=fitted.regression.residuals(known.values),
     )
-    own = slice(len(fitted.samples.model.names))
-    change = known.values[own] - fit.values[own]
-    by = fitted.regression.regressors[:, :, own] @ change
+    parameters = slice(len(fitted.samples.model.names))
+    change = known.values[parameters] - fit.values[parameters]
+    by = fitted.regression.regressors[:, :, parameters] @ change
     return fitted._replace(fit=moved, residuals=fitted.residuals - by / np.reshape(fitted.samples.scale, (-1, 1)))
 
 
@@ -50,8 +50,8 @@ def left_open_with_bounds(findings: Sequence[Finding], known: Bounded) -> tuple[
         entries = finding.quantity.get("told_left_open")
         if entries is not None:
             left_open = LeftOpen.from_json(entries)
-            own = slice(len(left_open.of_values))
-            of_values = known.kept[own, own] @ left_open.of_values
+            parameters = slice(len(left_open.of_values))
+            of_values = known.kept[parameters, parameters] @ left_open.of_values
             quantity = {"told_left_open": left_open._replace(of_values=of_values).to_json()}
             finding = replace(finding, quantity={**finding.quantity, **quantity})
         moved.append(finding)

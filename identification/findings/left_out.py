@@ -281,8 +281,10 @@ class LeftOut:
 
         Accelerations that were measured do not.
         """
-        m, own = self.load, np.repeat([0.0 if self.motion.by_accelerometer else 1.0, 1.0], 3)
-        return self.change(replace(m, twist=m.twist * (1.0 + STEP), twist_rate=m.twist_rate * (1.0 + 2.0 * STEP * own)))
+        m, powers = self.load, np.repeat([0.0 if self.motion.by_accelerometer else 1.0, 1.0], 3)
+        return self.change(
+            replace(m, twist=m.twist * (1.0 + STEP), twist_rate=m.twist_rate * (1.0 + 2.0 * STEP * powers))
+        )
 
     def change(self, motion: Kinematics) -> Array:
         """Change of the forces for a unit of what differs by `STEP`, shape (n, 6)."""
@@ -508,15 +510,15 @@ class LeftOut:
 
     def _of_orientation(self) -> Iterator[Alternative]:
         """Of a motion whose place is not known: how gravity lies in the sensor, and how that turns and is shaken."""
-        m, turned = self.load, self.turn.transpose(0, 2, 1)
-        specific_force = turned @ (m.twist_rate[:, :3] - self.model.gravity)[:, :, None]
+        m, into_sensor = self.load, self.turn.transpose(0, 2, 1)
+        specific_force = into_sensor @ (m.twist_rate[:, :3] - self.model.gravity)[:, :, None]
         kinds = (
-            ("place", "the orientation", "gravity along {} of the sensor", turned[:, :, 2], BY_ORIENTATION),
+            ("place", "the orientation", "gravity along {} of the sensor", into_sensor[:, :, 2], BY_ORIENTATION),
             (
                 "speed",
                 "the speed",
                 "the speed about {} of the sensor",
-                (turned @ m.twist[:, 3:, None])[:, :, 0],
+                (into_sensor @ m.twist[:, 3:, None])[:, :, 0],
                 BY_RATE,
             ),
             (

@@ -59,25 +59,25 @@ def mode_of(fitted: Fitted) -> Mode | None:
     if not isinstance(run, Run):
         return None
     behind = _widely(run)
-    seen = behind.series(fitted.at, fitted.fit.values[: len(run.model.names)])
+    oscillation = behind.series(fitted.at, fitted.fit.values[: len(run.model.names)])
     step = run.filter.step
-    length = min(len(seen.t), round(SECOND / step))
-    scale = white_noise(seen.forces)
+    length = min(len(oscillation.t), round(SECOND / step))
+    scale = white_noise(oscillation.forces)
     if not np.all(scale > 0.0):
         return None
-    off = seen.values / scale
-    at, densities = seen.spectrum(length)
+    off = oscillation.values / scale
+    at, densities = oscillation.spectrum(length)
     power = np.mean((densities / scale) ** 2, axis=1)
     inside = (at > LOWEST * run.filter.cutoff) & (at < HIGHEST * behind.filter.cutoff)
     if np.count_nonzero(inside) < 8:
         return None
     peak = int(np.flatnonzero(inside)[np.argmax(power[inside])])
-    beside = [float(np.interp(share * at[peak], at, power)) for share in FLANKS]
-    if power[peak] < PEAK * np.median(power[inside]) or power[peak] < SIDES * max(beside):
+    flanks = [float(np.interp(share * at[peak], at, power)) for share in FLANKS]
+    if power[peak] < PEAK * np.median(power[inside]) or power[peak] < SIDES * max(flanks):
         return None
     window = np.hanning(2 * round(REACH / step) + 1)
     window /= window.sum()
-    turning = off * np.exp(-2j * np.pi * at[peak] * seen.t)[:, None]
+    turning = off * np.exp(-2j * np.pi * at[peak] * oscillation.t)[:, None]
     slow = np.stack([np.convolve(channel, window, "same") for channel in turning.T], axis=1)
     amplitude = np.sum(np.abs(slow) ** 2, axis=1)
     low, high = np.quantile(amplitude, [0.25, 0.9])

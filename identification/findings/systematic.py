@@ -84,13 +84,13 @@ def systematic_of(
     basis, residuals = free_basis(fitted), fitted.fit.residuals
     left_out = LeftOut.of(fitted, motion, case)
     rest = remainder_of(fitted, left_out.regressors(fitted.regression.names))
-    half, back = rest.half, np.linalg.inv(rest.root).T
+    half, inverse = rest.half, np.linalg.inv(rest.root).T
     tolerances = shares_of(left_out, rest, basis, case.tolerances)
     if told is not None:
         estimated = {share.key: share for share in told.remaining}
         tolerances = tuple(estimated.get(share.key, share) for share in tolerances)
     rest = without_tolerances(rest, tolerances)
-    drift, bias, seen = drift_of(whole), np.zeros((basis.shape[1],) * 2), list[Seen]()
+    drift, bias, effects_seen = drift_of(whole), np.zeros((basis.shape[1],) * 2), list[Seen]()
     suspected: Suspected | None = None
     if drift is not None:
         rest = rest.beside((drift.shape[part] * samples.scale)[:, None, None] * np.eye(6))
@@ -112,8 +112,8 @@ def systematic_of(
         if effects[0].chance > CERTAIN:
             suspected = Suspected(effects[0], len(alternatives), basis @ more @ basis.T)
             break
-        explained = np.sqrt(np.mean((effects[0].explained @ back) ** 2, axis=0))
-        seen.append(Seen(effects[0], tuple(effects[1:]), explained))
+        explained = np.sqrt(np.mean((effects[0].explained @ inverse) ** 2, axis=0))
+        effects_seen.append(Seen(effects[0], tuple(effects[1:]), explained))
         taken = effects[0].alternative
         rest = rest.beside(taken.columns @ effects[0].supported)
         alternatives = [alternative for alternative in alternatives if alternative is not taken]  # counted whole
@@ -133,7 +133,9 @@ def systematic_of(
         bias += np.outer(ringing.bias, ringing.bias)
     rms = np.sqrt(np.mean(residuals**2, axis=0))
     hidden = [of._replace(answer=basis @ of.answer) for of in unseen(alternatives, rest)]
-    return Systematic(tuple(seen), suspected, drift, bias, drives, rms, motion, tolerances, ringing, tuple(hidden))
+    return Systematic(
+        tuple(effects_seen), suspected, drift, bias, drives, rms, motion, tolerances, ringing, tuple(hidden)
+    )
 
 
 def _odds(chance: float) -> float:

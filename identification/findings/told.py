@@ -57,9 +57,9 @@ class LeftOpen(NamedTuple):
     @property
     def remains(self) -> dict[str, Array]:
         """What stays of all sizes by one deviation of each size of a tolerance, shapes (k, sizes), by its key."""
-        left = np.eye(len(self.gain)) - self.gain @ self.through
+        reduction = np.eye(len(self.gain)) - self.gain @ self.through
         ends = np.cumsum(list(self.counts.values()))
-        return dict(zip(self.counts, np.split(left, ends[:-1], axis=1), strict=True))
+        return dict(zip(self.counts, np.split(reduction, ends[:-1], axis=1), strict=True))
 
     def noise_of(self, robust: bool) -> Array:
         """Covariance of n with memory or, where not `robust`, white, shape (scores, scores)."""
@@ -92,7 +92,9 @@ class Together(NamedTuple):
     def of(cls, one: LeftOpen, other: LeftOpen) -> "Together":
         """Of two runs with the same sizes."""
         each = [np.concatenate(list(of.remains.values()), axis=1) for of in (one, other)]
-        inverse = [np.linalg.inv(0.5 * (left + left.T)) for left in each]  # 1 - K G is the covariance with the run
+        inverse = [
+            np.linalg.inv(0.5 * (reduction + reduction.T)) for reduction in each
+        ]  # 1 - K G is the covariance with the run
         both = np.linalg.inv(inverse[0] + inverse[1] - np.eye(len(each[0])))
         first, second = (np.asarray(both @ i, dtype=float) for i in inverse)
         whole = first @ each[0] + second @ each[1] - both
@@ -149,23 +151,23 @@ class Told(NamedTuple):
     @property
     def remaining(self) -> tuple[Share, ...]:
         """What each tolerance does to values that are estimated with the sizes: none of it is left in residuals."""
-        both, begin, found = self.biases @ self.left, 0, []
+        both, begin, blocks = self.biases @ self.left, 0, []
         for share in self.shares:
             end = begin + share.biases.shape[1]
-            found.append(share._replace(biases=both[:, begin:end], left=share.left[:, :, :0]))
+            blocks.append(share._replace(biases=both[:, begin:end], left=share.left[:, :, :0]))
             begin = end
-        return tuple(found)
+        return tuple(blocks)
 
     def left_open(self, fitted: Fitted) -> "LeftOpen":
         """What it leaves open of the sizes, beside the parameters of a fit."""
-        own = slice(len(fitted.samples.model.names))
+        parameters = slice(len(fitted.samples.model.names))
         return LeftOpen(
             {share.key: share.biases.shape[1] for share in self.shares},
             self.white,
             self.through,
             self.of_scores,
             fitted.fit.white_noise**2 / fitted.regression.filtered.stride,
-            self.biases[own] @ self.white,
+            self.biases[parameters] @ self.white,
         )
 
     def allowed_for(self, fitted: Fitted) -> Fitted:
@@ -228,12 +230,12 @@ def told_by(fitted: Fitted, case: Case, sizes: Array | None = None) -> Told | No
         return None
     left, both = np.concatenate([share.left for share in shares], axis=2), ((0, 1), (0, 1))
     values, vectors = np.linalg.eigh(np.tensordot(left, left, both))
-    seen = values > FAINT * float(np.mean(rest.residuals**2))
-    if not seen.any():
+    significant = values > FAINT * float(np.mean(rest.residuals**2))
+    if not significant.any():
         return None
-    strength = np.sqrt(values[seen])
-    through = (vectors[:, seen] * strength).T  # G, of scores in an orthonormal basis
-    scored = left @ (vectors[:, seen] / strength)
+    strength = np.sqrt(values[significant])
+    through = (vectors[:, significant] * strength).T  # G, of scores in an orthonormal basis
+    scored = left @ (vectors[:, significant] / strength)
     scores = np.tensordot(scored, rest.residuals, both)
     noise = noise_of(scored, rest, rest.residuals - scored @ scores).covariance
     now = np.zeros(left.shape[2]) if sizes is None else sizes
@@ -302,14 +304,14 @@ def findings_of(told: Told, case: Case, fitted: Fitted) -> list[Finding]:
             clear.append((size, sentence, told.surprises[k]))
     exact = {key: sizes.tolist() for key, sizes in by_key.items()}
     left_open = told.left_open(fitted).to_json()
-    found = [note(Kind.CASE, "", told=entries, told_sizes=exact), note(Kind.CASE, "", told_left_open=left_open)]
+    findings = [note(Kind.CASE, "", told=entries, told_sizes=exact), note(Kind.CASE, "", told_left_open=left_open)]
     for key in dict.fromkeys(size.key for size, _, _ in clear):
         words = "; ".join(sentence for size, sentence, _ in clear if size.key == key)
         first = next(size for size, _, _ in clear if size.key == key)
         sentence = f"the run tells that {words}: estimated and allowed for; "
         told_of = note(Kind.CASE, sentence + remedy_of(case, first, {key: by_key[key]}))
-        found.append(replace(told_of, remedies=remedies_of(words, case, first, {key: by_key[key]})))
-    return found + _impossible(told, named)
+        findings.append(replace(told_of, remedies=remedies_of(words, case, first, {key: by_key[key]})))
+    return findings + _impossible(told, named)
 
 
 def _impossible(told: Told, named: list[Size]) -> list[Finding]:

@@ -61,8 +61,8 @@ def shares_of(left_out: LeftOut, rest: Remainder, basis: Array, tolerances: Tole
     shares = []
     for key, deviation in () if tolerances is None else tolerances.stated():
         size = deviation * UNITS[key.rpartition("_")[2]]
-        left, inside = rest.without_fit(rest.root @ left_out.weighted(effects_of(left_out, key)))
-        shares.append(Share(key, size * (basis @ (rest.half @ inside)), size * left))
+        residuals, inside = rest.without_fit(rest.root @ left_out.weighted(effects_of(left_out, key)))
+        shares.append(Share(key, size * (basis @ (rest.half @ inside)), size * residuals))
     return tuple(shares)
 
 
@@ -195,14 +195,14 @@ def budget_findings(before: Fitted, allowed: Fitted, shares: tuple[Share, ...] |
         )
         kinds = list(dict.fromkeys(KINDS[key] for key in case.tolerable))
         return [note(Kind.NOISE, not_done if case.tolerances is not None else "", not_counted=kinds)]
-    found = [note(Kind.NOISE, "", not_counted=case.not_counted)] if case.not_counted else []
+    findings = [note(Kind.NOISE, "", not_counted=case.not_counted)] if case.not_counted else []
     if not shares:
-        return found
-    model, own = before.samples.model, slice(len(before.samples.model.names))
-    form, u = physical_form(model), before.fit.values[own]
+        return findings
+    model, parameters = before.samples.model, slice(len(before.samples.model.names))
+    form, u = physical_form(model), before.fit.values[parameters]
 
     def variances(covariance: Array) -> Array:
-        return np.diag(form.of(u, covariance[own, own])[1]).clip(0.0)
+        return np.diag(form.of(u, covariance[parameters, parameters])[1]).clip(0.0)
 
     white, robust = variances(before.fit.covariance), variances(before.fit.covariance_robust)
     total = np.maximum(white, variances(allowed.fit.covariance_robust))
@@ -211,8 +211,12 @@ def budget_findings(before: Fitted, allowed: Fitted, shares: tuple[Share, ...] |
         by_kind[share.kind] = by_kind.get(share.kind, 0.0) + variances(share.covariance)
     stated = np.sum(list(by_kind.values()), axis=0)
     memory = np.maximum(robust - white, 0.0)
-    seen = np.maximum(variances(allowed.fit.covariance_robust) - robust - stated, 0.0)
-    parts = {NOISE: np.maximum(total - memory - seen - stated, 0.0), MEMORY: memory, SHOWN: seen} | by_kind
+    by_residuals = np.maximum(variances(allowed.fit.covariance_robust) - robust - stated, 0.0)
+    parts = {
+        NOISE: np.maximum(total - memory - by_residuals - stated, 0.0),
+        MEMORY: memory,
+        SHOWN: by_residuals,
+    } | by_kind
     rows = {
         p.name: {kind: float(np.sqrt(variance[k])) for kind, variance in parts.items()}
         for k, p in enumerate(form.parameters)
@@ -224,4 +228,4 @@ def budget_findings(before: Fitted, allowed: Fitted, shares: tuple[Share, ...] |
         f"{kind} {rows[first][kind]:.2g}" for kind in largest if rows[first][kind] > 0.1 * total[0] ** 0.5
     )
     sentence = f"the deviation of {first} has parts [{unit}]: {words}"
-    return [*found, note(Kind.NOISE, sentence, budget=rows)]
+    return [*findings, note(Kind.NOISE, sentence, budget=rows)]

@@ -47,11 +47,11 @@ class LimitedChain:
     def ranges(self, motion: Motion) -> Iterable[Quantity]:
         """Where the joints are, between the ends of each; a joint that turns without end has none."""
         ends = np.isfinite(self.chain.position).all(axis=0)
-        for kind, own in ((LimitKind.JOINT_POSITION, ends & ~self.turns), (LimitKind.JOINT_ANGLE, ends & self.turns)):
-            if own.any():
-                labels = tuple(label for label, k in zip(self.chain.names, own, strict=True) if k)
-                low, high = self.chain.position[:, own]
-                yield Quantity.between(kind, labels, motion.coordinates[:, own], low, high)
+        for kind, axes in ((LimitKind.JOINT_POSITION, ends & ~self.turns), (LimitKind.JOINT_ANGLE, ends & self.turns)):
+            if axes.any():
+                labels = tuple(label for label, k in zip(self.chain.names, axes, strict=True) if k)
+                low, high = self.chain.position[:, axes]
+                yield Quantity.between(kind, labels, motion.coordinates[:, axes], low, high)
 
     def drives(self, motion: Motion) -> tuple[Array, Array, Array]:
         """The joints themselves."""
@@ -107,13 +107,13 @@ def joint_efforts(frames: Frames, chain: Chain, gravity: Array, bodies: Sequence
     loads = [(payload_words(n), _mechanics(frames[-1], body, pull)) for n, body in enumerate(bodies)]
     turns = np.array([joint.turns for joint in chain.joints])
     limited = np.isfinite([joint.effort for joint in chain.joints])
-    for kind, own in ((LimitKind.JOINT_FORCE, limited & ~turns), (LimitKind.JOINT_TORQUE, limited & turns)):
+    for kind, axes in ((LimitKind.JOINT_FORCE, limited & ~turns), (LimitKind.JOINT_TORQUE, limited & turns)):
         columns, labels, most = [], [], []
         for words, load in loads or [("no load", np.zeros_like(links[0]))]:
             inertia = load
             for k in range(len(chain.joints) - 1, -1, -1):
                 inertia = inertia + links[k]
-                if own[k]:
+                if axes[k]:
                     columns.append(_generalised(frames[k][0], chain.joints[k], inertia))
                     labels.append(f"{chain.joints[k].name}, {words}")
                     most.append(SHARE * chain.joints[k].effort)
@@ -183,8 +183,8 @@ def _moved(joint: Joint, position: Array, rate: Array, acceleration: Array) -> _
         frames[0][:, :3, :3] = np.eye(3)
         for frame, value in zip(frames, (position, rate, acceleration), strict=True):
             frame[:, 2, 3] = value
-    before, back = _placed(joint) @ aligned, aligned.T
-    return before @ frames[0] @ back, before @ frames[1] @ back, before @ frames[2] @ back
+    before, inverse = _placed(joint) @ aligned, aligned.T
+    return before @ frames[0] @ inverse, before @ frames[1] @ inverse, before @ frames[2] @ inverse
 
 
 class _Body(NamedTuple):

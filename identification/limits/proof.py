@@ -135,8 +135,8 @@ def shares_at(trajectory: Trajectory, case: Case, instants: Array, in_box: bool,
     Limits may be none: of the mechanics of an arm whose case states no bodies, torques and range of the sensor.
     """
     parts = [
-        np.column_stack([np.zeros((len(t), 0)), *(q.ratio.max(axis=1) for q in quantities)])[own]
-        for quantities, t, own in _evaluated(trajectory, case, instants, in_box, limited)
+        np.column_stack([np.zeros((len(t), 0)), *(q.ratio.max(axis=1) for q in quantities)])[checks]
+        for quantities, t, checks in _evaluated(trajectory, case, instants, in_box, limited)
     ]
     return np.concatenate(parts)
 
@@ -157,10 +157,10 @@ def kinetic_shares(trajectory: Trajectory, case: Case, instants: Array) -> tuple
         [
             np.max(
                 [np.zeros(len(t)), *(q.ratio.max(axis=1) for q in quantities if q.of.kind.family in families)], axis=0
-            )[own]
+            )[checks]
             for families in _BY_POWER
         ]
-        for quantities, t, own in _evaluated(trajectory, case, instants, True, everything)
+        for quantities, t, checks in _evaluated(trajectory, case, instants, True, everything)
     ]
     velocity, acceleration, jerk = (np.concatenate(shares) for shares in zip(*parts, strict=True))
     return velocity, acceleration, jerk

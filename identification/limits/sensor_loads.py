@@ -81,8 +81,8 @@ def _state(rotation: tuple[Array, Array, Array], specific: Array) -> Array:
     From R and its first and second time derivative, shapes (n, 3, 3), and p'' - g in {B}, shape (n, 3) [m/s^2].
     """
     turn, first, second = rotation
-    back = turn.transpose(0, 2, 1)
-    spin, change = back @ first, back @ second  # S(omega), and S(alpha) + S(omega)^2
+    inverse = turn.transpose(0, 2, 1)
+    spin, change = inverse @ first, inverse @ second  # S(omega), and S(alpha) + S(omega)^2
     omega = spin[:, (2, 0, 1), (1, 2, 0)]
     alpha = (change - change.transpose(0, 2, 1))[:, (2, 0, 1), (1, 2, 0)] / 2
     products = (omega[:, :, None] * omega[:, None]).reshape(-1, 9)

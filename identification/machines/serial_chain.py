@@ -171,8 +171,8 @@ def _inertial(frame: _Link, body: RigidBody, gravity: Sequence[float] | Array) -
     arm = frame.turn @ ca.DM(body.centre_of_gravity)
     force = body.mass_kg * (frame.a + _carried(arm, frame.omega, frame.alpha) - ca.DM(gravity))
     inertia = frame.turn @ ca.DM(body.inertia) @ frame.turn.T
-    own = inertia @ frame.alpha + ca.cross(frame.omega, inertia @ frame.omega)
-    return force, own + ca.cross(frame.p + arm, force)
+    moment = inertia @ frame.alpha + ca.cross(frame.omega, inertia @ frame.omega)
+    return force, moment + ca.cross(frame.p + arm, force)
 
 
 def _carried(r: ca.SX, omega: ca.SX, alpha: ca.SX) -> ca.SX:

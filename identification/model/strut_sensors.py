@@ -72,9 +72,9 @@ class StrutLayout:
             s.coulomb_friction_Nm or (0.0, 0.0),
         )
         net = s.tube_first_moment_kg_m - (0.0 if moving else s.rod_first_moment_kg_m)
-        own = {"mu": s.rod_mass_kg, "h": s.rod_first_moment_kg_m, "k": s.inertia_kg_m2, "d": net}
-        own |= {"cB": base, "cP": joint, "tB": base_torque, "tP": joint_torque}
-        return values | own | {f"{name}_{k}": value for name, value in own.items() for k in range(1, 7)}
+        rods = {"mu": s.rod_mass_kg, "h": s.rod_first_moment_kg_m, "k": s.inertia_kg_m2, "d": net}
+        rods |= {"cB": base, "cP": joint, "tB": base_torque, "tP": joint_torque}
+        return values | rods | {f"{name}_{k}": value for name, value in rods.items() for k in range(1, 7)}
 
 
 def moving_struts(

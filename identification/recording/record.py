@@ -98,9 +98,9 @@ class RunRecord(Entries):
         if "executed_s" in entries:
             parts["executed"] = {key: entries[key] for key in Executed.model_fields if key in entries}
         named = {key for part in parts.values() for key in part}
-        own = {key: value for key, value in entries.items() if key not in named}
+        additional = {key: value for key, value in entries.items() if key not in named}
         try:
-            return cls.model_validate_json(json_text(own | parts))
+            return cls.model_validate_json(json_text(additional | parts))
         except ValidationError as error:
             place = [str(part) for part in error.errors()[0]["loc"] if part not in parts]
             raise HexciteError(
@@ -120,9 +120,9 @@ class RunRecord(Entries):
 
     def to_json(self) -> dict[str, Any]:
         """The object of the file."""
-        own = self.model_dump(mode="json", exclude_unset=True, exclude={"origin", "executed"})
+        entries_of_run = self.model_dump(mode="json", exclude_unset=True, exclude={"origin", "executed"})
         executed = {} if self.executed is None else self.executed.to_json()
-        return own | self.origin.to_json() | executed
+        return entries_of_run | self.origin.to_json() | executed
 
     def poses(self, coordinates: int) -> Array | None:
         """Poses that the program measured, shape (n, coordinates); None where it measured none.

@@ -142,9 +142,9 @@ class Recording(Stream):
             )
         file = place / "recording.json"
         entries = record.to_json()
-        own = case_of(file, entries, AGAIN)
-        remarks = require_unchanged(file, entries, recording_basis(own), own, stale, AGAIN)
-        return replace(read(paths, own), remarks=remarks)
+        case_of_run = case_of(file, entries, AGAIN)
+        remarks = require_unchanged(file, entries, recording_basis(case_of_run), case_of_run, stale, AGAIN)
+        return replace(read(paths, case_of_run), remarks=remarks)
 
     def __repr__(self) -> str:
         """A few lines: where it is from, how long, which channels."""
@@ -186,15 +186,15 @@ class Recording(Stream):
 
 def _paths(paths: object) -> tuple[Path, ...]:
     """Paths of files; raises RecordingError where they are none."""
-    given = paths if isinstance(paths, list | tuple) else (paths,)
-    if not all(isinstance(path, str | PathLike) for path in given):
+    places = paths if isinstance(paths, list | tuple) else (paths,)
+    if not all(isinstance(path, str | PathLike) for path in places):
         raise RecordingError(
             place="Recording: paths",
             problem=f"is {told(paths)}",
             remedy="give the paths of its files, or none",
             code=Code.WRONG_KIND,
         )
-    return tuple(Path(path) for path in given)
+    return tuple(Path(path) for path in places)
 
 
 def _of_run(run: Executed) -> list[str]:
@@ -240,8 +240,8 @@ def read(paths: Path | str | Sequence[Path | str], case: Case) -> Recording:
     main, *others = read_run(places, case)
     pa.default_memory_pool().release_unused()  # as much again as the recording, which it keeps for its next table
     record = record_of(places[0]) if len(places) == 1 else None
-    own = {part.name: getattr(main, part.name) for part in fields(main)}
-    return Recording(**own, others=tuple(others), case=case, paths=tuple(places), record=record)
+    values = {part.name: getattr(main, part.name) for part in fields(main)}
+    return Recording(**values, others=tuple(others), case=case, paths=tuple(places), record=record)
 
 
 def record_of(path: Path) -> RunRecord | None:

@@ -36,7 +36,7 @@ def differences(before: Result, after: Result) -> dict[str, Difference]:
     bounds = [{key: v for key, v in of.items() if key.startswith("bounds")} for of in same]
     if BOUNDS in before.biases and BOUNDS in after.biases and bounds[0] == bounds[1]:
         keys = keys | {BOUNDS}
-    found = {}
+    compared = {}
     for name in one.names:
         if name not in other.names:
             continue
@@ -52,8 +52,8 @@ def differences(before: Result, after: Result) -> dict[str, Difference]:
                 robust -= 2.0 * float(there @ here)
         variance = max(float(white), robust, 0.0)
         value = float(other.values[k] - one.values[j])
-        found[name] = Difference(value, COVERAGE_FACTOR * float(np.sqrt(variance)))
-    return found
+        compared[name] = Difference(value, COVERAGE_FACTOR * float(np.sqrt(variance)))
+    return compared
 
 
 class _Physical(NamedTuple):

@@ -108,11 +108,15 @@ def estimate_of(
 ) -> Estimate:
     """The estimate of a fit; columns of the fit beyond the model's parameters are nuisances, which it leaves out."""
     fit, model = fitted.fit, fitted.samples.model
-    own = slice(len(model.parameters))
-    u, white, robust = fit.values[own], fit.covariance[own, own], fit.covariance_robust[own, own]
+    parameters = slice(len(model.parameters))
+    u, white, robust = (
+        fit.values[parameters],
+        fit.covariance[parameters, parameters],
+        fit.covariance_robust[parameters, parameters],
+    )
     fit = replace(fit, values=u, covariance=white, covariance_robust=robust)
     physical = physical_values(model, u, white, robust)
-    of_u = {key: bias[own] for key, bias in (biases or {}).items()}
+    of_u = {key: bias[parameters] for key, bias in (biases or {}).items()}
     return Estimate(
         case, source, fitted.method, fit, fitted.samples, fitted.residuals, _s0(fitted), fitted.delay, physical,
         findings, of_u,

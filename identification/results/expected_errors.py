@@ -58,11 +58,11 @@ def turns_in(left_out: LeftOut, result: Result) -> dict[str, Array]:
 def _by_size(
     left_out: LeftOut, result: Result, effects: Callable[[LeftOut, str], Array], shape: tuple[int, int]
 ) -> dict[str, Array]:
-    found = {}
+    errors = {}
     for key, deviation in stated_sizes(result).items():
         columns, count = deviation * effects(left_out, key), result.biases[key].shape[1]
-        found[key] = columns if columns.shape[-1] == count else np.zeros((*shape, count))
-    return found
+        errors[key] = columns if columns.shape[-1] == count else np.zeros((*shape, count))
+    return errors
 
 
 def errors_of(result: Result, matrices: Array, effects: Mapping[str, Array]) -> Errors:
@@ -83,11 +83,11 @@ def errors_of(result: Result, matrices: Array, effects: Mapping[str, Array]) -> 
         scores = left_open.of_values
         through = matrices @ scores - sizes @ left_open.gain
         white_scores, robust_scores = (left_open.noise_of(robust) for robust in (False, True))
-    own = [
+    sources = [
         np.concatenate([through @ root_of(noise), matrices @ root_of(covariance - scores @ noise @ scores.T)], axis=-1)
         for noise, covariance in ((white_scores, result.covariance), (robust_scores, random_of(result)))
     ]
-    return Errors(by_key, own[0], own[1], through, scores)
+    return Errors(by_key, sources[0], sources[1], through, scores)
 
 
 def random_of(result: Result) -> Array:

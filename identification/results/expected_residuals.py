@@ -75,10 +75,10 @@ class Used:
         return {kind: np.concatenate(of) for kind, of in parts.items()}
 
     def _piece(self, piece: slice, place: Place, into: Array, wrenches: Array) -> dict[str, Array]:
-        found, delay = {NOISE: (into**2) @ self.noise}, self.result.record.delay_s
+        variances, delay = {NOISE: (into**2) @ self.noise}, self.result.record.delay_s
         if self.late is not None and delay is not None:
-            found[DELAY] = (np.einsum("nij,nj->ni", into, self.late[piece]) * delay.std) ** 2
-        return found | self.errors(piece, place, into, wrenches).variances
+            variances[DELAY] = (np.einsum("nij,nj->ni", into, self.late[piece]) * delay.std) ** 2
+        return variances | self.errors(piece, place, into, wrenches).variances
 
     def errors(self, piece: slice, place: Place, into: Array, wrenches: Array) -> Errors:
         """Errors of force and moment in a frame that all samples have in common; arguments as of `variances`.

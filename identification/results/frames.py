@@ -295,8 +295,8 @@ def mounting_by(place: Place, wrenches: Array) -> dict[str, Array]:
         return np.asarray(np.cross(np.eye(3)[None], vectors[:, None, :])).transpose(0, 2, 1)
 
     arms = np.asarray(turn @ crossed(along[:, :3]))
-    turned = np.concatenate([crossed(along[:, :3]), crossed(along[:, 3:])], axis=1)
-    return {"sensor_mm": np.concatenate([none, arms], axis=1), "sensor_deg": place.map @ turned}
+    rotated = np.concatenate([crossed(along[:, :3]), crossed(along[:, 3:])], axis=1)
+    return {"sensor_mm": np.concatenate([none, arms], axis=1), "sensor_deg": place.map @ rotated}
 
 
 def moved_body(place: Array, size: int = 10) -> Array:
@@ -358,12 +358,12 @@ def turning_at_home(case: Case, model: Model, values: Array, counted: Collection
     motion = MotionOfSamples(np.ones(1, dtype=bool), load, (drives, still, still), machine)
     left_out = LeftOut.in_use(model, motion, values, np.zeros((1, 6)), case)
     stated = {} if case.tolerances is None else dict(case.tolerances.stated())
-    found = {}
+    rotations = {}
     for key in counted:
         turns = turns_of(left_out, key) if key in stated and key != "sensor_deg" else np.zeros((1, 3, 0))
         if turns.shape[2]:
-            found[key] = stated[key] * UNITS[key.rpartition("_")[2]] * left_out.turn[0].T @ turns[0]
-    return found
+            rotations[key] = stated[key] * UNITS[key.rpartition("_")[2]] * left_out.turn[0].T @ turns[0]
+    return rotations
 
 
 def mounting_of_both(case: Case, one: LeftOpen, other: LeftOpen, own: tuple[Sequence[int], Sequence[int]]) -> Mounting:
@@ -391,7 +391,7 @@ def mounting_of_both(case: Case, one: LeftOpen, other: LeftOpen, own: tuple[Sequ
         )
         for kind in (False, True)
     )
-    return Mounting({key: into @ left for key, left in both.remains.items()}, white, robust)
+    return Mounting({key: into @ remainder for key, remainder in both.remains.items()}, white, robust)
 
 
 def mounting_of(
@@ -414,12 +414,12 @@ def mounting_of(
     rows = {"sensor_mm": (MM, slice(0, 3)), "sensor_deg": (DEG, slice(3, 6))}
     of_place = {k: np.eye(6)[:, own] * stated[k] * unit for k, (unit, own) in rows.items() if k in counted}
     of_place |= {key: np.vstack([np.zeros_like(turns), turns]) for key, turns in (turning or {}).items()}
-    told = set() if left_open is None else of_place.keys() & left_open.counts.keys()
-    plain = {key: sizes for key, sizes in of_place.items() if key not in told}
-    if left_open is None or not told:
+    estimated_keys = set() if left_open is None else of_place.keys() & left_open.counts.keys()
+    plain = {key: sizes for key, sizes in of_place.items() if key not in estimated_keys}
+    if left_open is None or not estimated_keys:
         return Mounting(plain)
     into = left_open.of_keys({k: of_place.get(k, np.zeros((6, count))) for k, count in left_open.counts.items()})
-    biases = plain | {key: into @ left for key, left in left_open.remains.items()}
+    biases = plain | {key: into @ remainder for key, remainder in left_open.remains.items()}
     noise = [left_open.noise_of(robust) for robust in (False, True)]
     of_sizes, of_values = into @ left_open.gain, left_open.of_values[list(own)]
     white, robust = ((of_sizes @ n @ of_sizes.T, of_values @ n @ of_sizes.T) for n in noise)

@@ -207,22 +207,24 @@ def history(places: Sequence[Path | str] | Path | str, case: str | None = None) 
             remedy=f"name one of {', '.join(names)}",
             code=Code.OTHER_SOURCE,
         )
-    own = sorted(
+    of_machine = sorted(
         (_entry(result) for result in loaded if case in (None, result.record.case)), key=lambda entry: entry.when
     )
     entries: list[Entry] = []
-    for entry in own:
+    for entry in of_machine:
         twin = next((e for e in entries if e.result.recordings & entry.result.recordings), None)
         if twin is None:
             entries.append(entry)
         else:
             left_out.append(f"{entry.result.source}: is of the same recording as {twin.result.source}")
-    found = History(entries[0].result.record.case, tuple(entries), (), (), tuple(left_out))
-    leaps = _leaps(found)
-    changes = _changes_over_all(found, {leap.parameter for leap in leaps})
+    entries_in_order = History(entries[0].result.record.case, tuple(entries), (), (), tuple(left_out))
+    leaps = _leaps(entries_in_order)
+    changes = _changes_over_all(entries_in_order, {leap.parameter for leap in leaps})
     leaps += [change for change in changes if isinstance(change, Leap)]
     drifts = [change for change in changes if isinstance(change, Drift)]
-    return History(found.case, found.entries, tuple(leaps), tuple(drifts), found.left_out)
+    return History(
+        entries_in_order.case, entries_in_order.entries, tuple(leaps), tuple(drifts), entries_in_order.left_out
+    )
 
 
 def _loaded(paths: Sequence[Path]) -> tuple[list[Result], list[str]]:
@@ -233,15 +235,15 @@ def _loaded(paths: Sequence[Path]) -> tuple[list[Result], list[str]]:
             raise FileProblem(
                 place=path, problem="no such folder", remedy="name folders that hold results", code=Code.MISSING
             )
-        found = [path] if path.name == "result.json" else sorted(path.rglob("result.json"))
-        if not found:
+        result_files = [path] if path.name == "result.json" else sorted(path.rglob("result.json"))
+        if not result_files:
             raise FileProblem(
                 place=path,
                 problem="holds no result",
                 remedy="name folders of hexcite identify, or what holds such",
                 code=Code.MISSING,
             )
-        files |= dict.fromkeys(file.resolve() for file in found)
+        files |= dict.fromkeys(file.resolve() for file in result_files)
     results, left_out = list[Result](), list[str]()
     for file in files:
         try:
@@ -263,7 +265,7 @@ def _entry(result: Result) -> Entry:
     form, biases = physical_form(result.model), result.biases
     jacobian = form.map(result.values)[1].full()
     common = sum((bias @ bias.T for bias in biases.values()), np.zeros_like(result.covariance))
-    own = np.maximum(
+    std = np.maximum(
         np.diag(jacobian @ result.covariance @ jacobian.T),
         np.diag(jacobian @ (result.covariance_robust - common) @ jacobian.T),
     )
@@ -275,7 +277,7 @@ def _entry(result: Result) -> Entry:
     stated = result.record.recorded_at
     assert result.file is not None
     when = datetime.fromtimestamp(result.file.stat().st_mtime) if stated is None else datetime.fromisoformat(stated)
-    return Entry(when.astimezone(), result, dict(zip(names, own.tolist(), strict=True)), rows)
+    return Entry(when.astimezone(), result, dict(zip(names, std.tolist(), strict=True)), rows)
 
 
 def _leaps(of: History) -> list[Leap]:
@@ -326,7 +328,7 @@ def _changes_over_all(of: History, leapt: set[str]) -> list[Leap | Drift]:
         if abs(rate) <= most * std:
             continue
         steps = [_step(values, weights, k) for k in range(1, len(values))]
-        k = int(np.argmax([abs(change) / own for change, own in steps]))
+        k = int(np.argmax([abs(change) / deviation for change, deviation in steps]))
         if abs(steps[k][0]) / steps[k][1] > abs(rate) / std:
             changes.append(Leap(name, entries[k], entries[k + 1], *steps[k]))
         else:

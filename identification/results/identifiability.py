@@ -77,18 +77,18 @@ class Identifiability:
     @property
     def sentences(self) -> tuple[str, ...]:
         """What cannot be told apart, and what hardly can, in words; none where all can."""
-        said = []
+        sentences = []
         for names, count in self.alike:
             if len(names) == count:
-                said.append(f"{together(names)} change{'s' * (count == 1)} no force here")
+                sentences.append(f"{together(names)} change{'s' * (count == 1)} no force here")
             else:
                 words = "a combination of them changes" if count == 1 else f"{count} combinations of them change"
-                said.append(f"{together(names)} cannot be told apart: {words} no force")
+                sentences.append(f"{together(names)} cannot be told apart: {words} no force")
         if pairs := self.nearly_alike:
             words = ", ".join(f"{a} and {b} ({value:+.3f})" for a, b, value in pairs[:SHOWN])
             words += f" and {len(pairs) - SHOWN} more pairs" if len(pairs) > SHOWN else ""
-            said.append(f"nearly alike, and so known closely only together: {words}")
-        return tuple(said)
+            sentences.append(f"nearly alike, and so known closely only together: {words}")
+        return tuple(sentences)
 
     @property
     def words(self) -> str:
@@ -143,7 +143,11 @@ def together(names: Sequence[str]) -> str:
     stems: dict[str, list[str]] = {}
     for name in names:
         stems.setdefault(name.partition("_")[0] if name.startswith("K") else name, []).append(name)
-    parts = [part for stem, own in stems.items() for part in ([f"{len(own)} of {stem}"] if len(own) > MANY else own)]
+    parts = [
+        part
+        for stem, numbers in stems.items()
+        for part in ([f"{len(numbers)} of {stem}"] if len(numbers) > MANY else numbers)
+    ]
     return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
 
 
@@ -170,16 +174,22 @@ def analysed(regressors: Array, names: Sequence[str], number: int) -> Identifiab
 
 def _groups(names: Sequence[str], projector: Array) -> tuple[tuple[tuple[str, ...], int], ...]:
     """Parameters that share combinations without a force, by the projector on these, and the number of combinations."""
-    linked, left, groups = np.abs(projector) > SHARE, set(np.flatnonzero(np.diag(projector) > SHARE**2).tolist()), []
-    while left:
-        group, new = set[int](), {min(left)}
+    linked, remaining, groups = (
+        np.abs(projector) > SHARE,
+        set(np.flatnonzero(np.diag(projector) > SHARE**2).tolist()),
+        [],
+    )
+    while remaining:
+        group, new = set[int](), {min(remaining)}
         while new:
             group |= new
-            new = {int(k) for member in new for k in np.flatnonzero(linked[member])} & left - group
-        left -= group
-        own = sorted(group)
-        groups.append((tuple(names[k] for k in own), max(1, round(float(np.trace(projector[np.ix_(own, own)]))))))
-    silent = tuple(name for own, count in groups if len(own) == count for name in own)
+            new = {int(k) for member in new for k in np.flatnonzero(linked[member])} & remaining - group
+        remaining -= group
+        members = sorted(group)
+        groups.append(
+            (tuple(names[k] for k in members), max(1, round(float(np.trace(projector[np.ix_(members, members)])))))
+        )
+    silent = tuple(name for members, count in groups if len(members) == count for name in members)
     others = tuple(group for group in groups if len(group[0]) > group[1])
     return (*others, (silent, len(silent))) if silent else others
 

@@ -55,8 +55,8 @@ class Payload(NamedTuple):
         both = self._both_told
         if both is None or not place.fixed:
             return body.seen_from(place, self.loaded.mounting_of_body(body.model, not place.fixed))
-        own = tuple([result.model.names.index(n) for n in body.model.names] for result in (self.empty, self.loaded))
-        return body.seen_from(place, mounting_of_both(self.loaded.case, *both, (own[0], own[1])))
+        places = tuple([result.model.names.index(n) for n in body.model.names] for result in (self.empty, self.loaded))
+        return body.seen_from(place, mounting_of_both(self.loaded.case, *both, (places[0], places[1])))
 
     @property
     def _both_told(self) -> tuple[LeftOpen, LeftOpen] | None:
@@ -153,8 +153,8 @@ def payload(before: Result, after: Result) -> Payload:
         FileProblem: parameters of another case.
     """
     require_two(before, after)
-    found = (payload_on_table if before.case.setup == "1a" else payload_between)(before, after)
-    return found._replace(findings=(*found.findings, *changed_cases(before.remarks + after.remarks)))
+    difference = (payload_on_table if before.case.setup == "1a" else payload_between)(before, after)
+    return difference._replace(findings=(*difference.findings, *changed_cases(before.remarks + after.remarks)))
 
 
 def payload_on_table(before: Result, after: Result) -> Payload:

@@ -103,11 +103,11 @@ def pool(results: Sequence[Result]) -> Result:
         pooled=pooled,
     )
     # entries of a single run
-    own = {"run", "standstills", "models", "treatment", "tared", "tared_with", "plan_hash", "physical"}
-    own |= set() if all(record.channel_noise for record in records) else {"channel_noise"}
-    kept = {name: getattr(entries, name) for name in entries.model_fields_set - own}
+    of_one_run = {"run", "standstills", "models", "treatment", "tared", "tared_with", "plan_hash", "physical"}
+    of_one_run |= set() if all(record.channel_noise for record in records) else {"channel_noise"}
+    entries_kept = {name: getattr(entries, name) for name in entries.model_fields_set - of_one_run}
     remarks = tuple(dict.fromkeys(x for r in results for x in r.remarks))
-    return Result(first.case, type(entries)(**kept), remarks=remarks).beside_physical()
+    return Result(first.case, type(entries)(**entries_kept), remarks=remarks).beside_physical()
 
 
 def require_alike(results: Sequence[Result]) -> None:
@@ -246,15 +246,15 @@ class _Runs:
     def of(cls, results: Sequence[Estimated]) -> "_Runs":
         first = results[0].values
         lift, down = Free.of(sum((result.covariance for result in results), np.zeros((len(first),) * 2)))
-        own, white, biases = [], [], []
+        values_of_runs, white, biases = [], [], []
         for result in results:
             common = sum((b @ b.T for b in result.biases.values()), np.zeros_like(result.covariance))
             least = down @ result.covariance @ down.T
-            own.append(larger_of(least, down @ (result.covariance_robust - common) @ down.T))
+            values_of_runs.append(larger_of(least, down @ (result.covariance_robust - common) @ down.T))
             white.append(least)
             biases.append({key: down @ bias for key, bias in result.biases.items()})
         x = tuple(down @ (result.values - first) for result in results)
-        return cls(first, lift, x, tuple(own), tuple(white), tuple(biases))
+        return cls(first, lift, x, tuple(values_of_runs), tuple(white), tuple(biases))
 
     def mean(self) -> Mean:
         """The mean of all runs, weighted by their own noise."""
@@ -292,7 +292,7 @@ class _Runs:
     def without_each(self) -> tuple[Agreement, ...]:
         """How far the others scatter, of each run."""
         every = range(len(self.values))
-        return tuple(self.agreement([k for k in every if k != left]) for left in every)
+        return tuple(self.agreement([k for k in every if k != omitted]) for omitted in every)
 
 
 def mean_of(runs: Sequence[Estimated]) -> Mean:
@@ -304,13 +304,13 @@ def _scatter_by_parameter(model: Model, u: Array, runs: _Runs) -> dict[str, dict
     """Of each physical parameter how far runs scatter; parameters that are given are left out."""
     form = physical_form(model)
     slope = form.map(u)[1].full() @ runs.lift
-    every, found = range(len(runs.values)), dict[str, dict[str, float]]()
+    every, scatter = range(len(runs.values)), dict[str, dict[str, float]]()
     for parameter, row in zip(form.parameters, slope, strict=True):
         if not row @ runs.random[0] @ row > 0.0:
             continue
         of = runs.agreement(every, row[None])
-        found[parameter.name] = {"scatter": of.ratio, "p": of.chance}
-    return found
+        scatter[parameter.name] = {"scatter": of.ratio, "p": of.chance}
+    return scatter
 
 
 def _agreement_findings(
@@ -331,8 +331,8 @@ def _agreement_findings(
         sentence += ". Which of two is wrong a third run would say"
     else:
         odd = max(range(len(others)), key=lambda k: others[k].chance)
-        taken = chdtrc(whole.freedom - others[odd].freedom, max(whole.chi2 - others[odd].chi2, 0.0)) * len(names)
-        if others[odd].chance >= UNLIKELY and taken < UNLIKELY:
+        chance = chdtrc(whole.freedom - others[odd].freedom, max(whole.chi2 - others[odd].chi2, 0.0)) * len(names)
+        if others[odd].chance >= UNLIKELY and chance < UNLIKELY:
             sentence += f". {names[odd]} differs from the others, which agree (p = {others[odd].chance:.2g}): look for "
             sentence += "what was different, or pool without it"
         else:
@@ -354,10 +354,10 @@ def _budget(
     first: Result, model: Model, u: Array, white: Array, random: Array, biases: Mapping[str, Array]
 ) -> list[Finding]:
     """What the deviations do not count, and their parts."""
-    found = [note(Kind.NOISE, "", not_counted=list(first.not_counted))] if first.not_counted else []
+    findings = [note(Kind.NOISE, "", not_counted=list(first.not_counted))] if first.not_counted else []
     if not biases:
-        return found
-    return [*found, note(Kind.NOISE, "", budget=budget_rows(model, u, white, random, biases))]
+        return findings
+    return [*findings, note(Kind.NOISE, "", budget=budget_rows(model, u, white, random, biases))]
 
 
 def _noise_of_channels(records: Sequence[Any], weights: Array) -> dict[str, Any]:
@@ -368,8 +368,8 @@ def _noise_of_channels(records: Sequence[Any], weights: Array) -> dict[str, Any]
     entries = [record.channel_noise for record in records]
     if not all(entries):
         return {}
-    kept = [key for key in ("measured", "evaluated") if all(key in of for of in entries)]
-    squares = {key: np.average(np.square([of[key] for of in entries]), axis=0, weights=weights) for key in kept}
+    keys = [key for key in ("measured", "evaluated") if all(key in of for of in entries)]
+    squares = {key: np.average(np.square([of[key] for of in entries]), axis=0, weights=weights) for key in keys}
     noise = {key: np.sqrt(square).tolist() for key, square in squares.items()}
     return {"channel_noise": {"stated": entries[0].get("stated"), **noise}}
 

@@ -86,8 +86,8 @@ class Result:
     @cached_property
     def residuals(self) -> Residuals | None:
         """Residuals of the recorded forces; None where it was loaded."""
-        made = self.estimate
-        return None if made is None else made.samples.series(made.at, made.fit.values)
+        estimate = self.estimate
+        return None if estimate is None else estimate.samples.series(estimate.at, estimate.fit.values)
 
     @property
     def findings(self) -> tuple[Finding, ...]:
@@ -131,11 +131,11 @@ class Result:
         Raises:
             IdentificationError: it has offsets alone, or its body is not a load.
         """
-        model, own = body_alone(self.model, self.source)
-        square = np.ix_(own, own)
-        biases = {key: bias[own] for key, bias in self.biases.items()}
+        model, places = body_alone(self.model, self.source)
+        square = np.ix_(places, places)
+        biases = {key: bias[places] for key, bias in self.biases.items()}
         sensor = place_of(self.case_as_told, "sensor")
-        return Body(sensor, model, self.values[own], self.covariance[square], self.covariance_robust[square], biases)
+        return Body(sensor, model, self.values[places], self.covariance[square], self.covariance_robust[square], biases)
 
     def mounting_of_body(self, body: Model, along_base: bool = False) -> Mounting:
         """What is not known of the place of the sensor, with its share in the errors of a body.
@@ -143,10 +143,10 @@ class Result:
         That is its place on its flange and, where the load is seen along the axes of {B}, how the machine turns it at
         home: zeros of joints, encoders, and joints of a hexapod.
         """
-        own = [self.model.names.index(name) for name in body.names]
+        places = [self.model.names.index(name) for name in body.names]
         counted = self.biases.keys()
         turning = turning_at_home(self.case_as_told, self.model, self.values, counted) if along_base else {}
-        return mounting_of(self.case, counted, self.left_open, own, turning)
+        return mounting_of(self.case, counted, self.left_open, places, turning)
 
     def in_frame(self, frame: FrameName) -> Body:
         """The load in the frame of the sensor, of the robot's flange or tool, or along the axes of {B} at home.
@@ -287,10 +287,10 @@ class Result:
             FileProblem: missing, damaged, changed by hand or of another version; or its case has changed since.
         """
         file, record = _read(Path(folder))
-        own = case_of(file, record.to_json(), AGAIN) if case is None else case
-        _require_agreement(cls(own, record, file=file))
-        remarks = require_unchanged(file, record.to_json(), result_basis(own), own, stale, AGAIN)
-        return cls(own, record, file=file, remarks=remarks)
+        case_of_result = case_of(file, record.to_json(), AGAIN) if case is None else case
+        _require_agreement(cls(case_of_result, record, file=file))
+        remarks = require_unchanged(file, record.to_json(), result_basis(case_of_result), case_of_result, stale, AGAIN)
+        return cls(case_of_result, record, file=file, remarks=remarks)
 
     def beside_physical(self) -> "Result":
         """The same with the nearest body that can exist as an entry, and a sentence, where that is not the estimate."""
@@ -299,20 +299,22 @@ class Result:
             if "m" not in self.record.names:
                 return self
             remedy = "correct [bounds], or what was fixed or left out"
-            told = warning(Kind.MODEL, f"no body that can exist has what was given and keeps [bounds]; {remedy}")
-            return replace(self, record=self.record.replaced(findings=(*self.findings, told)))
+            bounds_finding = warning(
+                Kind.MODEL, f"no body that can exist has what was given and keeps [bounds]; {remedy}"
+            )
+            return replace(self, record=self.record.replaced(findings=(*self.findings, bounds_finding)))
         if not nearest.moved:
             return self
         words = f"{nearest.words}: exports of the load take that one"
         bounds = any(name.startswith("bounds.") for name in nearest.broken)
         if nearest.impossible:
-            told = impossible(words)
+            bounds_finding = impossible(words)
         else:
             doubted = bounds and nearest.p_at_most < UNLIKELY
-            told = warning(Kind.CASE, words) if doubted else note(Kind.MODEL, words)
+            bounds_finding = warning(Kind.CASE, words) if doubted else note(Kind.MODEL, words)
         # the fit said it before the deviations grew by what its residuals follow
         others = tuple(finding for finding in self.findings if not is_impossible(finding))
-        return replace(self, record=self.record.replaced(physical=nearest, findings=(*others, told)))
+        return replace(self, record=self.record.replaced(physical=nearest, findings=(*others, bounds_finding)))
 
     def chosen_among(self, choice: Mapping[str, Any]) -> "Result":
         """The same with all models of its run, entries of `ModelChoice`, which it keeps and its page shows."""

@@ -153,9 +153,9 @@ def _with_new_offsets(result: Result, still: Standstills, case: Case, scatter: t
     by_scores, by_values = -errors.of_values, np.eye(len(result.values))
     by_scores[offsets], by_values[offsets] = errors.scores, -others
     covariances = []
-    for robust, own in enumerate((result.covariance, random_of(result))):
+    for robust, covariance in enumerate((result.covariance, random_of(result))):
         noise = np.zeros((0, 0)) if open_ is None else open_.noise_of(bool(robust))
-        plain = own - errors.of_values @ noise @ errors.of_values.T
+        plain = covariance - errors.of_values @ noise @ errors.of_values.T
         new = by_scores @ noise @ by_scores.T + by_values @ plain @ by_values.T
         new[np.ix_(offsets, offsets)] += scatter[robust]
         covariances.append((new + new.T) / 2.0)

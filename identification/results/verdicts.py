@@ -118,16 +118,16 @@ def accept(result: Result, case: Case | None = None) -> Verdict:
         *(() if limits.reference is None else (of_reference(result.parameters, limits.reference),)),
     ):  # fmt: skip
         every += of
-    found = tuple(one for one in every if isinstance(one, Check))
+    checks = tuple(one for one in every if isinstance(one, Check))
     unjudged = tuple(one for one in every if isinstance(one, str))
-    if not found:
+    if not checks:
         raise HexciteError(
             place=result.source,
             problem=f"cannot be judged: {'; '.join(unjudged)}",
             remedy="state limits in [accept]",
             code=Code.MISSING,
         )
-    return Verdict(found, unjudged)
+    return Verdict(checks, unjudged)
 
 
 def _warnings(result: Result) -> Iterator[Check | str]:

@@ -85,9 +85,9 @@ class Run(Moving):
         rows = self.rows - (used.margin - self.filter.margin)
         inside, lost = np.clip(rows, 0, len(struts) - 2 * used.margin - 1), np.r_[0, np.cumsum(self.recording.lost > 0)]
         known = (rows == inside) & (lost[inside] == lost[inside + 2 * used.margin])
-        at, back = np.unique(inside, return_inverse=True)
+        at, inverse = np.unique(inside, return_inverse=True)
         drives = decimated(used, struts, at, [(order, delay) for order in range(3)])
-        place, speed, acceleration = (values[back] for values in drives)
+        place, speed, acceleration = (values[inverse] for values in drives)
         load = self.machine.kinematics(place, speed, acceleration)
         acceleration_noise = noise * float(np.linalg.norm(self.filter.kernel(2, 0.0)))
         return MotionOfSamples(
@@ -108,14 +108,14 @@ class Run(Moving):
         delays = tuple(dict.fromkeys((delay, other_delay, *around)))  # the middle is the delay itself as a rule
         for piece, motions in self._motions(*delays):
             at = dict(zip(delays, motions, strict=True))
-            matrices, own = regressors(self.model, at[delay]), columns[piece]
-            own[:, :, :unknowns] = matrices
-            own[:, :, -1] = (expected_forces(self.model, at[other_delay], values) - matrices @ values) / (
+            matrices, columns_of_piece = regressors(self.model, at[delay]), columns[piece]
+            columns_of_piece[:, :, :unknowns] = matrices
+            columns_of_piece[:, :, -1] = (expected_forces(self.model, at[other_delay], values) - matrices @ values) / (
                 other_delay - delay
             )
             if around:
                 now, before, after = (expected_forces(self.model, at[moment], values) for moment in around)
-                own[:, :, unknowns] = (before + after - 2.0 * now) / SMOOTHING_STEP**2
+                columns_of_piece[:, :, unknowns] = (before + after - 2.0 * now) / SMOOTHING_STEP**2
         return columns
 
     def _motions(self, *delays: float) -> Iterator[tuple[slice, list[Kinematics]]]:

@@ -209,8 +209,12 @@ class Standstills(Samples):
 
     def without(self, left_out: Flags) -> Self:
         """As of all samples; the motion at each is one of their values."""
-        kept = super(Standstills, self).without(left_out)
-        return kept if self.standing is None else replace(kept, standing=self.standing.at(np.flatnonzero(~left_out)))
+        remaining = super(Standstills, self).without(left_out)
+        return (
+            remaining
+            if self.standing is None
+            else replace(remaining, standing=self.standing.at(np.flatnonzero(~left_out)))
+        )
 
     def regressors(self, delay: float) -> Array:
         """Weighted A, shape (n, 6, u)."""
@@ -288,7 +292,7 @@ def fit_samples(
         delay: delay to start from [s].
         fixed_delay: a known delay, which is not estimated; its standard deviation is propagated.
     """
-    model, beside = samples.model, len(samples.nuisances) - (fixed_delay is not None)
+    model, nuisance_count = samples.model, len(samples.nuisances) - (fixed_delay is not None)
     delay = delay if fixed_delay is None else fixed_delay.value
     near = None
     for times in EXCERPTS:
@@ -296,17 +300,17 @@ def fit_samples(
         if part is not samples:
             with suppress(IdentificationError):  # where a part determines too little, the whole run is fitted at once
                 steps = DELAY_STEPS if near is None else 1
-                delay, near, _, _ = _converged(part, how, sensors, beside, delay, near, steps)
-    delay, _, regression, whitening = _converged(samples, how, sensors, beside, delay, near)
+                delay, near, _, _ = _converged(part, how, sensors, nuisance_count, delay, near, steps)
+    delay, _, regression, whitening = _converged(samples, how, sensors, nuisance_count, delay, near)
     columns, raised = regression.regressors, 1.0
     if how.weights == "full":
         whitening, raised = full_whitening(regression, how.selection(model))
         regression = regression._replace(alike=None)
     white = regression.whitened(whitening)
-    how, said = how.settled(white, model)
-    basis = block_diag(how.selection(model).basis, np.eye(beside))
+    how, method_findings = how.settled(white, model)
+    basis = block_diag(how.selection(model).basis, np.eye(nuisance_count))
     fit = how.estimate(white, model)
-    fit = replace(fit, findings=(*fit.findings, *said))
+    fit = replace(fit, findings=(*fit.findings, *method_findings))
     if not how.priors and how.weights != "huber":
         free = white.regressors if np.array_equal(basis, np.eye(len(basis))) else white.regressors @ basis
         robust = samples.robust_covariance(free, fit.residuals, fit.weights, whitening)
@@ -323,8 +327,8 @@ def fit_samples(
         fit = replace(fit, residuals=regression.residuals(fit.values), weights=np.sum(whitening**2, axis=0))
     require_sense(model, fit)
     has_delay = bool(samples.nuisances) and fixed_delay is None  # the last of the values is a step of the delay
-    own = len(regression.names) - has_delay
-    residuals = samples.recorded - samples.predicted(columns[:, :, :own], fit.values[:own])
+    count = len(regression.names) - has_delay
+    residuals = samples.recorded - samples.predicted(columns[:, :, :count], fit.values[:count])
     if fixed_delay is not None:  # an error of it moves the estimate (Schmidt 1966, Adv. Control Syst. 3:293)
         effect = samples.linearised(delay, fit.values[: len(model.names)])[:, :, -1]
         moves = fixed_delay.std * basis @ _gain(columns @ basis, w, effect)

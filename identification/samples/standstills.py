@@ -142,23 +142,23 @@ def among(averages: Recording, case: Case, expected: Array) -> Recording | None:
     home, _ = case.need_motion("the match of poses")
     rows: list[int] = []
     for pose in expected:
-        left = [k for k in range(len(poses)) if k not in rows and same(poses[k], pose)]
-        if not left:
+        remaining = [k for k in range(len(poses)) if k not in rows and same(poses[k], pose)]
+        if not remaining:
             return None
-        rows.append(min(left, key=lambda k: float(np.abs(poses[k] - pose).max())))
+        rows.append(min(remaining, key=lambda k: float(np.abs(poses[k] - pose).max())))
     others = [k for k in range(len(poses)) if k not in rows and not same(poses[k], home)]
     if not others:
         return None
     weights = None if averages.weights is None else averages.weights[rows]
     missing = None if averages.missing is None else averages.missing[rows]
-    said = note(
+    finding = note(
         Kind.WINDOW,
         f"{len(rows)} of {len(poses)} standstills are evaluated, those at the poses of the plan",
         evaluated_standstills={"evaluated": len(rows), "of": len(poses)},
     )
     return replace(
         averages, drives=averages.drives[rows], forces=averages.forces[rows], weights=weights, missing=missing,
-        findings=(*averages.findings, said),
+        findings=(*averages.findings, finding),
     )  # fmt: skip
 
 
@@ -187,10 +187,13 @@ def match(averages: Recording, case: Case, expected: Array, names: str) -> tuple
     measured = poses[first:end]
     for k in range(max(len(expected), len(measured))):
         if k >= min(len(expected), len(measured)) or not same(measured[k], expected[k]):
-            found, wanted = (case.words(rows[k]) if k < len(rows) else "missing" for rows in (measured, expected))
+            measured_words, expected_words = (
+                case.words(rows[k]) if k < len(rows) else "missing" for rows in (measured, expected)
+            )
             raise RecordingError(
                 place=names,
-                problem=f"standstill {k + 1}: {found}; pose {k + 1} of the program's {len(expected)}: {wanted}",
+                problem=f"standstill {k + 1}: {measured_words}; "
+                f"pose {k + 1} of the program's {len(expected)}: {expected_words}",
                 remedy="record the whole program and nothing else, or name the right plan",
                 code=Code.OTHER_SOURCE,
             ).in_doubt()

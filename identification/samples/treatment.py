@@ -104,7 +104,7 @@ class Treatment(TreatmentOptions):
         if self.accelerated is None:
             return samples
         rates = samples.kinematics(0.0).twist_rate
-        sizes = np.array([np.linalg.norm(rates[:, own], axis=1) for own in (slice(0, 3), slice(3, 6))])
+        sizes = np.array([np.linalg.norm(rates[:, axes], axis=1) for axes in (slice(0, 3), slice(3, 6))])
         most = np.maximum(sizes.max(axis=1, keepdims=True), np.finfo(float).tiny)
         return samples.without(np.max(sizes / most, axis=0) < self.accelerated)
 
@@ -139,12 +139,14 @@ def _require_periodic(
     recording: Recording, coordinates: Array, series: Array, turns: Flags, treatment: Treatment
 ) -> None:
     """Raises IdentificationError where a series leaves more of the coordinates, shapes (n, k), than it may."""
-    left = np.sqrt(np.mean((coordinates - series) ** 2, axis=0))
-    for own in (~turns, turns):
-        if not own.any():
+    deviation = np.sqrt(np.mean((coordinates - series) ** 2, axis=0))
+    for of_kind in (~turns, turns):
+        if not of_kind.any():
             continue
-        share = float(left[own].max() / max(float(np.ptp(coordinates[:, own], axis=0).max()), np.finfo(float).tiny))
-        if share > NOT_PERIODIC and left[own].max() > 1e-5:
+        share = float(
+            deviation[of_kind].max() / max(float(np.ptp(coordinates[:, of_kind], axis=0).max()), np.finfo(float).tiny)
+        )
+        if share > NOT_PERIODIC and deviation[of_kind].max() > 1e-5:
             raise IdentificationError(
                 place=recording.source,
                 problem=f"a Fourier series of period {treatment.period:g} s with {treatment.harmonics} "

@@ -78,10 +78,10 @@ def maximise(
         lows, highs, parents = [], [], []
         for upper, _, cell_low, cell_high, split in batch:
             middle = (cell_low[split] + cell_high[split]) / 2
-            left, right = cell_high.copy(), cell_low.copy()
-            left[split], right[split] = middle, middle
+            lower_half, right = cell_high.copy(), cell_low.copy()
+            lower_half[split], right[split] = middle, middle
             lows += [cell_low, right]
-            highs += [left, cell_high]
+            highs += [lower_half, cell_high]
             parents += [-upper, -upper]
         bound(np.array(lows), np.array(highs), np.array(parents))
     candidates.sort(key=lambda m: -m[0])

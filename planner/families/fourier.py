@@ -108,8 +108,8 @@ class FourierFamily(Family):
         if self.free is None:
             return self.settings
         motion = self.motion(unknowns)
-        own = {"period_s": motion.period, "repeats": motion.repeats, "run_in_s": motion.run_in}
-        return self.settings.model_copy(update=own)
+        period_settings = {"period_s": motion.period, "repeats": motion.repeats, "run_in_s": motion.run_in}
+        return self.settings.model_copy(update=period_settings)
 
     def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
         """Random unknowns well inside the limits, or those with all coefficients alike, in half widths."""

@@ -186,17 +186,17 @@ class Fourier(FourierOptions, FamilySettings):
         middle, half = box_middle(case)
         chosen = []
         for order in FREE_ORDERS if self.free_order else (self.order,):
-            own = replace(self, order=order)
+            of_order = replace(self, order=order)
             if not self.free_period:
-                period = own.base_period(duration)
+                period = of_order.base_period(duration)
                 if self.free_order and order / period > _highest_frequency(case):
                     continue
                 periods = round(duration / period)
                 family = FourierFamily.lasting(order, period, periods, middle, half, self.centred)
                 chosen.append(replace(family, equal_start=self.equal_start))
                 continue
-            for period, free in own._free_periods(case, duration):
-                periods = max(own.fewest, int(duration / period))
+            for period, free in of_order._free_periods(case, duration):
+                periods = max(of_order.fewest, int(duration / period))
                 family = FourierFamily.lasting(order, period, periods, middle, half, self.centred, free)
                 chosen.append(replace(family, equal_start=self.equal_start))
         if not chosen:

@@ -24,20 +24,20 @@ def plans_at_hand(recording: Recording) -> Plan | tuple[Plan, ...] | None:
     if case is None or case.limits is None:
         return None
     named = None if recording.record is None else recording.record.origin.plan_hash
-    found: list[Plan] = []
+    plans: list[Plan] = []
     for folder in _folders(recording):
         try:
             file = folder / "plan.json"
-            wanted = fingerprint_of(read_whole(file, MOST_JSON)) == named if named is not None else _is_of(case, file)
-            plan = Plan.load(folder, case, stale=True) if wanted else None
+            matching = fingerprint_of(read_whole(file, MOST_JSON)) == named if named is not None else _is_of(case, file)
+            plan = Plan.load(folder, case, stale=True) if matching else None
         except (HexciteError, OSError):
             continue  # nobody asked for it
         if plan is None:
             continue
         if named is not None:
             return plan
-        found += [plan] if len(found) < MOST_PLANS else []
-    return tuple(found) or None
+        plans += [plan] if len(plans) < MOST_PLANS else []
+    return tuple(plans) or None
 
 
 def _is_of(case: Case, file: Path) -> bool:

@@ -127,8 +127,8 @@ def prediction_at_poses(
     if model.whitening is not None and stated is not None:
         expected = ExpectedNoise(one, np.diag(stated**2), "stated", False)
     more = tolerated_at_poses(case, plain, values, poses, covariance, expected, noise)
-    found = Prediction(plain, values, covariance + more.noise, more.biases, more.lasting)
-    return found.with_bounds(case.bounds)
+    prediction = Prediction(plain, values, covariance + more.noise, more.biases, more.lasting)
+    return prediction.with_bounds(case.bounds)
 
 
 def prediction_of(
@@ -185,8 +185,8 @@ def figures_of(
     noise = expected_noise(case, model, payload)
     weighted, errors = mu, PoseErrors.of(case, noise)
     if noise.whitening is not None or errors is not None:
-        left = information_of(seen_through(model, noise.whitening), scaling, motion, errors)
-        weighted = singular_values(left, model.names)
+        information = information_of(seen_through(model, noise.whitening), scaling, motion, errors)
+        weighted = singular_values(information, model.names)
     figures = {
         "logdet": Criterion.D.of_singular_values(mu),
         "condition": -Criterion.K.of_singular_values(mu),

@@ -104,8 +104,10 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
         until = time.monotonic() + max(request.seconds - ENDING, request.seconds / 2)
     listener(request)
     made_for = request.family.made_for(case)
-    own, step_time = controlled(case, made_for)
-    rounds = _Rounds(request, own.within_margin(), case, listener, run, until)  # the proof asks the limits themselves
+    controlled_case, step_time = controlled(case, made_for)
+    rounds = _Rounds(
+        request, controlled_case.within_margin(), case, listener, run, until
+    )  # the proof asks the limits themselves
     results: list[Start | Failed] = []
     ended_early = late = False
     for number in count():
@@ -170,8 +172,8 @@ class _Rounds:
             before: results of earlier rounds.
         """
         request = self.request
-        left = self.until - time.monotonic()
-        refining = REFINING * left if math.isfinite(left) else 0.0
+        seconds_left = self.until - time.monotonic()
+        refining = REFINING * seconds_left if math.isfinite(seconds_left) else 0.0
         schedule = self._explorations(number, self.until - refining)
         least, exactly = self._least(), request.starts is not None
         self.listener(Planned("start", least, exactly, schedule.until))
@@ -187,8 +189,18 @@ class _Rounds:
         return _Round(results, early, self.until - time.monotonic() <= ending)
 
     def _task(self, family: Family, seed: int, begin: Array | None = None) -> Task:
-        own = self.request
-        return Task(self.case, own.model, family, own.criterion, seed, own.payload, begin, self.reference, own.solver)
+        request = self.request
+        return Task(
+            self.case,
+            request.model,
+            family,
+            request.criterion,
+            seed,
+            request.payload,
+            begin,
+            self.reference,
+            request.solver,
+        )
 
     def _least(self) -> int:
         """Number of starts at least. Where there is a choice the first make it; those that follow may gain nothing."""

@@ -211,25 +211,25 @@ class Plan:
                 remedy="plan again",
                 code=Code.OUT_OF_RANGE,
             )
-        own = case_of(file, data, "plan again") if case is None else case
-        count = len(own.need_motion("a plan")[0])
+        case_of_plan = case_of(file, data, "plan again") if case is None else case
+        count = len(case_of_plan.need_motion("a plan")[0])
         with refusing(file):
             if motion.at([0.0]).coordinates.shape[1] != count:
                 raise HexciteError(
-                    problem=f"its motion does not have the {count} coordinates of case {own.name}",
+                    problem=f"its motion does not have the {count} coordinates of case {case_of_plan.name}",
                     code=Code.OTHER_SOURCE,
                 )
-        now = plan_basis(own, entries.payload, of_poses)
-        remarks = require_unchanged(file, data, now, own, stale, "plan again")
+        now = plan_basis(case_of_plan, entries.payload, of_poses)
+        remarks = require_unchanged(file, data, now, case_of_plan, stale, "plan again")
         with refusing(file):
             request = PoseRequest.of_json(data) if of_poses else Request.of_json(data)
             worth = TypeAdapter[PoseWorth | Worth](PoseWorth if of_poses else Worth).validate_python(data)
             limits = LimitReport.of_json(data["limits"])
-            names = [p.name for p in physical_form(identification_model(own, request.model)).parameters]
+            names = [p.name for p in physical_form(identification_model(case_of_plan, request.model)).parameters]
             if list(entries.predicted_std) != names or not limits.checks:
                 raise KeyError("predicted_std" if limits.checks else "limits")
             plan = cls(
-                own, request, motion, limits, entries.promise, entries.assumed_noise_N,
+                case_of_plan, request, motion, limits, entries.promise, entries.assumed_noise_N,
                 entries.assumed_rate_Hz, worth, entries.settings, entries.solve_s, entries.interrupted,
                 Path(folder), fingerprint_of(file.read_bytes()), remarks, entries.gain,
             )  # fmt: skip
@@ -242,7 +242,7 @@ class Plan:
         request = self.request
         if isinstance(request, Request):
             first, last = self.motion.at([0.0, self.duration]).coordinates
-            own = {
+            plan_entries = {
                 "first_pose_m_rad": first.tolist(),
                 "last_pose_m_rad": last.tolist(),
                 "payload": self.payloads[-1],
@@ -253,7 +253,7 @@ class Plan:
         else:
             columns = self.case.need_motion("a plan")[1].columns
             rows = poses_in_units(self.poses, self.case).tolist()
-            own = {"count": len(rows), "poses": [dict(zip(columns, row, strict=True)) for row in rows]}
+            plan_entries = {"count": len(rows), "poses": [dict(zip(columns, row, strict=True)) for row in rows]}
         entries = {
             "schema_version": SCHEMA_VERSION,
             "case": self.case.name,
@@ -269,7 +269,7 @@ class Plan:
             "settings": self.settings.to_json(),
             **request.to_json(),
             **self.worth.to_json(),
-            **own,
+            **plan_entries,
             **self.promise.to_json(),
             "not_counted": self._not_counted,
             "assumed_noise_N": self.assumed_noise,

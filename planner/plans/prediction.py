@@ -115,10 +115,12 @@ class Prediction:
 
     def _variances(self, biases: Mapping[str, Array]) -> dict[str, Array]:
         """Variances of the physical parameters by kinds of tolerances."""
-        found: dict[str, Array] = {}
+        variances_by_cause: dict[str, Array] = {}
         for key, bias in biases.items():
-            found[kind_of(key)] = found.get(kind_of(key), 0.0) + np.diag(self._physical(bias @ bias.T))
-        return found
+            variances_by_cause[kind_of(key)] = variances_by_cause.get(kind_of(key), 0.0) + np.diag(
+                self._physical(bias @ bias.T)
+            )
+        return variances_by_cause
 
     def _deviations(self, variances: Array) -> dict[str, float]:
         names = [p.name for p in physical_form(self.model).parameters]
@@ -318,18 +320,18 @@ def _tolerated(
     shares = shares_of(left_out, rest, np.eye(columns.shape[2]), case.tolerances)
     plain = {s.key: s.biases[:own] for s in shares if s.biases.shape[1]}
     nothing = Tolerated(np.zeros((own, own)), plain, plain)
-    told = shown(shares, case)
-    if not told or case.sensors.pose_field is not None:  # errors of the pose look like sizes, and hide them
+    estimated_sizes = shown(shares, case)
+    if not estimated_sizes or case.sensors.pose_field is not None:  # errors of the pose look like sizes, and hide them
         return nothing
-    strength = share * _strength(np.concatenate([s.left for s in told], axis=2), channels)
-    both = np.concatenate([s.biases[:own] for s in told], axis=1)
+    strength = share * _strength(np.concatenate([s.left for s in estimated_sizes], axis=2), channels)
+    both = np.concatenate([s.biases[:own] for s in estimated_sizes], axis=1)
     stays = joint_covariance(strength)
     if not worth_estimating(np.diag(noise + both @ both.T), np.diag(noise + both @ stays @ both.T)):
         return nothing
 
     def with_sizes(stay: Array) -> dict[str, Array]:
-        parts = np.split(both @ stay, np.cumsum([s.biases.shape[1] for s in told])[:-1], axis=1)
-        return plain | {s.key: part for s, part in zip(told, parts, strict=True)}
+        parts = np.split(both @ stay, np.cumsum([s.biases.shape[1] for s in estimated_sizes])[:-1], axis=1)
+        return plain | {s.key: part for s, part in zip(estimated_sizes, parts, strict=True)}
 
     by_noise = both @ stays @ strength @ stays @ both.T
     return Tolerated(by_noise, with_sizes(stays), with_sizes(joint_covariance(LONG * strength)))
@@ -344,9 +346,9 @@ def _strength(left: Array, channels: Array) -> Array:
     """
     both = ((0, 1), (0, 1))
     values, vectors = np.linalg.eigh(np.tensordot(left, left, both))
-    seen = values > ROUNDING * values[-1]
-    through = np.sqrt(values[seen])
-    scored = left @ (vectors[:, seen] / through)
+    significant = values > ROUNDING * values[-1]
+    through = np.sqrt(values[significant])
+    scored = left @ (vectors[:, significant] / through)
     noise = np.tensordot(scored, channels @ scored, both)
-    shown = (vectors[:, seen] * through).T
-    return np.asarray(shown.T @ np.linalg.solve(noise, shown))
+    directions = (vectors[:, significant] * through).T
+    return np.asarray(directions.T @ np.linalg.solve(noise, directions))

@@ -94,8 +94,12 @@ class Follower:
 
     def standing(self) -> Standing:
         """How it is getting on."""
-        least, best, left = max(self.planned.least, self.done), self._best() if self.starts else None, self._left()
-        return Standing(self._line(best, left), self.done, least, best, left)
+        least, best, seconds_left = (
+            max(self.planned.least, self.done),
+            self._best() if self.starts else None,
+            self._left(),
+        )
+        return Standing(self._line(best, seconds_left), self.done, least, best, seconds_left)
 
     def _line(self, best: float | None, left: float | None) -> str:
         number = min(self.done + 1, max(self.planned.least, self.done))

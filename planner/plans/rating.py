@@ -75,7 +75,7 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
             within.duration,
             bound.efficiency(figures_of(case, model, within, request.payload, request.criterion)[0]["logdet"]),
         )
-    tried = tried_families(planned, bound.efficiency(figures["logdet"]), len(model.names))
+    efficiencies = tried_families(planned, bound.efficiency(figures["logdet"]), len(model.names))
     worth = Worth(
         starts=tuple(start.record for start in planned.starts),
         failed_starts=planned.failed,
@@ -88,12 +88,12 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
         weights=noise.weights,
         weaknesses=weaknesses(planned, request),
         notes=(
-            *choice_notes(tried),
+            *choice_notes(efficiencies),
             *notes(planned, smooth),
             *fourier_notes(case, model, request, motion, figures["logdet"]),
             *search_notes(planned, request, len(model.names)),
         ),
-        tried=tried,
+        tried=efficiencies,
     )
     return Plan(
         case, request, motion, planned.limits, promise, noise.sensors, case.recording.rate_Hz, worth,
@@ -108,10 +108,10 @@ def weaknesses(planned: PlannedMotion, request: Request) -> tuple[str, ...]:
     ended_early = planned.interrupted or planned.out_of_time
     unfinished = bool(refined) and not ended_early and not refined[0].converged
     if unfinished and request.starts is not None:  # a search that ends by itself has tried further starts
-        tried = "the only start" if request.starts == 1 else f"the best of {request.starts} starts"
+        starts_words = "the only start" if request.starts == 1 else f"the best of {request.starts} starts"
         words.append(
-            f"{tried} had not converged ({refined[0].solver.words}): without --starts the search goes on until further "
-            "starts gain little"
+            f"{starts_words} had not converged ({refined[0].solver.words}): without --starts the search goes on until "
+            "further starts gain little"
         )
     if planned.starts and (share := planned.starts[0].shrunk) < DRAWN_BACK:
         words.append(
@@ -140,8 +140,8 @@ def search_notes(planned: PlannedMotion, request: Request, parameters: int) -> t
         return ()
     loss = -math.expm1((values[1] - values[0]) / parameters)
     behind = f"the next one has {100 * loss:.1f} % less information"
-    tried = len({s.record.seed for s in planned.starts})  # a refinement has the seed of its exploration
-    return (f"the best of {tried} starts, {behind}: more starts gain little",)
+    start_count = len({s.record.seed for s in planned.starts})  # a refinement has the seed of its exploration
+    return (f"the best of {start_count} starts, {behind}: more starts gain little",)
 
 
 def tried_families(planned: PlannedMotion, d_efficiency: float, parameters: int) -> dict[str, float]:
@@ -205,10 +205,10 @@ def needless_harmonics(case: Case, model: Model, motion: FourierMotion, logdet: 
         family, unknowns = of_lower_order(motion, lower, *box)
         inside = keep_limits(case, family, unknowns, CHECK_RATE)[0]
         mu = np.linalg.eigvalsh(mean_information(model, scaling, family.motion(inside)))
-        own = -math.expm1((np.log(np.maximum(mu, 1e-300)).sum() - logdet) / len(mu))
-        if own > NEEDLESS:
+        removed_share = -math.expm1((np.log(np.maximum(mu, 1e-300)).sum() - logdet) / len(mu))
+        if removed_share > NEEDLESS:
             break
-        order, loss = lower, own
+        order, loss = lower, removed_share
     return order, loss
 
 
@@ -247,8 +247,8 @@ def notes(planned: PlannedMotion, smooth: tuple[float, float] | None = None) -> 
     if len(counts) > 1 and isinstance(settings, MoveSettings):
         words.append(f"{settings.moves} moves are the best of {', '.join(map(str, sorted(counts)))}")
     first = (start.family.settings for start in planned.starts)
-    tried = {(own.order, own.period_s) for own in first if isinstance(own, FourierSettings)}
-    if len(tried) > 1 and isinstance(settings, FourierSettings):
+    choices = {(own.order, own.period_s) for own in first if isinstance(own, FourierSettings)}
+    if len(choices) > 1 and isinstance(settings, FourierSettings):
         chosen = f"order {settings.order} with period {settings.period_s:.4g} s"
-        words.append(f"{chosen} is the best of searches that began at {len(tried)} pairs of order and period")
+        words.append(f"{chosen} is the best of searches that began at {len(choices)} pairs of order and period")
     return tuple(words)

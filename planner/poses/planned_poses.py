@@ -67,13 +67,13 @@ def least_poses(request: PoseRequest, case: Case, done: Callable[[int], None] = 
     regressors = unscaled * candidate_scaling(unscaled)
     _require_rank(model, regressors)
     _require_few(candidates)
-    found = []
+    counts = []
     for letter in Criterion:
         for change in (False, True) if letter is Criterion.K else (False,):
             rest, _ = reduce_best(regressors, letter, 1, done, change)
             condition = float(np.sqrt(np.linalg.cond(total_information(regressors[rest]))))
-            found.append(LeastPoses(letter, "backward-change" if change else "backward", len(rest), condition))
-    return found
+            counts.append(LeastPoses(letter, "backward-change" if change else "backward", len(rest), condition))
+    return counts
 
 
 PROOF_RATE_OF_MOVES = 1000.0  # [1/s]; moves between poses are smooth and take about half a second
@@ -193,11 +193,11 @@ def _valid(case: Case, poses: Array) -> Array:
             remedy="widen one of them",
             code=Code.INFEASIBLE,
         )
-    kept = standing_shares(case, poses) <= 1.0 + TOLERANCE
-    valid = kept.all(axis=1)
+    satisfied = standing_shares(case, poses) <= 1.0 + TOLERANCE
+    valid = satisfied.all(axis=1)
     if not valid.any():
-        most = int(np.argmin(kept.mean(axis=0)))
-        worst, share = standing_report(case, poses).checks[most], 100 * (1 - kept[:, most].mean())
+        most = int(np.argmin(satisfied.mean(axis=0)))
+        worst, share = standing_report(case, poses).checks[most], 100 * (1 - satisfied[:, most].mean())
         raise InfeasiblePlan(
             problem=f"none of {len(poses)} poses is valid: {worst.sentence(timed=False)}, exceeded at "
             f"{share:.0f} % of them",

@@ -69,9 +69,9 @@ def reduce_best(
             information = total_information(regressors[rest])
         now = float(criterion.of(information))
         after = _after_removals(regressors, criterion, information, rest, losses)
-        wanted = -np.abs(after - now) if smallest_change else after
-        best = float(wanted.max())
-        position = int(np.argmax(wanted >= best - TIE * abs(now if smallest_change else best)))
+        merit = -np.abs(after - now) if smallest_change else after
+        best = float(merit.max())
+        position = int(np.argmax(merit >= best - TIE * abs(now if smallest_change else best)))
         if not np.isfinite(best) or (len(rest) <= FEW and not full_rank(regressors[np.delete(rest, position)])):
             break
         removed.append(int(rest[position]))

@@ -131,11 +131,11 @@ def curvature_through_information(
     projections = (point.rows.reshape(-1, size) @ local.vectors).reshape(len(shares), -1)
     turned_slopes = (point.slopes.reshape(-1, size) @ local.vectors).reshape(*point.slopes.shape)
     flat_slopes = slopes.reshape(len(shares), -1, width)
-    own = (flat_slopes.transpose(0, 2, 1) @ turned_slopes) * shares
-    own = own.reshape(blocks, -1, width, projections.shape[1] // size, size).transpose(0, 2, 1, 3, 4)
-    own = own.reshape(blocks, width, -1, size)
+    curvature = (flat_slopes.transpose(0, 2, 1) @ turned_slopes) * shares
+    curvature = curvature.reshape(blocks, -1, width, projections.shape[1] // size, size).transpose(0, 2, 1, 3, 4)
+    curvature = curvature.reshape(blocks, width, -1, size)
     rows = projections.reshape(blocks, 1, -1, size)
-    products = (rows.transpose(0, 1, 3, 2) @ own).reshape(blocks, width, -1)
+    products = (rows.transpose(0, 1, 3, 2) @ curvature).reshape(blocks, width, -1)
     upper, lower = np.triu_indices(size)
     elements = products[:, :, upper * size + lower] + products[:, :, lower * size + upper]
     if flat_slopes[:, SHARE].any():

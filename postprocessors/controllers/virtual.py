@@ -48,11 +48,11 @@ def commanded(reading: Reading, guarantees: Guarantees) -> tuple[Joined, Array]:
     """
     case = guarantees.case
     home, _ = case.need_motion("a run")
-    own = replace(guarantees, law=by_ruckig(guarantees.law))
+    ruckig_guarantees = replace(guarantees, law=by_ruckig(guarantees.law))
     parts: list[Trajectory] = [Standstill(home, REST)]
     trigger: list[tuple[float, float]] = []
     clock, on, at_poses = REST, False, reading.measures_at_poses
-    for stretch, motion in motions(reading, own):
+    for stretch, motion in motions(reading, ruckig_guarantees):
         part = motion
         if isinstance(motion, TimedPoints) and not keeps_pace(motion, case):
             try:

@@ -119,9 +119,9 @@ class BlockWriter(ABC):
             lines += self.stop_unless(axis, difference, home)
         lines += [*self.before_crawl(), *self.comments("what is left, at a crawl")]
         for turning in (False, True):
-            own = self.limits.turns == turning
-            if own.any():
-                ends = " ".join(w + v for w, v, mine in zip(self.words, words, own, strict=True) if mine)
+            axes = self.limits.turns == turning
+            if axes.any():
+                ends = " ".join(w + v for w, v, mine in zip(self.words, words, axes, strict=True) if mine)
                 lines += [*self.group(turning), f"{self.straight} {ends} F{self.home_feed(block, turning)}"]
         self.standing = words
         return lines
@@ -165,10 +165,10 @@ class BlockWriter(ABC):
 
     def home_feed(self, block: ToHome, turning: bool) -> str:
         """F of the last hundredths to home of the axes that slide or turn, which may reach it within a cycle."""
-        own = self.limits.turns == turning
-        speed = float(self.guarantees.crawl[own].min())
+        axes = self.limits.turns == turning
+        speed = float(self.guarantees.crawl[axes].min())
         if self.own_axes:
-            speed = min(speed, block.feed * float(self.limits.rate[own].min()))
+            speed = min(speed, block.feed * float(self.limits.rate[axes].min()))
         elif not turning:
             speed = min(speed, block.feed)
         per_minute = speed * MINUTE / (DEG if turning else MM)

@@ -123,8 +123,8 @@ class ModalState(ABC):
                 )
             if not match["comment"]:
                 words.append(cls.word_of(match, ink.start() + 1))
-            elif said := cls.comment_problem(text, match):
-                problem, remedy = said
+            elif refusal := cls.comment_problem(text, match):
+                problem, remedy = refusal
                 raise ProgramError(
                     file=file, line=line, column=ink.start() + 1, problem=problem, remedy=remedy, code=Code.SYNTAX
                 )
@@ -367,8 +367,8 @@ class ModalState(ABC):
         count.
         """
         moving = self.stated & (self.unsure > 0.0)
-        beside = np.abs(end - self.coordinates) > np.where(moving, self.unsure, 0.0) + STILL
-        if feed is None or beside.any() or not set(map(int, np.flatnonzero(moving))) <= set(counted):
+        away = np.abs(end - self.coordinates) > np.where(moving, self.unsure, 0.0) + STILL
+        if feed is None or away.any() or not set(map(int, np.flatnonzero(moving))) <= set(counted):
             self.require_home(Word("", 1))
         within = np.where(moving, self.unsure, 0.0)
         self.unsure = self.unsure - within
@@ -394,8 +394,8 @@ class ModalState(ABC):
             self.fail(first, f"{problem}", f"{remedy}")
         angle, positive = 2 * np.pi, self.active("G3")  # counter-clockwise, seen from the positive end of the normal
         if float(np.hypot(*(target + offset))) > STILL:
-            turned = float(np.arctan2(offset[1] * target[0] - offset[0] * target[1], -offset @ target)) % (2 * np.pi)
-            angle = turned if positive else 2 * np.pi - turned
+            sweep = float(np.arctan2(offset[1] * target[0] - offset[0] * target[1], -offset @ target)) % (2 * np.pi)
+            angle = sweep if positive else 2 * np.pi - sweep
         centre = self.coordinates[[axis, other]] + offset
         self.coordinates = end
         arc = plane, centre * MM, angle if positive else -angle

@@ -76,8 +76,8 @@ AXES = (("fx", "[N]"), ("fy", "[N]"), ("fz", "[N]"), ("mx", "[N m]"), ("my", "[N
 
 def linuxcnc_component(result: Result, name: str, frame: FrameName = "sensor") -> str:
     """The text of a component called `name`, whose wrench is about and along a frame."""
-    seen = in_frame(result, frame)
-    declarations, definitions = c_parts(result, name, "static ", seen)
+    calibration = in_frame(result, frame)
+    declarations, definitions = c_parts(result, name, "static ", calibration)
     return rendered(
         "component.comp.jinja",
         result,
@@ -86,7 +86,7 @@ def linuxcnc_component(result: Result, name: str, frame: FrameName = "sensor") -
         wrench=AXES,
         half_window=number(half_window(result.case)),
         degree=number(DEG),
-        **seen.texts,
+        **calibration.texts,
         declarations=declarations,
         definitions=definitions,
     )
@@ -110,15 +110,15 @@ def python_module(result: Result, name: str, frame: FrameName = "sensor") -> str
         given="{0}",
         written="{0}",
     )
-    half, seen = half_window(result.case), in_frame(result, frame)
+    half, calibration = half_window(result.case), in_frame(result, frame)
     return rendered(
         "model.py.jinja",
         result,
         name,
         half_window=number(half),
         window_meaning=f"half gain at {_HALF_GAIN / half:.3g} Hz",
-        **seen.texts,
-        functions=[spelled(f, spelling, result.model.names) for f in functions_of(result, seen.place)],
+        **calibration.texts,
+        functions=[spelled(f, spelling, result.model.names) for f in functions_of(result, calibration.place)],
     )
 
 
@@ -139,9 +139,9 @@ def structured_text(result: Result, name: str, frame: FrameName = "sensor") -> s
         given="{0} : ARRAY[0..{2}] OF LREAL;",
         written="{0} : ARRAY[0..{2}] OF LREAL;",
     )
-    seen = in_frame(result, frame)
-    functions = [spelled(f, spelling, result.model.names) for f in functions_of(result, seen.place)]
-    return rendered("model.st.jinja", result, name, Name=camel, functions=functions, **seen.texts)
+    calibration = in_frame(result, frame)
+    functions = [spelled(f, spelling, result.model.names) for f in functions_of(result, calibration.place)]
+    return rendered("model.st.jinja", result, name, Name=camel, functions=functions, **calibration.texts)
 
 
 def _place(result: Result, frame: FrameName) -> Place:
@@ -353,7 +353,7 @@ def mechanics(hexapod: Hexapod) -> tuple[ca.Function, ...]:
 def functions_of(result: Result, place: Place) -> list[ca.Function]:
     """All functions of a model whose wrench is in a frame, with those of the mechanics of a hexapod or a chain."""
     case, model = result.case_as_told, result.model
-    own: tuple[ca.Function, ...] = () if case.hexapod is None else mechanics(Hexapod.of(case))
+    mechanics_functions: tuple[ca.Function, ...] = () if case.hexapod is None else mechanics(Hexapod.of(case))
     if case.chain is not None:
-        own = (joint_measurement(model, SerialChain.of(case), place),)
-    return [measurement(model, place), coordinates(), *own]
+        mechanics_functions = (joint_measurement(model, SerialChain.of(case), place),)
+    return [measurement(model, place), coordinates(), *mechanics_functions]

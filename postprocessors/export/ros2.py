@@ -75,9 +75,9 @@ def _offsets(result: Result) -> np.ndarray:
 def _channels(key: str, values: np.ndarray) -> list[str]:
     """Six values under a key, as the broadcaster nests them."""
     rows = [f"    {key}:"]
-    for kind, own in (("force", values[:3]), ("torque", values[3:])):
+    for kind, values_of_kind in (("force", values[:3]), ("torque", values[3:])):
         rows.append(f"      {kind}:")
-        rows.extend(f"        {axis}: {v + 0.0:.6f}" for axis, v in zip(AXES, own, strict=True))
+        rows.extend(f"        {axis}: {v + 0.0:.6f}" for axis, v in zip(AXES, values_of_kind, strict=True))
     return rows
 
 

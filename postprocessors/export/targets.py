@@ -128,17 +128,19 @@ def export(
     Example:
         `hx.export(result, "kuka", "load.dat")` writes LOAD_DATA with the load counted from the flange.
     """
-    own = _target(target)
+    exporter = _target(target)
     place = None if output is None else Path(output)
     require_exportable(result, force)
-    if own is None:
+    if exporter is None:
         result = _whole(result, target)
         return _c_folder(result, place, overwrite, frame_named(frame or "sensor"))
-    usual = Path(f"{_usual_name(result)}{own.suffix}")
-    file = output_place(place, usual, overwrite, "_" if own.named else "-")  # no name of a model holds "-"
+    usual = Path(f"{_usual_name(result)}{exporter.suffix}")
+    file = output_place(place, usual, overwrite, "_" if exporter.named else "-")  # no name of a model holds "-"
     read = [result] if isinstance(result, Result) else [result.empty, result.loaded]
-    check_file(file, [own.suffix], [Path(of.source) for of in read], overwrite)
-    write_text(file, _text(result, target, own, checked_name(file.stem, file) if own.named else file.stem, frame))
+    check_file(file, [exporter.suffix], [Path(of.source) for of in read], overwrite)
+    write_text(
+        file, _text(result, target, exporter, checked_name(file.stem, file) if exporter.named else file.stem, frame)
+    )
     return [file]
 
 
@@ -151,11 +153,11 @@ def preview(result: Carried, target: str, *, frame: str | None = None) -> Mappin
     Raises:
         HexciteError: the target is unknown, or cannot carry the model.
     """
-    own, name = _target(target), _usual_name(result)
-    if own is None:
+    exporter, name = _target(target), _usual_name(result)
+    if exporter is None:
         header, source = c_sources(_whole(result, target), name, frame_named(frame or "sensor"))
         return {f"{name}.h": header, f"{name}.c": source}
-    return {f"{name}{own.suffix}": _text(result, target, own, name, frame)}
+    return {f"{name}{exporter.suffix}": _text(result, target, exporter, name, frame)}
 
 
 def _target(target: str) -> AnyTarget | None:

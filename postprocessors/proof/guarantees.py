@@ -120,10 +120,10 @@ class Guarantees:
 
     def lawful(self, check: LimitCheck) -> Status:
         """How a limit is ensured that a move satisfies, or does not, at the velocities and accelerations of the law."""
-        own = self.status_of(check.kind)
-        if own is Status.NOT_ENFORCED and self.known_law and check.ratio <= 1.0 + TOLERANCE:
+        status = self.status_of(check.kind)
+        if status is Status.NOT_ENFORCED and self.known_law and check.ratio <= 1.0 + TOLERANCE:
             return Status.FOLLOWS
-        return own
+        return status
 
     def prediction(
         self, check: LimitCheck, move: OwnMove = OwnMove.UNTIMED, status: Status | None = None
@@ -149,9 +149,9 @@ class Guarantees:
         products = spin.reshape(-1, 3, 3)
         most += np.abs(np.linalg.eigvalsh(products + products.transpose(0, 2, 1))).max(axis=1) / 2 * omega**2
         bounded, checks = stated or {LimitKind.VELOCITY, LimitKind.ACCELERATION} <= self.enforced, []
-        for own, kind in ((~loads.moments, LimitKind.SENSOR_FORCE), (loads.moments, LimitKind.SENSOR_MOMENT)):
-            if own.any():
-                shares = np.where(own, most / loads.limit, 0.0)
+        for channels, kind in ((~loads.moments, LimitKind.SENSOR_FORCE), (loads.moments, LimitKind.SENSOR_MOMENT)):
+            if channels.any():
+                shares = np.where(channels, most / loads.limit, 0.0)
                 k = int(np.argmax(shares))
                 worst, limit, ratio = float(most[k]), float(loads.limit[k]), float(shares[k])
                 proven = bounded and ratio <= 1.0
@@ -164,9 +164,9 @@ class Guarantees:
         self, check: LimitCheck, move: OwnMove | None = None, status: Status = Status.NOT_ENFORCED
     ) -> LimitCheck:
         """The bound of a sensor force or moment where it is proven, else its prediction, which nobody enforces."""
-        own = replace(check, status=status, binding=move is None)
+        judged = replace(check, status=status, binding=move is None)
         bounds = (b for b in self.force_bounds() if b.kind is check.kind and b.status is Status.PROVEN)
-        answer = next(bounds, own)
+        answer = next(bounds, judged)
         return replace(answer, of=answer.of._replace(move=move))
 
 

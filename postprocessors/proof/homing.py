@@ -117,10 +117,10 @@ def way_home(part: Untimed, by: Guarantees) -> Iterable[LimitCheck]:
     # an acceleration that reverses within a cycle, where no law limits the jerk
     jerks = 2.0 * peaks / by.jerk_time if by.jerk_time > 0.0 else limits.jerk
     most = limits.rate, limits.acceleration, limits.jerk
-    for kinds, found, limit in zip(_OF_COORDINATES, (rates, peaks, jerks), most, strict=True):
-        k = int(np.argmax(found / limit))
-        status = Status.PROVEN if stated and found is not jerks else None
-        yield _row(kinds[int(limits.turns[k])], float(found[k]), float(limit[k]), by, status)
+    for kinds, extremes, limit in zip(_OF_COORDINATES, (rates, peaks, jerks), most, strict=True):
+        k = int(np.argmax(extremes / limit))
+        status = Status.PROVEN if stated and extremes is not jerks else None
+        yield _row(kinds[int(limits.turns[k])], float(extremes[k]), float(limit[k]), by, status)
     for kind, worst, bound in limited_machine(by.case).from_anywhere(feed, rates, peaks):
         # rates of the drives follow from those of the pose, and so are enforced with these
         follows = kind is LimitKind.STRUT_VELOCITY and worst <= bound and LimitKind.VELOCITY in by.enforced
@@ -145,11 +145,11 @@ def at_a_crawl(part: Untimed, by: Guarantees) -> Iterable[LimitCheck]:
     peaks = np.minimum(rates / cycle, np.inf if part.acceleration is None else part.acceleration)
     bounds: list[tuple[LimitKind, float, float]] = []
     most = limits.rate, limits.acceleration, limits.jerk
-    for kinds, found, limit in zip(_OF_COORDINATES, (rates, peaks, 2.0 * peaks / cycle), most, strict=True):
-        for kind, own in zip(kinds, (~limits.turns, limits.turns), strict=True):
-            if own.any():
-                k = int(np.argmax(np.where(own, found / limit, -1.0)))
-                bounds.append((kind, float(found[k]), float(limit[k])))
+    for kinds, extremes, limit in zip(_OF_COORDINATES, (rates, peaks, 2.0 * peaks / cycle), most, strict=True):
+        for kind, axes in zip(kinds, (~limits.turns, limits.turns), strict=True):
+            if axes.any():
+                k = int(np.argmax(np.where(axes, extremes / limit, -1.0)))
+                bounds.append((kind, float(extremes[k]), float(limit[k])))
     speed = float(np.linalg.norm(rates[:3])) if limits.of_pose else 0.0
     bounds += limited_machine(by.case).from_anywhere(speed, rates, peaks)
     for kind, worst, bound in bounds:

@@ -226,9 +226,9 @@ def joint_checks(motion: PolynomialMotion, limits: Box, cycle: float) -> Iterabl
         ((LimitKind.ACCELERATION, LimitKind.ANGULAR_ACCELERATION), dv / cycle, limits.acceleration),
         ((LimitKind.JERK, LimitKind.ANGULAR_JERK), jerks, limits.jerk),
     ):
-        for kind, own in zip(kinds, (~limits.turns, limits.turns), strict=True):
-            if own.any():
-                ratio = np.where(own, np.nan_to_num(values / most, nan=np.inf), -1.0)
+        for kind, axes in zip(kinds, (~limits.turns, limits.turns), strict=True):
+            if axes.any():
+                ratio = np.where(axes, np.nan_to_num(values / most, nan=np.inf), -1.0)
                 row, k = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
                 worst = float(values[row, k]), float(most[k]), kind.unit, float(ratio[row, k])
                 place, time = f"{limits.labels[k]}, step between blocks", float(motion.times[row])

@@ -67,8 +67,8 @@ class ProgramProof:
             "nobody enforces": within,
             "EXCEEDED, as predicted, and nobody enforces": passed.values(),
         }
-        told = (f"{phrase}: {', '.join(names)}" for phrase, names in phrases.items() if names)
-        return "; ".join([f"proven{left_out}", *told])
+        clauses = (f"{phrase}: {', '.join(names)}" for phrase, names in phrases.items() if names)
+        return "; ".join([f"proven{left_out}", *clauses])
 
     @property
     def _exceeded(self) -> dict[LimitKind, str]:
@@ -259,9 +259,9 @@ def _taken_home(time: float, guarantees: Guarantees) -> str:
     ]
     way = np.min(near, axis=0)
     lengths = [
-        (way[own].min() / unit, name)
-        for own, unit, name in ((limits.turns, DEG, "deg"), (~limits.turns, MM, "mm"))
-        if own.any()
+        (way[axes].min() / unit, name)
+        for axes, unit, name in ((limits.turns, DEG, "deg"), (~limits.turns, MM, "mm"))
+        if axes.any()
     ]
     ways = " and ".join(f"{length:.3g} {name}" for length, name in lengths)
     return (
@@ -273,9 +273,9 @@ def _taken_home(time: float, guarantees: Guarantees) -> str:
 def _stops_elsewhere(pose: Array, within: Array, home: Array, limits: Box) -> str:
     """The remark on a program that checks where the machine stands."""
     near = " and ".join(
-        f"{within[own].max() / unit:.2g} {name}"
-        for own, unit, name in ((~limits.turns, MM, "mm"), (limits.turns, DEG, "deg"))
-        if own.any()
+        f"{within[axes].max() / unit:.2g} {name}"
+        for axes, unit, name in ((~limits.turns, MM, "mm"), (limits.turns, DEG, "deg"))
+        if axes.any()
     )
     if distance := _away(pose, home, limits):
         return f"the program stops unless it starts within {near} of its own first place, not of home, {distance}"

@@ -71,11 +71,11 @@ def _apply(context: Context, there: Workspace, fields: Fields) -> Job:
     """Writes the keys of a remedy into the case, and identifies again where the recording is there."""
     if not context.machine.own:
         raise Unfit("built_in_stays")
-    found = remedies(context, there, fields)
+    offered = remedies(context, there, fields)
     number = field(fields, "remedy")
-    if not number.isdecimal() or int(number) >= len(found):
+    if not number.isdecimal() or int(number) >= len(offered):
         raise Unfit("no_such_remedy")
-    remedy = found[int(number)]
+    remedy = offered[int(number)]
     if field(fields, "words") != remedy.words.strip():
         raise Unfit("other_remedy")
     job = _identify(context, there, fields)

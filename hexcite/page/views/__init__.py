@@ -28,9 +28,9 @@ def stage(context: Context, name: str, query: Mapping[str, str], language: Langu
     """What a stage shows of its machine."""
     there = workspace(context.root, context.machine)
     view: Callable[..., dict[str, Any]] = import_module(f"{__name__}.{name}").shown  # each when it is first asked for
-    shown = view(context, there, query)
+    values = view(context, there, query)
     states = {stage: there.state(stage) for stage in STAGES}
-    return {"machine": context.machine, "address": context.address, "states": states, "there": there, **shown}
+    return {"machine": context.machine, "address": context.address, "states": states, "there": there, **values}
 
 
 LATE = (

@@ -30,8 +30,8 @@ def chosen(made: Sequence[Any], name: str | None) -> Any:
 def chosen_plan(plans: Sequence[Made], name: str | None) -> Made | None:
     """The plan that is asked for, else as `chosen`, one of a manual motion last."""
     named = next((plan for plan in plans if plan.name == name), None)
-    found: Made | None = named or chosen([plan for plan in plans if not plan.by_hand] or plans, None)
-    return found
+    selection: Made | None = named or chosen([plan for plan in plans if not plan.by_hand] or plans, None)
+    return selection
 
 
 def beginning(path: Path) -> tuple[str, bool]:
@@ -78,9 +78,9 @@ def parameter(words: Words, name: str, value: Mapping[str, Any]) -> tuple[str, s
     std = max((float(value[key]) for key in ("std", "std_robust") if value.get(key) is not None), default=math.nan)
     if not math.isfinite(std) or std <= 0.0:
         return words.parameter(name), f"{float(value['value']) * scale:.6g}", "", "", unit
-    shown = value_text(float(value["value"]) * scale, std * scale)
+    digits = value_text(float(value["value"]) * scale, std * scale)
     expanded = std_text(COVERAGE_FACTOR * std * scale)
-    return words.parameter(name), shown, std_text(std * scale), expanded, unit
+    return words.parameter(name), digits, std_text(std * scale), expanded, unit
 
 
 def _line(write: Write) -> str:

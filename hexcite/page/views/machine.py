@@ -81,18 +81,18 @@ def _tables(content: str) -> dict[str, Any]:
 def drawn(case: Case | None, data: Mapping[str, Any], problem: str = "") -> dict[str, Any]:
     """The drawings of a case, or of its chain where the case is not complete yet; or why there are none."""
     chain = chain_in(data) if case is None else case.chain
-    shown: dict[str, Any] = {"views": None, "scene": "", "near": (), "why": problem, "converted": ()}
+    values: dict[str, Any] = {"views": None, "scene": "", "near": (), "why": problem, "converted": ()}
     try:
         if chain is not None:
-            shown["views"] = drawing.chain_views(chain)
+            values["views"] = drawing.chain_views(chain)
         elif case is not None:
-            shown["views"] = drawing.views(case)
+            values["views"] = drawing.views(case)
         if (scene := scene_of(case, chain)) is not None:
-            shown["scene"] = Markup(script_json(scene.to_json()))
-            shown["near"] = near(case, chain)
+            values["scene"] = Markup(script_json(scene.to_json()))
+            values["near"] = near(case, chain)
     except HexciteError as error:
-        shown["why"] = "; ".join(error.lines)
-    return shown
+        values["why"] = "; ".join(error.lines)
+    return values
 
 
 def preview(context: Context, fields: Fields) -> dict[str, Any]:

@@ -56,11 +56,11 @@ def _facts(plan: Made) -> dict[str, Any]:
 
 def _kinds(plans: Sequence[Made], plan: Made | None) -> list[tuple[str, str]]:
     """Kinds of motion, each with the share of the information that the best plan or the latest trial of it has."""
-    tried = {} if plan is None else plan.record.get("tried") or {}
+    efficiencies = {} if plan is None else plan.record.get("tried") or {}
     rows = []
     for family in FAMILIES[1:]:
-        own = [p.record.get("d_efficiency") for p in plans if p.fresh and p.record.get("family") == family]
-        shares = [float(share) for share in (*own, tried.get(family)) if isinstance(share, float)]
+        reached = [p.record.get("d_efficiency") for p in plans if p.fresh and p.record.get("family") == family]
+        shares = [float(share) for share in (*reached, efficiencies.get(family)) if isinstance(share, float)]
         rows.append((family, f"{max(shares):.3f}" if shares else ""))
     return rows
 

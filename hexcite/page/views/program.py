@@ -96,7 +96,7 @@ def _recipe(context: Context, plan: Made | None, program: Program | None) -> Rec
     if case is None or plan is None or program is None:
         return None
     suffix = Path(program.name).suffix.lower()
-    dialect = next((name for name, own in DIALECTS.items() if suffix in own.suffixes), None)
+    dialect = next((name for name, language in DIALECTS.items() if suffix in language.suffixes), None)
     return None if dialect is None else recipe(case, dialect, Path(program.name).stem, float(plan.record["duration_s"]))
 
 
@@ -110,10 +110,10 @@ def _lines(
     rows = []
     for number, line in enumerate(content.splitlines(), 1):
         of = worst.get(number)
-        beside = ""
+        worst_words = ""
         if of is not None:
-            beside = f"{words.limit_of(of['limit'])} {100.0 * of['ratio']:.0f} %, {words.status(of['status'])}"
-        rows.append((number, line, beside, of is not None and of["ratio"] >= BOUND))
+            worst_words = f"{words.limit_of(of['limit'])} {100.0 * of['ratio']:.0f} %, {words.status(of['status'])}"
+        rows.append((number, line, worst_words, of is not None and of["ratio"] >= BOUND))
     return rows
 
 

@@ -28,14 +28,14 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     result: Made | None = chosen(there.results, query.get("result"))
     if result is None:
         return {"results": there.results, "chosen": None}
-    made = context.jobs.writing(result.name)
+    job = context.jobs.writing(result.name)
     names = {recording.name for recording in there.recordings}
     return {
         "results": there.results,
         "chosen": result,
         **(about := outcome(context.words, result)),
         "remedies": remedies([each for finding in result.record.get("findings", ()) for each in remedies_of(finding)]),
-        "written": made.notes if made is not None else (),
+        "written": job.notes if job is not None else (),
         "stated": query.get("stated") == "1",
         **_judged(context, result),
         "budget": _budget(context.words, result.record),

@@ -24,8 +24,8 @@ def _history(words: Words, answer: Mapping[str, Any]) -> dict[str, Any]:
         cells = []
         for name in names:
             value = each["parameters"].get(name)
-            _, shown, std, _, unit = parameter(words, name, value) if value else ("", "", "", "", "")
-            cells.append(f"{shown} ± {std} {unit}" if std else f"{shown} {unit}".strip())
+            _, digits, std, _, unit = parameter(words, name, value) if value else ("", "", "", "", "")
+            cells.append(f"{digits} ± {std} {unit}" if std else f"{digits} {unit}".strip())
         when, folder = str(each["when"])[:16].replace("T", " "), Path(str(each["result"])).parent.name
         rows.append((when, folder, f"{each['payload_kg']:g}", cells))
     return {"report": answer["report"], "heads": [words.parameter(name) for name in names], "rows": rows}
@@ -43,9 +43,9 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     }
     answers = {word: job.answer if job is not None and job.state == "done" else None for word, job in latest.items()}
     export = answers["export"] or {}
-    shown = dict(export.get("texts") or {})
+    texts = dict(export.get("texts") or {})
     for file in export.get("files") or ():
-        shown[file] = beginning(context.root / file)[0]
+        texts[file] = beginning(context.root / file)[0]
     pdf = query.get("certificate", "")
     verified = context.jobs.latest(context.machine.key, "certificate", pdf) if pdf else None
     past = context.jobs.latest(context.machine.key, "history", "history")
@@ -62,7 +62,7 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
             for target in TARGETS
         ],
         "to": query.get("to", "c"),
-        "texts": shown,
+        "texts": texts,
         "files": export.get("files") or (),
         "force": force,
         "force_rows": [

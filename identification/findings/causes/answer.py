@@ -82,16 +82,18 @@ def answer(recording: Recording, case: Case, model: Model, evaluate: Evaluate, f
     clean = recording
     with suppress(HexciteError):
         clean = scan(recording, case).recording
-    found = search(clean, case, model, fit)
-    if found is None or found.sound:
+    explanation = search(clean, case, model, fit)
+    if explanation is None or explanation.sound:
         return None
-    causes = causes_of(found, recording, case, model, evaluate)
+    causes = causes_of(explanation, recording, case, model, evaluate)
     if causes:
-        return Answer(True, _named(causes, found, case), remedies=tuple(r for c in causes for r in _keys(c, case)))
-    if not found.families:
+        return Answer(
+            True, _named(causes, explanation, case), remedies=tuple(r for c in causes for r in _keys(c, case))
+        )
+    if not explanation.families:
         return None
-    large = found.recorded is None or found.recorded.residuals > MODERATE
-    return Answer(False, _tried(found, case), large)
+    large = explanation.recorded is None or explanation.recorded.residuals > MODERATE
+    return Answer(False, _tried(explanation, case), large)
 
 
 def causes_of(found: Search, recording: Recording, case: Case, model: Model, evaluate: Evaluate) -> list[Cause]:
@@ -164,8 +166,8 @@ def _confirmed(entry: Tried, recording: Recording, case: Case, model: Model, eva
         return None
     if instants is None:
         return None
-    left = float(np.sqrt(np.mean((fitted.fit.residuals / instants.noise) ** 2)))
-    return fitted if left <= max(CONFIRMED * entry.residuals, NEAR) else None
+    residual = float(np.sqrt(np.mean((fitted.fit.residuals / instants.noise) ** 2)))
+    return fitted if residual <= max(CONFIRMED * entry.residuals, NEAR) else None
 
 
 def words_of(trial: Trial) -> Phrase:
@@ -206,7 +208,7 @@ def _what_to_do(cause: Cause, case: Case) -> Phrase:
 
 def _named(causes: list[Cause], found: Search, case: Case) -> Phrase:
     named = [cause.entry for cause in causes]
-    left = named[0].left()
+    residual = named[0].left()
     before = None if found.recorded is None else found.recorded.left()
     words = enumerated("or", [cause.words for cause in causes])
     if before is None or found.recorded is None or not np.isfinite(found.recorded.residuals):
@@ -219,8 +221,8 @@ def _named(causes: list[Cause], found: Search, case: Case) -> Phrase:
         "{words}: then residuals are {smaller} ({newtons} N, where noise makes {noise} N); {remedies}",
         words=words,
         smaller=smaller,
-        newtons=f"{left.newtons:.2g}",
-        noise=f"{left.noise:.2g}",
+        newtons=f"{residual.newtons:.2g}",
+        noise=f"{residual.noise:.2g}",
         remedies=enumerated("or", list(dict.fromkeys(_what_to_do(cause, case) for cause in causes))),
     )
 
@@ -231,20 +233,23 @@ def _tried(found: Search, case: Case) -> Phrase:
     families = enumerated("comma", [phrase(f"family_{f.name.lower()}", f.value, drives=drives) for f in found.families])
     if found.recorded is not None and np.isfinite(found.recorded.residuals):
         before = found.recorded.left()
-        left = phrase(
+        phrase_of_residual = phrase(
             "residuals_of",
             "residuals of {newtons} N, where noise makes {noise} N",
             newtons=f"{before.newtons:.2g}",
             noise=f"{before.noise:.2g}",
         )
     else:
-        left = phrase("the_run", "the run")
+        phrase_of_residual = phrase("the_run", "the run")
     if found.pairs:
         nothing = phrase(
-            "not_two", "none of these alone, nor two of them, explains {left}: {tried}", left=left, tried=families
+            "not_two",
+            "none of these alone, nor two of them, explains {left}: {tried}",
+            left=phrase_of_residual,
+            tried=families,
         )
     else:
-        nothing = phrase("not_one", "none of these explains {left}: {tried}", left=left, tried=families)
+        nothing = phrase("not_one", "none of these explains {left}: {tried}", left=phrase_of_residual, tried=families)
     if found.best is None or not found.best.trial:
         return nothing
     return phrase(

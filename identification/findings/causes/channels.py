@@ -38,8 +38,8 @@ def _pairs(places: Sequence[int], most: int) -> Iterator[tuple[tuple[int, int], 
         for other in places[k + 1 :]:
             yield ((one, other),)
             if most > 1:
-                left = [place for place in places[k + 1 :] if place != other]
-                yield from (((one, other), *more) for more in _pairs(left, most - 1))
+                remaining = [place for place in places[k + 1 :] if place != other]
+                yield from (((one, other), *more) for more in _pairs(remaining, most - 1))
 
 
 def order_words(order: Sequence[int], what: Phrase, names: Sequence[str]) -> Phrase:
@@ -96,10 +96,10 @@ def other_units(case: Case, role: Role) -> Iterator[tuple[str, float]]:
     units = ROLE_UNITS[role]
     usual = units.usual
     now = units[units.symbol(case.recording.units.get(role, usual)) or usual]
-    seen = {1.0}
+    factors = {1.0}
     for unit, factor in units.items():
-        if (ratio := float(f"{factor / now:.12g}")) not in seen:
-            seen.add(ratio)
+        if (ratio := float(f"{factor / now:.12g}")) not in factors:
+            factors.add(ratio)
             yield unit, ratio
 
 

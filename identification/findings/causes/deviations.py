@@ -69,12 +69,12 @@ def certain(trial: Trial, fitted: Fitted, mended: Mended, evaluate: Evaluate) ->
     columns = [effect[0] for effect in effects if effect is not None]
     if len(columns) < len(places):
         return trial, None
-    found = sizes_of(np.stack(columns, axis=2), remainder_of(fitted))
-    if found is None:
+    sizes = sizes_of(np.stack(columns, axis=2), remainder_of(fitted))
+    if sizes is None:
         return trial, None
-    covariance = found.noise.covariance
+    covariance = sizes.noise.covariance
     answer = np.stack([effect[1] for effect in effects if effect is not None], axis=1)
-    better = _moved(trial, places, found.values)
+    better = _moved(trial, places, sizes.values)
     with suppress(HexciteError):
         again = evaluate(*mended(better))
         if again.fit.residuals.shape == fitted.fit.residuals.shape and _left(again, fitted) < _left(fitted, fitted):
@@ -130,14 +130,14 @@ def _stated(trial: Trial, places: Sequence[_Place], covariance: Array) -> Trial:
     for i, hypothesis in enumerate(trial):
         if (size := hypothesis.size) is None:
             continue
-        own = [k for k, place in enumerate(places) if place.hypothesis == i]
+        columns = [k for k, place in enumerate(places) if place.hypothesis == i]
         slopes = []
-        for k in own:
+        for k in columns:
             step = np.zeros(len(size.values))
             step[places[k].value] = 0.01 * places[k].nudge
             slopes.append((size.stated(size.values + step) - size.stated(size.values - step)) / (2.0 * step.max()))
         slope = np.stack(slopes, axis=1)
-        stds = np.sqrt(np.einsum("ji,ik,jk->j", slope, covariance[np.ix_(own, own)], slope))
+        stds = np.sqrt(np.einsum("ji,ik,jk->j", slope, covariance[np.ix_(columns, columns)], slope))
         stated[i] = _of_size(hypothesis, size, [float(std) for std in stds])
     return tuple(stated)
 
@@ -150,10 +150,13 @@ def _left(fitted: Fitted, by: Fitted) -> float:
 def _loose(fitted: Fitted, answer: Array, covariance: Array) -> Phrase:
     """What the deviations of sizes make of the parameter that they move most, beside its own deviation."""
     model = fitted.samples.model
-    own, fit, form = slice(len(model.names)), fitted.fit, physical_form(model)
-    moved = answer[own] @ covariance @ answer[own].T
-    of_sizes = np.sqrt(np.maximum(np.diag(form.of(fit.values[own], moved)[1]), 0.0))
-    by_noise = [np.diag(form.of(fit.values[own], c[own, own])[1]) for c in (fit.covariance, fit.covariance_robust)]
+    parameters, fit, form = slice(len(model.names)), fitted.fit, physical_form(model)
+    moved = answer[parameters] @ covariance @ answer[parameters].T
+    of_sizes = np.sqrt(np.maximum(np.diag(form.of(fit.values[parameters], moved)[1]), 0.0))
+    by_noise = [
+        np.diag(form.of(fit.values[parameters], c[parameters, parameters])[1])
+        for c in (fit.covariance, fit.covariance_robust)
+    ]
     reported = np.sqrt(np.maximum(*by_noise))
     some = reported > 0.0
     ratios = np.where(some, of_sizes / np.where(some, reported, 1.0), 0.0)

@@ -70,7 +70,7 @@ def _with_signs(signs: Sequence[float]) -> Edit:
     def edit(case: Case) -> Case:
         form = case.recording
         assert form.drives is not None
-        turned_signs = tuple(own * sign for own, sign in zip(form.drives.sign, signs, strict=True))
+        turned_signs = tuple(present * sign for present, sign in zip(form.drives.sign, signs, strict=True))
         drives = form.drives.model_copy(update={"sign": turned_signs})
         return case.model_copy(update={"recording": form.model_copy(update={"drives": drives})})
 
@@ -103,11 +103,11 @@ def _joint_orders(chain: Chain) -> Iterator[Hypothesis]:
         int(np.argsort(np.argsort(chain.names, kind="stable"), kind="stable")[k]) for k in range(len(turns))
     )
     backwards = tuple(range(len(turns)))[::-1]
-    tried = {tuple(range(len(turns)))}
+    orders_tried = {tuple(range(len(turns)))}
     for order in (*orders(len(turns)), alphabetic, backwards):
-        if order in tried or any(turns[k] != turns[place] for k, place in enumerate(order)):
+        if order in orders_tried or any(turns[k] != turns[place] for k, place in enumerate(order)):
             continue
-        tried.add(order)
+        orders_tried.add(order)
         swapped = all(order[place] == k for k, place in enumerate(order))
         pairs = sum(place != k for k, place in enumerate(order)) // 2
         usual = not swapped or pairs == 1

@@ -62,8 +62,8 @@ class Sized:
 
     def hypotheses(self, sizes: Sequence[Array]) -> list[tuple[Array, Hypothesis]]:
         """Those of some sizes that are mistakes."""
-        made = [(size, self.make(size)) for size in sizes]
-        return [(size, hypothesis) for size, hypothesis in made if hypothesis is not None]
+        hypotheses_of_sizes = [(size, self.make(size)) for size in sizes]
+        return [(size, hypothesis) for size, hypothesis in hypotheses_of_sizes if hypothesis is not None]
 
 
 def sized_of(instants: Instants, prefix: Trial) -> Iterator[Sized]:
@@ -230,11 +230,11 @@ def refined(
     """
     starts = [(sized, np.array(start)) for sized in families for start in sized.starts]
     on, on_all = _Prefixed(coarse, prefix), _Prefixed(instants, prefix)
-    left = on.left(starts)
+    residuals = on.left(starts)
     points: list[_Point] = []
     for sized in families:
-        own = [k for k, (other, _) in enumerate(starts) if other is sized and np.isfinite(left[k])]
-        best = sorted(own, key=lambda k: left[k])[:BEST]
+        positions = [k for k, (other, _) in enumerate(starts) if other is sized and np.isfinite(residuals[k])]
+        best = sorted(positions, key=lambda k: residuals[k])[:BEST]
         points += [_Point(sized, starts[k][1], np.inf, starts[k][1]) for k in best]
     for k in range(COARSELY):
         points = _stepped(on, points, SHRINKING**k)
@@ -243,10 +243,10 @@ def refined(
     others = [point for point in points if not point.residuals <= most]
     for k in range(COARSELY, ROUNDS):
         promising = _stepped(on_all, promising, SHRINKING**k)
-    made = [(point, point.sized.make(point.size)) for point in (*promising, *others)]
+    hypotheses = [(point, point.sized.make(point.size)) for point in (*promising, *others)]
     return [
         together(*prefix, replace(hypothesis, size=point.sized.found(point.size)))
-        for point, hypothesis in made
+        for point, hypothesis in hypotheses
         if hypothesis is not None
     ]
 
@@ -255,25 +255,25 @@ def settled(instants: Instants, coarse: Instants, trial: Trial) -> Trial:
     """A trial whose sizes are found once more, each beside the others: one was found before the other was known."""
     now = trial
     for family in [hypothesis.family for hypothesis in trial if hypothesis.size is not None]:
-        beside = tuple(hypothesis for hypothesis in now if hypothesis.family is not family)
-        own = [sized for sized in sized_of(coarse, beside) if sized.family is family]
-        possible = [now, *refined(instants, coarse, own, beside)]
+        others = tuple(hypothesis for hypothesis in now if hypothesis.family is not family)
+        sized_of_family = [sized for sized in sized_of(coarse, others) if sized.family is family]
+        possible = [now, *refined(instants, coarse, sized_of_family, others)]
         now = possible[int(np.argmin(tried(instants, possible, [AS_RECORDED]).residuals[:, 0]))]
     return now
 
 
 def _stepped(on: "_Prefixed", points: Sequence[_Point], shrunk: float) -> list[_Point]:
     """Points after a step of each: to the minimum of the parabola through three sizes of each kind."""
-    wanted: list[tuple[Sized, Array]] = []
+    trial_sizes: list[tuple[Sized, Array]] = []
     for point in points:
         steps = np.diag(point.sized.steps)[np.flatnonzero(point.sized.steps)] * shrunk
-        wanted += [(point.sized, point.proposed + step) for step in (0.0 * steps[0], *steps, *-steps)]
-        wanted.append((point.sized, point.size))
-    left, results = list(on.left(wanted)), []
+        trial_sizes += [(point.sized, point.proposed + step) for step in (0.0 * steps[0], *steps, *-steps)]
+        trial_sizes.append((point.sized, point.size))
+    residuals, results = list(on.left(trial_sizes)), []
     for point in points:
         moved = np.flatnonzero(point.sized.steps)
-        values, before = np.array([left.pop(0) for _ in range(1 + 2 * len(moved))]), left.pop(0)
-        sizes = [wanted.pop(0)[1] for _ in range(2 + 2 * len(moved))]
+        values, before = np.array([residuals.pop(0) for _ in range(1 + 2 * len(moved))]), residuals.pop(0)
+        sizes = [trial_sizes.pop(0)[1] for _ in range(2 + 2 * len(moved))]
         best = int(np.argmin(values))
         if not values[best] < before:
             results.append(replace(point, residuals=before, proposed=point.size))

@@ -205,9 +205,9 @@ def _shifted(shift: int) -> Change:
             centres = np.roll(ring.pair_centres_deg, -pairs)
             update = {"pair_centres_deg": tuple(float(c) + BETWEEN * odd for c in centres)}
             other = Joints(ring=ring.model_copy(update=update))
-            turned = _half_angle(lambda angle: BETWEEN - angle)(other) if odd else other
-            if turned is not None and np.abs(turned.points - points).max() < TOLERANCE_MM * MM:
-                return turned
+            mirrored = _half_angle(lambda angle: BETWEEN - angle)(other) if odd else other
+            if mirrored is not None and np.abs(mirrored.points - points).max() < TOLERANCE_MM * MM:
+                return mirrored
         return _in_order(joints, [(k + shift) % 6 for k in range(6)])
 
     return changed

@@ -84,8 +84,8 @@ def _nearest(instants: Instants, recording: Recording, places: Array) -> float |
     rows = (regressors[0] * root[:, :, None]).reshape(-1, regressors.shape[3])
     basis = np.linalg.qr(rows * column_scale(rows))[0]
     weighted = (forces * root).reshape(len(places), -1)
-    left = np.sum((weighted - weighted @ basis @ basis.T) ** 2, axis=1)
-    similar = places[left <= SIMILAR**2 * left.min()]
+    residuals = np.sum((weighted - weighted @ basis @ basis.T) ** 2, axis=1)
+    similar = places[residuals <= SIMILAR**2 * residuals.min()]
     return float(min(similar, key=abs))
 
 

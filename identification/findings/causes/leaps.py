@@ -56,14 +56,14 @@ def leaps_of(instants: Instants, delay: float, recording: Recording, case: Case)
     rows, right = regressors[0] * root, forces[:, :, None] * root
     flat = rows.reshape(-1, rows.shape[2])
     basis = np.linalg.qr(flat * column_scale(flat))[0].reshape(rows.shape)
-    left = right[:, :, 0] - basis @ np.einsum("nic,ni->c", basis, right[:, :, 0])
-    total = float(np.sum(left**2))
-    freedom = left.size - rows.shape[2]
+    remainder = right[:, :, 0] - basis @ np.einsum("nic,ni->c", basis, right[:, :, 0])
+    total = float(np.sum(remainder**2))
+    freedom = remainder.size - rows.shape[2]
     names = instants.model.names
     body = [names.index(p.name) for block in (MASS, FIRST_MOMENT, INERTIA) for p in block.parameters if p.name in names]
     kinds = (("offsets", np.broadcast_to(np.eye(6), (count, 6, 6)) * root), ("load", rows[:, :, body]))
     for kind, columns in kinds:
-        gains, sizes, deviations = _gains(basis, left, columns)
+        gains, sizes, deviations = _gains(basis, remainder, columns)
         inner = np.where((np.arange(count) >= FEWEST) & (np.arange(count) <= count - FEWEST), gains, -np.inf)
         at = int(np.argmax(inner))
         residuals = float(np.sqrt(max(total - gains[at], 0.0) / max(freedom - columns.shape[2] - 1, 1)))
@@ -96,11 +96,11 @@ def _gains(basis: Array, left: Array, columns: Array) -> tuple[Array, Array, Arr
     def behind(values: Array) -> Array:
         return np.asarray(np.cumsum(values[::-1], axis=0)[::-1])
 
-    own = behind(np.einsum("nia,nib->nab", columns, columns))
+    norms = behind(np.einsum("nia,nib->nab", columns, columns))
     shared = behind(np.einsum("nic,nia->nca", basis, columns))
     right = behind(np.einsum("nia,ni->na", columns, left))
-    information = own - np.einsum("nca,ncb->nab", shared, shared)
-    size = np.sqrt(np.maximum(np.einsum("naa->na", own), 0.0))
+    information = norms - np.einsum("nca,ncb->nab", shared, shared)
+    size = np.sqrt(np.maximum(np.einsum("naa->na", norms), 0.0))
     diagonal = np.where(size > 0.0, size, 1.0)
     scaled = information / (diagonal[:, :, None] * diagonal[:, None, :]) + RIDGE * np.eye(columns.shape[2])
     inverse = np.linalg.inv(scaled) / (diagonal[:, :, None] * diagonal[:, None, :])

@@ -46,12 +46,12 @@ def _clocks(recording: Recording, case: Case) -> Iterator[Hypothesis]:
     assert recording.t is not None
     step = float(np.median(np.diff(recording.t)))
     now = TICKS[case.recording.clock_unit]
-    seen = {now}
+    clocks = {now}
     for unit, tick in TICKS.items():
         ratio = tick / now
-        if tick in seen or not SHORTEST <= step * ratio <= LONGEST:
+        if tick in clocks or not SHORTEST <= step * ratio <= LONGEST:
             continue
-        seen.add(tick)
+        clocks.add(tick)
         words = phrase("stamps_in", "time stamps are in {unit}", unit=unit)
         edit = _with_clock(unit, step * ratio, ratio)
         yield Hypothesis(family=Family.CLOCK, words=words, edit=edit, recorded=_at_pace(ratio))

@@ -126,23 +126,23 @@ def search(recording: Recording, case: Case, model: Model, fit: Fit | None = Non
         return None
     families = {reading.family for (reading,), _ in readings}
     worth = PROMISING * _most_left(np.inf if recorded is None else recorded.residuals)
-    found = [_alone(instants, trial) for trial, instants in readings]
+    entries = [_alone(instants, trial) for trial, instants in readings]
     if base is not None and recorded is not None:
-        found += _singles(base, AS_RECORDED, worth)
-        found += _leaps(base, recorded, recording, case, model)
-        families |= {hypothesis.family for entry in found for hypothesis in entry.trial} | _tried_alone(base)
-    explained = explanations(found, recorded)
-    pairs = _unclean(explained[0]) if explained else _worth_pairs(found, recorded)
+        entries += _singles(base, AS_RECORDED, worth)
+        entries += _leaps(base, recorded, recording, case, model)
+        families |= {hypothesis.family for entry in entries for hypothesis in entry.trial} | _tried_alone(base)
+    explained = explanations(entries, recorded)
+    pairs = _unclean(explained[0]) if explained else _worth_pairs(entries, recorded)
     if pairs:
         for trial, instants in sorted(readings, key=lambda reading: _promise(reading[1], reading[0]))[:READINGS]:
-            found += _singles(instants, trial, worth)
+            entries += _singles(instants, trial, worth)
         if base is not None:
-            found += _pairs(base, found, worth)
-        explained = explanations(found, recorded)
+            entries += _pairs(base, entries, worth)
+        explained = explanations(entries, recorded)
         if explained:
-            found += [_settled(entry) for entry in _with_sizes(found)]
-            explained = explanations(found, recorded)
-    finite = [entry for entry in found if np.isfinite(entry.residuals)]
+            entries += [_settled(entry) for entry in _with_sizes(entries)]
+            explained = explanations(entries, recorded)
+    finite = [entry for entry in entries if np.isfinite(entry.residuals)]
     best = min(finite, key=lambda entry: (entry.residuals, mistakes(entry.trial)), default=None)
     return Search(recorded, explained, best, tuple(sorted(families, key=FAMILIES.index)), pairs)
 
@@ -195,9 +195,9 @@ def explanations(found: Sequence[Tried], recorded: Tried | None) -> tuple[Tried,
     alike = [entry for entry in explaining if entry.comparable <= ALIKE * least]
     simplest: list[Tried] = []
     for families in dict.fromkeys(_families(entry) for entry in alike):
-        own = [entry for entry in alike if _families(entry) == families]
-        lowest = min(entry.comparable for entry in own)
-        same = [entry for entry in own if entry.comparable <= SAME * lowest]
+        same_families = [entry for entry in alike if _families(entry) == families]
+        lowest = min(entry.comparable for entry in same_families)
+        same = [entry for entry in same_families if entry.comparable <= SAME * lowest]
         one = min(same, key=lambda entry: (mistakes(entry.trial), entry.residuals))
         simplest += [entry for entry in same if entry is one or _equal(entry, one)]
     fewest = min(mistakes(entry.trial) for entry in simplest)
@@ -252,14 +252,14 @@ def _leaps(instants: Instants, recorded: Tried, recording: Recording, case: Case
         return []
     leaps = list(leaps_of(instants, recorded.delay, recording, case))
     best = min((leap.residuals for leap, _ in leaps), default=np.inf)
-    found = []
+    hypotheses = []
     for leap, hypothesis in leaps:
         if leap.residuals <= ALIKE * best and leap.residuals < NEAR:
             parts = [instants.cut(part) for part in (slice(0, leap.at), slice(leap.at, None))]
-            left = [_alone(part, AS_RECORDED).residuals for part in parts]
+            residuals = [_alone(part, AS_RECORDED).residuals for part in parts]
             longer = max(parts, key=lambda part: len(part.rows))
-            found.append(Tried((hypothesis,), longer, max(leap.residuals, *left), recorded.delay))
-    return found
+            hypotheses.append(Tried((hypothesis,), longer, max(leap.residuals, *residuals), recorded.delay))
+    return hypotheses
 
 
 class Tables(NamedTuple):
@@ -327,9 +327,9 @@ def _promise(instants: Instants, prefix: Trial) -> float:
     """What some hypotheses leave at some instants with the best of all others that have no size, or alone."""
     tables, coarse = hypotheses_of(instants), instants.part(COARSE)
     rows = [together(*prefix, hypothesis) for hypothesis in (*tables.changes, *tables.bars)]
-    beside = tried(coarse, closing(coarse, [prefix, *rows]), [AS_RECORDED]).residuals
+    residuals = tried(coarse, closing(coarse, [prefix, *rows]), [AS_RECORDED]).residuals
     forces = tried(coarse, [prefix], [(hypothesis,) for hypothesis in tables.forces]).residuals
-    return float(min(beside.min(initial=np.inf), forces.min(initial=np.inf)))
+    return float(min(residuals.min(initial=np.inf), forces.min(initial=np.inf)))
 
 
 def _sized(instants: Instants, coarse: Instants, prefix: Trial, worth: float) -> list[Trial]:
@@ -352,19 +352,19 @@ def _pairs(instants: Instants, singles: Sequence[Tried], worth: float) -> list[T
     best += _best(coarse, [AS_RECORDED], both, worth)
     in_base = [hypothesis for hypothesis in rows if hypothesis.in_base]  # in whose axes channels are exchanged
     best += _best(coarse, [together(row, column) for row in in_base for column in columns], [AS_RECORDED], worth)
-    found = _on_all(instants, best)
-    if min((entry.residuals for entry in found), default=np.inf) <= CLEAN:
-        return found
-    found += _on_all(instants, _beside_sizes(instants, coarse, closed, columns, worth))
-    if min((entry.residuals for entry in found), default=np.inf) <= CLEAN:
-        return found
-    found += _on_all(instants, _beside_several(coarse, closed, tables, worth))
-    if min((entry.residuals for entry in found), default=np.inf) <= CLEAN:
-        return found
-    own = [entry for entry in singles if entry.instants is instants]
-    for entry in sorted(own, key=lambda entry: entry.residuals)[:GREEDY]:
-        found += _on_all(instants, _sized(instants, coarse, entry.trial, worth))
-    return found
+    on_all = _on_all(instants, best)
+    if min((entry.residuals for entry in on_all), default=np.inf) <= CLEAN:
+        return on_all
+    on_all += _on_all(instants, _beside_sizes(instants, coarse, closed, columns, worth))
+    if min((entry.residuals for entry in on_all), default=np.inf) <= CLEAN:
+        return on_all
+    on_all += _on_all(instants, _beside_several(coarse, closed, tables, worth))
+    if min((entry.residuals for entry in on_all), default=np.inf) <= CLEAN:
+        return on_all
+    of_instants = [entry for entry in singles if entry.instants is instants]
+    for entry in sorted(of_instants, key=lambda entry: entry.residuals)[:GREEDY]:
+        on_all += _on_all(instants, _sized(instants, coarse, entry.trial, worth))
+    return on_all
 
 
 def _beside_sizes(
@@ -375,13 +375,13 @@ def _beside_sizes(
     first = [(each, start, made) for each in sized for start in each.starts if (made := each.make(np.array(start)))]
     of_forces = [entry for entry in first if entry[0].of_channels]
     of_motion = [entry for entry in first if not entry[0].of_channels]
-    left: list[tuple[float, Sized, tuple[float, ...], Trial]] = []
+    candidates: list[tuple[float, Sized, tuple[float, ...], Trial]] = []
 
     def note(residuals: Array, entries: Sequence[tuple[Sized, tuple[float, ...], Hypothesis]], *of: Trial) -> None:
         """Residuals, shape (entries, others)."""
         for k, j in np.argwhere(residuals <= np.sort(residuals, axis=None)[: 4 * REFINED][-1]):
             if np.isfinite(residuals[k, j]) and _compatible(entries[k][2], *of[j]):
-                left.append((float(residuals[k, j]), *entries[k][:2], of[j]))
+                candidates.append((float(residuals[k, j]), *entries[k][:2], of[j]))
 
     forces = [(column,) for column in columns]
     if of_forces and rows:
@@ -392,7 +392,7 @@ def _beside_sizes(
         pairs = [together(made, column) for *_, made in of_forces for column in columns]
         note(tried(coarse, [AS_RECORDED], pairs).residuals.reshape(len(of_forces), -1), of_forces, *forces)
     trials: list[Trial] = []
-    for _, each, start, beside in sorted(left, key=lambda entry: entry[0])[:REFINED]:
+    for _, each, start, beside in sorted(candidates, key=lambda entry: entry[0])[:REFINED]:
         trials += refined(instants, coarse, [replace(each, starts=(start,))], beside, worth)
     if not coarse.case.sensor_frame.has_moments:
         return trials

@@ -82,10 +82,10 @@ def of_share(case: Case, share: float, mistakes: float, std: float | None = None
         mistakes: that it counts for.
         std: standard deviation of the share [%]; None where it is not known.
     """
-    left = tuple(float(f"{(1.0 - share) * value:.5g}") for value in case.gravity)
+    gravity = tuple(float(f"{(1.0 - share) * value:.5g}") for value in case.gravity)
     lacking = "the forces are compensated: they lack {share} % of the weight of what the sensor carries"
     return Hypothesis(
-        family=Family.COMPENSATED, edit=_gravity(left), place="case", mistakes=mistakes,
+        family=Family.COMPENSATED, edit=_gravity(gravity), place="case", mistakes=mistakes,
         words=phrase("compensated_in_part", lacking, share=number(100.0 * share, std, 3)),
         remedy=RAW,
     )  # fmt: skip

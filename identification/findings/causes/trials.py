@@ -404,19 +404,19 @@ def _rotations(angles: Array) -> Array:
 
 def _of_other_frames(instants: Instants, cases: Sequence[Case], motion: _Motion, matrices: Array) -> Array:
     """A where a case has other bars, or other joints beside sensors in the struts."""
-    own = instants.case
+    stated_case = instants.case
     if instants.model.struts is not None:
         for k, case in enumerate(cases):
-            if case.machine is not own.machine:
+            if case.machine is not stated_case.machine:
                 try:
                     model = identification_model(case, instants.model.number)
                     matrices[k] = model.matrices(*(values[k] for values in motion[:4]))
                 except HexciteError:
                     motion.closed[k] = False
         return matrices
-    if own.sensor_frame.bars is None:
+    if stated_case.sensor_frame.bars is None:
         return matrices
-    others = [k for k, case in enumerate(cases) if case.sensor_frame is not own.sensor_frame]
+    others = [k for k, case in enumerate(cases) if case.sensor_frame is not stated_case.sensor_frame]
     if others:
         structures = np.array([cases[k].sensor_frame.structure for k in others])
         regular = np.linalg.cond(structures) < LARGEST_CONDITION
@@ -465,14 +465,14 @@ class Left(NamedTuple):
 def left_by(instants: Instants, trial: Trial, delay: float) -> Left:
     """Residuals of a trial in newtons, beside what noise makes."""
     regressors, motion = regressors_of(instants, [trial])
-    own = channels_of(trial)
-    noise = np.sqrt(own**2 @ instants.noise**2)
+    channels = channels_of(trial)
+    noise = np.sqrt(channels**2 @ instants.noise**2)
     newtons = slice(0, 3 if instants.case.sensor_frame.has_moments else 6)
     of_noise = float(np.sqrt(np.mean(noise[newtons] ** 2)))
     if not motion.closed[0]:
         return Left(np.inf, of_noise, 0.0)
     nearest = int(np.argmin(np.abs(instants.delays - delay)))
-    forces = _forces(instants, [trial], own[None], motion.rotations)[0]
+    forces = _forces(instants, [trial], channels[None], motion.rotations)[0]
     at = forces[nearest]
     if len(instants.delays) > 2:  # along the straight line to the other neighbour
         other = int(np.clip(nearest + (1 if delay > instants.delays[nearest] else -1), 0, len(forces) - 1))

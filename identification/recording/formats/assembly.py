@@ -54,7 +54,7 @@ def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
         ratio = "state recording.units.override = '1' if it is a ratio"
         _require(table, OVERRIDE, (override >= 0.0) & (override <= MOST_OVERRIDE), "is not a feed override", ratio)
     readings = None if (mounted := table.form.accelerometer) is None else _group(table, ACCELEROMETER)
-    struts, turned = _struts(table, case)
+    struts, orientations = _struts(table, case)
     stream = Stream(
         source=table.source,
         t=t,
@@ -70,13 +70,13 @@ def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
         missing_in=missing_in,
         findings=(*table.findings, *(_of_convention(table) if poses is not None or rotations is not None else ())),
     )
-    stream = replace(stream, findings=(*stream.findings, *of_trigger, *turned))
+    stream = replace(stream, findings=(*stream.findings, *of_trigger, *orientations))
     if not stream.channels:
-        wanted = (STRUTS[0], POSE[0], ROTATION[0], case.sensor_frame.channels[0])
+        columns = (STRUTS[0], POSE[0], ROTATION[0], case.sensor_frame.channels[0])
         unmounted = "has readings of an accelerometer; say in [recording.accelerometer] of the case how it is mounted"
         raise RecordingError(
             place=table.source,
-            problem=unmounted if ACCELEROMETER[0] in table.values else without(table.names, table.form, wanted),
+            problem=unmounted if ACCELEROMETER[0] in table.values else without(table.names, table.form, columns),
             code=Code.MISSING,
         )
     if STRUTS[0] in table.values and STRUTS[0] not in {**table.form.scale, **table.form.offset}:
@@ -122,11 +122,11 @@ def by_clock(table: ColumnTable) -> list[ColumnTable]:
         return [table]
     parts: dict[float, dict[str, Array]] = {}
     for name, columns in SHIFTED.items():
-        if own := {ours: values for ours, values in table.values.items() if ours in columns}:
-            parts.setdefault(table.form.clock.offset_s.get(name, 0.0), {}).update(own)
+        if columns_of_clock := {ours: values for ours, values in table.values.items() if ours in columns}:
+            parts.setdefault(table.form.clock.offset_s.get(name, 0.0), {}).update(columns_of_clock)
     if len(parts) < 2:
         return [table]
-    named = {ours for own in parts.values() for ours in own}
+    named = {ours for columns_of_clock in parts.values() for ours in columns_of_clock}
     shifts = sorted(parts, key=abs)
     parts[shifts[0]] |= {ours: values for ours, values in table.values.items() if ours not in named}
     return [
@@ -229,8 +229,8 @@ def _orientation(table: ColumnTable) -> Array | None:
 def _of_convention(table: ColumnTable) -> Iterator[Finding]:
     """A note on how three angles of a file are read whose convention neither its names nor the case state."""
     labels = [table.form.file_name(ours) for ours in ANGLES if ours in table.values]
-    said = all(label in COLUMNS or _SAID.search(label.casefold()) for label in labels)
-    if labels and not said and table.form.orientation is None:
+    labelled = all(label in COLUMNS or _SAID.search(label.casefold()) for label in labels)
+    if labels and not labelled and table.form.orientation is None:
         names = ", ".join(map(shown, labels))
         sentence = f"{names} are read as {ROLL_PITCH_YAW.name!r}, {ROLL_PITCH_YAW.words}; if they are not, state "
         yield note(Kind.FORMAT, f"{sentence}recording.orientation, such as 'zyx intrinsic' or 'rotation vector'")
@@ -346,8 +346,8 @@ def _require_place(table: ColumnTable, positions: Array, case: Case) -> None:
         return
     home, middle = case.hexapod.home.vector[:3], np.median(positions[:_FIRST], axis=0)
     most = sum(lengths_of_struts(case)) / 4.0  # half a usual strut
-    own = table.factors[POSE[0]]
-    apart = {unit: float(np.linalg.norm(middle / own * value - home)) for unit, value in LENGTHS.items()}
+    factor = table.factors[POSE[0]]
+    apart = {unit: float(np.linalg.norm(middle / factor * value - home)) for unit, value in LENGTHS.items()}
     nearest = min(apart, key=lambda unit: apart[unit])
     if apart[nearest] <= most < float(np.linalg.norm(middle - home)):
         place = ", ".join(f"{value / MM:.4g}" for value in middle)

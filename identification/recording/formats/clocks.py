@@ -236,7 +236,7 @@ def _lattice(marks: _Marks, section: Indices, usual: float, scatter: float) -> f
             return None
         rates = rate + fine * np.arange(-ceil(reach / fine), ceil(reach / fine) + 1)
         starts = np.flatnonzero(np.diff(place[chosen], prepend=-1))
-        turns = (np.add.reduceat(np.exp(2j * np.pi * (tried * t[chosen] % 1.0)), starts) for tried in rates)
+        turns = (np.add.reduceat(np.exp(2j * np.pi * (candidates * t[chosen] % 1.0)), starts) for candidates in rates)
         agreement = np.array([np.abs(turn).sum() for turn in turns]) / len(chosen)
         rate = float(rates[np.argmax(agreement)])
         if used == count and fine < _FINEST / (t[-1] - t[0]):
@@ -273,8 +273,8 @@ def _phase(late: Array) -> float:
 
 def _off(late: Array) -> Array:
     """How far each is from that, and whole steps, shape (n,)."""
-    own = late - _phase(late)
-    return np.abs(own - np.rint(own))
+    distance = late - _phase(late)
+    return np.abs(distance - np.rint(distance))
 
 
 def _losses(late: Array, width: int, coarse: bool) -> Indices:
@@ -285,15 +285,15 @@ def _losses(late: Array, width: int, coarse: bool) -> Indices:
     """
     smooth = late if _off(late).max() < 0.25 and not coarse else _smooth(late, width, coarse)
     phase = _phase(smooth)
-    own = late - phase
+    distance = late - phase
     least = _least_behind(smooth - phase)
     losses = np.floor(least - least[0] + _NEARLY) if coarse else np.rint(least)
     if smooth is late:
         return np.asarray(losses - losses[0], dtype=np.int64)
-    bounds = [0, *(np.flatnonzero(np.diff(losses)) + 1).tolist(), len(own)]
+    bounds = [0, *(np.flatnonzero(np.diff(losses)) + 1).tolist(), len(distance)]
     for before, k, behind in zip(bounds, bounds[1:-1], bounds[2:], strict=False):
         first, end = max(before, k - width), min(behind, k + width)
-        fewer, more = np.abs(own[first:end] - losses[k - 1]), np.abs(own[first:end] - losses[k])
+        fewer, more = np.abs(distance[first:end] - losses[k - 1]), np.abs(distance[first:end] - losses[k])
         best = first + int(np.argmin(np.r_[0.0, np.cumsum(fewer - more)]))
         if best > 0:
             low, high = losses[k - 1], losses[k]
@@ -404,12 +404,12 @@ def _slowed(lost: Indices, line: _Line) -> int | None:
     alike = np.r_[np.diff(lost) == 0, False] & (lost > 0)  # as the next one
     between = (lost > 0) & (off[1:] | off[:-1])
     width = 2 * _FEW_STEPS
-    found = (
+    rates = (
         _crowded(alike, width - 1, width - 1),
         _crowded(lost > 0, 2 * width, 2 * width),
         _crowded(between, width, _FEW_STEPS),
     )
-    return min((first for first in found if first is not None), default=None)
+    return min((first for first in rates if first is not None), default=None)
 
 
 def _crowded(there: Flags, width: int, least: int) -> int | None:

@@ -213,11 +213,11 @@ def blocks_of(content: Content, section: Section, size: int = PART) -> Iterator[
     """The lines of a section, some at a time."""
     with content.opened() as stream:
         stream.seek(section.start)
-        number, rest, left = section.first, b"", section.end - section.start
-        while left or rest:
-            data = rest + stream.read(min(size, left))
-            left = max(0, left - size)
-            cut = data.rfind(b"\n") + 1 if left else len(data)
+        number, rest, remaining = section.first, b"", section.end - section.start
+        while remaining or rest:
+            data = rest + stream.read(min(size, remaining))
+            remaining = max(0, remaining - size)
+            cut = data.rfind(b"\n") + 1 if remaining else len(data)
             if cut:
                 yield number, data[:cut]
                 number += data.count(b"\n", 0, cut)

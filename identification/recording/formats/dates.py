@@ -61,8 +61,8 @@ def first_unread(texts: pa.Array | pa.ChunkedArray) -> int:
 
 def of_day(nanoseconds: Nanoseconds, turn: int = _DAY) -> Nanoseconds:
     """Times of day in ns that go on after midnight; of clocks that begin anew at other turns."""
-    back = np.diff(nanoseconds, prepend=nanoseconds[:1]) < -turn // 2
-    return np.asarray(nanoseconds + turn * np.cumsum(back))
+    midnight = np.diff(nanoseconds, prepend=nanoseconds[:1]) < -turn // 2
+    return np.asarray(nanoseconds + turn * np.cumsum(midnight))
 
 
 def _fields(texts: pa.Array | pa.ChunkedArray, form: str) -> pa.StructArray:

@@ -74,12 +74,12 @@ def families(labels: Mapping[int, Sequence[str]], joints: Sequence[str] | None =
         labels: position in the file -> words of the column's name.
         joints: names of the joints of a chain; None: the machine is not a chain.
     """
-    found: dict[tuple[str, ...], dict[int, list[int]]] = {}
+    groups: dict[tuple[str, ...], dict[int, list[int]]] = {}
     spelled = [] if joints is None else _spellings(joints)
     for k, label in labels.items():
         for words, member in _places(tuple(label), spelled):
-            found.setdefault(words, {}).setdefault(member, []).append(k)
-    for words, members in found.items():
+            groups.setdefault(words, {}).setdefault(member, []).append(k)
+    for words, members in groups.items():
         if any(len(columns) > 1 for columns in members.values()):
             continue  # names that are there twice say nothing
         first = min(members)

@@ -30,15 +30,20 @@ def require_frame(place: Path | str, frame: str, form: FileFormat) -> None:
 
 def problem_of(frame: str, stated: str | None) -> tuple[str, str] | None:
     """What is wrong with the frame of a wrench, and the remedy; None where nothing is."""
-    own = shown(frame)
+    frame_name = shown(frame)
     if stated is not None:
         if is_stated(frame, stated):
             return None
-        problem = f"its wrench is in the frame {own}; that of the sensor is {shown(stated)} (recording.ros.frame)"
-        return problem, f"record the topic in {shown(stated)}; if {own} has the axes of machine.chain.sensor, state it"
+        problem = (
+            f"its wrench is in the frame {frame_name}; that of the sensor is {shown(stated)} (recording.ros.frame)"
+        )
+        return (
+            problem,
+            f"record the topic in {shown(stated)}; if {frame_name} has the axes of machine.chain.sensor, state it",
+        )
     if not stands(frame):
         return None
     return (
-        f"its wrench is in the frame {own}, which does not move with the sensor",
-        f'record the raw topic, in the axes of the sensor; if they are, state recording.ros.frame = "{own}"',
+        f"its wrench is in the frame {frame_name}, which does not move with the sensor",
+        f'record the raw topic, in the axes of the sensor; if they are, state recording.ros.frame = "{frame_name}"',
     )

@@ -98,19 +98,23 @@ def _require_values(table: ColumnTable) -> None:
 def described(content: Content, form: FileFormat) -> tuple[TextFormat, Layout]:
     """The format and the layout of a file: what its lines say themselves, unless the case states something else."""
     head = content.head()
-    own = format_of(head, form)
-    stated = own if own.name == form.format else next(k for k in reversed(FORMATS) if k.name == form.format)
-    if own is not stated and (own.marked or stated.name == "csv"):
+    form_of_kind = format_of(head, form)
+    stated = (
+        form_of_kind
+        if form_of_kind.name == form.format
+        else next(k for k in reversed(FORMATS) if k.name == form.format)
+    )
+    if form_of_kind is not stated and (form_of_kind.marked or stated.name == "csv"):
         try:
-            layout = own.layout(content, head, _as(form, own.name))
+            layout = form_of_kind.layout(content, head, _as(form, form_of_kind.name))
         except RecordingError:
             if stated.name == "csv" and _says_where(form):
                 return stated, stated.layout(content, head, form)
             raise
-        if _agrees(form, layout, own):
-            if not (own.marked or own.guessed):
+        if _agrees(form, layout, form_of_kind):
+            if not (form_of_kind.marked or form_of_kind.guessed):
                 _require_complete(content.file, layout.form)
-            return own, layout
+            return form_of_kind, layout
     return stated, stated.layout(content, head, form)
 
 

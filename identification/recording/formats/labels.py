@@ -61,13 +61,13 @@ def stated_unit(label: str, cell: str, units: Units, header: Sequence[str] = ())
         units: those that the column can have.
         header: lines above the rows, which may state the units of all forces or moments, and counts for one unit.
     """
-    own = None if max(len(label), len(cell)) > LONGEST else _of_column(label, cell, units)
+    unit = None if max(len(label), len(cell)) > LONGEST else _of_column(label, cell, units)
     whole = "\n".join(line for line in header if len(line) <= LONGEST)
     counts = [float(number) for word, number in _COUNTS.findall(whole) if _quantity(word) == units.quantity]
     lines = [text.strip() for word, text in _LINES.findall(whole) if _quantity(word) == units.quantity]
-    if lines and (own is None or (counts and is_count(own.text))):
-        own = StatedUnit(lines[0], units.symbol(lines[0]))
-    return own if own is None or not counts or counts[0] == 0.0 else replace(own, counts=counts[0])
+    if lines and (unit is None or (counts and is_count(unit.text))):
+        unit = StatedUnit(lines[0], units.symbol(lines[0]))
+    return unit if unit is None or not counts or counts[0] == 0.0 else replace(unit, counts=counts[0])
 
 
 def _quantity(word: str) -> str:
@@ -128,8 +128,8 @@ def _behind(label: str, units: Units) -> Iterator[StatedUnit]:
         yield StatedUnit(share[0], None)
     for match in re.finditer(r"(?<=[\w°])(?P<sep>[_\s/,;:=.|\"'\-]+)(?=[^_\s/,;:=.|\"'\-])", label):
         text = label[match.end() :]
-        said = "/" in match["sep"] or text.casefold() not in _AMBIGUOUS
-        if said and (symbol := units.symbol(text)) is not None and symbol != "1":
+        certain = "/" in match["sep"] or text.casefold() not in _AMBIGUOUS
+        if certain and (symbol := units.symbol(text)) is not None and symbol != "1":
             yield StatedUnit(text, symbol)
         elif is_other_unit(text, units) and (len(text) > 1 or (text == "V" and units.quantity in ("force", "moment"))):
             yield StatedUnit(text, None)

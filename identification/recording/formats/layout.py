@@ -61,9 +61,11 @@ def look_at_text(file: Path, stated: FileFormat | None = None) -> TextColumns:
     if not layout.sections:
         numeric = list(range(len(layout.fields)))
     clocks = sorted({field.clock for field in layout.fields if field.clock is not None})
-    wanted = {str(k): k for k in numeric if k not in clocks and (layout.fields[k].name or known.guessed)}
-    apart = known.guessed and stated is None and _stand_apart([[row[k] for row in rows] for k in wanted.values()])
-    sparse = not apart and any(_is_sparse([row[k] for row in rows]) for k in wanted.values())
+    numeric_fields = {str(k): k for k in numeric if k not in clocks and (layout.fields[k].name or known.guessed)}
+    apart = (
+        known.guessed and stated is None and _stand_apart([[row[k] for row in rows] for k in numeric_fields.values()])
+    )
+    sparse = not apart and any(_is_sparse([row[k] for row in rows]) for k in numeric_fields.values())
     if apart or (sparse and known.guessed and stated is None):
         settings["empty"] = "apart" if apart else "hold"
     filled = replace(layout, hold=layout.hold or sparse, apart=layout.apart or apart)
@@ -71,11 +73,11 @@ def look_at_text(file: Path, stated: FileFormat | None = None) -> TextColumns:
     clock: tuple[int, str] | None = None
     names, units = _names(layout, stated), [field.unit for field in layout.fields]
     names = ["" if k in clocks[1:] else name for k, name in enumerate(names)]
-    for table in known.tables(content, filled, wanted, [*wanted]):
-        numbers |= {wanted[ours]: column for ours, column in table.values.items() if np.isfinite(column).any()}
+    for table in known.tables(content, filled, numeric_fields, [*numeric_fields]):
+        numbers |= {numeric_fields[ours]: column for ours, column in table.values.items() if np.isfinite(column).any()}
         if table.stamps is None or clock is not None:
             continue
-        own = layout.fields[wanted[next(iter(table.values))]].clock
+        own = layout.fields[numeric_fields[next(iter(table.values))]].clock
         if own is None:  # rows at equal steps
             names, units, own = [*names, "time between rows"], [*units, "s"], len(names)
             clock, numbers[own] = (own, "s"), np.asarray(table.stamps * table.tick, dtype=float)
@@ -83,7 +85,7 @@ def look_at_text(file: Path, stated: FileFormat | None = None) -> TextColumns:
             clock = own, next(unit for unit, tick in TICKS.items() if tick == table.tick)
             numbers[own] = np.asarray(table.stamps, dtype=float)
     settings |= _stated(known, layout, clock) if stated is None else {}
-    dated = {} if clock is not None else _dates(known, content, layout, rows, wanted)
+    dated = {} if clock is not None else _dates(known, content, layout, rows, numeric_fields)
     lines = tuple(line.decode(layout.form.encoding, "replace") for line in content.head()[: layout.form.header_rows])
     return TextColumns(names, units, numbers | dated, settings, clock, frozenset(dated), lines)
 
@@ -93,15 +95,15 @@ def _dates(
 ) -> dict[int, Array]:
     """Columns of dates or times of day by position, in ns from the first row."""
     columns = list(zip(*rows, strict=True)) if wanted else []
-    found: dict[int, Array] = {}
+    dates_by_column: dict[int, Array] = {}
     for k, column in enumerate(columns):
         if k not in wanted.values() and all(dates.is_stamp(field) for field in column[:_FEW]):
             with suppress(RecordingError):  # one that is not like those above it is for the reader to name
                 chosen = dict([next(iter(wanted.items()))]) | {CLOCK: k}
                 for table in known.tables(content, layout, chosen, ()):
                     if table.stamps is not None:
-                        found[k] = np.asarray(table.stamps - table.stamps[0], dtype=float)
-    return found
+                        dates_by_column[k] = np.asarray(table.stamps - table.stamps[0], dtype=float)
+    return dates_by_column
 
 
 def _stated(known: TextFormat, layout: Layout, clock: tuple[int, str] | None) -> dict[str, Any]:
@@ -127,7 +129,7 @@ def _names(layout: Layout, stated: FileFormat | None) -> list[str]:
     best = max([usual, *other], key=known_among)
     mapped = set() if stated is None else {*stated.columns.values()}
     return [
-        next((own for own in (field.name, *field.also) if own in mapped), name)
+        next((each for each in (field.name, *field.also) if each in mapped), name)
         for field, name in zip(layout.fields, best, strict=True)
     ]
 

@@ -163,21 +163,21 @@ def _starts(content: Content, segments: Sequence[_Segment], clock: int | None) -
         if clock is None:
             begin = next((x for x in map(number_of, segment.about.get("X0", ())[1:]) if x is not None), 0.0)
             step = next((x for x in map(number_of, segment.about.get("Delta_X", ())[1:]) if x is not None), 0.0)
-            own = begin, begin + step * (segment.section.rows - 1)
+            ends = begin, begin + step * (segment.section.rows - 1)
         else:
             begin = 0.0
-            found = [number_of(row[clock]) if clock < len(row) else None for row in (segment.first, segment.last)]
-            own = (found[0] or 0.0, found[1] or 0.0)
-        if start + own[0] <= end:  # times begin anew
+            times = [number_of(row[clock]) if clock < len(row) else None for row in (segment.first, segment.last)]
+            ends = (times[0] or 0.0, times[1] or 0.0)
+        if start + ends[0] <= end:  # times begin anew
             date, origin = _date(segment), _date(segments[0])
-            if date is None or origin is None or (later := float(date - origin)) + own[0] <= end:
+            if date is None or origin is None or (later := float(date - origin)) + ends[0] <= end:
                 place = f"{content.file}, line {segment.section.first}"
                 problem = "the times of this segment begin anew, and no date in its header says when"
                 raise RecordingError(
                     place=place, problem=problem, remedy="give each segment as a file of its own", code=Code.WRONG_KIND
                 )
             start = later
-        end = start + own[1]
+        end = start + ends[1]
         yield start + begin
 
 

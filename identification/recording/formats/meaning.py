@@ -66,8 +66,8 @@ def meaning_of(names: Sequence[str], case: Case | None = None, units: Sequence[s
     quantities = {k: _quantities(names[k], units[k] if k < len(units) else "") for k in words}
     for columns, readings in _readings(found, quantities, case):
         if not any(column in places for column in columns):
-            taken = {*places.values()}
-            free = [r for r in readings if not taken & {*r.members} and _fits(columns, r, quantities)]
+            used = {*places.values()}
+            free = [r for r in readings if not used & {*r.members} and _fits(columns, r, quantities)]
             places |= _best(columns, free, names, doubts)
     doubts += _other_count(found, places, names, case)
     if case is None:
@@ -84,17 +84,19 @@ def meaning_of(names: Sequence[str], case: Case | None = None, units: Sequence[s
         for column, says in single.items()
         if column not in places
     }
-    taken = {*places.values()}
-    doubts += [s for family in found if not taken & {*family.members.values()} for s in _computed(family, names)]
+    used = {*places.values()}
+    doubts += [s for family in found if not used & {*family.members.values()} for s in _computed(family, names)]
     return Meaning(places, tuple(clocks), orientations, candidates, tuple(dict.fromkeys(doubts)))
 
 
 def known_among(names: Sequence[str]) -> int:
     """How many names of columns say something, whatever the machine is."""
-    said = meaning_of(names)
+    meaning = meaning_of(names)
     drives = {k for f in families({k: words_of(name) for k, name in enumerate(names)}) if [*_as_joints(f, False)]
               for k in f.members.values()}  # fmt: skip
-    return len({*said.places.values(), *said.clocks, *drives, *(k for of in said.candidates.values() for k in of)})
+    return len(
+        {*meaning.places.values(), *meaning.clocks, *drives, *(k for of in meaning.candidates.values() for k in of)}
+    )
 
 
 def _joints(case: Case | None) -> Group:
@@ -141,12 +143,12 @@ def _other_count(
     found: Sequence[Family], places: Mapping[str, int], names: Sequence[str], case: Case | None
 ) -> Iterator[str]:
     """What to say of the joints of another robot than that of the case."""
-    joints, taken = _joints(case), {*places.values()}
+    joints, used = _joints(case), {*places.values()}
     if not joints or joints[0] in places:
         return
     for family in found:
         members = [*family.members.values()]
-        if NUMBER in family.words and len(members) >= 3 and len(members) != len(joints) and not taken & {*members}:
+        if NUMBER in family.words and len(members) >= 3 and len(members) != len(joints) and not used & {*members}:
             for _ in _as_joints(family, False):
                 yield (
                     f"{span([names[k] for k in members])} look like positions of {len(members)} joints, the machine of "
@@ -278,8 +280,8 @@ def _wrenches(vectors: Sequence[Family]) -> Iterator[_Reading]:
 
 def _other_words(family: Family) -> tuple[str, ...]:
     """The words of a vector without those that say what it is of."""
-    said = (say.FORCE_AXIS, say.MOMENT_AXIS, say.TURN_AXIS, say.PLACE_AXIS)
-    return tuple(word for word in _joined(family.rest) if not any(word in words for words in said))
+    sentences = (say.FORCE_AXIS, say.MOMENT_AXIS, say.TURN_AXIS, say.PLACE_AXIS)
+    return tuple(word for word in _joined(family.rest) if not any(word in words for words in sentences))
 
 
 _QUANTITIES = {
@@ -295,8 +297,8 @@ def _quantity(family: Family) -> str | None:
         return None
     stem = family.words[at].removesuffix(AXIS)
     near = [stem] if stem else [*family.words[:at][::-1], *family.words[at + 1 :]]
-    said = (quantity for word in near for quantity, words in _QUANTITIES.items() if word in words)
-    return next(said, None if near else "place")
+    quantities = (quantity for word in near for quantity, words in _QUANTITIES.items() if word in words)
+    return next(quantities, None if near else "place")
 
 
 _TRIPLES: tuple[tuple[Group, tuple[str, ...], tuple[str, ...]], ...] = (
@@ -338,9 +340,9 @@ def _pose(
 
 def _quaternion(found: Sequence[Family], words: Mapping[int, tuple[str, ...]]) -> tuple[int, ...]:
     """Positions of the four numbers of a quaternion, its scalar part first; empty where there is none, or several."""
-    said = {"orientation", "quat", "quaternion", "rotation"}
+    quaternion_words = {"orientation", "quat", "quaternion", "rotation"}
     named = _each_once(QUATERNION, words) or _each_once(
-        ("w", "x", "y", "z"), {k: of for k, of in words.items() if said & {*of}}
+        ("w", "x", "y", "z"), {k: of for k, of in words.items() if quaternion_words & {*of}}
     )
     counted = [
         f
@@ -357,14 +359,14 @@ def _shortened(words: tuple[str, ...]) -> tuple[str, ...]:
 
 def _each_once(letters: Group, words: Mapping[int, tuple[str, ...]]) -> tuple[int, ...]:
     """Positions of columns whose names differ in one word that is each of the letters; empty where that is not so."""
-    found: dict[tuple[str, ...], dict[str, list[int]]] = {}
+    places_of_names: dict[tuple[str, ...], dict[str, list[int]]] = {}
     for k, of in words.items():
         for i, word in enumerate(of):
             if word in letters:
-                found.setdefault((*of[:i], AXIS, *of[i + 1 :]), {}).setdefault(word, []).append(k)
+                places_of_names.setdefault((*of[:i], AXIS, *of[i + 1 :]), {}).setdefault(word, []).append(k)
     whole = [
         tuple(of[letter][0] for letter in letters)
-        for of in found.values()
+        for of in places_of_names.values()
         if len(of) == len(letters) and all(len(columns) == 1 for columns in of.values())
     ]
     return whole[0] if len(whole) == 1 else ()
@@ -416,13 +418,13 @@ def _clock_rank(words: tuple[str, ...]) -> tuple[int, int]:
 
 
 def _is_trigger(words: tuple[str, ...]) -> bool:
-    said = {*words}
+    distinct = {*words}
     return bool(
-        said & {"trig", "ttl", "gate", "marker"}
+        distinct & {"trig", "ttl", "gate", "marker"}
         or any(word.startswith("trigger") for word in words)
-        or {"digital", "out"} <= said
-        or {"digital", "output", "bits"} <= said
-        or {"an", "a", "out"} <= said
+        or {"digital", "out"} <= distinct
+        or {"digital", "output", "bits"} <= distinct
+        or {"an", "a", "out"} <= distinct
     )
 
 

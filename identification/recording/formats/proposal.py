@@ -125,10 +125,10 @@ class _Draft:
         self.table, self.case, self.numbers, self.as_stated = table, case, table.numbers, as_stated
         self.stated: dict[str, Any] = {} if case is None else stated_of(case.recording)
         self.layout, self.names = dict(table.settings), tuple(table.names)
-        own, given = self.stated.get("column_names", ()), self.layout.get("column_names", ())
-        if own and len(own) == len(given):  # a file without names of its own
-            self.layout["column_names"] = own
-            renamed = dict(zip(given, own, strict=True))
+        stated_names, layout_names = self.stated.get("column_names", ()), self.layout.get("column_names", ())
+        if stated_names and len(stated_names) == len(layout_names):  # a file without names of its own
+            self.layout["column_names"] = stated_names
+            renamed = dict(zip(layout_names, stated_names, strict=True))
             self.names = tuple(renamed.get(name, name) for name in self.names)
         self.said = meaning_of(self.names, case, table.units)
         self.places: dict[str, int] = {}
@@ -161,26 +161,26 @@ class _Draft:
 
         Of a group of which the file lacks one that the case names, the names say where it is.
         """
-        own = dict(self.stated.get("columns", {}))
+        columns = dict(self.stated.get("columns", {}))
         if column := self.stated.get("trigger", {}).get("column"):
-            own[TRIGGER] = column
-        lacking = {ours for ours, theirs in own.items() if theirs not in self.names}
-        given = {
-            ours: self.names.index(own[ours])
+            columns[TRIGGER] = column
+        lacking = {ours for ours, theirs in columns.items() if theirs not in self.names}
+        stated_places = {
+            ours: self.names.index(columns[ours])
             for group in groups_of(self.case)
             if not lacking & {*group}
             for ours in group
-            if ours in own
+            if ours in columns
         }
-        taken = {*given.values()}
-        self.places = {ours: k for ours, k in self.said.places.items() if k in self.numbers and k not in taken}
-        self.places |= {ours: k for ours, k in given.items() if k in self.numbers or ours == CLOCK}
+        used = {*stated_places.values()}
+        self.places = {ours: k for ours, k in self.said.places.items() if k in self.numbers and k not in used}
+        self.places |= {ours: k for ours, k in stated_places.items() if k in self.numbers or ours == CLOCK}
         self.reasons = {
             ours: because(Why.OUR_NAME if self.names[k] == ours else Why.NAME) for ours, k in self.places.items()
         }
-        self.reasons |= {ours: because(Why.CASE_NAMES) for ours in given if ours in self.places}
+        self.reasons |= {ours: because(Why.CASE_NAMES) for ours in stated_places if ours in self.places}
         if lacking:
-            theirs = listed([own[ours] for ours in own if ours in lacking])
+            theirs = listed([columns[ours] for ours in columns if ours in lacking])
             self.doubts.append(f"recording.columns of the case names {theirs}, which the file does not have")
 
     def choose_clock(self) -> None:
@@ -218,8 +218,8 @@ class _Draft:
     def choose_single(self) -> None:
         """The trigger and the override: the only candidate, or the only one that changes."""
         for ours, candidates in self.said.candidates.items():
-            taken = {*self.places.values()}
-            possible = [k for k in candidates if k in self.numbers and k not in taken and ours not in self.places]
+            used = {*self.places.values()}
+            possible = [k for k in candidates if k in self.numbers and k not in used and ours not in self.places]
             changing = [k for k in possible if len(np.unique(self.numbers[k][np.isfinite(self.numbers[k])])) > 1]
             chosen = possible if len(possible) == 1 else changing
             if len(chosen) == 1:
@@ -278,12 +278,12 @@ class _Draft:
         """The unit of each column: as the case states, as its label does, as its values say, as our name has it."""
         values = {ours: self.numbers[k] for ours, k in self.places.items() if k in self.numbers}
         by_values = dict(_units_of_values(values, self.case))
-        own, clock = self.stated.get("units", {}), self.stated.get("clock", {}).get("unit")
+        stated_units, clock = self.stated.get("units", {}), self.stated.get("clock", {}).get("unit")
         for ours, k in self.places.items():
             role, usual = ROLE_OF.get(ours), _usual_unit(ours)
             label = _stated_unit(ours, self.names[k], self.table.units[k] if k < len(self.table.units) else "")
-            if role is not None and str(role) in own:
-                self.units[ours], why = str(own[str(role)]), because(Why.CASE_STATES)
+            if role is not None and str(role) in stated_units:
+                self.units[ours], why = str(stated_units[str(role)]), because(Why.CASE_STATES)
             elif ours == CLOCK and k in self.table.dates:
                 self.units[ours], why = "ns", because(Why.DATES)
             elif ours == CLOCK and (clock is not None or self.table.clock is not None):
@@ -409,8 +409,8 @@ class _Draft:
         clock |= {} if self.nanoseconds is None else {"nanoseconds": self.nanoseconds}
         result |= {"clock": clock} if clock else {}
         result |= {"orientation": self.orientation} if self.orientation is not None else {}
-        own = LAYOUT | {"columns", "units", "clock", "filter_cutoff_Hz", "rate_Hz", "files"}
-        result |= {key: value for key, value in self.stated.items() if key not in own}
+        keys = LAYOUT | {"columns", "units", "clock", "filter_cutoff_Hz", "rate_Hz", "files"}
+        result |= {key: value for key, value in self.stated.items() if key not in keys}
         self._add_filter(result)
         return result
 
@@ -436,7 +436,7 @@ class _Draft:
 
     def why(self, settings: Mapping[str, Any]) -> Iterator[tuple[str, Reason]]:
         """Of each key of the settings why it has its value."""
-        found = {
+        reasons = {
             "format": because(Why.FIRST_LINES),
             "delimiter": because(Why.NUMBERS),
             "decimal": because(Why.NUMBERS),
@@ -456,7 +456,7 @@ class _Draft:
         }
         states = because(Why.CASE_STATES)
         for key, value in settings.items():
-            why = states if key in self.stated and self.stated[key] == value else found.get(key, states)
+            why = states if key in self.stated and self.stated[key] == value else reasons.get(key, states)
             if why:
                 yield key, why
 
@@ -464,8 +464,8 @@ class _Draft:
         """Units that are not those of our names, or that the case states, which labels may contradict; by role."""
         for role, factors in ROLE_UNITS.items():
             of_role = {self.units[ours] for ours in ordered if ROLE_OF.get(ours) == role}
-            own = self.stated.get("units", {}).get(str(role))
-            if len(of_role) == 1 and of_role <= factors.keys() - ({factors.usual} - {own}):
+            stated_unit = self.stated.get("units", {}).get(str(role))
+            if len(of_role) == 1 and of_role <= factors.keys() - ({factors.usual} - {stated_unit}):
                 yield str(role), of_role.pop()
 
     def _add_filter(self, settings: dict[str, Any]) -> None:
@@ -520,23 +520,23 @@ def proposal_of_run(proposals: Sequence[tuple[str, Proposal]]) -> dict[str, Any]
 
     Samples are counted by those of the forces.
     """
-    own = [{key: value for key, value in of.settings.items() if key in _OF_A_FILE} for _, of in proposals]
+    settings_of_files = [{key: value for key, value in of.settings.items() if key in _OF_A_FILE} for _, of in proposals]
     by_forces = sorted(proposals, key=lambda named: named[1].has_forces)
     common = {key: value for _, of in by_forces for key, value in of.settings.items()}
     machine = {key: value for key, value in common.items() if key not in _OF_A_FILE}
     if "filter_cutoff_Hz" in machine:
         machine["filter_cutoff_Hz"] = min(of.settings["filter_cutoff_Hz"] for _, of in proposals)
-    alike = all({**table, "columns": None} == {**own[0], "columns": None} for table in own)
+    alike = all({**table, "columns": None} == {**settings_of_files[0], "columns": None} for table in settings_of_files)
     columns: dict[str, str] = {}
-    for table in own:
+    for table in settings_of_files:
         alike &= all(columns.get(ours, theirs) == theirs for ours, theirs in table.get("columns", {}).items())
         columns |= table.get("columns", {})
     if alike and len({*columns.values()}) == len(columns):
-        return {**own[0], **machine, **({"columns": columns} if columns else {})}
+        return {**settings_of_files[0], **machine, **({"columns": columns} if columns else {})}
     patterns = [re.sub(r"\d+", "*", name) for name, _ in proposals]
     distinct = len({*patterns}) == len(patterns)
     matches = patterns if distinct else [name for name, _ in proposals]
-    files = [{"match": match, **table} for match, table in zip(matches, own, strict=True)]
+    files = [{"match": match, **table} for match, table in zip(matches, settings_of_files, strict=True)]
     return {**machine, "files": files}
 
 

@@ -73,8 +73,8 @@ def with_units(table: ColumnTable, ranges: Array | None = None) -> ColumnTable:
         for role, columns in contradicted.items()
     ]
     tick, of_clock = _tick(table)
-    found = (*table.findings, *findings, *of_clock, *_whole_forces(table), *_no_readings(table))
-    return replace(table, factors=factors, tick=tick, findings=found)
+    all_findings = (*table.findings, *findings, *of_clock, *_whole_forces(table), *_no_readings(table))
+    return replace(table, factors=factors, tick=tick, findings=all_findings)
 
 
 CONTRADICTED = "contradicted"

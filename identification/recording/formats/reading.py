@@ -77,8 +77,13 @@ def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
     for path in paths:
         file, ways = _file_of(path, case)
         others = sum(table.rows * len(table.values) for table in tables)
-        tables += (own := _read_in_one_of(file, ways, case))
-        require_room(file, max(table.rows for table in own), sum(len(table.values) for table in own), others)
+        tables += (tables_of_file := _read_in_one_of(file, ways, case))
+        require_room(
+            file,
+            max(table.rows for table in tables_of_file),
+            sum(len(table.values) for table in tables_of_file),
+            others,
+        )
     for table in tables:
         require_clock(table)  # before the first of them is taken for the run's beginning
     tables = [part for table in tables for part in by_clock(clocked(table))]
@@ -145,8 +150,8 @@ def recording_of(path: Path) -> Path:
     """The file or bag that a path means: of a folder that `hexcite run` wrote the recording in it."""
     place = bag_of(path)
     if place.is_dir() and not is_bag(place):
-        own = [place / name for name in ("recording.parquet", "recording.csv")]
-        return next((file for file in own if file.is_file()), own[-1])
+        candidates = [place / name for name in ("recording.parquet", "recording.csv")]
+        return next((file for file in candidates if file.is_file()), candidates[-1])
     return place
 
 

@@ -55,9 +55,9 @@ class Reason(str):
 
     def __new__(cls, *parts: tuple[Why, Mapping[str, str]]) -> "Reason":
         """One sentence of several parts."""
-        made = str.__new__(cls, ", and ".join(why.value.format(**values) for why, values in parts))
-        made.parts = parts
-        return made
+        reason = str.__new__(cls, ", and ".join(why.value.format(**values) for why, values in parts))
+        reason.parts = parts
+        return reason
 
     def also(self, why: Why) -> "Reason":
         """This reason, and another one."""

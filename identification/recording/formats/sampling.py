@@ -35,11 +35,13 @@ def clocked(table: ColumnTable) -> ColumnTable:
     if table.rows < 2 or agrees(t, period):
         return table
     if table.form.format == "twincat-scope":  # its clocks are at different rates
-        said = note(Kind.CLOCK, f"{_name(table)}: recording.clock.period_ms is not used, its clocks have their stamps")
-        return replace(table, stamped=False, findings=(*table.findings, said))
+        finding = note(
+            Kind.CLOCK, f"{_name(table)}: recording.clock.period_ms is not used, its clocks have their stamps"
+        )
+        return replace(table, stamped=False, findings=(*table.findings, finding))
     sentence = f"{_name(table)}: recording.clock.period_ms = {period * 1e3:.6g} counts, not its time stamps, which are "
-    said = note(Kind.CLOCK, f"{sentence}{float(t[-1]) / (table.rows - 1) * 1e3:.4g} ms apart on average")
-    return replace(table, stamps=np.arange(table.rows), tick=period, stamped=False, findings=(*table.findings, said))
+    finding = note(Kind.CLOCK, f"{sentence}{float(t[-1]) / (table.rows - 1) * 1e3:.4g} ms apart on average")
+    return replace(table, stamps=np.arange(table.rows), tick=period, stamped=False, findings=(*table.findings, finding))
 
 
 def _without_repeats(table: ColumnTable) -> ColumnTable:
@@ -52,9 +54,9 @@ def _without_repeats(table: ColumnTable) -> ColumnTable:
         return table
     values = {ours: column[~again] for ours, column in table.values.items()}
     rows = f"{len(at)} rows repeat the one above them" if len(at) > 1 else "1 row repeats the one above it"
-    said = note(Kind.CLOCK, f"{_name(table)}: {rows}, {table.lines.place(int(at[0]))} first; left out")
-    kept = {"stamps": table.stamps[~again], "lines": table.lines.without(at.tolist())}
-    return replace(table, values=values, findings=(*table.findings, said), **kept)
+    finding = note(Kind.CLOCK, f"{_name(table)}: {rows}, {table.lines.place(int(at[0]))} first; left out")
+    remaining = {"stamps": table.stamps[~again], "lines": table.lines.without(at.tolist())}
+    return replace(table, values=values, findings=(*table.findings, finding), **remaining)
 
 
 def on_equal_steps(stream: Stream, period: float | None = None) -> Stream | Unsteady:
@@ -120,16 +122,16 @@ def _with_lost_rows(stream: Stream, t: Array, numbers: Indices) -> Stream:
     count = np.r_[0, np.where(gaps <= MOST_PUT_BACK, gaps, 0)]
     if not count.any():
         return stream
-    own = np.arange(len(t)) + np.cumsum(count)  # where the rows that are there stand in the result
-    rows = np.arange(own[-1] + 1)
+    positions = np.arange(len(t)) + np.cumsum(count)  # where the rows that are there stand in the result
+    rows = np.arange(positions[-1] + 1)
     present = np.zeros(len(rows), dtype=bool)
-    present[own] = True
-    more: dict[Any, Any] = {n: spread(v, own, rows, n in _SWITCHING) for n, v in stream.channels.items()}
+    present[positions] = True
+    more: dict[Any, Any] = {n: spread(v, positions, rows, n in _SWITCHING) for n, v in stream.channels.items()}
     missing = ~present
     if stream.missing is not None:
-        missing[own] = stream.missing
+        missing[positions] = stream.missing
     lines = replace(stream.lines, inserted=tuple(np.flatnonzero(~present).tolist()))
-    return replace(stream, t=np.interp(rows, own, t), lines=lines, missing=missing, **more)
+    return replace(stream, t=np.interp(rows, positions, t), lines=lines, missing=missing, **more)
 
 
 def spread(values: Array, own: Indices | Array, rows: Indices | Array, last: bool) -> Array:

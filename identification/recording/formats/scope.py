@@ -83,15 +83,15 @@ def _decimal(rows: Sequence[Sequence[str]], separator: str) -> str:
 
 def _fields(names: Sequence[str], about: Sequence[Sequence[str]]) -> tuple[Field, ...]:
     """The fields of rows, from the names of channels and the lines below, each of which begins with what it says."""
-    said = {row[0]: row for row in about}
-    units = said.get(_UNIT, [""] * len(names))
+    rows = {row[0]: row for row in about}
+    units = rows.get(_UNIT, [""] * len(names))
     clocks = [k for k, name in enumerate(names) if name == _NAME]
     fields = []
     for k, name in enumerate(names):
         if name in ("", _NAME):
             fields.append(Field(name))
             continue
-        others = (said[line][k] for line in _OTHER_NAMES if line in said)
+        others = (rows[line][k] for line in _OTHER_NAMES if line in rows)
         unit = "" if units[k] == _NO_UNIT else units[k]
         also = tuple(other for other in others if other and other != name)
         fields.append(Field(name, also, unit, max((c for c in clocks if c < k), default=None)))

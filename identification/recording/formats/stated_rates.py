@@ -30,10 +30,10 @@ class StatedStep(NamedTuple):
 
 def stated_step(header: Sequence[str]) -> StatedStep | None:
     """The step between samples by the lines of a header; None where none states it with its unit, or two differ."""
-    found = [step for line in header if (step := _of_line(line)) is not None]
-    if not found or any(abs(step.period / found[0].period - 1.0) > 1e-6 for step in found):
+    steps = [step for line in header if (step := _of_line(line)) is not None]
+    if not steps or any(abs(step.period / steps[0].period - 1.0) > 1e-6 for step in steps):
         return None
-    return found[0]
+    return steps[0]
 
 
 def _of_line(line: str) -> StatedStep | None:

@@ -133,10 +133,10 @@ class Stream:
 
     def _require_alike(self, kind: str) -> None:
         """Raises RecordingError where arrays differ in length, or have no value in a row that is not missing."""
-        own = {name: array for name in SHAPES if (array := getattr(self, name, None)) is not None}
-        first = next((name for name in ("forces", "t", *own) if name in own), None)
-        for name, array in own.items():
-            if first is not None and len(array) != (rows := len(own[first])):
+        arrays = {name: array for name in SHAPES if (array := getattr(self, name, None)) is not None}
+        first = next((name for name in ("forces", "t", *arrays) if name in arrays), None)
+        for name, array in arrays.items():
+            if first is not None and len(array) != (rows := len(arrays[first])):
                 problem = f"has {len(array)} rows where {first} has {rows}"
                 raise RecordingError(
                     place=f"{kind}: {name}",
@@ -214,7 +214,7 @@ def told(value: object) -> str:
 
 def _array(value: Any, shape: tuple[int | None, ...], flags: bool, place: str) -> Any:
     """A value as an array of floats or flags; raises RecordingError where it is none, or of another shape."""
-    wanted = "flags" if flags else "numbers"
+    expected_kind = "flags" if flags else "numbers"
     if isinstance(value, np.ma.MaskedArray):
         if np.any(np.ma.getmaskarray(value)):
             count = int(np.count_nonzero(np.ma.getmaskarray(value)))
@@ -232,20 +232,23 @@ def _array(value: Any, shape: tuple[int | None, ...], flags: bool, place: str) -
         raise RecordingError(
             place=place,
             problem="is not an array of equal rows",
-            remedy=f"give {wanted} of shape {_shape(shape)}",
+            remedy=f"give {expected_kind} of shape {_shape(shape)}",
             code=Code.WRONG_KIND,
         ) from None
     if array.dtype.kind not in "bifu":
         kind = told(value) if array.ndim == 0 else f"an array of {array.dtype}"
         raise RecordingError(
-            place=place, problem=f"is {kind}", remedy=f"give {wanted} of shape {_shape(shape)}", code=Code.WRONG_KIND
+            place=place,
+            problem=f"is {kind}",
+            remedy=f"give {expected_kind} of shape {_shape(shape)}",
+            code=Code.WRONG_KIND,
         )
     if array.ndim != len(shape) or any(want not in (None, have) for want, have in zip(shape, array.shape, strict=True)):
         problem = f"has the shape {_shape(array.shape)}"
         raise RecordingError(
             place=place,
             problem=problem,
-            remedy=f"give {wanted} of shape {_shape(shape)}, one row a sample",
+            remedy=f"give {expected_kind} of shape {_shape(shape)}, one row a sample",
             code=Code.WRONG_KIND,
         )
     if not flags:

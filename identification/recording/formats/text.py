@@ -97,11 +97,11 @@ def decoded(file: Path, lines: Sequence[bytes], form: FileFormat) -> list[str]:
 
 def select(file: Path, fields: Sequence[Field], form: FileFormat) -> dict[str, int]:
     """Our columns among those of a file, each with its position; raises RecordingError where one is there twice."""
-    positions, given = {}, set(form.columns.values())
+    positions, mapped = {}, set(form.columns.values())
     clocks = {field.clock for field in fields} - {None}
     for ours in COLUMNS:
         theirs = form.file_name(ours)
-        if theirs in given and ours not in form.columns:
+        if theirs in mapped and ours not in form.columns:
             continue  # the case gives the column of that name another meaning
         if ours == CLOCK and clocks:
             continue  # the format says which it is
@@ -137,7 +137,8 @@ def tables(
     """
     positions = {ours: k for ours, k in chosen.items() if ours != CLOCK}
     clock_of = {
-        ours: chosen.get(CLOCK) if (own := layout.fields[k].clock) is None else own for ours, k in positions.items()
+        ours: chosen.get(CLOCK) if (clock_of_column := layout.fields[k].clock) is None else clock_of_column
+        for ours, k in positions.items()
     }
     clocks = sorted({clock for clock in clock_of.values() if clock is not None})
     parts_of_stamps = [*clocks, *_nanoseconds(content, layout, chosen)]
@@ -478,10 +479,10 @@ def squeezed(data: bytes) -> bytes:
     letters = np.frombuffer(data, dtype=np.uint8)
     blank = (letters == ord(" ")) | (letters == ord("\t"))
     before = np.r_[True, blank[:-1] | (letters[:-1] == ord("\n"))]  # whether a line or another blank precedes
-    kept = letters[~(blank & before)].copy()
-    kept[kept == ord("\t")] = ord(" ")
-    after = np.r_[(kept[1:] == ord("\n")) | (kept[1:] == ord("\r")), True]
-    return bytes(kept[~((kept == ord(" ")) & after)].tobytes())
+    remaining = letters[~(blank & before)].copy()
+    remaining[remaining == ord("\t")] = ord(" ")
+    after = np.r_[(remaining[1:] == ord("\n")) | (remaining[1:] == ord("\r")), True]
+    return bytes(remaining[~((remaining == ord(" ")) & after)].tobytes())
 
 
 def _rewritten(file: Path, block: Block, layout: Layout, wanted: _Wanted, last: int) -> bytes:

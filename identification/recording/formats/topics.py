@@ -62,8 +62,8 @@ def bag_topics(bag: Path) -> tuple[BagTopic, ...]:
         counts: Counter[tuple[str, str]] = Counter()
         for connection in reader.connections:
             counts[connection.topic, connection.msgtype] += connection.msgcount
-        found = [_topic(reader, name, kind, count) for (name, kind), count in sorted(counts.items())]
-    return tuple(sorted(found, key=lambda topic: (topic.what is None, topic.name)))
+        topics = [_topic(reader, name, kind, count) for (name, kind), count in sorted(counts.items())]
+    return tuple(sorted(topics, key=lambda topic: (topic.what is None, topic.name)))
 
 
 def _topic(reader: "AnyReader", name: str, kind: str, count: int) -> BagTopic:
@@ -83,11 +83,11 @@ def _topic(reader: "AnyReader", name: str, kind: str, count: int) -> BagTopic:
     if not rows:  # its index counts some that are not there
         return BagTopic(name, kind, 0, what)
     stamped = len({*stamps}) > 1 or len(stamps) == 1
-    taken = np.array(stamps if stamped else received, dtype=np.int64)
+    times = np.array(stamps if stamped else received, dtype=np.int64)
     values = np.array([[row.get(channel, np.nan) for channel in channels] for row in rows])
     return BagTopic(
         name, kind, count, what, tuple(frame for frame, _ in frames.most_common() if frame), tuple(channels),
-        (taken - taken[0]) * _NANOSECOND, values, stamped,
+        (times - times[0]) * _NANOSECOND, values, stamped,
     )  # fmt: skip
 
 

@@ -24,12 +24,12 @@ def trigger_of(table: ColumnTable) -> tuple[Flags | None, list[Finding]]:
     if (values := table.values.get(TRIGGER)) is None:
         return None, []
     bit = None if table.form.trigger is None else table.form.trigger.bit
-    found: list[Finding] = []
+    findings: list[Finding] = []
     if bit is not None:
         _require_bits(table, values)
         values = (values.astype(np.int64) >> bit & 1).astype(float)
     elif (changing := _changing_bit(values)) is not None:
-        found = [
+        findings = [
             note(Kind.WINDOW, f"the trigger is bit {changing} of {table.form.file_name(TRIGGER)}, which alone changes")
         ]
         values = (values.astype(np.int64) >> changing & 1).astype(float)
@@ -53,7 +53,7 @@ def trigger_of(table: ColumnTable) -> tuple[Flags | None, list[Finding]]:
             remedy=remedy,
             code=Code.TRIGGER,
         )
-    return flags, found
+    return flags, findings
 
 
 def switched(values: Array) -> Flags | None:

@@ -126,9 +126,9 @@ def ini_text(case: Case, headroom: float, box: bool = True) -> str:
     if case.chain is None:
         joints = [[*case.need_machine(PURPOSE)[1].strut_length / MM, UNBOUND, UNBOUND]] * len(axes)
     diagonals = [
-        (kind, float(np.linalg.norm(velocity[own])), float(np.linalg.norm(acceleration[own])))
-        for kind, own in (("LINEAR", ~layout.turns), ("ANGULAR", layout.turns))
-        if own.any()
+        (kind, float(np.linalg.norm(velocity[of_kind])), float(np.linalg.norm(acceleration[of_kind])))
+        for kind, of_kind in (("LINEAR", ~layout.turns), ("ANGULAR", layout.turns))
+        if of_kind.any()
     ]
     values = {
         "name": case.name,

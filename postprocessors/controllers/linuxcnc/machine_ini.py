@@ -136,8 +136,8 @@ def require_same_machine(file: Path, case: Case, timed: bool) -> None:
     if stated is not None:
         most["MAX_JERK"] = limits.jerk
     for key, values in most.items():
-        own = values / layout.units / np.where(layout.turns, angle, length)
-        for axis, limit in zip(layout.axes, own, strict=True):
+        expected = values / layout.units / np.where(layout.turns, angle, length)
+        for axis, limit in zip(layout.axes, expected, strict=True):
             _require_below(entries, file, f"AXIS_{axis}", key, float(limit))
     if not case.need_controller(PURPOSE).overdriven:
         knob = _number(entries, "DISPLAY", "MAX_FEED_OVERRIDE")
@@ -156,11 +156,11 @@ def _words(jerk: float | None) -> str:
 
 
 def _require_below(entries: Entries, file: Path, section: str, key: str, limit: float) -> None:
-    found = _number(entries, section, key)
-    if found is None:
+    stated = _number(entries, section, key)
+    if stated is None:
         problem, place = f"[{section}]{key} is missing, so that nothing keeps {limit:.6g}", str(file)
-    elif found[0] > limit * (1.0 + SAME):
-        problem, place = f"[{section}]{key} = {found[0]:g} is above limits.motion of the case ({limit:.6g})", found[1]
+    elif stated[0] > limit * (1.0 + SAME):
+        problem, place = f"[{section}]{key} = {stated[0]:g} is above limits.motion of the case ({limit:.6g})", stated[1]
     else:
         return
     raise _contradiction(place, problem, f"set it to {limit:.6g}, or state the machine's own limit in the case")

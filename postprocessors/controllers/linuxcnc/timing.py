@@ -81,11 +81,11 @@ def dwell_problem(log: ControllerLog, reading: Reading, window: tuple[int, int])
         if not phases:
             return f"line {line}: the trigger did not switch here as the program asks; run again"
         for start, end, seconds in phases:
-            taken = (end - start) * log.period
-            if taken < seconds - log.period / 2:
+            dwell_time = (end - start) * log.period
+            if dwell_time < seconds - log.period / 2:
                 return (
-                    f"line {line}: LinuxCNC dwelt {taken:.3f} s instead of {seconds:.3f} s; the computer is too busy, "
-                    "run again"
+                    f"line {line}: LinuxCNC dwelt {dwell_time:.3f} s instead of {seconds:.3f} s; "
+                    "the computer is too busy, run again"
                 )
     return None
 
@@ -134,8 +134,8 @@ def _standstills(
             if len(planned) > len(edges) + 1 and planned[end] == 0.0:
                 planned.pop(end)
         bounds = [first, *map(int, edges), last]
-        shown = len(planned) == len(edges) + 1
-        yield line, list(zip(bounds, bounds[1:], planned, strict=False)) if shown else []
+        complete = len(planned) == len(edges) + 1
+        yield line, list(zip(bounds, bounds[1:], planned, strict=False)) if complete else []
 
 
 def _planned_standstills(reading: Reading, executed: set[int]) -> Iterator[tuple[int, int | None, list[float]]]:

@@ -63,9 +63,9 @@ def embedded(content: bytes, file: str, case: Case) -> Embedded | None:
     header = [line for line in content.decode("utf-8", "replace").splitlines()[1:] if line.startswith("#")]
     text = message.decode("utf-8", "replace") + "\n"
     chain, _ = case.need_chain("a joint trajectory")
-    own = _script(header, text, chain, settings_of(case))
-    if own != content:
-        theirs, ours = content.splitlines(), own.splitlines()
+    script = _script(header, text, chain, settings_of(case))
+    if script != content:
+        theirs, ours = content.splitlines(), script.splitlines()
         line = next((k for k, (a, b) in enumerate(zip(theirs, ours, strict=False)) if a != b), len(ours))
         problem = (
             f"this script is not the one that goes with the case: it was changed, or controller.ros2 was; {remedy}"

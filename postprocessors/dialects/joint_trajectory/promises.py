@@ -83,8 +83,8 @@ def _own_rules(settings: Ros2) -> Iterator[str]:
     if settings.speed_scaling:
         yield "a speed slider below 100 % makes the motion slower than planned"
     if settings.controller_keeps:
-        kept = ", ".join(settings.controller_keeps)
-        yield f"ros2_control enforces {kept} behind {settings.controller}: what it cuts off is not the planned motion"
+        limits = ", ".join(settings.controller_keeps)
+        yield f"ros2_control enforces {limits} behind {settings.controller}: what it cuts off is not the planned motion"
 
 
 def _stopping(settings: Ros2) -> str:

@@ -216,8 +216,8 @@ class _LinuxCncInterpreter(ModalState):
         if self.way is None or not self.active("G61"):
             return
         if way is not None and not np.isnan(self.way).any():
-            own = self.linear if np.any(self.way[self.linear]) and np.any(way[self.linear]) else ~self.linear
-            one, other = self.way[own], way[own]
+            axes = self.linear if np.any(self.way[self.linear]) and np.any(way[self.linear]) else ~self.linear
+            one, other = self.way[axes], way[axes]
             lengths = float(np.linalg.norm(one) * np.linalg.norm(other))
             if lengths > 0.0 and float(one @ other) < _NEARLY_STRAIGHT * lengths:
                 return

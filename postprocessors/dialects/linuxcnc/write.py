@@ -112,14 +112,14 @@ def with_moving_blocks(path: TimedPath) -> TimedPath:
 
 def _apart(poses: Array) -> NDArray[np.bool_]:
     """Which points of a path move from those before them, the ends always, shape (k,)."""
-    kept = [0]
+    rows = [0]
     for k in range(1, len(poses)):
-        if np.any(np.abs(poses[k] - poses[kept[-1]]) > LEAST):
-            kept.append(k)
-    if kept[-1] != len(poses) - 1:
-        kept[-1 if len(kept) > 1 else len(kept) :] = [len(poses) - 1]
+        if np.any(np.abs(poses[k] - poses[rows[-1]]) > LEAST):
+            rows.append(k)
+    if rows[-1] != len(poses) - 1:
+        rows[-1 if len(rows) > 1 else len(rows) :] = [len(poses) - 1]
     mask = np.zeros(len(poses), dtype=bool)
-    mask[kept] = True
+    mask[rows] = True
     return mask
 
 

@@ -44,8 +44,8 @@ def read_setpoints(content: bytes, file: str, case: Case) -> Reading:
         """Raises at the first cell that is not right, of cells that begin in a row and a column."""
         wrong = np.argwhere(~right.reshape(len(right), -1))
         if len(wrong):
-            k, own = wrong[0].tolist()
-            cell = f"{columns[column + own]} = {numbers[row + k, column + own]:.9g}"
+            k, joint = wrong[0].tolist()
+            cell = f"{columns[column + joint]} = {numbers[row + k, column + joint]:.9g}"
             raise ProgramError(
                 file=file, line=first + row + k, problem=f"{cell} {problem}", remedy="correct it", code=Code.SYNTAX
             )

@@ -44,8 +44,8 @@ class _TwinCatWriter(BlockWriter):
         return super().coordinates(pose)
 
     def _as_meant(self, written: Array) -> Array:
-        meant = super()._as_meant(written)
-        return meant * [1, 1, 1, 1, self.settings.angle_sign_b, 1] if isinstance(self.settings, TwinCat) else meant
+        state = super()._as_meant(written)
+        return state * [1, 1, 1, 1, self.settings.angle_sign_b, 1] if isinstance(self.settings, TwinCat) else state
 
     before_checks = ("#CHANNEL INIT [CMDPOS]",)  # V.A.ABS then is the present place
 
