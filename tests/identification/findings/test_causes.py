@@ -36,25 +36,25 @@ def test_all_exchanges_of_pairs_are_tried() -> None:
 
 @pytest.mark.first(1)
 @pytest.mark.parametrize("which", few(75, 0, 30, 74))
-@pytest.mark.parametrize("side", ["struts", "forces"])
+@pytest.mark.parametrize("side", ["drives", "forces"])
 def test_an_exchange_is_named_with_its_residuals_and_columns(side: str, which: int) -> None:
     order, whole = ORDERS[which], run(which)
     mixed = replace(whole, **{side: recorded_in(order, getattr(whole, side))})
     with pytest.raises(IdentificationError, match=r"residuals are (\d\S* times smaller|small) \(") as caught:
         estimate_parameters(mixed, CASE)
     line = one_line(caught.value)
-    assert order_words(order, "struts" if side == "struts" else "force channels", NUMBERS) in line
+    assert order_words(order, "struts" if side == "drives" else "force channels", NUMBERS) in line
     if " or " not in line.split(";")[0]:  # a symmetric machine leaves some to either side
         for k, place in enumerate(order):
             ours, theirs = (
-                (f"l{k + 1}_mm", f"l{place + 1}_mm") if side == "struts" else (f"f{k + 1}_N", f"f{place + 1}_N")
+                (f"l{k + 1}_mm", f"l{place + 1}_mm") if side == "drives" else (f"f{k + 1}_N", f"f{place + 1}_N")
             )
             assert (f'{ours} = "{theirs}"' in line) == (k != place)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("which", range(len(ORDERS)))
-@pytest.mark.parametrize("side", ["struts", "forces"])
+@pytest.mark.parametrize("side", ["drives", "forces"])
 def test_every_exchange_is_named(side: str, which: int) -> None:
     test_an_exchange_is_named_with_its_residuals_and_columns(side, which)
 
