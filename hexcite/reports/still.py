@@ -4,6 +4,7 @@ Matplotlib draws it, as wide as a sheet of paper, so that words on it have their
 """
 
 import io
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -73,7 +74,11 @@ def _svg(figure: Figure) -> str:
     canvas: Any = FigureCanvasSVG(figure)  # its functions state no types
     with mpl.rc_context(STYLE):  # savefig would draw everything twice, to lay it out first: drawing does so by itself
         canvas.print_svg(text, metadata={"Date": None})
-    return legible(text.getvalue())
+    return legible(_PATH.sub(lambda path: _DIGITS.sub(r"\1", path[0]), text.getvalue()))
+
+
+_PATH = re.compile(r' d="[^"]*"')
+_DIGITS = re.compile(r"(\.\d\d)\d+")  # a hundredth of a point is finer than any printer's dot
 
 
 def _plain(text: str) -> str:

@@ -21,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import stdtrit
 
+from cases.base.phrases import phrase
 from cases.base.units import Array
 from identification.estimation.fit import Robust
 from identification.estimation.force_noise import LEAST_SAMPLES, Turned, autoregressive, memories
@@ -165,10 +166,12 @@ def _too_short(noises: Sequence[Parts], each: Sequence[Array]) -> tuple[Finding,
     share = float(np.mean(np.sum(slowest, axis=0) / total))
     if share < TOO_SHORT:
         return ()
-    sentence = (
-        f"the run is short for what its noise remembers: {100.0 * share:.0f} % of the variance is of noise that lasts "
-        "for a quarter of the run or longer, of which the run shows little, so that +- may be up to 1.5 times too "
-        "small; record several times as long, or find what drifts"
+    sentence = phrase(
+        "slow_noise",
+        "the run is short for what its noise remembers: {share} % of the variance is of noise that lasts for a quarter "
+        "of the run or longer, of which the run shows little, so that +- may be up to 1.5 times too small; record "
+        "several times as long, or find what drifts",
+        share=f"{100.0 * share:.0f}",
     )
     return (note(Kind.NOISE, sentence, slow_noise=share),)
 
