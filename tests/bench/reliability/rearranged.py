@@ -119,7 +119,7 @@ def written(seed: int) -> Written:
 
     columns: list[tuple[str, str, list[str]]] = []  # name, unit, fields
     for names, values, units, role in (
-        (STRUT_NAMES, run.drives, LENGTH_UNITS, "struts"),
+        (STRUT_NAMES, run.struts, LENGTH_UNITS, "struts"),
         (FORCE_NAMES, run.forces, FORCE_UNITS, "forces"),
     ):
         name = draw.choice(names if draw.random() < 0.9 else OF_NO_KNOWN_NAME)
@@ -152,7 +152,7 @@ def written(seed: int) -> Written:
     for extra in draw.sample(["Temperature", "SetPos1", "counter", "comment"], draw.randint(0, 2)):
         fields = {
             "Temperature": [number(20.0 + 1e-3 * k) for k in range(len(run.t))],
-            "SetPos1": [number(v) for v in run.drives[:, 0] + 0.1],
+            "SetPos1": [number(v) for v in run.struts[:, 0] + 0.1],
             "counter": [str(k) for k in range(len(run.t))],
             "comment": ["ok"] * len(run.t),
         }[extra]
