@@ -14,7 +14,7 @@ from tests.helpers import one_line
 from tests.identification.recording.formats.runs import HEXAPOD, Truth, case_with, csv, written
 
 RUN = Truth()
-NTNU = Path(__file__).parents[4] / "shared/data/ft_wrist_ntnu"
+NTNU = Path(__file__).parents[5] / "shared/data/ft_wrist_ntnu"
 WRIST = load_case("ft_wrist")
 EPOCH = 1_708_857_503_931_759
 real = pytest.mark.skipif(not NTNU.is_dir(), reason=f"the recordings are not there: {NTNU}")
