@@ -170,6 +170,14 @@ FINDINGS = {
     "suspected": "Die Residuen folgen vielleicht {follow}, wie bei {cause} (ein guter Lauf von {runs} sieht so aus, "
     "denn {tried} solche Dinge werden versucht). Die Abweichungen enthalten es: Die von {name} ist {times}-mal die "
     "durch Rauschen allein; ein zweiter Lauf sagt, was es ist",
+    "tolerances_too_small": "Die Maschine kann in ihren Toleranzen nicht sein, wie der Fall sagt: Was der Lauf von "
+    "{keys} zeigt, ist etwa {times}-mal so groß wie angegeben (von Maschinen, die wie angegeben sind, {rare} so viel), "
+    "und von {tried} Maßen ragt keines heraus. Größere angeben, oder die Maschine vermessen",
+    "part_off_tolerance": "Die Maschine kann in ihren Toleranzen nicht sein, wie der Fall sagt: {words}, und "
+    "tolerances.{key} gibt {stated} an ({deviations} Abweichungen von beiden; von Maschinen, die wie angegeben sind, "
+    "mit {tried} solchen Maßen, {rare} so viel). Dieses Teil vermessen, oder angeben, was davon stimmt",
+    "shown_by_one": "zeigt eine von {runs}",
+    "shown_by_fewer": "zeigt weniger als eine von {runs}",
     "odd_clock": "Zeitstempel liegen {step} ms auseinander, {share} % neben {usual} ms, und Beschleunigungen gehen "
     "mit dem Quadrat der Zeit; ± enthält es. Hat die Uhr des Rekorders {usual} ms: recording.clock.period_ms = "
     "{usual}",

@@ -17,12 +17,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 from scipy.spatial.transform import Rotation
-from scipy.special import chdtrc
 
+from cases.base.phrases import Phrase, enumerated, phrase
 from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.alternatives import noise_of
+from identification.estimation.small_sample import Noise
 from identification.finding import Finding, Kind, note, warning
+from identification.findings.contradiction import UNLIKELY, Part, chance_of_all, times_stated, worst_part
 from identification.findings.drift import drift_of
 from identification.findings.left_out import LeftOut
 from identification.findings.off_case import SHOWABLE, Size, remedies_of, remedy_of, sizes_named
@@ -35,9 +37,7 @@ FAINT = 0.02  # of the noise of a score, as variance: below it nothing is told i
 WORTH = 0.95  # of a deviation by least squares alone, to which estimated sizes have to lower one
 SETTLED = 0.1  # of a deviation, by which another round still moves a parameter
 CLEAR = 3.0  # deviations by which a size differs from the case: it is said
-IMPOSSIBLE = 4.0  # deviations of what can be told of a size, beyond which the case cannot be right at its tolerance
 TELLING = 0.5  # of what is tolerated, to which the run has to tell a size for its value to be given
-UNLIKELY = 1e-4  # chance of all that the residuals tell of tolerated sizes, below which tolerances are understated
 
 
 class LeftOpen(NamedTuple):
@@ -114,8 +114,8 @@ class Told(NamedTuple):
     noise: Array  # what noise makes of the estimates, shape (k, k), and
     white: Array  # what scores make of them, K, shape (k, scores): white noise is the same in each of these
     through: Array  # what the sizes make of the scores, G, shape (scores, k)
-    of_scores: Array  # covariance of the scores by noise as residuals show it, shape (scores, scores)
-    chance: float  # probability of so much or more in the residuals by noise and tolerances as stated
+    scores: Array  # of a machine with these sizes, shape (scores,)
+    of_scores: Noise  # what noise makes of them, as residuals show it
     before: Array  # covariance of the values of the fit without tolerances, shape (v, v)
 
     @property
@@ -134,12 +134,21 @@ class Told(NamedTuple):
         """By how many deviations of what can be told of a size it is off, shape (k,)."""
         return np.asarray(self.sizes / np.sqrt(np.maximum(1.0 - np.diag(self.covariance), FAINT)))
 
+    @property
+    def worst(self) -> Part:
+        """The size that speaks most against the case."""
+        return worst_part(self.scores, self.through, self.of_scores)
+
+    @property
+    def chance(self) -> float:
+        """Probability of all that the scores show, or more, by noise and tolerances as stated."""
+        return chance_of_all(self.scores, self.through, self.of_scores)
+
     def worth(self, own: int) -> bool:
         """Whether they lower the deviation of one of so many parameters, or one of them is off."""
         plain = np.diag(self.before + self.biases @ self.biases.T)[:own]
         joint = np.diag(self.before + self.biases @ self.covariance @ self.biases.T)[:own]
-        surprised = np.any(np.abs(self.surprises) > IMPOSSIBLE) or self.chance < UNLIKELY
-        return worth_estimating(plain, joint) or bool(surprised)
+        return worth_estimating(plain, joint) or self.chance < UNLIKELY or self.worst.chance < UNLIKELY
 
     @property
     def by_key(self) -> dict[str, Array]:
@@ -165,7 +174,7 @@ class Told(NamedTuple):
             {share.key: share.biases.shape[1] for share in self.shares},
             self.white,
             self.through,
-            self.of_scores,
+            self.of_scores.covariance,
             fitted.fit.white_noise**2 / fitted.regression.filtered.stride,
             self.biases[parameters] @ self.white,
         )
@@ -237,9 +246,9 @@ def told_by(fitted: Fitted, case: Case, sizes: Array | None = None) -> Told | No
     through = (vectors[:, significant] * strength).T  # G, of scores in an orthonormal basis
     scored = left @ (vectors[:, significant] / strength)
     scores = np.tensordot(scored, rest.residuals, both)
-    noise = noise_of(scored, rest, rest.residuals - scored @ scores).covariance
+    noise = noise_of(scored, rest, rest.residuals - scored @ scores)
     now = np.zeros(left.shape[2]) if sizes is None else sizes
-    factor = cho_factor(through @ through.T + noise)
+    factor = cho_factor(through @ through.T + noise.covariance)
     gain = cho_solve(factor, through).T
     news = scores + through @ now
     step = gain @ news - now
@@ -253,11 +262,11 @@ def told_by(fitted: Fitted, case: Case, sizes: Array | None = None) -> Told | No
         step,
         stays,
         stays,
-        gain @ noise @ gain.T,
+        gain @ noise.covariance @ gain.T,
         gain,
         through,
+        news,
         noise,
-        float(chdtrc(len(news), float(news @ cho_solve(factor, news)))),
         np.maximum(fitted.fit.covariance, fitted.fit.covariance_robust),
     )
 
@@ -311,20 +320,52 @@ def findings_of(told: Told, case: Case, fitted: Fitted) -> list[Finding]:
         sentence = f"the run tells that {words}: estimated and allowed for; "
         told_of = note(Kind.CASE, sentence + remedy_of(case, first, {key: by_key[key]}))
         findings.append(replace(told_of, remedies=remedies_of(words, case, first, {key: by_key[key]})))
-    return findings + _impossible(told, named)
+    return findings + _contradictions(told, named)
 
 
-def _impossible(told: Told, named: list[Size]) -> list[Finding]:
-    """What cannot be right at its tolerance."""
-    worst = int(np.argmax(np.abs(told.surprises)))
-    size, surprise = named[worst], abs(float(told.surprises[worst]))
-    if surprise <= IMPOSSIBLE and told.chance >= UNLIKELY:
+def _contradictions(told: Told, named: list[Size]) -> list[Finding]:
+    """What cannot be right at its tolerance: a part that stands out, or all that is stated together."""
+    part, chance = told.worst, told.chance
+    if min(part.chance, chance) >= UNLIKELY:
         return []
-    unit = told.stated[worst] / size.unit
-    amount = with_deviation(float(told.sizes[worst] * unit), float(np.sqrt(told.covariance[worst, worst]) * unit))
-    words = size.words.format(f"{amount} {size.symbol}")
-    sentence = (
-        f"the case cannot be right at its tolerances: {words}, where tolerances.{size.key} states {unit:.3g} "
-        f"({surprise:.2g} deviations of what this run can tell of it). Measure that part, or state what is true of it"
+    size, count = named[part.place], len(named)
+    entry: dict[str, Any] = {"chance": chance, "tried": count}
+    if part.chance >= UNLIKELY:
+        times = times_stated(told.scores, told.through, told.of_scores)
+        sentence = phrase(
+            "tolerances_too_small",
+            "the case cannot be right at its tolerances: what the run shows of {keys} is about {times} times as large "
+            "as stated (of machines that are as stated {rare} so much), and of {tried} sizes none stands out. State "
+            "larger ones, or measure the machine",
+            keys=enumerated("comma", [f"tolerances.{share.key}" for share in told.shares]),
+            times=f"{times:.2g}",
+            rare=_rare(chance),
+            tried=count,
+        )
+        return [warning(Kind.CASE, sentence, impossible=entry | {"times": times})]
+    unit = told.stated[part.place] / size.unit
+    sentence = phrase(
+        "part_off_tolerance",
+        "the case cannot be right at its tolerances: {words}, where tolerances.{key} states {stated} ({deviations} "
+        "deviations of both; of machines that are as stated, with {tried} such sizes, {rare} so much). Measure that "
+        "part, or state what is true of it",
+        words=size.words.format(f"{with_deviation(part.size * unit, part.std * unit)} {size.symbol}"),
+        key=size.key,
+        stated=f"{unit:.3g}",
+        deviations=f"{part.deviations:.2g}",
+        tried=count,
+        rare=_rare(part.chance),
     )
-    return [warning(Kind.CASE, sentence, impossible={"key": size.key, "deviations": surprise, "chance": told.chance})]
+    value, std = part.size * told.stated[part.place], part.std * told.stated[part.place]
+    entry |= {"key": size.key, "deviations": part.deviations, "chance": part.chance, "value": value, "std": std}
+    return [warning(Kind.CASE, sentence, impossible=entry)]
+
+
+def _rare(chance: float) -> Phrase:
+    """How many sound machines show something that has a chance."""
+    if chance < RAREST:
+        return phrase("shown_by_fewer", "fewer than one in {runs} shows", runs=f"{1.0 / RAREST:.0f}")
+    return phrase("shown_by_one", "one in {runs} shows", runs=f"{1.0 / chance:.0f}")
+
+
+RAREST = 1e-6  # chance below which its figure says nothing more to a reader

@@ -79,7 +79,10 @@ def test_a_case_that_cannot_be_right_at_its_tolerance_names_the_part() -> None:
     assert any(
         tells(text, "cannot be right", "sensor is turned", "about its z", "sensor_deg") for text in estimate.warnings
     )
-    assert estimate.quantities["impossible"]["key"] == "sensor_deg"
+    entry = estimate.quantities["impossible"]
+    assert (entry["key"], entry["tried"]) == ("sensor_deg", 3)
+    assert abs(entry["value"] - TURN[2] * DEG) < 3.5 * np.hypot(entry["std"], 0.1 * DEG) < TURN[2] * DEG
+    assert entry["chance"] < 1e-3
     assert "impossible" not in turned().quantities
 
 

@@ -1,0 +1,74 @@
+"""A case is doubted where its machine is off by more than stated, and seldom where it is not."""
+
+import numpy as np
+import pytest
+
+from cases.base.units import Array
+from identification.estimation.small_sample import Noise
+from identification.findings.contradiction import UNLIKELY, chance_of_all, parts_of, times_stated, worst_part
+
+SIZES, SCORES = 30, 12
+THROUGH: Array = np.random.default_rng(5).normal(size=(SCORES, SIZES)) * np.geomspace(3.0, 0.05, SCORES)[:, None]
+UNIT = np.eye(SCORES)
+
+
+def known(freedom: float = 1e9, variance: float = 1.0) -> Noise:
+    """White noise whose variance is known by so many residuals."""
+    return Noise(variance * UNIT, (variance * UNIT[None],), (np.array([[2.0 / freedom]]),))
+
+
+def scores(draw: np.random.Generator, times: float = 1.0) -> Array:
+    return np.asarray(THROUGH @ draw.normal(0.0, times, SIZES) + draw.normal(size=SCORES))
+
+
+def test_a_size_by_itself_is_what_generalised_least_squares_make_of_it() -> None:
+    news = scores(np.random.default_rng(1), 3.0)
+    sizes, stds, _ = parts_of(news, THROUGH, UNIT)
+    for k in (0, 17):
+        others = np.delete(THROUGH, k, axis=1)
+        w = np.linalg.inv(others @ others.T + UNIT)
+        strength = float(THROUGH[:, k] @ w @ THROUGH[:, k])
+        assert sizes[k] == pytest.approx(float(THROUGH[:, k] @ w @ news) / strength)
+        assert stds[k] == pytest.approx(strength**-0.5)
+
+
+@pytest.mark.parametrize("freedom", [1e9, 15.0])
+def test_machines_as_stated_are_seldom_accused(freedom: float) -> None:
+    """One of a hundred has a chance of one in a hundred, also where noise is known by few residuals."""
+    draw, alone, together = np.random.default_rng(2), [], []
+    for _ in range(2000):
+        noise = known(freedom, float(draw.chisquare(freedom) / freedom) if freedom < 1e6 else 1.0)
+        news = scores(draw)
+        alone.append(worst_part(news, THROUGH, noise).chance)
+        together.append(chance_of_all(news, THROUGH, noise))
+    for chances in (np.array(alone), np.array(together)):
+        assert np.mean(chances < 0.01) < 0.016
+        assert np.sum(chances < UNLIKELY) <= 7
+    assert np.mean(np.array(together) < 0.01) > 0.006
+
+
+def test_one_part_that_is_far_off_is_named_with_its_size() -> None:
+    draw, size = np.random.default_rng(3), 12.0
+    best = int(np.argmax(np.sum(THROUGH**2, axis=0)))
+    for _ in range(20):
+        part = worst_part(scores(draw) + size * THROUGH[:, best], THROUGH, known())
+        assert part.place == best
+        assert part.chance < UNLIKELY
+        assert abs(part.size - size) < 3.5 * np.hypot(1.0, part.std)
+        assert part.deviations == pytest.approx(abs(part.size) / np.hypot(1.0, part.std))
+
+
+def test_tolerances_that_are_three_times_too_small_show_it_together() -> None:
+    draw = np.random.default_rng(4)
+    news = [scores(draw, 3.0) for _ in range(200)]
+    assert np.mean([chance_of_all(of, THROUGH, known()) < UNLIKELY for of in news]) > 0.8
+    assert np.median([times_stated(of, THROUGH, known()) for of in news]) == pytest.approx(3.0, rel=0.1)
+
+
+def test_a_size_that_no_score_shows_is_never_named() -> None:
+    through = THROUGH.copy()
+    through[:, 4] = 0.0
+    news = scores(np.random.default_rng(6), 9.0)
+    sizes, stds, _ = parts_of(news, through, UNIT)
+    assert (sizes[4], stds[4]) == (0.0, np.inf)
+    assert worst_part(news, through, known()).place != 4
