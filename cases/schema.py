@@ -422,7 +422,7 @@ class Case(Heading):
                 file=f"case {self.name}",
                 key="setup",
                 problem=problem,
-                remedy=f"export {option('to')} c, linuxcnc, st or json",
+                remedy=f"export {option('target', 'to')} c, linuxcnc, st or json",
                 code=Code.OTHER_SOURCE,
             )
         key, of, z = "machine.chain.flange", "the last joint's moved frame, as machine.chain.sensor does {P}", 116.5

@@ -23,7 +23,7 @@ from planner.plans.folder import DIGITS
 from planner.plans.plan import Plan
 from planner.request import Request
 from postprocessors.dialects.dialect import Dialect
-from postprocessors.program import DIALECTS, MOST_PROGRAM, Program, dialect_of_file, read_program
+from postprocessors.program import DIALECTS, MOST_PROGRAM, Program, dialect_of_file, leaving_out, read_program
 from postprocessors.program import dialect as dialect_named
 from postprocessors.reading import Reading, Timed
 from postprocessors.writing import proven_program
@@ -78,7 +78,7 @@ def write(
     )
     accepted = (accept,) if isinstance(accept, str) else accept
     without = plan.without if steps_of(plan.case, language.name) or _follows(plan, language) else ()
-    program = proven_program(plan.motion, plan.case, language, path, header, speed, accepted, without)
+    program = proven_program(plan.motion, plan.case, language, path, (*header, *leaving_out(without)), speed, accepted)
     if ini is not None:
         require_ini(program, plan.case, ini)
     return replace(program, remarks=tuple(plan.stale))
@@ -99,7 +99,7 @@ def _require_law(plan: Plan, dialect_name: str) -> None:
             problem=f"was made for {plan.settings.made_for or 'a controller'}, which does not limit jerk",
             remedy="moves for "
             f"{dialect_name} satisfy the limits of jerk and last longer: plan with "
-            f"{option('for')} {dialect_name}, or re-time "
+            f"{option('controller', 'for')} {dialect_name}, or re-time "
             f"them with hexcite retime {place} -o NEW",
             code=Code.NOT_SUPPORTED,
         )

@@ -7,12 +7,13 @@ the parameters. What speaks against a run is looked for before the estimate (`sa
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from cases.base.errors import Code, IdentificationError, RecordingError, option
+from cases.base.options import default_of, documented
 from cases.base.phrases import phrase
 from cases.base.phrases import said as spoken
 from cases.base.provenance import date_of
@@ -44,6 +45,7 @@ from identification.findings.told import Told, findings_of, told_by
 from identification.findings.tolerances import budget_findings
 from identification.model.blocks import INERTIA, RIGID
 from identification.model.model import Model, full_model, identification_model
+from identification.options import MODEL, PLAN, POSES, AverageStandstills
 from identification.recording.formats.reading import files_of
 from identification.recording.record import RunRecord
 from identification.recording.recording import Recording
@@ -57,15 +59,16 @@ from identification.samples.treatment import Treatment
 from identification.samples.wrist import narrow_run, widest_band, wrist_run
 
 
+@documented()
 def identify(
     recording: Recording,
     case: Case | None = None,
-    model: int | None = None,
+    model: Annotated[int | None, MODEL] = None,
     *,
     how: Method | Callable[[Model], Method] = GAUSS_MARKOV,
-    average_standstills: bool = False,
-    poses: Array | None = None,
-    plan: Planned | Sequence[Planned] | None = None,
+    average_standstills: AverageStandstills = default_of(AverageStandstills),
+    poses: Annotated[Array | None, POSES] = None,
+    plan: Annotated[Planned | Sequence[Planned] | None, PLAN] = None,
     treatment: Treatment | None = None,
 ) -> Result:
     """Parameters with standard deviations from a recorded run.
@@ -77,11 +80,8 @@ def identify(
     Args:
         recording: the run.
         case: case of the machine; the recording's own unless given.
-        model: number in Table 2; by default what the run can carry.
         how: what is known beforehand, and how channels are weighted; or what gives it for a model.
-        average_standstills: average the run's standstills, wherever they are.
-        poses: poses whose standstills the run holds, shape (n, k) [m or rad]; a run of hexcite knows its own.
-        plan: plan of the run, or plans of which one may be that of the run; what was different is a finding.
+        OPTIONS
         treatment: another treatment of a moving run; the result then holds what it changes beside the default.
 
     Raises:
@@ -101,7 +101,8 @@ def identify(
     comparison = None if plan is None else closest(whole, case, plan)
     differences = () if plan is None else as_planned(comparison, plan)
     try:
-        result = _identified(recording, whole, case, model, how, average_standstills, poses, differences, treatment)
+        asked = Asked(model, how, average_standstills, poses, treatment)
+        result = _identified(recording, whole, case, asked, differences)
     except (IdentificationError, RecordingError) as error:
         raise error.beside(sentences(differences, "warning")) from error
     if comparison is None or comparison.share < ANOTHER or result.estimate is None:
@@ -109,62 +110,51 @@ def identify(
     return replace(result, estimate=replace(result.estimate, planned=(comparison.plan.motion, comparison.begins)))
 
 
+class Asked(NamedTuple):
+    """What is asked of a run; fields are arguments of `identify`."""
+
+    model: int | None
+    how: Method | Callable[[Model], Method]
+    average_standstills: bool
+    poses: Array | None
+    treatment: Treatment | None
+
+    def method(self, case: Case, number: int) -> Method:
+        """The method for a model, by its number."""
+        return self.how if isinstance(self.how, Method) else self.how(identification_model(case, number))
+
+
 def _identified(
-    recording: Recording,
-    whole: Recording,
-    case: Case,
-    model: int | None,
-    how: Method | Callable[[Model], Method],
-    average_standstills: bool,
-    poses: Array | None,
-    differences: tuple[Finding, ...],
-    treatment: Treatment | None,
+    recording: Recording, whole: Recording, case: Case, asked: Asked, differences: tuple[Finding, ...]
 ) -> Result:
     """`identify` of a recording that is on one clock, `whole`, with its differences from a plan."""
     try:
-        run, standing = standing_of(whole, case, poses, average_standstills)
+        run, standing = standing_of(whole, case, asked.poses, asked.average_standstills)
     except (IdentificationError, RecordingError) as error:
         if not error.doubtful:
             raise
         raise _explained(error, _cause_of_standstills(whole, case)).at(recording.source) from error
-    number = default_model(run, case) if model is None else model
+    number = default_model(run, case) if asked.model is None else asked.model
+    method = asked.method(case, number)
     about = recording.record or RunRecord()
-    recorded_case = about.case
-    method = how if isinstance(how, Method) else how(identification_model(case, number))
     try:
-        estimate = estimate_parameters(run, case, number, method, treatment)
+        estimate = estimate_parameters(run, case, number, method, asked.treatment)
     except (IdentificationError, RecordingError) as error:
-        if recorded_case not in (None, case.name):
+        if about.case not in (None, case.name):
             raise IdentificationError(
-                problem=f"{error.message}; it was recorded with the case {recorded_case}, not {case.name}",
+                problem=f"{error.message}; it was recorded with the case {about.case}, not {case.name}",
                 code=Code.OTHER_SOURCE,
             ) from error
         raise
-    changed = changed_cases(recording.remarks)
-    changes = changes_since(about.to_json(), recording_basis(case), case.hash)
-    if recorded_case not in (None, case.name) and changes:
-        sentence = f"it was recorded with the case {recorded_case}, not {case.name}: {changes[0]}"
-        sentence += f" ({len(changes) - 1} more)" if len(changes) > 1 else ""
-        changed += (warning(Kind.CASE, f"{sentence}; leave --case out"),)
-    estimate = replace(estimate, findings=(*changed, *differences, *estimate.findings))
-    seconds = None if about.executed is None else about.executed.executed_s  # the time that it took
-    if seconds is None and run.t is not None:
-        seconds = estimate.samples.recorded_count * float(np.median(np.diff(run.t)))  # stamps of a host jitter
-    files = files_of(run.paths)
-    stated = stated_noise(estimate.samples, estimate.fit, case)
-    noise = {
-        "measured": noise_of_channels(estimate.samples, estimate.fit).tolist(),
-        "stated": None if stated is None else stated.tolist(),
-        "evaluated": np.sqrt(np.mean(estimate.fit.residuals**2, axis=0)).tolist(),
-    }
-    effect = None if treatment is None else _effect(run, case, estimate, method, treatment)
+    estimate = replace(estimate, findings=(*_changes_of_case(recording, case), *differences, *estimate.findings))
+    files, treatment = files_of(run.paths), asked.treatment
     optional = {
-        "treatment": effect,
+        "treatment": None if treatment is None else _effect(run, case, estimate, method, treatment),
         "stale": recording.remarks or None,
         "run": None if run.record is None else run.record.origin,
         "standstills": standing,
         "recorded_at": date_of(files) if files else None,
-        "channel_noise": noise,
+        "channel_noise": _channel_noise(estimate, case),
     }
     record = entries_of(
         estimate,
@@ -172,10 +162,41 @@ def _identified(
         computed_from=result_basis(case),
         case_file=case.origin,
         plan_hash=about.origin.plan_hash,
-        measuring_s=seconds,
+        measuring_s=_measuring_time(about, run, estimate),
         **{key: entry for key, entry in optional.items() if entry is not None},
     )
     return Result(case, record, estimate).beside_physical()
+
+
+def _changes_of_case(recording: Recording, case: Case) -> tuple[Finding, ...]:
+    """What of the case has changed since the run, and what the case that it was recorded with states otherwise."""
+    about = recording.record or RunRecord()
+    changed = changed_cases(recording.remarks)
+    changes = changes_since(about.to_json(), recording_basis(case), case.hash)
+    if about.case in (None, case.name) or not changes:
+        return changed
+    sentence = f"it was recorded with the case {about.case}, not {case.name}: {changes[0]}"
+    sentence += f" ({len(changes) - 1} more)" if len(changes) > 1 else ""
+    return (*changed, warning(Kind.CASE, f"{sentence}; leave --case out"))
+
+
+def _measuring_time(about: RunRecord, run: Recording, estimate: Estimate) -> float | None:
+    """How long the run took [s]; None of standstills without a clock."""
+    if about.executed is not None:
+        return about.executed.executed_s
+    if run.t is None:
+        return None
+    return estimate.samples.recorded_count * float(np.median(np.diff(run.t)))  # stamps of a host jitter
+
+
+def _channel_noise(estimate: Estimate, case: Case) -> dict[str, Any]:
+    """Noise of each channel, as entries of a result: measured, stated by the case, and rms of the residuals."""
+    stated = stated_noise(estimate.samples, estimate.fit, case)
+    return {
+        "measured": noise_of_channels(estimate.samples, estimate.fit).tolist(),
+        "stated": None if stated is None else stated.tolist(),
+        "evaluated": np.sqrt(np.mean(estimate.fit.residuals**2, axis=0)).tolist(),
+    }
 
 
 def default_model(recording: Recording, case: Case) -> int:
@@ -210,7 +231,7 @@ def standing_of(
         raise RecordingError(
             place=recording.source,
             problem="its rows are averaged already",
-            remedy=f"leave {option('poses')} and {option('standstills')} out",
+            remedy=f"leave {option('poses')} and {option('average_standstills', 'standstills')} out",
             code=Code.CONTRADICTION,
         )
     if expected is None and not asked and not stands_only(recording):

@@ -8,18 +8,20 @@ standard error over the blocks (Hastie, Tibshirani & Friedman 2009, section 7.10
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from cases.base.errors import Code, HexciteError, IdentificationError, RecordingError
+from cases.base.options import default_of, documented
 from cases.base.units import Array, as_html
 from cases.schema import Case
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Value, column_scale, triangle
 from identification.identify import FittedRun, default_model, evaluated_samples, fitted_run, refined, standing_of
 from identification.model.model import Model
+from identification.options import POSES, AverageStandstills
 from identification.recording.recording import Recording
 from identification.results.estimate import estimate_of
 from identification.results.identifiability import models_of
@@ -137,17 +139,24 @@ def table_3(entries: Mapping[str, Any]) -> list[tuple[str, ...]]:
     return rows
 
 
+@documented()
 def identify_models(
     recording: Recording,
     case: Case | None = None,
     *,
     how: Method | Callable[[Model], Method] = GAUSS_MARKOV,
-    average_standstills: bool = False,
-    poses: Array | None = None,
+    average_standstills: AverageStandstills = default_of(AverageStandstills),
+    poses: Annotated[Array | None, POSES] = None,
 ) -> ModelChoice:
     """All models that a run can carry, with s0 and parameters each (Table 3), and the one that predicts best.
 
-    Arguments are those of `identify`; findings are not looked for: `identify` the model that is preferred.
+    Findings are not looked for: `identify` the model that is preferred.
+
+    Args:
+        recording: the run.
+        case: case of the machine; the recording's own unless given.
+        how: what is known beforehand, and how channels are weighted; or what gives it for a model.
+        OPTIONS
 
     Raises:
         IdentificationError: the run determines the parameters of no model.

@@ -100,7 +100,8 @@ def _require_usable(result: "Result", case: Case, payload: int, standing: bool) 
         raise FileProblem(
             place=source,
             problem=f"was identified with {fixed[0]} known, which is not what its run told",
-            remedy=f"identify without {option('fix')}, {option('drop')} and {option('prior')}",
+            remedy=f"identify without {option('known', 'fix')}, {option('dropped', 'drop')} and "
+            f"{option('priors', 'prior')}",
             code=Code.CONTRADICTION,
         )
     weights = () if case.payloads is None else case.payloads.weights[:payload]

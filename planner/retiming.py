@@ -49,7 +49,9 @@ class Method(StrEnum):
     def _missing_(cls, value: object) -> NoReturn:
         """Refuses what is not one of them."""
         raise HexciteError(
-            problem=f"{option('with')} {value!r} is unknown", remedy=choice(str(value), cls), code=Code.UNKNOWN
+            problem=f"{option('method', 'with')} {value!r} is unknown",
+            remedy=choice(str(value), cls),
+            code=Code.UNKNOWN,
         )
 
 
@@ -73,7 +75,7 @@ def retime(plan: Plan, method: Pace = default_of(Pace), without: PaceWithout = d
         motion, step_time = as_fast_as_possible(motion, case, plan.name, without)
     elif without is not None:
         raise HexciteError(
-            problem=f"{option('without')} {without} goes with {option('with')} toppra",
+            problem=f"{option('without')} {without} goes with {option('method', 'with')} toppra",
             remedy="ruckig keeps jerk: leave it out",
             code=Code.CONTRADICTION,
         )
@@ -130,7 +132,7 @@ def as_fast_as_possible(
         raise HexciteError(
             problem=f"limits.motion of case {case.name} states jerk, which toppra cannot limit: re-time "
             f"with {option('without')} jerk if "
-            f"the machine bears steps of acceleration, or with {option('with')} ruckig",
+            f"the machine bears steps of acceleration, or with {option('method', 'with')} ruckig",
             code=Code.NOT_SUPPORTED,
         )
     without_jerk = case.without_jerk()

@@ -17,7 +17,7 @@ from identification.texts import bounds_text
 from postprocessors.blocks import Block, Blocks, TimedPath, ToHome, Trigger, timed_path
 from postprocessors.dialects.block_writer import LEAST_WAY
 from postprocessors.dialects.dialect import Dialect
-from postprocessors.program import Program, leaving_out, left_out
+from postprocessors.program import Program, left_out
 from postprocessors.proof.guarantees import Guarantees
 from postprocessors.proof.proof import ProgramProof, override_remarks, prove_program, remarks
 from postprocessors.reading import Reading, Stretch, Timed, Untimed
@@ -34,7 +34,6 @@ def proven_program(
     header: tuple[str, ...],
     speed: float = 1.0,
     accepted: Collection[str] = (),
-    without: Collection[str] = (),
 ) -> Program:
     """Writes a program and proves what it wrote.
 
@@ -42,10 +41,9 @@ def proven_program(
         trajectory: the excitation, from rest to rest.
         case: machine, limits, controller.
         file: name of the program.
-        header: comment lines; the proven limits are added to them.
+        header: comment lines, those of `leaving_out` too, which the proof reads there; the proven limits are added.
         speed: share of the planned speed, above 0 and at most 1.
         accepted: families of limits that may stay without enforcement.
-        without: families of limits that the plan leaves out; the header says so, and the proof reads it there.
 
     Raises:
         ProgramError: the text, as read back, is not the planned motion, exceeds a limit, or relies on one that nobody
@@ -53,7 +51,6 @@ def proven_program(
         CaseError: the case has no machine or no controller.
     """
     path = Path(file)
-    header = (*header, *leaving_out(without))
     resolution = dialect.guarantees(Reading(file=str(path), stretches=(), blocks=0), case).resolution
     program = _without_nothing(dialect.prepare(excitation_program(trajectory, case, speed), case), resolution, case)
     text = dialect.form(dialect.write((*header, *program), case), path.suffix.lower(), case)

@@ -199,13 +199,18 @@ def _shown(text: str) -> str:
 
 
 # Noncharacters of Unicode, which no text may hold, around the name of an option and around words of the command line.
-_OPTION = re.compile("\ufdd0([^\ufdd0-\ufdd3]*)\ufdd1")
-_TYPED_ONLY = re.compile("\ufdd2([^\ufdd0-\ufdd3]*)\ufdd3")
+_OPTION = re.compile("\ufdd0([^\ufdd0-\ufdd4]*)\ufdd4([^\ufdd0-\ufdd4]*)\ufdd1")
+_TYPED_ONLY = re.compile("\ufdd2([^\ufdd0-\ufdd4]*)\ufdd3")
 
 
-def option(name: str) -> str:
-    """The name of an option in the text of an error: `--time-limit` on the command line, `time_limit` in Python."""
-    return f"\ufdd0{name}\ufdd1"
+def option(name: str, typed: str = "") -> str:
+    """The name of an option in the text of an error: `--time-limit` on the command line, `time_limit` in Python.
+
+    Args:
+        name: of the argument in Python.
+        typed: name on the command line, without dashes, where that is another.
+    """
+    return f"\ufdd0{name}\ufdd4{typed or name.replace('_', '-')}\ufdd1"
 
 
 WITH_OUTPUT = "\ufdd2 with -o\ufdd3"
@@ -214,7 +219,7 @@ WITH_OUTPUT = "\ufdd2 with -o\ufdd3"
 
 def as_typed(text: str) -> str:
     """A text with options as they are typed on the command line."""
-    return _TYPED_ONLY.sub(r"\1", _OPTION.sub(lambda m: "--" + m[1].replace("_", "-"), text))
+    return _TYPED_ONLY.sub(r"\1", _OPTION.sub(r"--\2", text))
 
 
 def in_python(text: str) -> str:
@@ -315,7 +320,7 @@ class NotProven(ProgramError):
 
     def __init__(self, *, file: Path | str, violations: Sequence[Violation], remedy: str) -> None:
         worst, more = violations[0], len(violations) - 1
-        others = f" ({more} more: {option('all')} of post and check shows them)" if more else ""
+        others = f" ({more} more: {option('violations', 'all')} shows them)" if more else ""
         super().__init__(
             file=file, line=worst.line, problem=worst.sentence, remedy=f"{remedy}{others}", code=Code.NOT_PROVEN
         )

@@ -7,7 +7,7 @@ their options (`hexcite/cli/declared.py`), and signatures that show the default 
 
 import inspect
 from collections.abc import Callable
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import MISSING, dataclass, fields, is_dataclass
 from textwrap import wrap
 from typing import Annotated, Any, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
 
@@ -25,6 +25,7 @@ class Option:
         flag: name on the command line, where that is another.
         written: how the command line writes it, where that is not a value of its type.
         read_as: type that the command line reads then.
+        in_python: what its value is in Python beside its type, such as shape and unit.
     """
 
     meaning: str
@@ -33,6 +34,7 @@ class Option:
     flag: str = ""
     written: str = ""
     read_as: Any = None
+    in_python: str = ""
 
 
 class Declared(NamedTuple):
@@ -56,7 +58,8 @@ class Declared(NamedTuple):
 
 def options_of(declaration: type) -> tuple[Declared, ...]:
     """The options that a typed dictionary of arguments, or a dataclass, declares."""
-    own = {field.name: field.default for field in fields(declaration)} if is_dataclass(declaration) else {}
+    stated = fields(declaration) if is_dataclass(declaration) else ()
+    own = {field.name: field.default for field in stated if field.default is not MISSING}
     hints = get_type_hints(declaration, include_extras=True).items()
     declared = [(name, *get_args(hint)[:2]) for name, hint in hints if get_origin(hint) is Annotated]
     return tuple(Declared(name, kind, own.get(name, said.default), said) for name, kind, said in declared)
@@ -75,14 +78,16 @@ T = TypeVar("T", bound=Callable[..., object])
 def documented(*declarations: type) -> Callable[[T], T]:
     """A function or dataclass whose docstring has a line for each option in place of the line `OPTIONS`.
 
-    Options are those of the declarations, after a function's own parameters that are annotated as such. Its signature
-    names them with their plain types, also where they are entries of a typed dictionary.
+    Options are those of the declarations, after a function's own parameters that are annotated as such; a dataclass
+    without declarations shows its own fields. Its signature names them with their plain types, also where they are
+    entries of a typed dictionary.
     """
     declared = [each for declaration in declarations for each in options_of(declaration)]
 
     def with_options(thing: T) -> T:
         lines = inspect.cleandoc(thing.__doc__ or "").splitlines()
-        shown = declared if isinstance(thing, type) else [*_own_options(thing), *declared]
+        own_options = () if isinstance(thing, type) else _own_options(thing)
+        shown = [*own_options, *(declared or (options_of(thing) if isinstance(thing, type) else ()))]
         texts = [line for each in shown for line in _lines(each)]
         thing.__doc__ = "\n".join(new for line in lines for new in (texts if line.strip() == "OPTIONS" else [line]))
         function: Any = thing.__init__ if isinstance(thing, type) else thing  # type: ignore[misc]
@@ -111,6 +116,9 @@ def _own_options(function: Callable[..., object]) -> list[Declared]:
 
 def _lines(declared: Declared) -> list[str]:
     """An option among the arguments of a docstring."""
-    usual = "" if declared.default in (None, {}, (), False) else f" By default {declared.default}."
-    text = f"{declared.name}: {in_python(declared.option.meaning)}{usual}"
+    said = declared.option
+    unsaid: tuple[Any, ...] = (None, {}, (), False, inspect.Parameter.empty)
+    usual = "" if declared.default in unsaid else f"By default {declared.default}."
+    parts = (f"{declared.name}: {in_python(said.meaning)}", said.in_python, usual)
+    text = " ".join(part for part in parts if part)
     return wrap(text, 112, initial_indent=" " * 4, subsequent_indent=" " * 8)

@@ -29,13 +29,6 @@ OwnCase = Annotated[
 Stale = Annotated[
     bool, typer.Option("--stale", help="Go on although the case has changed since; what is written says so.")
 ]
-InFrame = Annotated[
-    str | None,
-    typer.Option(
-        "--frame",
-        help="State it in the frame of the sensor, the robot's flange or tool (TCP), or along the axes of the base.",
-    ),
-]
 
 
 def option(text: str, *names: str) -> Any:

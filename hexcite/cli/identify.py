@@ -12,31 +12,35 @@ import typer
 import hexcite as hx
 from cases.base.errors import Code, IdentificationError, RecordingError, printable
 from cases.base.folder_kinds import RESULT
-from cases.base.options import Option
+from cases.base.options import Option, default_of
 from cases.base.output_places import check_file, check_folder, output_place
 from cases.editing import Change
 from hexcite.cli import console
 from hexcite.cli.cases import toml_shown
 from hexcite.cli.console import argument, option, out
 from hexcite.cli.declared import takes
-from identification.options import TreatmentOptions
+from identification.options import (
+    MODEL,
+    PLAN,
+    POSES,
+    PRIORS,
+    AverageStandstills,
+    Dropped,
+    Known,
+    LoadFrame,
+    TreatmentOptions,
+    Weights,
+)
 from identification.texts import aligned, carries_rods, value_cells
 
 
 class MethodOptions(TypedDict, total=False):
-    """What is known beforehand, and how residuals are weighed, as it is written on the command line."""
+    """What is known beforehand, and how residuals are weighed: fields of `Method`, and in their place two words."""
 
-    weights: Annotated[
-        str | None,
-        Option(
-            "W: equal, per_channel or per_unit (from the residuals), full (from their covariance between channels), "
-            "stated (from the noise of forces and accelerations in the case, through the model), huber (per_channel, "
-            "and gross errors count less); by default the case's."
-        ),
-    ]
-    fix: Annotated[list[str] | None, Option("A known value, taken as exact: m=93.1kg, xC=0mm. Repeatable.")]
-    drop: Annotated[list[str] | None, Option("A parameter to leave out, as if it were zero: k3. Repeatable.")]
-    prior: Annotated[list[str] | None, Option("An uncertain value: m=33+-0.5kg. Repeatable.")]
+    weights: Weights
+    known: Known
+    dropped: Dropped
+    priors: Annotated[Sequence[Any], PRIORS]
     symmetric: Annotated[
         bool, Option("A symmetric platform without accessories: xC = yC = 0, I12 = I13 = I23 = 0.", False)
     ]
@@ -60,24 +64,10 @@ def identify(
         ),
     ],
     case: console.OwnCase = None,
-    model: Annotated[
-        str | None,
-        option(
-            "Identification model, 0 to 9, or 10 (3 with inertia); by default what the run can carry. all: every model "
-            "(Table 3), and that one is kept which predicts best what is left out."
-        ),
-    ] = None,
-    plan: Annotated[
-        Path | None,
-        option(
-            "The plan of this run: what was different from it is reported. By default the one that the run names, or "
-            "that lies beside the recording."
-        ),
-    ] = None,
-    poses: Annotated[
-        Path | None, option("Plan of poses: average the run's standstills, which must be those of this plan.")
-    ] = None,
-    standstills: Annotated[bool, option("Average the run's standstills, wherever they are.", "--standstills")] = False,
+    model: Annotated[str | None, MODEL] = None,
+    plan: Annotated[Path | None, PLAN] = None,
+    poses: Annotated[Path | None, POSES] = None,
+    average_standstills: AverageStandstills = default_of(AverageStandstills),
     runs: Annotated[
         bool,
         option(
@@ -86,7 +76,7 @@ def identify(
             "--runs",
         ),
     ] = False,
-    frame: console.InFrame = None,
+    frame: LoadFrame = default_of(LoadFrame),
     verify: Annotated[Path | None, option("Predict this second run with the parameters of the first.")] = None,
     output: Annotated[Path | None, out("Folder to write; RECORDING-result by default, pooled with --runs.")] = None,
     stale: console.Stale = False,
@@ -109,7 +99,7 @@ def identify(
     if verify is not None:
         require_file(files_of([verify])[0])  # before a result is written
     if runs:
-        _require_runs(recordings, model, options["prior"])
+        _require_runs(recordings, model, options["priors"])
     folder = output_place(output, Path("pooled" if runs else f"{recordings[0].resolve().stem}-result"), overwrite)
     check_folder(folder, RESULT, recordings, overwrite)
     with console.remedies(json), console.status("identifying", json):
@@ -138,12 +128,12 @@ def identify(
                     )
             choice = None
             if model == "all":
-                choice = hx.identify_models(run, how=how, average_standstills=standstills, poses=planned)
+                choice = hx.identify_models(run, how=how, average_standstills=average_standstills, poses=planned)
             result = hx.identify(
                 run,
                 model=None if model is None else number_of(model) if choice is None else choice.best,
                 how=how,
-                average_standstills=standstills,
+                average_standstills=average_standstills,
                 poses=planned,
                 plan=plans_at_hand(run) if named is None else named,
                 treatment=treatment,

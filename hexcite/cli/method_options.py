@@ -24,16 +24,16 @@ def method_of(
     model: Model,
     *,
     weights: str | None,
-    fix: Sequence[str] | None,
-    drop: Sequence[str] | None,
-    prior: Sequence[str] | None,
+    known: Sequence[str] | None,
+    dropped: Sequence[str] | None,
+    priors: Sequence[str] | None,
     symmetric: bool,
     estimator: str,
 ) -> Method:
     """The method that a user asks for by the options as typed; HexciteError where one of them is not understood."""
     units = {p.name: p.unit for p in (*model.parameters, *physical_form(model).parameters)}
     constants: dict[str, float] = {}
-    for text in fix or ():
+    for text in known or ():
         typed = read_value(text, units, "--fix", "m=93.1kg", model.number)
         if typed.std is not None:
             raise HexciteError(
@@ -50,8 +50,8 @@ def method_of(
                 code=Code.CONTRADICTION,
             )
         constants[typed.name] = typed.value
-    priors = []
-    for text in prior or ():
+    uncertain = []
+    for text in priors or ():
         typed = read_value(text, units, "--prior", "m=33+-0.5kg", model.number)
         if typed.std is None:
             raise HexciteError(
@@ -60,7 +60,7 @@ def method_of(
                 remedy="write it as --prior m=33+-0.5kg",
                 code=Code.MISSING,
             )
-        priors.append(Prior(typed.name, typed.value, typed.std))
+        uncertain.append(Prior(typed.name, typed.value, typed.std))
     if estimator not in ESTIMATORS:
         raise HexciteError(
             place=f"--estimator {estimator}",
@@ -71,7 +71,7 @@ def method_of(
     nonlinear = estimator == "nonlinear"
     if symmetric:
         platform = symmetric_platform(model, nonlinear)
-        if twice := sorted({*platform} & {*constants, *(drop or ()), *(p.name for p in priors)}):
+        if twice := sorted({*platform} & {*constants, *(dropped or ()), *(p.name for p in uncertain)}):
             raise HexciteError(
                 place="--symmetric",
                 problem=f"says what {twice[0]} is",
@@ -79,7 +79,7 @@ def method_of(
                 code=Code.CONTRADICTION,
             )
         constants |= platform
-    return Method(constants, tuple(drop or ()), tuple(priors), weights, nonlinear)
+    return Method(constants, tuple(dropped or ()), tuple(uncertain), weights, nonlinear)
 
 
 def number_of(text: str) -> int:

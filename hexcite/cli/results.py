@@ -8,15 +8,19 @@ import typer
 import hexcite as hx
 from cases.base.errors import Code
 from cases.base.folder_kinds import RESULT
+from cases.base.options import default_of
 from cases.base.output_places import check_file, check_folder, output_place
 from hexcite.cli import console
 from hexcite.cli.console import argument, option, out
+from hexcite.cli.declared import takes
+from identification.options import LoadFrame
 
 
+@takes()
 def pool(
     results: Annotated[list[Path], argument("Result folders of runs of the same machine with the same load.")],
     case: console.OwnCase = None,
-    frame: console.InFrame = None,
+    frame: LoadFrame = default_of(LoadFrame),
     output: Annotated[Path | None, out("Result folder to write; pooled by default.")] = None,
     stale: console.Stale = False,
     overwrite: console.Overwrite = False,

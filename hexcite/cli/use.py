@@ -8,33 +8,23 @@ import typer
 import hexcite as hx
 from cases.base.atomic import write_text
 from cases.base.folder_kinds import RESULT
+from cases.base.options import default_of
 from cases.base.output_places import check_file, check_folder, output_place
 from cases.base.text_formats import json_text
-from hexcite.cli.console import InFrame, Json, Overwrite, OwnCase, Stale, answered, argument, option, out
+from hexcite.cli.console import Json, Overwrite, OwnCase, Stale, answered, argument, option, out
+from hexcite.cli.declared import takes
+from identification.options import Frame, LoadFrame
+from postprocessors.options import DespiteWarnings, ExportFrame, ExportTarget, PayloadTarget
 
 
+@takes()
 def export(
     result: Annotated[Path, argument("Result folder of hexcite identify or tare.")],
-    to: Annotated[
-        str,
-        option(
-            "The model: c (C99), linuxcnc (HAL component), st (IEC 61131-3), python, json. The load for a robot: "
-            "urscript, kuka, rapid, franka, xarm, kinova, fanuc (to type in), table (others). For ROS 2: ros2, "
-            "ft-tools. As a link: urdf, mjcf, sdf.",
-            "--to",
-        ),
-    ],
+    target: ExportTarget,
     case: OwnCase = None,
-    frame: Annotated[
-        str | None,
-        option(
-            "Count the load, or the wrench of c, linuxcnc, st and python, from the sensor (default), the robot's "
-            "flange (default of table), its tool (TCP), or along the axes of the base; also of urdf, mjcf, sdf.",
-            "--frame",
-        ),
-    ] = None,
+    frame: ExportFrame = default_of(ExportFrame),
     preview: Annotated[bool, option("Print what would be written, and write nothing.", "--preview")] = False,
-    force: Annotated[bool, option("Export a result with warnings; they are written into the file.", "--force")] = False,
+    force: DespiteWarnings = default_of(DespiteWarnings),
     output: Annotated[Path | None, out("File to write; for c a folder.")] = None,
     stale: Stale = False,
     overwrite: Overwrite = False,
@@ -44,12 +34,12 @@ def export(
     identified = hx.Result.load(result, None if case is None else hx.load_case(case), stale)
     warnings = [*identified.warnings, *identified.remarks]
     case_name, model = identified.case.name, identified.model.number
-    answer = {"target": to, "case": case_name, "model": model, "warnings": warnings}
+    answer = {"target": target, "case": case_name, "model": model, "warnings": warnings}
     if preview:
-        texts = dict(hx.preview(identified, to, frame=frame))
+        texts = dict(hx.preview(identified, target, frame=frame))
         answered(answer | {"texts": texts}, json, *(text.rstrip("\n") for text in texts.values()))
         return
-    names = [str(file) for file in hx.export(identified, to, output, frame=frame, force=force, overwrite=overwrite)]
+    names = [str(file) for file in hx.export(identified, target, output, frame=frame, force=force, overwrite=overwrite)]
     warning_lines = (f"warning, also in the file: {warning}" for warning in warnings)
     answer = {"file": names[0], "files": names, **answer}
     answered(answer, json, *warning_lines, f"model {model} of case {case_name} written: {', '.join(names)}")
@@ -58,13 +48,14 @@ def export(
 Parameters = Annotated[Path, option("Result folder of hexcite identify.", "--parameters")]
 
 
+@takes()
 def force(
     recordings: Annotated[
         list[Path], argument("One run: a file, several files of it in any order, or a folder of hexcite run.")
     ],
     parameters: Parameters,
     case: OwnCase = None,
-    frame: InFrame = None,
+    frame: Frame = default_of(Frame),
     output: Annotated[Path | None, out("CSV file to write; RECORDING-force.csv by default.")] = None,
     stale: Stale = False,
     overwrite: Overwrite = False,
@@ -81,7 +72,7 @@ def force(
     inputs = [path for place in recordings for path in (place, *(place.glob("*") if place.is_dir() else ()))]
     check_file(file, [".csv"], inputs, overwrite)
     check_file(page := file.with_suffix(".html"), [".html"], inputs, overwrite)
-    in_frame = frame_named(frame or "sensor")
+    in_frame = frame_named(frame)
     result = hx.force(*_read(recordings, parameters, case, stale), frame=in_frame)
     result.save(file, overwrite)
     hx.report(result, page)
@@ -133,6 +124,7 @@ def tare(
     answered({"result": str(folder), **tared.record.to_json()}, json, f"result written: {folder}", tared)
 
 
+@takes()
 def payload(
     before: Annotated[Path, argument("Result folder without the payload.")],
     after: Annotated[Path, argument("Result folder with it.")],
@@ -141,15 +133,9 @@ def payload(
         option("A value that it should have, with its expanded uncertainty (k = 2): m=19.93+-0.01kg. Repeatable."),
     ] = None,
     case: OwnCase = None,
-    frame: InFrame = None,
-    to: Annotated[
-        str | None,
-        option(
-            "Write it for a robot (urscript, kuka, rapid, franka, xarm, kinova, table) or as a link (urdf, mjcf, sdf).",
-            "--to",
-        ),
-    ] = None,
-    force: Annotated[bool, option("Export it with warnings; they are written into the file.", "--force")] = False,
+    frame: LoadFrame = default_of(LoadFrame),
+    target: PayloadTarget = default_of(PayloadTarget),
+    force: DespiteWarnings = default_of(DespiteWarnings),
     output: Annotated[
         Path | None, out("JSON file to write, with a page beside it; with --to the file of the target.")
     ] = None,
@@ -164,7 +150,7 @@ def payload(
     With --reference: E_n of each, the difference over the root of both squared U (k = 2); exit code 1 where one is
     above 1.
     """
-    if to is None and output is not None:
+    if target is None and output is not None:
         check_file(output, [".json"], [before, after], overwrite)
         check_file(output.with_suffix(".html"), [".html"], [before, after], overwrite)
     old = hx.Result.load(before, None if case is None else hx.load_case(case), stale)
@@ -185,8 +171,8 @@ def payload(
         verdict = verdict_of_references(reference, difference.parameters, old.model.number)
         answer["reference"] = verdict.to_json()
         texts.append(verdict)
-    if to is not None:
-        files = hx.export(difference, to, output, frame=frame, force=force, overwrite=overwrite)
+    if target is not None:
+        files = hx.export(difference, target, output, frame=frame, force=force, overwrite=overwrite)
         answer["file"] = str(files[0])
         texts.append(f"payload written: {files[0]}")
     elif output is not None:

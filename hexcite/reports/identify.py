@@ -17,8 +17,8 @@ from hexcite.reports.identifiability import identifiability_blocks
 from hexcite.reports.page import Block, Head, note, page, section, table, tiles
 from identification.findings.noise_level import noise_of_channels, stated_noise
 from identification.model_choice import figures_of, table_3
+from identification.options import FrameName
 from identification.recording.record import RunOrigin
-from identification.results.frames import FrameName
 from identification.results.result import Result, physical_rows, pooled_rows, scatter_rows, treatment_rows
 from identification.results.verdicts import accept
 from identification.signals import Residuals

@@ -4,15 +4,17 @@ W (24) is 1, stated, or follows from the residuals of each channel in turns with
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from numbers import Real
+from typing import Annotated
 
 import numpy as np
 from scipy.linalg import block_diag
 
 from cases.base.doors import checks_arguments
 from cases.base.errors import Code, IdentificationError, option
+from cases.base.options import Option, documented
 from cases.base.units import Array
 from cases.sensors import Sensors
 from identification.estimation.fit import (
@@ -28,6 +30,7 @@ from identification.estimation.priors import Prior, with_priors
 from identification.finding import Finding, Kind, note
 from identification.model.model import Model, whitening_of
 from identification.model.parameters import Selection, physical_form, require_physical, select, tangent_at
+from identification.options import PRIORS, Dropped, Known, Weights
 
 MOST_STEPS = 50  # of Gauss and Newton for the non-linear form
 STEP = 1e-6  # of a standard deviation of each parameter: a smaller step is the last
@@ -40,20 +43,34 @@ ALIKE = {
 
 
 @checks_arguments
+@documented()
 @dataclass(frozen=True, slots=True)
 class Method:
-    """What is known beforehand, and how channels are weighted; IdentificationError where there are no such weights."""
+    """What is known beforehand, and how channels are weighted.
 
-    known: Mapping[str, float] = field(default_factory=dict)  # exact values by linear or physical name [SI]
-    dropped: tuple[str, ...] = ()  # linear parameters without a column
-    priors: tuple[Prior, ...] = ()
-    # `equal`, `per_channel`, `per_unit` or `stated`, see `cases.sensors`; `full`, from the covariance of the channels'
-    # residuals; `huber`, by which gross errors count less; None for those of the case
-    weights: str | None = None
-    # whether the non-linear form (18) is iterated by its local Jacobian: physical parameters, also central inertia, may
-    # be known then
-    nonlinear: bool = False
-    tangent: Selection | None = None  # that Jacobian, where a fit of it has ended
+    >>> hx.Method(known={"m": 93.1}, weights="per_channel").known
+    {'m': 93.1}
+
+    Args:
+        OPTIONS
+        tangent: local Jacobian of the non-linear form, where a fit of it has ended.
+
+    Raises:
+        IdentificationError: there are no such weights, or choices that do not go together.
+    """
+
+    known: Known = field(default_factory=dict)
+    dropped: Dropped = ()
+    priors: Annotated[tuple[Prior, ...], PRIORS] = ()
+    weights: Weights = None
+    nonlinear: Annotated[
+        bool,
+        Option(
+            "Iterate the non-linear form (18) by its local Jacobian: physical parameters, also central inertia, may be "
+            "known then."
+        ),
+    ] = False
+    tangent: Selection | None = None
 
     def __post_init__(self) -> None:
         if self.weights is not None and self.weights not in ALIKE:
@@ -157,7 +174,7 @@ class Method:
                 return replace(self, tangent=tangent_at(model, at, known | dropped)), (note(Kind.ESTIMATOR, words),)
         raise IdentificationError(
             problem=f"the non-linear form has no minimum within {MOST_STEPS} steps",
-            remedy=f"leave {option('estimator')} out",
+            remedy=f"leave {option('nonlinear', 'estimator')} out",
             code=Code.NO_CONVERGENCE,
         )
 

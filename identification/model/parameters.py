@@ -217,7 +217,7 @@ def _rows(pairs: Sequence[tuple[str, str]], constants: Mapping[str, float], name
                 problem=f"{physical} about the centre of gravity cannot be fixed: the problem is not linear",
                 remedy=f"fix {linear}, "
                 f"about the origin of {{P}}, give it as a prior, or take the non-linear form "
-                f"({option('estimator')} nonlinear)",
+                f"({option('nonlinear', 'estimator nonlinear')})",
                 code=Code.NOT_SUPPORTED,
             )
     return np.array(list(rows.values()))

@@ -13,6 +13,7 @@ import numpy as np
 
 from cases.base.atomic import atomic_file
 from cases.base.errors import Code, IdentificationError
+from cases.base.options import default_of, documented
 from cases.base.output_places import check_file
 from cases.base.units import Array, as_html
 from cases.recording_format import CLOCK, WRENCH
@@ -21,9 +22,10 @@ from identification.finding import Finding, Kind, changed_cases, sentences, warn
 from identification.findings.drift import WARM_UP
 from identification.findings.noise_level import channel_words
 from identification.model.parameters import offset_columns
+from identification.options import Frame
 from identification.recording.recording import Recording
 from identification.results.expected_residuals import used_samples
-from identification.results.frames import FrameName, place_of
+from identification.results.frames import place_of
 from identification.results.result import Result
 from identification.texts import aligned, budget_cells, std_text
 
@@ -141,7 +143,8 @@ def on_clock(t: Array, origin: Fraction) -> list[str]:
     return [f"{'-' * (ns < 0)}{abs(ns) // 10**9}.{abs(ns) % 10**9:09d}" for ns in stamps]
 
 
-def force(recording: Recording, result: Result, whole: bool = True, frame: FrameName = "sensor") -> ExternalForce:
+@documented()
+def force(recording: Recording, result: Result, whole: bool = True, frame: Frame = default_of(Frame)) -> ExternalForce:
     """External force and moment over a recording; of a moving run behind the filter of the case.
 
     Deviations count noise at each instant, what the result's deviations count, and how the tolerances of the case act
@@ -154,8 +157,7 @@ def force(recording: Recording, result: Result, whole: bool = True, frame: Frame
     Args:
         result: identified parameters of the same machine; their delay is compensated.
         whole: whether all samples are evaluated; else only the excitation.
-        frame: "sensor", about the origin of {P} and along its axes; "flange" or "tool" of the robot, about and along
-            its; "base", along the axes of {B} at each instant, about the origin of {P}.
+        OPTIONS
 
     Raises:
         HexciteError: no such frame.

@@ -7,7 +7,7 @@ and what tolerances do are carried over exactly; from there physical values foll
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -23,12 +23,10 @@ from identification.findings.tolerances import UNITS, turns_of
 from identification.machines.of_case import machine_of
 from identification.model.blocks import FIRST_MOMENT, INERTIA, MASS, Block
 from identification.model.model import Model
+from identification.options import FRAMES, FrameName
 from identification.results.estimate import physical_values
 from identification.samples.samples import MotionOfSamples
 from identification.texts import aligned, budget_cells, parameter_lines
-
-FrameName = Literal["sensor", "flange", "tool", "base"]
-FRAMES: tuple[FrameName, ...] = get_args(FrameName)
 
 
 class Place(NamedTuple):

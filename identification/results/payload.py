@@ -18,9 +18,10 @@ from identification.findings.off_case import edited
 from identification.findings.told import LeftOpen, Together
 from identification.model.blocks import FIRST_MOMENT, INERTIA, MASS, Block
 from identification.model.model import Model
+from identification.options import FrameName
 from identification.results.estimate import physical_values
 from identification.results.expected_errors import stated_sizes
-from identification.results.frames import Body, FrameName, mounting_of_both, place_of
+from identification.results.frames import Body, mounting_of_both, place_of
 from identification.results.result import Result
 from identification.texts import parameter_lines
 

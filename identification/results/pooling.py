@@ -123,7 +123,7 @@ def require_alike(results: Sequence[Result]) -> None:
             raise FileProblem(
                 place=result.source,
                 problem=f"counts a prior of {next(iter(result.record.priors))}, which a mean would count again",
-                remedy=f"identify without {option('prior')}",
+                remedy=f"identify without {option('priors', 'prior')}",
                 code=Code.CONTRADICTION,
             )
     for one, other in combinations(results, 2):

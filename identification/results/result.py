@@ -29,8 +29,9 @@ from identification.findings.off_case import edited
 from identification.findings.told import LeftOpen
 from identification.model.model import Model, identification_model
 from identification.model.parameters import INERTIA_INDEX
+from identification.options import FrameName
 from identification.results.estimate import SCHEMA_VERSION, Estimate, ResultEntries, of_version_0_2, physical_values
-from identification.results.frames import Body, FrameName, Mounting, body_alone, mounting_of, place_of, turning_at_home
+from identification.results.frames import Body, Mounting, body_alone, mounting_of, place_of, turning_at_home
 from identification.signals import Residuals
 from identification.texts import (
     aligned,

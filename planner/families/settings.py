@@ -325,7 +325,7 @@ class PointToPoint(MoveOptions, FamilySettings):
                 "can keep it there",
                 remedy=f"plan with {option('without')} jerk if the machine bears steps of acceleration, or "
                 "with "
-                f"{option('for')} virtual, whose motion keeps it on controllers that limit jerk",
+                f"{option('controller', 'for')} virtual, whose motion keeps it on controllers that limit jerk",
                 code=Code.NOT_SUPPORTED,
             )
         if self.without is not None and not steps:
@@ -338,7 +338,7 @@ class PointToPoint(MoveOptions, FamilySettings):
             raise HexciteError(
                 problem=f"{option('without')} {self.without} leaves it out for a controller that does not "
                 "limit it, and none is named",
-                remedy=f"name it ({option('for')} linuxcnc), or leave {option('without')} out",
+                remedy=f"name it ({option('controller', 'for')} linuxcnc), or leave {option('without')} out",
                 code=Code.CONTRADICTION,
             )
 

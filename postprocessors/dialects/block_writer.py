@@ -311,7 +311,7 @@ class BlockWriter(ABC):
             case CircularMove() | TimedPath() if self.own_axes:
                 raise HexciteError(
                     problem=f"{self.name} {self.no_paths}",
-                    remedy=f"plan with {option('family')} ptp",
+                    remedy=f"plan with {option('family PointToPoint', 'family ptp')}",
                     code=Code.NOT_SUPPORTED,
                 )
             case CircularMove():

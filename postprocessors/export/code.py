@@ -17,9 +17,10 @@ from identification.machines.hexapod import Hexapod
 from identification.machines.rotations import rotation, twist, twist_rate
 from identification.machines.serial_chain import SerialChain
 from identification.model.model import Model
+from identification.options import FrameName
 from identification.results.chain_uncertainty import anywhere
 from identification.results.expected_residuals import NOISE
-from identification.results.frames import FrameName, Place, place_of
+from identification.results.frames import Place, place_of
 from identification.results.result import Result
 from postprocessors.export.calibration import number, rendered
 

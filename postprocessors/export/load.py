@@ -11,7 +11,8 @@ from cases.base.units import DEG, MM, Array
 from cases.schema import Case
 from identification.model.blocks import INERTIA
 from identification.model.model import Model
-from identification.results.frames import FrameName, place_of
+from identification.options import FrameName
+from identification.results.frames import place_of
 from identification.results.payload import Payload
 from identification.results.result import Result
 
@@ -51,7 +52,7 @@ def load_of(result: Carried, frame_from_sensor: Array) -> Load:
         raise IdentificationError(
             place=result.source,
             problem=problem,
-            remedy=f"export {option('to')} c, linuxcnc, st or json",
+            remedy=f"export {option('target', 'to')} c, linuxcnc, st or json",
             code=Code.NOT_SUPPORTED,
         )
     rotation, value = frame_from_sensor[:3, :3], possible(result)
@@ -176,7 +177,7 @@ def require_transducer(case: Case, receiver: str) -> str:
             file=f"case {case.name}",
             key="setup",
             problem=problem,
-            remedy=f"export {option('to')} c, linuxcnc, st or json",
+            remedy=f"export {option('target', 'to')} c, linuxcnc, st or json",
             code=Code.NOT_SUPPORTED,
         )
     return "load_on_sensor" if transducer.sign < 0.0 else "sensor_on_load"

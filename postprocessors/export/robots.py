@@ -10,7 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from cases.base.errors import Code, IdentificationError
 from cases.base.units import MM
-from identification.results.frames import FrameName, place_of
+from identification.options import FrameName
+from identification.results.frames import place_of
 from identification.results.payload import Payload
 from postprocessors.export.calibration import comment_lines
 from postprocessors.export.load import (

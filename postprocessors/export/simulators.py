@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from identification.results.frames import FrameName, place_of
+from identification.options import FrameName
+from identification.results.frames import place_of
 from postprocessors.export.calibration import comment_lines
 from postprocessors.export.load import Carried, carried_words, deviations_words, load_in, require_inertia
 

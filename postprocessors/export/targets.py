@@ -7,8 +7,10 @@ from typing import NamedTuple
 from cases.base.atomic import atomic_folder, write_text
 from cases.base.errors import WITH_OUTPUT, Code, FileProblem, HexciteError, choice, option
 from cases.base.folder_kinds import FolderKind
+from cases.base.options import default_of, documented
 from cases.base.output_places import check_file, check_folder, output_place
-from identification.results.frames import FrameName, frame_named
+from identification.options import FrameName
+from identification.results.frames import frame_named
 from identification.results.payload import Payload
 from identification.results.result import Result
 from postprocessors.export import robots, ros2, simulators
@@ -21,6 +23,7 @@ from postprocessors.export.calibration import (
 )
 from postprocessors.export.code import c_sources, linuxcnc_component, python_module, structured_text
 from postprocessors.export.load import Carried
+from postprocessors.options import DespiteWarnings, ExportFrame, ExportTarget
 
 
 class Target(NamedTuple):
@@ -95,13 +98,14 @@ FRAMED = ("c", *(n for n, target in SINGLE_FILES.items() if isinstance(target, C
 TARGETS = ("c", *SINGLE_FILES)
 
 
+@documented()
 def export(
     result: Carried,
-    target: str,
+    target: ExportTarget,
     output: Path | str | None = None,
     *,
-    frame: str | None = None,
-    force: bool = False,
+    frame: ExportFrame = default_of(ExportFrame),
+    force: DespiteWarnings = default_of(DespiteWarnings),
     overwrite: bool = False,
 ) -> list[Path]:
     """Writes the calibrated model, or the load that it found, for a controller or a simulator.
@@ -111,11 +115,8 @@ def export(
 
     Args:
         result: identified parameters, or the payload between two results for a target of `LOADS`.
-        target: one of `TARGETS`.
         output: file, or folder for `c`; by default named after the case, in the current folder.
-        frame: of a link and of the table, the frame that the load is counted in: "sensor" (the default of links),
-            "flange" (that of the table), "tool" or "base"; of a signal chain, that of its wrench.
-        force: whether to export in spite of warnings, which are written into the file.
+        OPTIONS
         overwrite: whether to replace the files of an earlier export.
 
     Returns:
@@ -144,11 +145,18 @@ def export(
     return [file]
 
 
-def preview(result: Carried, target: str, *, frame: str | None = None) -> Mapping[str, str]:
+@documented()
+def preview(
+    result: Carried, target: ExportTarget, *, frame: ExportFrame = default_of(ExportFrame)
+) -> Mapping[str, str]:
     """What `export` would write, warnings or not: the text of each file by its usual name.
 
     >>> list(hx.preview(hx.Result.load("empty-result"), "c"))
     ['hexapod_force.h', 'hexapod_force.c']
+
+    Args:
+        result: as of `export`.
+        OPTIONS
 
     Raises:
         HexciteError: the target is unknown, or cannot carry the model.
@@ -211,7 +219,7 @@ def _c_folder(result: Result, output: Path | None, overwrite: bool, frame: Frame
     if folder.suffix in (".c", ".h"):
         raise FileProblem(
             place=folder,
-            problem=f"{option('to')} c writes a folder with {name}.h and {name}.c",
+            problem=f"{option('target', 'to')} c writes a folder with {name}.h and {name}.c",
             remedy=f"name a folder{WITH_OUTPUT}",
             code=Code.WRONG_KIND,
         )

@@ -1,9 +1,11 @@
 """Options are declared once: commands, arguments, requests and grids are made of the declarations."""
 
+import ast
+import re
 from dataclasses import dataclass, fields
 from inspect import signature
 from pathlib import Path
-from typing import Annotated, Any, TypedDict
+from typing import Annotated, Any, TypedDict, get_args
 
 import pytest
 import typer
@@ -97,26 +99,18 @@ def test_a_grid_has_one_value_of_each_option_until_it_is_told_more():
 
 
 SHARED = ["bound", "retime", "write", "check", "run", "demo", "study", "plan", "plan_poses"]
+SHARED += ["identify", "force", "export", "preview"]
+WITHOUT_DEFAULT = {"case", "program", "plan", "output", "overwrite", "progress", "file", "at", "spec", "target"}
 
 
 @pytest.mark.parametrize("name", SHARED)
 def test_a_command_and_its_function_have_the_same_defaults(name: str):
     """A command says none where its function's default is empty, and reads texts where it takes paths."""
-    called = {"write": "post", "plan_poses": "poses"}.get(name, name)
+    called = {"write": "post", "plan_poses": "poses", "preview": "export"}.get(name, name)
     command = next(c.callback for c in app.registered_commands if c.callback.__name__ == called)
     library, typed = signature(getattr(hx, name)).parameters, signature(command).parameters
-    shared = {*library} & {*typed} - {
-        "case",
-        "program",
-        "plan",
-        "output",
-        "overwrite",
-        "progress",
-        "file",
-        "at",
-        "spec",
-    }
-    assert len(shared) >= 2
+    shared = {*library} & {*typed} - WITHOUT_DEFAULT
+    assert shared
     for each in shared:
         if (name, each) != ("plan", "payload"):  # which is a range too, written as text
             assert (library[each].default or None) == (typed[each].default or None), each
@@ -137,3 +131,45 @@ def test_a_function_shows_the_default_of_what_it_declares():
     assert signature(grill).parameters["heat"].default == 180.0
     assert signature(grill).parameters["heat"].annotation is float
     assert "    heat: How hot. By default 180.0.\n" in f"{grill.__doc__}\n"
+
+
+def test_every_target_of_export_is_named_by_its_option():
+    from postprocessors.export.targets import LOADS, TARGETS
+    from postprocessors.options import ExportTarget, PayloadTarget
+
+    def named(kind: Any) -> set[str]:
+        (said,) = (extra for extra in get_args(kind)[1:] if isinstance(extra, Option))
+        return set(re.findall(r"[a-z0-9-]+", said.meaning))
+
+    assert {*TARGETS} <= named(ExportTarget)
+    assert {*LOADS} <= named(PayloadTarget)
+
+
+def named_in_texts() -> list[tuple[str, str]]:
+    """What texts of the library name by `option`: argument of Python, and what is typed."""
+    calls = [
+        node
+        for package in ("cases", "identification", "planner", "postprocessors", "hexcite")
+        for file in (Path(hx.__file__).parents[1] / package).rglob("*.py")
+        if file.name != "errors.py" and file.parent.name != "cli"
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "option"
+    ]
+    literals = [[a.value for a in call.args if isinstance(a, ast.Constant)] for call in calls]
+    return sorted({(str(names[0]), str(names[-1]).replace("_", "-")) for names in literals if names})
+
+
+def test_texts_name_arguments_that_there_are_in_python_and_on_the_command_line():
+    """Else a remedy could be carried out in one of both only."""
+    public = [getattr(hx, name) for name in dir(hx) if not name.startswith("_")]
+    public += [hx.Plan.load, hx.Result.load, hx.Recording.load, hx.Plan.save, hx.Result.save]
+    arguments = {p for each in public if callable(each) for p in signature(each).parameters}
+    command = typer.main.get_command(app)
+    commands = [command, *getattr(command, "commands", {}).values()]
+    commands += [c for group in commands for c in getattr(group, "commands", {}).values()]
+    typed = {word.removeprefix("--") for each in commands for p in each.params for word in p.opts}
+    texts = named_in_texts()
+    assert len(texts) > 40
+    arguments.add("port")  # of the page, which the command line alone opens
+    assert [python for python, _ in texts if python.split()[0] not in arguments] == []
+    assert [flag for _, flag in texts if flag.split()[0] not in typed] == []

@@ -15,7 +15,7 @@ from identification.motion.moves import StraightMove
 from postprocessors.blocks import Blocks, ToHome, Trigger
 from postprocessors.controllers.virtual import run_virtual
 from postprocessors.dialects.setpoints.write import write_setpoints
-from postprocessors.program import dialect
+from postprocessors.program import dialect, leaving_out
 from postprocessors.proof.proof import ProgramProof, prove_program
 from postprocessors.reading import Still, Timed
 from postprocessors.writing import excitation_program, proven_program
@@ -136,7 +136,7 @@ def test_a_path_timed_without_jerk_follows_from_itself():
 
     slow = FourierFamily(2, 2.0, 1, HOME, np.full(6, 0.05)).motion(np.random.default_rng(0).normal(size=18) / 30)
     motion, _ = as_fast_as_possible(slow, CASE, "path", "jerk")
-    program = proven_program(motion, CASE, LANGUAGE, "path.csv", (), without=("jerk",))
+    program = proven_program(motion, CASE, LANGUAGE, "path.csv", leaving_out(["jerk"]))
     content = program.content
     assert program.proven is not None
     assert program.proven.without == ("jerk",)

@@ -35,7 +35,7 @@ def _tare(context: Context, there: Workspace, fields: Fields) -> Job:
 
 def _payload(context: Context, there: Workspace, fields: Fields) -> Job:
     """`payload`: a table and its page, or a file for a robot or simulator."""
-    from identification.results.frames import FRAMES
+    from identification.options import FRAMES
     from postprocessors.export.targets import FRAMED, LOADS, SINGLE_FILES
 
     before, after = result_of(there, fields, "before"), result_of(there, fields, "after")

@@ -13,7 +13,7 @@ from hexcite.page.stages import Workspace
 
 
 def _export(context: Context, there: Workspace, fields: Fields) -> Job:
-    from identification.results.frames import FRAMES
+    from identification.options import FRAMES
     from postprocessors.export.targets import FRAMED, TARGETS
 
     result, target = result_of(there, fields), chosen(fields, "to", TARGETS)

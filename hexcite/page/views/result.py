@@ -193,7 +193,7 @@ def _beside(context: Context, result: Made, results: Sequence[Made], name: str |
 
 def _payload(context: Context, result: Made) -> dict[str, Any]:
     """What the latest payload of this result was."""
-    from identification.results.frames import FRAMES
+    from identification.options import FRAMES
     from postprocessors.export.targets import LOADS, SINGLE_FILES
 
     job = context.jobs.latest(context.machine.key, "payload", result.name)

@@ -33,7 +33,7 @@ def _history(words: Words, answer: Mapping[str, Any]) -> dict[str, Any]:
 
 def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     """What the stage Use shows of a machine, for its template."""
-    from identification.results.frames import FRAMES
+    from identification.options import FRAMES
     from postprocessors.export.targets import FRAMED, SINGLE_FILES, TARGETS
 
     result: Made | None = chosen(there.results, query.get("result"))

@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -106,14 +107,14 @@ def run_linuxcnc(
     require_planner(case, linuxcnc_version())
     lines = timing.with_dwells(path, program.content.decode("ascii").split("\n"), reading)
     timed = any(isinstance(part, Timed) for part in reading.stretches)
-    headroom = acceleration_headroom(case, timed)
+    job = Job(path, tuple(lines), case, acceleration_headroom(case, timed), timed)
     standing = sum(part.duration for part in reading.stretches if isinstance(part, Still))
     speedup = min(speedup, timing.fastest(reading)) if preload_works() else 1.0
     for attempt in range(timing.ATTEMPTS):
         speed = speedup / 2**attempt
         usual = START_LIMIT / 2 + (LINE_LIMIT * len(lines) + standing) / speed
         limit = usual if time_limit is None else time_limit
-        log, report = one_session(path, lines, case, headroom, timed, speed, limit, override)
+        log, report = one_session(job, speed, limit, override)
         window = report["started"], report["ended"]
         if lost := lost_cycles(report, speed):
             problem = f"{path}: {lost}"
@@ -125,21 +126,26 @@ def run_linuxcnc(
     raise HexciteError(problem=problem, code=Code.RUN_FAILED)
 
 
+@dataclass(frozen=True, slots=True)
+class Job:
+    """A program as LinuxCNC is given it, and the machine that it is configured for."""
+
+    program: Path
+    lines: tuple[str, ...]  # of the program, with dwells for what is to be seen while it stands
+    case: Case
+    headroom: float  # its limits of acceleration over those of the case
+    timed: bool  # whether the program states durations
+
+
 def one_session(
-    program: Path,
-    lines: list[str],
-    case: Case,
-    headroom: float,
-    timed: bool,
-    speedup: float,
-    time_limit: float,
-    override: float = 1.0,
+    job: Job, speedup: float, time_limit: float, override: float = 1.0
 ) -> tuple[ControllerLog, dict[str, Any]]:
-    """Runs the lines once; returns the log and the report of `read_report`."""
+    """Runs a program once; returns the log and the report of `read_report`."""
+    program, case = job.program, job.case
     with tempfile.TemporaryDirectory(prefix="hexcite-linuxcnc-") as name:
         folder = Path(name)
-        configuration.write_configuration(folder, case, headroom, timed)
-        (folder / PROGRAM_FILE).write_bytes("\n".join(lines).encode("ascii"))
+        configuration.write_configuration(folder, case, job.headroom, job.timed)
+        (folder / PROGRAM_FILE).write_bytes("\n".join(job.lines).encode("ascii"))
         (folder / configuration.DISPLAY_FILE).write_bytes((HERE / "driver.py").read_bytes())
         (folder / configuration.DISPLAY_FILE).chmod(0o755)
         _compile_clock(folder)

@@ -73,7 +73,7 @@ def _statements(program: Blocks, chain: Chain, output: int, crawl: tuple[float, 
                     problem="URScript programs are made of moves from rest to rest, for what servoj makes of a "
                     "path cannot be "
                     "proven",
-                    remedy=f"plan with {option('family')} ptp",
+                    remedy=f"plan with {option('family PointToPoint', 'family ptp')}",
                     code=Code.NOT_SUPPORTED,
                 )
 

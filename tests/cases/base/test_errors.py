@@ -104,7 +104,7 @@ def test_an_error_inside_another_one_names_options_where_it_is_read() -> None:
     assert outer.typed == "run.csv: takes long; allow --time-limit 60; also: see --case"
 
 
-@given(text=st.text(st.characters(exclude_characters="\ufdd0\ufdd1\ufdd2\ufdd3")))
+@given(text=st.text(st.characters(exclude_characters="\ufdd0\ufdd1\ufdd2\ufdd3\ufdd4")))
 def test_no_text_is_rewritten_that_does_not_say_that_it_names_an_option(text: str) -> None:
     """Whatever a path or value holds, such as two hyphens and a word."""
     error = HexciteError(place=text, problem=f"{text} --final", remedy=text, code=Code.MISSING)

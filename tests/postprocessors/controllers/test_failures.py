@@ -73,16 +73,7 @@ def test_a_run_that_loses_cycles_is_repeated_more_slowly_and_given_up_in_the_end
 ) -> None:
     speeds: list[float] = []
 
-    def pretended(
-        program: Path,
-        lines: list[str],
-        case: Case,
-        headroom: float,
-        timed: bool,
-        speed: float,
-        limit: float,
-        override: float,
-    ):
+    def pretended(job: session.Job, speed: float, limit: float, override: float):
         speeds.append(speed)
         report = REPORT | {"samples": 4, "lost": int(len(speeds) <= losses), "started": 0, "ended": 4}
         return log_of([0, 2, 2, 0]), report

@@ -36,7 +36,7 @@ def executed(monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[ControllerL
     monkeypatch.setattr(session, "read_report", lambda _, folder: json.loads((folder / "status.json").read_text()))
 
     def run(lines: list[str], case: Case) -> tuple[ControllerLog, dict[str, Any]]:
-        return session.one_session(Path("p.ngc"), lines, case, 1.0, False, 10.0, 60.0)
+        return session.one_session(session.Job(Path("p.ngc"), tuple(lines), case, 1.0, False), 10.0, 60.0)
 
     return run
 
