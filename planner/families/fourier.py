@@ -32,10 +32,8 @@ ROUNDING = 1e-9  # of a number of periods
 
 
 def _null_space(matrix: Array) -> Array:
-    """Orthonormal basis of the null space; SciPy is loaded here: every command that reads a plan loads this module."""
-    from scipy.linalg import null_space
-
-    return np.asarray(null_space(matrix))
+    """Orthonormal basis of the null space of a matrix whose rows are independent."""
+    return np.asarray(np.linalg.svd(matrix)[2][len(matrix) :].T)
 
 
 def resting_basis(order: int) -> Array:

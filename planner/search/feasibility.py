@@ -1,5 +1,7 @@
 """Feasible motions: a motion shrunk inside every limit, and the keys to change where there is none."""
 
+from itertools import count
+
 import numpy as np
 
 from cases.base.errors import Code, IdentificationError, InfeasiblePlan
@@ -14,6 +16,7 @@ from identification.motion.motion import Standstill
 from planner.families.family import Family
 
 CLOSE_ENOUGH = 3e-4  # gap of the bisection that shrinks a motion
+ASIDE = CLOSE_ENOUGH / 3  # of a share at which a limit is expected: it is tried on both sides of it
 SMALLEST = 1e-6  # share of all distances below which nothing moves
 
 
@@ -21,7 +24,7 @@ def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> tup
     """Shrinks a motion towards the box's middle until it satisfies every limit, less a margin, on a grid of `rate`.
 
     The steps grow from small to large: strut lengths need not fall on the way, so that a smaller motion is not always
-    further inside.
+    further inside. They are at least as long as a limit asks for that is proportional to distances, as most are.
 
     Returns:
         Unknowns of the motion inside, and its distances over those before it was shrunk.
@@ -33,11 +36,11 @@ def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> tup
     def report_at(share: float) -> LimitReport:
         return prove(family.motion(family.shrunk(unknowns, share)), case, rate)
 
-    def inside(report: LimitReport) -> bool:
-        return report.worst_ratio <= 1.0 - UNUSED_SHARE + TOLERANCE
+    def excess(report: LimitReport) -> float:
+        return report.worst_ratio - (1.0 - UNUSED_SHARE + TOLERANCE)
 
-    share, failed, step = 1.0, 1.0, CLOSE_ENOUGH
-    while not inside(report := report_at(share)):
+    share, outside, step = 1.0, (1.0, np.inf), CLOSE_ENOUGH  # outside: the last share there, and its excess
+    while (over := excess(report := report_at(share))) > 0.0:
         if share <= SMALLEST:
             worst = max(report.checks, key=lambda c: c.ratio)
             raise InfeasiblePlan(
@@ -45,11 +48,22 @@ def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> tup
                 remedy=f"{remedy(worst, case)} or move home",
                 code=Code.INFEASIBLE,
             )
-        failed, share = share, share - step if step < share / 2 else share / 2
+        outside = share, over
+        wanted = share * over / (1.0 + over) + ASIDE if np.isfinite(over) else 0.0  # most limits are proportional
+        share -= min(max(step, wanted), share / 2)
         step *= 2
-    while failed - share > CLOSE_ENOUGH:
+    for number in count():
+        failed, over_there = outside
+        if failed - share <= CLOSE_ENOUGH:
+            break
         between = (failed + share) / 2
-        failed, share = (failed, between) if inside(report_at(between)) else (between, share)
+        if number % 3 < 2 and np.isfinite(over_there):  # where both are proportional the limit lies between two probes
+            crossing = share + (failed - share) * over / (over - over_there)
+            between = float(np.clip(crossing + (ASIDE, -ASIDE)[number % 3], share + ASIDE, failed - ASIDE))
+        if (found := excess(report_at(between))) > 0.0:
+            outside = between, found
+        else:
+            share, over = between, found
     return family.shrunk(unknowns, share), share
 
 

@@ -63,7 +63,7 @@ def build_program(
     layout, limits, states = family.layout(case, margin), near_limits(case), _extreme_states(case)
     first, rows = [], []
     for _, order, kernel in limits:
-        binds = bool(np.abs(kernel.values(states)).max() > BINDS)
+        binds = np.abs(kernel.values(states)).max(axis=0) > BINDS
         peaks = np.repeat(layout.peaks[order][:, :, None], kernel.size, axis=2)
         rows.append(StateRows(layout.critical, kernel, peaks & binds, 1.0 - margin))
         if order == 0 and (standing := layout.standing) is not None:
@@ -83,6 +83,8 @@ def build_program(
 RIGID_BODY = 6  # the smallest model with mass, first moments and inertia
 CANDIDATES = 4000  # states of the box that show which limits can bind
 NEAR = 0.9  # largest share in the box below which the optimiser need not constrain a limit: the proof checks it
+NEARLY = 0.75  # the same of one joint or sensor beside others that come nearer: random states seldom find its largest
+OF_LOADS = (LimitKind.JOINT_TORQUE, LimitKind.SENSOR_FORCE)  # accelerations and each load cause them
 BINDS = 1.05  # share from which a limit is constrained from the start; others are where they come close
 SEED = 7
 
@@ -107,9 +109,10 @@ def state_limits(case: Case, loads: tuple[int, ...] = ()) -> Limits:
 def near_limits(case: Case) -> Limits:
     """The non-linear limits that come close somewhere in the motion box, judged by seeded states of it.
 
-    Poses are uniform, and half of them at corners; rates and accelerations are at corners. Of several payloads those
-    count with which the sensor forces are largest in at least one of the states. The limits of the last cases are kept,
-    with the derivatives that were built of them: a process runs several starts of a search.
+    Poses are uniform, and half of them at corners; rates and accelerations are at corners. Of forces and torques those
+    of the joints and sensors count that come close themselves, and of several payloads those with which they are
+    largest in at least one of the states. The limits of the last cases are kept, with the derivatives that were built
+    of them: a process runs several starts of a search.
     """
     return _near_limits(pickle.dumps(case))
 
@@ -118,13 +121,22 @@ def near_limits(case: Case) -> Limits:
 def _near_limits(pickled: bytes) -> Limits:
     case: Case = pickle.loads(pickled)
     states = _extreme_states(case)
-    loads: tuple[int, ...] = ()
-    if case.sensors.range is not None and case.bodies:
-        every = tuple(range(len(case.bodies)))
-        forces = [kernel for kind, _, kernel in state_limits(case, every) if kind is LimitKind.SENSOR_FORCE]
-        largest = np.array([np.abs(kernel.values(states)).max(axis=1) for kernel in forces])
-        loads = tuple(int(n) for n in np.unique(largest.argmax(axis=0)[largest.max(axis=0) > NEAR]))
-    return tuple(limits for limits in state_limits(case, loads) if np.abs(limits[2].values(states)).max() > NEAR)
+    near: list[tuple[LimitKind, int, Kernel]] = []
+    by_load: dict[LimitKind, list[Kernel]] = {}
+    loads = tuple(range(len(case.bodies))) if case.sensors.range is not None else ()
+    for kind, order, kernel in state_limits(case, loads):
+        if kind in OF_LOADS:
+            by_load.setdefault(kind, []).append(kernel)
+        elif np.abs(kernel.values(states)).max() > NEAR:
+            near.append((kind, order, kernel))
+    for kind, kernels in by_load.items():
+        shares = np.abs([kernel.values(states) for kernel in kernels])
+        if shares.max() > NEAR:
+            largest = (shares == shares.max(axis=0)) & (shares > NEARLY)
+            every = ca.vertcat(*(kernel.expression for kernel in kernels))
+            chosen = np.flatnonzero(largest.any(axis=1).ravel()).tolist()
+            near.append((kind, 2, Kernel(kernels[0].variables, every[chosen])))
+    return tuple(near)
 
 
 def standing_limits(case: Case) -> ca.Function:

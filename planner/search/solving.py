@@ -31,6 +31,7 @@ from planner.search.record import Failed, SolverStatus, StartRecord
 from planner.search.solvers import Barrier, Watch, solve
 
 QUICK_RATE = 1000.0  # [1/s] for comparing starts; the chosen plan is proven at the full rate
+COARSE_RATE = 250.0  # [1/s] the same of explorations, which are shrunk to know what there is if the search ends now
 SLIPPED = 5e-4  # further unused share of each limit in the rows: for excess between constrained instants
 FINER = 1e-4  # part of that share for excess between the instants of the quick check
 TIGHTER = 3  # times at most that limits are constrained at more instants, and tightened by the remaining excess
@@ -252,7 +253,8 @@ class _Run:
 
     def feasible(self, unknowns: Array) -> tuple[Array, float]:
         """Unknowns of the motion shrunk inside every limit, and the share to which it was shrunk."""
-        return keep_limits(self.task.case, self.family.once, unknowns, QUICK_RATE)
+        rate = QUICK_RATE if self.task.refine else COARSE_RATE
+        return keep_limits(self.task.case, self.family.once, unknowns, rate)
 
     def best_feasible(self, unknowns: Array, iterations: int) -> tuple[Array, float]:
         """As `feasible`; where much is lost by that, the best of further searches.
