@@ -16,7 +16,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 from pydantic_core.core_schema import CoreSchema, tagged_union_schema
 
-from cases.base.errors import ALSO, CaseError, Code, FileProblem
+from cases.base.errors import ALSO, CaseError, Code, FileProblem, first_problems
 from cases.base.file_reading import read_whole
 from cases.base.units import DEG, MM, MS, UM, Array
 
@@ -306,11 +306,9 @@ def _explained(model: type[BaseModel], path: Path, error: ValidationError) -> Ca
     }
     problems = [p for p in problems if p[2] != _MISSING or (p[1] not in meanings and f".{p[1]}" not in meanings)]
     problems.sort(key=lambda problem: (problem[0], len(problem[1]) + len(problem[2])))
-    lines = [f"{key}: {words}" if key else words for _, key, words in problems]
+    lines = first_problems([f"{key}: {words}" if key else words for _, key, words in problems])
     _, key, words = problems[0]
-    return CaseError(
-        file=path, key=key, problem=ALSO.join([words, *lines[1:]]), problems=tuple(lines), code=Code.WRONG_KIND
-    )
+    return CaseError(file=path, key=key, problem=ALSO.join([words, *lines[1:]]), problems=lines, code=Code.WRONG_KIND)
 
 
 def _name(problem: ErrorDetails) -> str:

@@ -16,7 +16,7 @@ from xml.parsers import expat
 import numpy as np
 from pydantic import ValidationError
 
-from cases.base.errors import ALSO, CaseError, Code, FileProblem, option
+from cases.base.errors import ALSO, CaseError, Code, FileProblem, first_problems, option
 from cases.base.file_reading import read_whole
 from cases.base.units import DEG, MM, Array
 from cases.chain import JOINT_NAME, JOINT_NAME_WORDS, LEAST_AXIS, MOST_JOINTS, Joint, JointLimit
@@ -84,7 +84,7 @@ class _Findings:
 
     def require_none(self) -> None:
         if self.problems:
-            raise _Unsound(tuple(dict.fromkeys(self.problems)))
+            raise _Unsound(first_problems([*dict.fromkeys(self.problems)]))
 
 
 class _Unsound(ValueError):

@@ -5,7 +5,10 @@ Their common functions for lines, words and axes are at the end.
 """
 
 import math
+import re
 from dataclasses import dataclass, replace
+from itertools import islice
+from operator import itemgetter
 
 import numpy as np
 
@@ -257,6 +260,9 @@ FLOAT = rf"((?>{NUMBER})(?:[eE][+-]?\d+)?)"
 """Pattern of a number that may have an exponent, as one group."""
 
 
+_ODD = re.compile(r"[^\t\n -~]")
+
+
 def program_lines(content: bytes, file: str, longest: int, most: float = math.inf) -> list[str]:
     """The lines of a program; only line feeds end one.
 
@@ -268,33 +274,24 @@ def program_lines(content: bytes, file: str, longest: int, most: float = math.in
     Raises:
         ProgramError: a character that is not plain ASCII, a line too long, too many lines; with line and column.
     """
-    lines = content.decode("latin-1").replace("\r\n", "\n").split("\n")
-    count = 0
-    for number, line in enumerate(lines, start=1):
-        if not line.isascii() or not line.replace("\t", " ").isprintable():
-            column = next(k for k, c in enumerate(line) if c != "\t" and not " " <= c <= "~")
-            raise ProgramError(
-                file=file,
-                line=number,
-                column=column + 1,
-                problem=f"character {line[column]!r} is not plain ASCII",
-                remedy="remove or replace it",
-                code=Code.SYNTAX,
-            )
-        if len(line) > longest:
-            raise ProgramError(
-                file=file,
-                line=number,
-                problem=f"{len(line)} characters, the controller takes {longest}",
-                remedy="split it",
-                code=Code.SYNTAX,
-            )
-        count += bool(line.strip())
-        if count > most:
+    text = content.decode("latin-1").replace("\r\n", "\n")
+    lines = text.split("\n")
+    errors: list[tuple[int, int, str, str]] = []  # the first of each kind: line, column, problem, remedy
+    if (odd := _ODD.search(text)) is not None:
+        problem, remedy = f"character {odd[0]!r} is not plain ASCII", "remove or replace it"
+        line, column = text.count("\n", 0, odd.start()) + 1, odd.start() - text.rfind("\n", 0, odd.start())
+        errors.append((line, column, problem, remedy))
+    if max(map(len, lines)) > longest:
+        line, size = next((k, len(line)) for k, line in enumerate(lines, start=1) if len(line) > longest)
+        errors.append((line, 0, f"{size} characters, the controller takes {longest}", "split it"))
+    if len(lines) > most:
+        filled = (k for k, line in enumerate(lines, start=1) if line and not line.isspace())
+        if line := next(islice(filled, int(most), None), 0):
             problem = f"more than {most} blocks, which is what the controller's memory holds (most_blocks)"
-            raise ProgramError(
-                file=file, line=number, problem=problem, remedy="make the program shorter", code=Code.SYNTAX
-            )
+            errors.append((line, 0, problem, "make the program shorter"))
+    if errors:
+        line, column, problem, remedy = min(errors, key=itemgetter(0))
+        raise ProgramError(file=file, line=line, column=column, problem=problem, remedy=remedy, code=Code.SYNTAX)
     return lines
 
 

@@ -12,6 +12,19 @@ from typing import Any, NamedTuple, Self
 from cases.base.phrases import Phrase
 
 ALSO = "; also: "  # between problems of one error
+MOST_PROBLEMS = 50  # of one error; a file with more of them is of another kind, or damaged by a program
+
+
+def first_problems(problems: Sequence[str]) -> tuple[str, ...]:
+    """The problems; of very many the first ones, and how many others there are.
+
+    >>> first_problems(["a is wrong"] * 60)[-1]
+    'has 11 more problems; correct these first'
+    """
+    others = len(problems) - MOST_PROBLEMS + 1
+    if others <= 1:
+        return tuple(problems)
+    return *problems[: MOST_PROBLEMS - 1], f"has {others} more problems; correct these first"
 
 
 class Write(NamedTuple):

@@ -14,8 +14,10 @@ def system_reason(error: OSError) -> str:
     return error.strerror or str(error)
 
 
-MOST_JSON = 64 * 2**20
-"""Bytes of a JSON file that is read; those of plans and results are far smaller."""
+MOST_JSON = 16 * 2**20
+"""Bytes of a JSON file that is read, within about a second; those of plans and results are far smaller."""
+MOST_TABLE = 64 * 2**20
+"""Bytes of another file of a plan or result that is read whole."""
 
 
 def read_whole(path: Path, most: int) -> bytes:

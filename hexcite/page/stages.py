@@ -10,15 +10,22 @@ from pathlib import Path
 from typing import Any
 
 from cases.base.errors import HexciteError
-from cases.base.file_reading import read_whole
-from cases.basis import changes_since, plan_basis, recording_basis, result_basis
+from cases.base.file_reading import DAMAGED, MOST_JSON, read_whole
+from cases.basis import (
+    COMPUTED_FROM,
+    CONTENT,
+    changes_since,
+    content_of,
+    plan_basis,
+    recording_basis,
+    result_basis,
+)
 from cases.scaffold import readiness
 from cases.schema import Case, load_case
 from cases.tables import CASE_FILE, built_in_cases
 
 STAGES = ("machine", "plan", "program", "data", "result", "use")
 MOST = 300  # files and folders of a kind that are looked at
-MOST_BYTES = 64 * 2**20  # of a file of JSON
 RECORDINGS = frozenset(
     {".csv", ".txt", ".dat", ".tsv", ".asc", ".lvm", ".xml", ".parquet", ".db3", ".mcap", ".bag", ".log", ".out"}
 )  # fmt: skip
@@ -271,21 +278,40 @@ def _made(
         try:
             status = file.stat()
             record, fingerprint = _record(str(file), status.st_mtime_ns, status.st_size)
-        except (OSError, ValueError, RecursionError, HexciteError):
-            continue  # damaged: the command that uses it says so
-        if record.get("case") == case.name:
-            changed = tuple(changes_since(record, basis(record, case), case.hash))
+            of_this = record.get("case") == case.name
+            changed = tuple(changes_since(record, basis(record, case), case.hash)) if of_this else ()
+        except (OSError, RecursionError, HexciteError, *DAMAGED):
+            continue  # the command that uses it says so
+        if of_this:
             yield Made(file.parent.name, record, changed, status.st_mtime, fingerprint)
+
+
+_ENTRIES: Mapping[str, tuple[type, ...]] = {
+    **dict.fromkeys(("parameters", "limits", "predicted_std", COMPUTED_FROM), (dict,)),
+    **dict.fromkeys(("tried", "settings", "budget", "run", "channel_noise", "pooled"), (dict, type(None))),
+    **dict.fromkeys(("findings", "notes"), (list,)),
+    "not_counted": (list, type(None)),
+}
+"""What stages look into of a record, with its kinds in JSON."""
+
+
+def _require_sound(record: Any) -> None:
+    """Raises ValueError for what no command has written: a record that was changed by hand, or is of other kinds."""
+    if not isinstance(record, dict) or record.get(CONTENT) not in (None, content_of(record)):
+        raise ValueError("was changed")
+    tables = [record[name] for name in ("parameters", "budget") if isinstance(record.get(name), dict)]
+    objects = [*(value for table in tables for value in table.values()), *record.get("findings", ())]
+    if any(name in record and not isinstance(record[name], kinds) for name, kinds in _ENTRIES.items()) or not all(
+        isinstance(value, dict) for value in objects
+    ):
+        raise ValueError("holds another kind of value")
 
 
 @lru_cache(256)
 def _record(file: str, time_ns: int, size: int) -> tuple[dict[str, Any], str]:
-    if size > MOST_BYTES:
-        raise ValueError(file)
-    content = read_whole(Path(file), MOST_BYTES)  # of a file, not of a pipe, which would hold the page up
+    content = read_whole(Path(file), MOST_JSON)  # of a file, not of a pipe, which would hold the page up
     record = json.loads(content)
-    if not isinstance(record, dict):
-        raise ValueError(file)
+    _require_sound(record)
     return record, hashlib.sha256(content).hexdigest()
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from cases.base.errors import Code, FileProblem, InfeasiblePlan
-from cases.base.file_reading import MOST_JSON, read_whole
+from cases.base.file_reading import MOST_TABLE, read_whole
 from cases.base.units import Array
 from cases.machine import POSE
 from cases.schema import Case
@@ -99,7 +99,7 @@ def load_poses(file: Path, columns: Sequence[str] = POSE) -> Array:
         FileProblem: it cannot be read, columns are missing, or a row holds no numbers.
     """
     try:
-        lines = read_whole(file, MOST_JSON).decode().splitlines()
+        lines = read_whole(file, MOST_TABLE).decode().splitlines()
     except FileProblem as error:
         raise FileProblem(place=file, problem=error.problem, remedy=_WANTED, code=Code.UNREADABLE) from error
     except UnicodeDecodeError as error:

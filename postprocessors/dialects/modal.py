@@ -65,9 +65,10 @@ class ModalState(ABC):
     resolution: ClassVar[float] = 0.0  # to which the control rounds the ends of moves [mm, deg]; 0: not at all
     inverse_time: ClassVar[bool] = True  # whether that F is one over minutes; else seconds
     # lines, each without blanks at its end, that stop the program unless an axis stands at a place, with the groups
-    # `axis`, `place` (minus the place, with its sign) and `within`; and their number
+    # `axis`, `place` (minus the place, with its sign) and `within`; their number; and with what all statements begin
     home_check: ClassVar[re.Pattern[str]]
     home_check_lines: ClassVar[int]
+    condition: ClassVar[str]
     asks_where: ClassVar[str] = ""  # command before it, without which it would not see the present place; empty: none
     feed_group: ClassVar[str] = ""  # command that names the axes whose path F counts, with {} for them; empty: none
 
@@ -109,7 +110,7 @@ class ModalState(ABC):
             return [Word("%", 1)]
         number = cls.number.match(text)
         position, words = 0 if number is None else number.end(), []
-        while (ink := _INK.search(text, position)) is not None:
+        while position < len(text) and (ink := _INK.search(text, position)) is not None:
             match = cls.word.match(text, ink.start())
             if match is None:
                 bad = text[ink.start() : ink.start() + 12].rstrip()
@@ -150,9 +151,9 @@ class ModalState(ABC):
         """Reads all lines; errors as `Dialect.read`."""
         blocks, read_up_to, lines = 0, 0, [*lines]
         for number, text in enumerate(lines, start=1):
-            if number <= read_up_to:
+            if number <= read_up_to or not text or text.isspace():
                 continue
-            if count := self.statement(lines, number):
+            if text.startswith(self.condition) and (count := self.statement(lines, number)):
                 blocks, read_up_to = blocks + count, number - 1 + count
             elif words := self.words(text, number, self.file):
                 self.line = number

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from cases.base.errors import CaseError
+from cases.base.errors import MOST_PROBLEMS, CaseError
 from cases.schema import load_case
 from cases.tables import built_in_cases
 from tests.cases.editing import HEXAPOD, edited
@@ -187,6 +187,14 @@ def test_numbers_and_lists_that_python_cannot_read_are_named(line: str, says: st
     with pytest.raises(CaseError, match=says) as caught:
         load_case(edited(tmp_path, "range_N = 5000.0", line))
     assert one_line(caught.value).startswith(str(tmp_path))
+
+
+def test_of_very_many_problems_the_first_are_listed_and_the_others_counted(tmp_path: Path) -> None:
+    lines = "".join(f"unknown_{k} = 1\n" for k in range(4000))
+    with pytest.raises(CaseError) as caught:
+        load_case(edited(tmp_path, "range_N = 5000.0\n", f"range_N = 5000.0\n{lines}"))
+    assert len(caught.value.problems) == MOST_PROBLEMS
+    assert f"has {4000 - MOST_PROBLEMS + 1} more problems" in one_line(caught.value)
 
 
 def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:

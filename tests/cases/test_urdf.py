@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from cases.base.errors import CaseError, FileProblem
+from cases.base.errors import MOST_PROBLEMS, CaseError, FileProblem
 from cases.scaffold import new_arm, readiness
 from cases.schema import load_case
 from cases.sensors import RigidBody
@@ -336,6 +336,16 @@ def test_no_file_takes_long(text: str, tmp_path: Path) -> None:
         read_urdf(file_with(tmp_path, text), "tool0" if "tool0" in text else "l3000")
     assert time.process_time() - start < 2.0
     assert len(one_line(caught.value)) < 2000
+
+
+def test_of_very_many_problems_the_first_are_listed_and_the_others_counted(tmp_path: Path) -> None:
+    joints = "".join(
+        f"<joint name='x{k}' type='fixed'><parent link='none{k}'/><child link='tool0'/></joint>" for k in range(2000)
+    )
+    with pytest.raises(CaseError) as caught:
+        read_urdf(file_with(tmp_path, ur10().replace("</robot>", f"{joints}</robot>")), "tool0")
+    assert len(caught.value.problems) == MOST_PROBLEMS
+    assert f"has {4000 - MOST_PROBLEMS + 1} more problems" in one_line(caught.value)
 
 
 def test_what_stands_beside_the_way_may_be_broken(tmp_path: Path) -> None:

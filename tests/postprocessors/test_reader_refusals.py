@@ -104,6 +104,19 @@ def test_a_word_that_is_not_understood_is_named_with_line_and_column(line: str):
 
 
 @pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        ([f"({'x' * LONGEST_LINE})", "G1 X\x07"], "line 2: 254 characters"),
+        (["G1 X\x07", f"({'x' * LONGEST_LINE})", "\u00e9"], r"line 2, column 5: character '\\x07' is not plain"),
+        (["", " \t", "(\u00e9)"], "line 4, column 2: character"),
+    ],
+)
+def test_of_what_no_controller_reads_the_first_line_is_named(lines: list[str], words: str):
+    with pytest.raises(ProgramError, match=words):
+        read_linuxcnc("\n".join(["(first)", *lines, "M2"]), "p.ngc")
+
+
+@pytest.mark.parametrize(
     ("text", "words"),
     [
         (

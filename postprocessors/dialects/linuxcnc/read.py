@@ -53,7 +53,7 @@ class _LinuxCncInterpreter(ModalState):
         rf"o(?P<number>\d+) if \[abs\[#<_(?P<axis>[xyzabc])>(?P<place>[+-]{PLAIN})\] gt (?P<within>{PLAIN})\]\n"
         r"\(abort,[A-Za-z0-9 .:,+-]*(?:#<_[xyzabc]>)?[A-Za-z0-9 .:,+-]*\)\no(?P=number) endif"
     )
-    home_check_lines = 3
+    home_check_lines, condition = 3, "o"
     # those of groups of one change nothing that a program here relies on: no compensation, no offset; relative centres
     groups = (
         *("G0 G1 G2 G3 G80", "G17 G18 G19", "G93 G94", "G61 G61.1 G64", "M62 M63 M64 M65", "M0 M1 M2 M30 M60"),
@@ -77,11 +77,13 @@ class _LinuxCncInterpreter(ModalState):
 
         Behind a semicolon it takes the text from the first one of the line on, be that within parentheses.
         """
-        comment = match["comment"]
-        texts = [comment[1:-1]] if comment.startswith("(") else [comment[1:], text.partition(";")[2]]
-        if not any(_EXECUTED.match(said) for said in texts):
+        begin = match.start()
+        executed = _EXECUTED.match(text, begin + 1)
+        if executed is None and text[begin] == ";" and (first := text.index(";")) < begin:
+            executed = _EXECUTED.match(text, first + 1)
+        if executed is None:
             return None
-        return f"LinuxCNC may execute the comment {comment[:40]!r}", "remove it, or begin it with a dash"
+        return f"LinuxCNC may execute the comment {match['comment'][:40]!r}", "remove it, or begin it with a dash"
 
     def read_program(self, lines: Iterable[str]) -> Reading:
         reading = super().read_program(self._within_percent_signs(list(lines)))

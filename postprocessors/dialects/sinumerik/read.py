@@ -48,7 +48,7 @@ class SinumerikInterpreter(ModalState):
         r"(?(two)\) OR \(ABS\(\$AA_IB\[(?P=axis)\](?P=place)\)>(?P=within)\))\n"
         rf'MSG\("[^"\n]*"\)\nSETAL\(65\d\d\d,"[^"\n]*"\)\nM30\nENDIF'
     )
-    home_check_lines, asks_where = 5, "STOPRE"
+    home_check_lines, condition, asks_where = 5, "IF", "STOPRE"
     resolution = 1e-3  # the usual increments (MD10200, MD10210)
     groups = (
         *("G0 G1 G2 G3 POLY", "G17 G18 G19", "G93 G94", "G60 G64 G642", "COMPOF COMPCAD"),

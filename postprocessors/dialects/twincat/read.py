@@ -46,7 +46,7 @@ class TwinCatInterpreter(ModalState):
         rf"\$IF ABS\[V\.A\.(?P<variable>ABS|ACT_POS)\.(?P<axis>[A-Z])(?P<place>[+-]{PLAIN})\] > (?P<within>{PLAIN})\n"
         r'#MSG \["[^"%\n]*"\]\n#ERROR \[ID=\d{1,4} RC=2\]\n\$ENDIF'
     )
-    home_check_lines, asks_where = 4, "#CHANNEL INIT [CMDPOS]"
+    home_check_lines, condition, asks_where = 4, "$IF", "#CHANNEL INIT [CMDPOS]"
     resolution = 1e-4
     block_time, inverse_time = "F, the block's time in seconds", False
     groups = (

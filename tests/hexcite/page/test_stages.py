@@ -1,6 +1,7 @@
 """Stages say what the folder holds: what is done, what is out of date, and what cannot be yet."""
 
 import json
+import os
 import time
 from pathlib import Path
 
@@ -81,6 +82,43 @@ def test_stages_follow_what_commands_write(root: Path, case: Case, client: TestC
     assert "700" in client.get("/m/+mill/plan").text
     (folder / "plan.json").write_text("{")
     assert there(root).plans == ()
+
+
+STAGES = ("machine", "plan", "program", "data", "result", "use")
+RECORDS = ("plan.json", "recording.json", "result.json")
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+@pytest.mark.parametrize("name", [*RECORDS, "run.mpf", "run.csv", "run.yaml", "run.json"])
+def test_a_pipe_in_the_place_of_a_file_holds_nobody_up(root: Path, case: Case, client: TestClient, name: str):
+    plan_folder(root, case)
+    folder = root / "piped" if name in RECORDS else root
+    folder.mkdir(exist_ok=True)
+    os.mkfifo(folder / name)
+    assert states(root).split()[1] == "done"
+    assert [client.get(f"/m/+mill/{stage}").status_code for stage in STAGES] == [200] * len(STAGES)
+
+
+DAMAGED_RECORDS = {
+    "deep": "[" * 200_000,
+    "deep in an entry": '{"case": "mill", "computed_from": ' + '{"a":' * 200_000,
+    "a number": "1",
+    "a number of many digits": '{"case": "mill", "duration_s": ' + "1" * 5000 + "}",
+    "not a number": '{"case": "mill", "payload": NaN, "duration_s": Infinity}',
+    "a payload that is none": '{"case": "mill", "payload": "x"}',
+    "lists for values": '{"case": "mill", "payload": [], "family": [], "computed_from": [], "findings": 1, "name": {}}',
+    "bytes": "\ufeff\x00",
+}
+
+
+@pytest.mark.parametrize("what", DAMAGED_RECORDS)
+def test_damaged_records_are_left_out_of_the_page(root: Path, case: Case, client: TestClient, what: str):
+    plan_folder(root, case)
+    for name in RECORDS:
+        (root / f"with-{name}").mkdir()
+        (root / f"with-{name}" / name).write_text(DAMAGED_RECORDS[what])
+    assert states(root).split()[1] == "done"
+    assert [client.get(f"/m/+mill/{stage}").status_code for stage in STAGES] == [200] * len(STAGES)
 
 
 def test_a_case_that_is_not_read_says_why_and_opens_no_stage(root: Path, client: TestClient):
