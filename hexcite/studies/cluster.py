@@ -65,6 +65,9 @@ def local_client(workers: int | None, memory_GB: float) -> Iterator["Client"]:
         "distributed.comm.timeouts.connect": PATIENCE,
         "distributed.comm.timeouts.tcp": PATIENCE,
         "distributed.deploy.lost-worker-timeout": RESTARTING,
+        # The pages of both servers ask nobody for a certificate: tasks, call stacks and logs are not shown there.
+        "distributed.scheduler.http.routes": [],
+        "distributed.worker.http.routes": [],
     }
     with dask.config.set(settings):
         with ctrl_c_waits():

@@ -3,6 +3,7 @@
 import operator
 import re
 from functools import partial
+from http.client import HTTPConnection
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -82,6 +83,22 @@ def test_nobody_without_the_certificate_is_let_into_a_cluster_of_ones_own() -> N
         for there, security in ((address.replace("tls", "tcp"), None), (address, None), (address, stranger)):
             with pytest.raises((OSError, TypeError, ValueError)):
                 try_to_reach(there, security, 3.0)
+        info = client.scheduler_info()
+        ports = [*info["services"].values(), *(p for w in info["workers"].values() for p in w["services"].values())]
+        paths = ("info/main/workers.html", "info/logs.html", "json/counts.json", "metrics", "health")
+        answers = [answer_of(port, path) for port in ports if isinstance(port, int) for path in paths]
+        assert answers
+        assert set(answers) == {404}  # nor is anything shown to those who ask by a browser
+
+
+def answer_of(port: int, path: str) -> int:
+    """The status with which a server of this computer answers."""
+    connection = HTTPConnection("127.0.0.1", port, timeout=5.0)
+    try:
+        connection.request("GET", f"/{path}")
+        return connection.getresponse().status
+    finally:
+        connection.close()
 
 
 def test_a_running_cluster_is_reached_with_its_certificates(tmp_path: Path) -> None:
