@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from hexcite.comparison.comparison import compare as compare
     from hexcite.comparison.trials import ValidationSettings as ValidationSettings
     from hexcite.comparison.validation import validate as validate
+    from hexcite.comparison.validation import validate_results as validate_results
     from hexcite.reports import report as report
     from hexcite.reports.certificate import certificate as certificate
     from hexcite.reports.certificate import verify_certificate as verify_certificate
@@ -94,6 +95,7 @@ PUBLIC = {
     "compare": "hexcite.comparison.comparison",
     "ValidationSettings": "hexcite.comparison.trials",
     "validate": "hexcite.comparison.validation",
+    "validate_results": "hexcite.comparison.validation",
     "report": "hexcite.reports",
     "certificate": "hexcite.reports.certificate",
     "verify_certificate": "hexcite.reports.certificate",

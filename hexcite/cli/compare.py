@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import hexcite as hx
+from cases.base.errors import Code, HexciteError
 from cases.base.folder_kinds import COMPARISON, VALIDATION
 from cases.base.output_places import check_folder, output_place
 from hexcite.cli import console
@@ -47,6 +48,12 @@ def compare(
 @takes(ValidationOptions)
 def validate(
     case: Annotated[str, argument("Built-in name, folder or case file, with payloads.")],
+    results: Annotated[
+        list[Path] | None,
+        argument(
+            "Results of a real machine: without weights, with the first one, and so on. Nothing is simulated then."
+        ),
+    ] = None,
     methods: Annotated[
         str | None, option(f"Methods, separated by commas, by default all: {', '.join(METHOD_TABLES)}.")
     ] = None,
@@ -54,6 +61,7 @@ def validate(
         str | None, option("How many weights are mounted: 0,3,5; by default none, and each up to all.")
     ] = None,
     output: Annotated[Path | None, out("Folder to write; hexcite-validation by default.")] = None,
+    stale: console.Stale = False,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
     **settings: Any,
@@ -61,7 +69,8 @@ def validate(
     """Identify known weights by each method; compare with theory.
 
     They are mounted one after the other on the case's simulated machine; the answer says what that models.
-    Interrupted, the same command uses the plans that are there.
+    Interrupted, the same command uses the plans that are there. With results of runs with these weights on a real
+    machine: what was added, beside what is known of it.
     """
     from hexcite.comparison.trials import mounted_weights, unfinished
 
@@ -69,21 +78,35 @@ def validate(
     loaded = hx.load_case(case)
     names = None if methods is None else [name.strip() for name in methods.split(",") if name.strip()]
     place = output_place(output, Path("hexcite-validation"), overwrite)
-    check_folder(place, VALIDATION, overwrite=overwrite)
-    mounted = mounted_weights(loaded, weights)
+    check_folder(place, VALIDATION, results or (), overwrite=overwrite)
+    mounted = None if weights is None else mounted_weights(loaded, weights)
+    if results:
+        if names is not None or carried_out != hx.ValidationSettings():
+            raise HexciteError(
+                problem="results are of a machine that has run, and --methods, --on, --starts, --seed and --workers of "
+                "one that is simulated",
+                remedy="leave these options out, or the results",
+                code=Code.CONTRADICTION,
+            )
+        validation = hx.validate_results([hx.Result.load(each, loaded, stale) for each in results], mounted)
+        console.save_with_page(validation, VALIDATION, place, overwrite)
+        _answer(validation, place, json)
+        return
     with unfinished(place, loaded, carried_out) as work, console.status("validating", json) as remark:
         validation = hx.validate(
             loaded, tuple(METHOD_TABLES) if names is None else names, mounted, carried_out, folder=work, progress=remark
         )
         console.save_with_page(validation, VALIDATION, place, overwrite)
+    _answer(validation, place, json)
+
+
+def _answer(validation: "Validation", place: Path, json: bool) -> None:
+    """The answer: a table a method, and what follows."""
+    from hexcite.reports.validation import OFF_BY, TABLE_7, errors_of, table_7
+
     answer = {"report": str(place / "report.html")} | validation.to_json()
-    if not console.answered(answer, json):
-        _show_validation(answer, validation)
-
-
-def _show_validation(answer: dict[str, Any], validation: "Validation") -> None:
-    from hexcite.reports.validation import TABLE_7, table_7
-
+    if console.answered(answer, json):
+        return
     console.say(f"machine: {validation.machine}")
     for method, text in validation.executed.items():
         if ";" in text:
@@ -93,6 +116,10 @@ def _show_validation(answer: dict[str, Any], validation: "Validation") -> None:
     for method in dict.fromkeys(trial.method for trial in validation.trials):
         trials = [trial for trial in validation.trials if trial.method == method]
         console.print_table(method, TABLE_7, table_7(trials))
+        if validation.measured:
+            console.print_table(OFF_BY, *errors_of(trials))
+    for warning in validation.warnings if validation.measured else ():
+        console.say(f"warning: {warning}")
     console.say(f"report written: {answer['report']}")
     for sentence in validation.sentences:
-        console.say(f"recommendation: {sentence}")
+        console.say(sentence if validation.measured else f"recommendation: {sentence}")

@@ -1,14 +1,16 @@
 """The payload experiment of section 8: known weights are mounted one after the other and identified by each method.
 
-The methods are tables of `cases/hexapod/validation.toml`. Theoretical values are those of the platform as identified
-without payload plus the known weights, as in Table 7; the simulated machine knows its true values too, and errors are
-also given in reported standard deviations of these.
+The methods are tables of `cases/hexapod/validation.toml`, or results of a real machine are one. Theoretical values are
+those of the platform as identified without payload plus the known weights, as in Table 7. Errors are also given in
+reported standard deviations: of a simulated machine from its true values, of a real one of what was added from what is
+known of the weights.
 """
 
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import reduce
 from pathlib import Path
 from typing import Any, Literal
 
@@ -16,17 +18,18 @@ import numpy as np
 from pydantic import Field
 
 from cases.base.doors import checks_arguments
-from cases.base.errors import CaseError, Code, HexciteError, Interrupted, choice
+from cases.base.errors import CaseError, Code, HexciteError, IdentificationError, Interrupted, choice, option
 from cases.base.options import documented
 from cases.controller import ControllerName
 from cases.scaffold import readiness
 from cases.schema import Case, fingerprint
-from cases.sensors import Disturbances, RigidBody
+from cases.sensors import Disturbances, RigidBody, together
 from cases.tables import Part
 from hexcite._run import carried_out
 from hexcite._write import write
 from hexcite.comparison.methods import METHOD_TABLES, ValidationOptions
 from identification.estimation.criteria import Criterion
+from identification.estimation.fit import Value
 from identification.identify import estimate_parameters
 from identification.limits.limit import KINETIC
 from identification.machines.executed import Execution
@@ -35,7 +38,9 @@ from identification.model.model import Model, full_model
 from identification.model.parameters import body_parameters, linear_parameters, physical_form
 from identification.motion.motion import Array
 from identification.recording.recording import Recording
-from identification.results.estimate import Estimate
+from identification.results.estimate import entries_of
+from identification.results.payload import payload
+from identification.results.result import Result
 from identification.samples.standstills import average, find_standstills, match
 from identification.simulate import Circumstances, loaded_truth, simulate_recording
 from planner._plan import planned
@@ -58,27 +63,21 @@ class Trial:
     method: str  # its name
     weights: int  # number of mounted weights
     load: float  # their mass [kg]
-    duration: float  # measuring time [s]
-    estimate: Estimate
+    duration: float | None  # measuring time [s]; None where a result does not say
+    result: Result
     theory: Mapping[str, float]  # values by the identification without payload plus the weights, by name [SI]
-    truth: Mapping[str, float]  # truth of the simulated machine, by name [SI]
+    errors: Mapping[str, float]  # of mass, centre of gravity and inertia, in reported standard deviations, by name
 
     @property
     def s0(self) -> float:
         """The value of (27) for the recorded forces [N]."""
-        return self.estimate.s0
+        return self.result.record.s0
 
     def deviation(self, name: str) -> float | None:
         """Relative deviation from theory; None where there is no theory."""
-        if name not in self.theory or name not in self.estimate.physical:
+        if name not in self.theory or name not in self.result.parameters:
             return None
-        return self.estimate.physical[name].value / self.theory[name] - 1.0
-
-    @property
-    def errors(self) -> dict[str, float]:
-        """Estimates less truth in reported standard deviations, by name."""
-        physical = self.estimate.physical
-        return {n: (physical[n].value - true) / physical[n].reported for n, true in self.truth.items() if n in physical}
+        return self.result[name].value / self.theory[name] - 1.0
 
     def to_json(self) -> dict[str, Any]:
         """One row of the answer, SI units."""
@@ -87,13 +86,13 @@ class Trial:
             "weights": self.weights,
             "load_kg": self.load,
             "duration_s": self.duration,
-            "model": self.estimate.model.number,
-            "samples": self.estimate.samples.recorded_count,
+            "model": self.result.record.model,
+            "samples": self.result.record.samples,
             "s0_N": self.s0,
-            "parameters": {name: value._asdict() for name, value in self.estimate.physical.items()},
+            "parameters": {name: value._asdict() for name, value in self.result.parameters.items()},
             "relative_deviation": {n: self.deviation(n) for n in SHOWN if self.deviation(n) is not None},
-            "error_in_std": self.errors,
-            "warnings": list(self.estimate.warnings),
+            "error_in_std": dict(self.errors),
+            "warnings": list(self.result.warnings),
         }
 
 
@@ -131,26 +130,90 @@ def _weights(case: Case, count: int) -> tuple[RigidBody, ...]:
 def trials(excitation: Excitation, mounted: Sequence[int], disturbances: Disturbances | None) -> Iterator[Trial]:
     """The simulated machine identified with numbers of weights on it, ascending from 0."""
     case = excitation.case
-    bare: Estimate | None = None
+    bare: Result | None = None
     for k in mounted:
         estimate = estimate_parameters(excitation.recorded(k, disturbances), case)
-        bare = estimate if bare is None else bare
+        result = Result(case, entries_of(estimate), estimate)
+        bare = result if bare is None else bare
         weights = _weights(case, k)
         body = loaded_truth(case.need_simulation("the validation").parameters, weights)
-        known = _physical(estimate.model, linear_parameters(estimate.model, body))
-        truth = {name: value for name, value in known.items() if name in BODY}
-        load = sum(w.mass_kg for w in weights)
-        yield Trial(excitation.name, k, load, excitation.duration, estimate, _theory(bare, weights), truth)
+        truth = _physical(result.model, linear_parameters(result.model, body))
+        errors = {n: (result[n].value - truth[n]) / result[n].reported for n in BODY if n in result.parameters}
+        yield Trial(excitation.name, k, _mass(weights), excitation.duration, result, _theory(bare, weights), errors)
 
 
-def _theory(bare: Estimate, mounted: Sequence[RigidBody]) -> dict[str, float]:
+MEASURED = "measured"
+"""Name of the method of results that were measured."""
+
+
+def measured_trials(results: Sequence[Result], mounted: Sequence[int]) -> Iterator[Trial]:
+    """Results of one machine with numbers of weights on it, ascending from 0.
+
+    Raises:
+        HexciteError: there is not one result a number, or models differ.
+        IdentificationError: two are of one recording, or what was added is nearer to another number of weights.
+    """
+    if len(results) != len(mounted):
+        raise HexciteError(
+            problem=f"{len(results)} results, and {len(mounted)} numbers of weights: {', '.join(map(str, mounted))}",
+            remedy=f"name one result for each number, in this order, or say how many were mounted: "
+            f"{option('weights')} 0,3",
+            code=Code.CONTRADICTION,
+        )
+    bare = results[0]
+    for result, k in zip(results, mounted, strict=True):
+        if result.model.names != bare.model.names:
+            raise IdentificationError(
+                place=result.source,
+                problem=f"is of model {result.record.model}, and {bare.source} of model {bare.record.model}",
+                remedy="identify all runs with the same model",
+                code=Code.CONTRADICTION,
+            )
+        weights = _weights(bare.case, k)
+        errors: dict[str, float] = {}
+        if weights:
+            added = payload(bare, result).parameters
+            _require_nearest(result, added["m"].value, k)
+            errors = _errors_of_added(added, weights)
+        theory = _theory(bare, weights)
+        yield Trial(MEASURED, k, _mass(weights), result.record.measuring_s, result, theory, errors)
+
+
+def _require_nearest(result: Result, added: float, count: int) -> None:
+    """Raises IdentificationError where another number of weights is nearer to what was added [kg]: another order."""
+    masses = np.cumsum([0.0, *(weight.mass_kg for weight in _weights(result.case, 99))])
+    nearest = int(np.argmin(np.abs(masses - added)))
+    if nearest != count:
+        raise IdentificationError(
+            place=result.source,
+            problem=f"{added:.4g} kg were added, which is {nearest} weights ({masses[nearest]:.4g} kg) rather than "
+            f"{count} ({masses[count]:.4g} kg)",
+            remedy=f"name the results in the order of the weights, and say how many are mounted: {option('weights')} "
+            f"0,{nearest}",
+            code=Code.CONTRADICTION,
+        )
+
+
+def _errors_of_added(added: Mapping[str, Value], weights: Sequence[RigidBody]) -> dict[str, float]:
+    """What was added less what is known of the weights, in reported standard deviations."""
+    body = reduce(together, weights)
+    values = (body.mass_kg, *body.centre_of_gravity, *np.diag(body.inertia))
+    known = dict(zip(BODY, map(float, values), strict=True))
+    return {n: (added[n].value - known[n]) / added[n].reported for n in BODY if n in added}
+
+
+def _theory(bare: Result, mounted: Sequence[RigidBody]) -> dict[str, float]:
     """The platform as identified without payload, with weights on it; offsets stay.
 
     Linear parameters of bodies add; the estimate need not be one of a real body.
     """
     bodies = [body_parameters(weight) for weight in mounted]
-    linear = bare.fit.values + [sum(body.get(name, 0.0) for body in bodies) for name in bare.model.names]
+    linear = bare.values + [sum(body.get(name, 0.0) for body in bodies) for name in bare.model.names]
     return {name: value for name, value in _physical(bare.model, linear).items() if name[0] not in "kK"}
+
+
+def _mass(weights: Sequence[RigidBody]) -> float:
+    return sum(weight.mass_kg for weight in weights)
 
 
 def _physical(model: Model, linear: Array) -> dict[str, float]:
@@ -160,17 +223,21 @@ def _physical(model: Model, linear: Array) -> dict[str, float]:
     return {p.name: float(value) for p, value in zip(form.parameters, values, strict=True)}
 
 
-def mounted_weights(case: Case, wanted: str | Sequence[int] | None) -> tuple[int, ...]:
-    """Numbers of weights to mount, by default all; raises HexciteError where `wanted` is not such, as in 0,3,5."""
+def require_platform(case: Case) -> None:
+    """Raises CaseError where no methods can be compared: their motions are those of a hexapod's platform."""
     if case.limits is not None and full_model(case) == RIGID:
         problem = f"is {case.setup}: a validation compares methods for sensors in a hexapod's platform"
         raise CaseError(
             file=f"case {case.name}",
             key="setup",
             problem=problem,
-            remedy="run and identify with and without a weight",
+            remedy="identify runs of the machine without and with weights, and name their results",
             code=Code.NOT_SUPPORTED,
         )
+
+
+def mounted_weights(case: Case, wanted: str | Sequence[int] | None) -> tuple[int, ...]:
+    """Numbers of weights to mount, by default all; raises HexciteError where `wanted` is not such, as in 0,3,5."""
     most = len(_weights(case, 99))
     if wanted is None:
         return tuple(range(most + 1))

@@ -3,7 +3,7 @@
 import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -27,10 +27,13 @@ from hexcite.comparison.trials import (
     Trial,
     ValidationSettings,
     executed,
+    measured_trials,
     mounted_weights,
     require_methods,
+    require_platform,
     trials,
 )
+from identification.results.result import Result
 
 OFF = 3.0  # reported standard deviations; more is a systematic error
 
@@ -42,10 +45,11 @@ class Validation:
     case: Case  # machine and weights
     machine: str  # machine that was identified, in words
     trials: tuple[Trial, ...]
-    failed: Mapping[str, str]  # methods that could not be carried out, and why
-    executed: Mapping[str, str]  # controller of each method, with remarks on its run
-    controller: str  # controller that ran the programs
-    made: Mapping[str, bytes]  # files of plans and programs by their place in the folder
+    simulated: bool | None  # whether the machine was; None where its runs do not say
+    failed: Mapping[str, str] = field(default_factory=dict)  # methods that could not be carried out, and why
+    executed: Mapping[str, str] = field(default_factory=dict)  # controller of each method, with remarks on its run
+    controller: str | None = None  # controller that ran the programs; None for results of runs
+    made: Mapping[str, bytes] = field(default_factory=dict)  # files of plans and programs by their place in the folder
 
     @property
     def comparison(self) -> Comparison:
@@ -56,11 +60,25 @@ class Validation:
     def sentences(self) -> tuple[str, ...]:
         """Which method to prefer, and how many results are as close to a simulated machine's truth as they report."""
         errors = [abs(error) for trial in self.trials for error in trial.errors.values()]
-        words = (
-            f"mass, centre of gravity and inertia: {sum(e <= OFF for e in errors)} of {len(errors)} are within {OFF:g} "
-            f"reported standard deviations of the truth, the worst is off by {max(errors):.1f}"
+        of, known = ("of what was added", "what is known of the weights") if self.measured else ("", "the truth")
+        return (
+            *(() if self.measured else self.comparison.sentences),
+            f"mass, centre of gravity and inertia {of}".rstrip()
+            + f": {sum(e <= OFF for e in errors)} of {len(errors)} are within {OFF:g} reported standard deviations of "
+            f"{known}, the worst is off by {max(errors):.1f}",
         )
-        return (*self.comparison.sentences, words)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings of the evaluations: of all results that were given, or of the methods without payload."""
+        if not self.measured:
+            return self.comparison.warnings
+        return tuple(f"{trial.load:.4g} kg: {warning}" for trial in self.trials for warning in trial.result.warnings)
+
+    @property
+    def measured(self) -> bool:
+        """Whether results of runs were given, and nothing was carried out."""
+        return self.controller is None
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `validation.json`."""
@@ -69,7 +87,7 @@ class Validation:
             "case": self.case.name,
             "case_hash": self.case.hash,
             "machine": self.machine,
-            "simulated": True,
+            "simulated": self.simulated,
             "controller": self.controller,
             "not_run": dict(self.failed),
             "rows": [trial.to_json() for trial in self.trials],
@@ -98,11 +116,11 @@ class Validation:
 
 
 def _entry(case: Case, trial: Trial) -> Entry:
-    estimate = trial.estimate
+    record = trial.result.record
+    family = METHODS[trial.method].family if trial.method in METHODS else trial.method
     return Entry(
-        trial.method, "identified", Conditions(case), estimate.model.number, METHODS[trial.method].family,
-        trial.duration, estimate.samples.recorded_count, {}, estimate.physical, estimate.s0, {}, estimate.warnings,
-        estimate.fit.white_noise, residual=estimate.s0_N,
+        trial.method, "identified", Conditions(case), record.model, family, trial.duration, record.samples, {},
+        trial.result.parameters, record.s0, {}, trial.result.warnings, record.white_noise, residual=record.s0_N,
     )  # fmt: skip
 
 
@@ -128,6 +146,7 @@ def validate(
         HexciteError: no method could be carried out, an unknown method or controller, or a case without simulation.
     """
     require_methods(methods)
+    require_platform(case)
     mounted = mounted_weights(case, mounted)
     case.need_machine("a validation")
     require_controller(settings.on)
@@ -157,7 +176,47 @@ def validate(
             if file.is_file()
         }
     machine = _simulated(case, disturbances, settings)
-    return Validation(case, machine, tuple(found), failed, controllers, settings.on, plans)
+    return Validation(case, machine, tuple(found), True, failed, controllers, settings.on, plans)
+
+
+def validate_results(results: Sequence[Result], weights: Sequence[int] | None = None) -> Validation:
+    """What a real machine says of known weights: results of runs with numbers of them on it, against theory.
+
+    >>> print(hx.validate_results([hx.Result.load("empty-result"), hx.Result.load("loaded-result")]).sentences[-1])
+    mass, centre of gravity and inertia of what was added: 7 of 7 are within 3 ...
+
+    Args:
+        results: one a number of weights of the case's `[payloads]`, which are mounted in the order stated there.
+        weights: how many were mounted, ascending from 0; by default 0, 1, 2 and so on.
+
+    Raises:
+        HexciteError: fewer than two results, another count than of `weights`, results of other cases or models.
+        IdentificationError: two are of one recording, or what was added is nearer to another number of weights.
+    """
+    if len(results) < 2:
+        raise HexciteError(
+            problem="one result says nothing of weights",
+            remedy="name the one without weights first, then those with weights",
+            code=Code.MISSING,
+        )
+    case = results[0].case
+    if others := [result for result in results if result.record.case != case.name]:
+        raise HexciteError(
+            place=others[0].source,
+            problem=f"is of case {others[0].record.case}, {results[0].source} of {case.name}",
+            remedy="identify all runs with the case of their machine",
+            code=Code.OTHER_SOURCE,
+        )
+    mounted = mounted_weights(case, tuple(range(len(results))) if weights is None else weights)
+    found = tuple(measured_trials(results, mounted))
+    kinds = {None if result.record.run is None else result.record.run.simulated for result in results}
+    simulated = kinds.pop() if len(kinds) == 1 else None
+    machine = {
+        True: "a simulated machine",
+        False: "a real machine",
+        None: "a machine of which the runs do not say more",
+    }
+    return Validation(case, machine[simulated], found, simulated)
 
 
 def _simulated(case: Case, disturbances: Disturbances | None, settings: ValidationSettings) -> str:

@@ -33,7 +33,7 @@ def table_7(trials: Sequence[Trial]) -> list[list[str]]:
     for trial in trials:
         row = [f"{trial.load:.0f} kg", f"{trial.s0:.2f}"]
         for name in SHOWN:
-            value = trial.estimate.physical.get(name)
+            value = trial.result.parameters.get(name)
             row.append("-" if value is None else f"{value.value * legible(value.unit)[0]:.2f}")
             if name[0] != "k":
                 deviation = trial.deviation(name) or 0.0
@@ -42,41 +42,67 @@ def table_7(trials: Sequence[Trial]) -> list[list[str]]:
     return rows
 
 
+OFF_BY = "Off by, in reported standard deviations: what was added, from what is known of the weights."
+
+
+def errors_of(trials: Sequence[Trial]) -> tuple[list[str], list[list[str]]]:
+    """Head and rows, one a load: errors in reported standard deviations."""
+    names = list(dict.fromkeys(name for trial in trials for name in trial.errors))
+    rows = [
+        [f"{trial.load:.0f} kg", *(f"{trial.errors[n]:+.1f}" if n in trial.errors else "-" for n in names)]
+        for trial in trials
+        if trial.errors
+    ]
+    return ["load", *names], rows
+
+
 def validation_page(validation: Validation) -> str:
     """The page of `hexcite validate`."""
-    case, payloads, comparison = validation.case, validation.case.payloads, validation.comparison
+    case, payloads, comparison, measured = (
+        validation.case,
+        validation.case.payloads,
+        validation.comparison,
+        validation.measured,
+    )
     assert payloads is not None
     by_method: dict[str, list[Trial]] = {}
     for trial in validation.trials:
         by_method.setdefault(trial.method, []).append(trial)
     tables: list[Block] = []
     for method, trials in by_method.items():
-        words = (
-            f"{method} ({METHODS[method].label}), {trials[0].duration:.1f} s, model {trials[0].estimate.model.number}"
-        )
-        tables += [note(words), table(TABLE_7, table_7(trials))]
+        first = trials[0]
+        named = "Results" if measured else f"{method} ({METHODS[method].label})"
+        lasting = "" if first.duration is None else f", {first.duration:.1f} s"
+        tables += [note(f"{named}{lasting}, model {first.result.record.model}"), table(TABLE_7, table_7(trials))]
+        if measured:
+            tables += [note(OFF_BY), table(*errors_of(trials))]
     entries = comparison.entries
     mounted = ", ".join(dict.fromkeys(f"{trial.load:.0f}" for trial in validation.trials))
     return page(
         f"Validation with payloads: {case.heading}",
         comparison_head(comparison)._replace(machine=validation.machine),
-        f"Known weights of {mounted} kg mounted one after the other and identified by {len(by_method)} methods on "
-        f"{validation.machine}.",
+        f"Known weights of {mounted} kg mounted one after the other and identified "
+        + (f"on {validation.machine}." if measured else f"by {len(by_method)} methods on {validation.machine}."),
         (
             ("case", f"{case.name} (hash {case.hash})"),
             ("machine", validation.machine),
             ("weights", payloads.source),
             *provenance([])["versions"].items(),
         ),
-        (*(f"{method} was not run: {why}" for method, why in validation.failed.items()), *comparison.warnings),
-        section("Recommendation", *map(note, validation.sentences)),
+        (*(f"{method} was not run: {why}" for method, why in validation.failed.items()), *validation.warnings),
+        section("What was added" if measured else "Recommendation", *map(note, validation.sentences)),
         section(
-            "Without payload, side by side",
+            "Without payload" if measured else "Without payload, side by side",
             std_chart(comparison.groups),
             table(parameter_columns(entries), parameter_rows(entries)),
             table(("", *(entry.name for entry in entries)), figure_rows(entries)),
         ),
-        section("Values and deviations from theory (Table 7)", note(THEORY), note(UNDISTURBED), *tables),
+        section(
+            "Values and deviations from theory (Table 7)",
+            note(THEORY),
+            *(() if measured else (note(UNDISTURBED),)),
+            *tables,
+        ),
         section("Residuals grow with the load", growth_chart(validation)),
     )
 

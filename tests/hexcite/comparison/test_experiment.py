@@ -20,19 +20,18 @@ def test_an_ideal_machine_meets_theory_and_truth(method, exact: float):
         for name in SHOWN:
             if name in step.theory:
                 assert step.deviation(name) == pytest.approx(0.0, abs=exact), name
-        assert step.estimate.physical["m"].value == pytest.approx(31.83 + step.load, rel=exact)
-        for name, true in step.truth.items():
-            if name in step.estimate.physical:
-                assert step.estimate.physical[name].value == pytest.approx(true, rel=exact, abs=exact)
+        assert step.result["m"].value == pytest.approx(31.83 + step.load, rel=exact)
+        for name, error in step.errors.items():
+            assert error * step.result[name].reported == pytest.approx(0.0, abs=exact), name
 
 
 def test_theory_follows_what_was_identified_without_payload_and_truth_does_not():
     first, second = disturbed("Q")
-    bare = first.estimate.physical["m"].value
-    assert abs(bare - 31.83) > 1e-3
-    assert second.theory["m"] == pytest.approx(bare + 3 * 19.93, rel=1e-12)
-    assert second.truth["m"] == pytest.approx(31.83 + 3 * 19.93, rel=1e-12)
-    assert second.theory["f_q0_3"] == first.estimate.physical["f_q0_3"].value
+    bare, loaded = first.result["m"], second.result["m"]
+    assert abs(bare.value - 31.83) > 1e-3
+    assert second.theory["m"] == pytest.approx(bare.value + 3 * 19.93, rel=1e-12)
+    assert second.errors["m"] == pytest.approx((loaded.value - 31.83 - 3 * 19.93) / loaded.reported, rel=1e-9)
+    assert second.theory["f_q0_3"] == first.result["f_q0_3"].value
 
 
 def test_numbers_of_weights_are_chosen():
