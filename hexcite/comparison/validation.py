@@ -54,7 +54,7 @@ class Validation:
     @property
     def comparison(self) -> Comparison:
         """The methods without payload, side by side."""
-        return recommend([[_entry(self.case, trial)] for trial in self.trials if not trial.weights])
+        return recommend([[entry_of_trial(self.case, trial)] for trial in self.trials if not trial.weights])
 
     @property
     def sentences(self) -> tuple[str, ...]:
@@ -115,7 +115,8 @@ class Validation:
     _repr_html_ = as_html
 
 
-def _entry(case: Case, trial: Trial) -> Entry:
+def entry_of_trial(case: Case, trial: Trial) -> Entry:
+    """A trial as an entry of a comparison, by the name of its method."""
     record = trial.result.record
     family = METHODS[trial.method].family if trial.method in METHODS else trial.method
     return Entry(

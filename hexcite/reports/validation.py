@@ -1,15 +1,16 @@
 """The page of a validation: what each method costs and gives without payload, Table 7, and residuals over the load."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from cases.base.provenance import provenance
 from hexcite.comparison.trials import METHODS, SHOWN, Trial
-from hexcite.comparison.validation import Validation
+from hexcite.comparison.validation import OFF, Validation, entry_of_trial
 from hexcite.reports.chart import Axis, Chart, Line, colour
 from hexcite.reports.compare import comparison_head, figure_rows, parameter_columns, parameter_rows, std_chart
-from hexcite.reports.page import Block, note, page, section, table
+from hexcite.reports.page import Block, Head, note, page, section, table
 from identification.texts import legible
 
 TABLE_7 = ("load", "s0", *(label for n in SHOWN for label in ((n,) if n[0] == "k" else (n, "dev."))))
@@ -58,51 +59,77 @@ def errors_of(trials: Sequence[Trial]) -> tuple[list[str], list[list[str]]]:
 
 def validation_page(validation: Validation) -> str:
     """The page of `hexcite validate`."""
-    case, payloads, comparison, measured = (
-        validation.case,
-        validation.case.payloads,
-        validation.comparison,
-        validation.measured,
+    return _measured_page(validation) if validation.measured else _methods_page(validation)
+
+
+def _measured_page(validation: Validation) -> str:
+    """Results of runs with known weights: what was added, Table 7 of this machine, and all parameters."""
+    case, trials = validation.case, validation.trials
+    (sentence,) = validation.sentences
+    near = all(abs(error) <= OFF for trial in trials for error in trial.errors.values())
+    entries = [replace(entry_of_trial(case, trial), name=f"{trial.load:.0f} kg") for trial in trials]
+    head = Head(f"{sentence[0].upper()}{sentence[1:]}.", near and not validation.warnings, validation.machine)
+    return page(
+        f"Known weights: {case.heading}",
+        head,
+        f"Weights of {', '.join(entry.name for entry in entries)}, each run identified, and set beside what is known "
+        "of the weights.",
+        (
+            *((entry.name, trial.result.source) for entry, trial in zip(entries, trials, strict=True)),
+            *_inputs(validation),
+        ),
+        validation.warnings,
+        section("What was added", note(OFF_BY), table(*errors_of(trials))),
+        section("Values and deviations from theory (Table 7)", note(THEORY), table(TABLE_7, table_7(trials))),
+        section(
+            "All parameters",
+            table(parameter_columns(entries), parameter_rows(entries)),
+            table(("", *(entry.name for entry in entries)), figure_rows(entries)),
+        ),
+        section("Residuals over the load", growth_chart(validation)),
     )
+
+
+def _inputs(validation: Validation) -> tuple[tuple[str, str], ...]:
+    """What it was made of: names and values."""
+    case, payloads = validation.case, validation.case.payloads
     assert payloads is not None
+    return (
+        ("case", f"{case.name} (hash {case.hash})"),
+        ("machine", validation.machine),
+        ("weights", payloads.source),
+        *provenance([])["versions"].items(),
+    )
+
+
+def _methods_page(validation: Validation) -> str:
+    """Methods on a simulated machine, side by side."""
+    case, comparison = validation.case, validation.comparison
     by_method: dict[str, list[Trial]] = {}
     for trial in validation.trials:
         by_method.setdefault(trial.method, []).append(trial)
     tables: list[Block] = []
     for method, trials in by_method.items():
-        first = trials[0]
-        named = "Results" if measured else f"{method} ({METHODS[method].label})"
-        lasting = "" if first.duration is None else f", {first.duration:.1f} s"
-        tables += [note(f"{named}{lasting}, model {first.result.record.model}"), table(TABLE_7, table_7(trials))]
-        if measured:
-            tables += [note(OFF_BY), table(*errors_of(trials))]
+        lasting, model = trials[0].duration or 0.0, trials[0].result.record.model
+        words = f"{method} ({METHODS[method].label}), {lasting:.1f} s, model {model}"
+        tables += [note(words), table(TABLE_7, table_7(trials))]
     entries = comparison.entries
     mounted = ", ".join(dict.fromkeys(f"{trial.load:.0f}" for trial in validation.trials))
     return page(
         f"Validation with payloads: {case.heading}",
         comparison_head(comparison)._replace(machine=validation.machine),
-        f"Known weights of {mounted} kg mounted one after the other and identified "
-        + (f"on {validation.machine}." if measured else f"by {len(by_method)} methods on {validation.machine}."),
-        (
-            ("case", f"{case.name} (hash {case.hash})"),
-            ("machine", validation.machine),
-            ("weights", payloads.source),
-            *provenance([])["versions"].items(),
-        ),
-        (*(f"{method} was not run: {why}" for method, why in validation.failed.items()), *validation.warnings),
-        section("What was added" if measured else "Recommendation", *map(note, validation.sentences)),
+        f"Known weights of {mounted} kg mounted one after the other and identified by {len(by_method)} methods on "
+        f"{validation.machine}.",
+        _inputs(validation),
+        (*(f"{method} was not run: {why}" for method, why in validation.failed.items()), *comparison.warnings),
+        section("Recommendation", *map(note, validation.sentences)),
         section(
-            "Without payload" if measured else "Without payload, side by side",
+            "Without payload, side by side",
             std_chart(comparison.groups),
             table(parameter_columns(entries), parameter_rows(entries)),
             table(("", *(entry.name for entry in entries)), figure_rows(entries)),
         ),
-        section(
-            "Values and deviations from theory (Table 7)",
-            note(THEORY),
-            *(() if measured else (note(UNDISTURBED),)),
-            *tables,
-        ),
+        section("Values and deviations from theory (Table 7)", note(THEORY), note(UNDISTURBED), *tables),
         section("Residuals grow with the load", growth_chart(validation)),
     )
 

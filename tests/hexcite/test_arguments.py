@@ -46,6 +46,7 @@ WRONG: dict[str, tuple[Callable[[Case], Any], tuple[str, ...]]] = {
     "accept": (lambda case: hx.accept("result"), ("result = 'result'", "Result")),
     "history": (lambda case: hx.history("results", case=3), ("case = 3", "str | None")),
     "pool": (lambda case: hx.pool([3]), ("results = [3]", "Result")),
+    "validate_results": (lambda case: hx.validate_results([3]), ("results = [3]", "Result")),
     "certificate": (lambda case: hx.certificate("result", "c.pdf"), ("result = 'result'", "Result")),
     "verify_certificate": (lambda case: hx.verify_certificate(3), ("file = 3", "Path")),
     "export": (lambda case: hx.export("result", "c"), ("result = 'result'", "Result")),

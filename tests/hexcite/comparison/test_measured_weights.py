@@ -68,8 +68,10 @@ def test_the_command_writes_what_was_added_with_its_page(results: list[Result], 
         places.append(tmp_path / f"with-{count}")
     answer = call("validate", "hexapod", *places, "--weights", "0,1,3", "-o", tmp_path / "v", "--json").json()
     assert [row["weights"] for row in answer["rows"]] == list(MOUNTED)
-    assert abs(answer["rows"][1]["relative_deviation"]["m"]) < 1e-3
+    added = answer["rows"][1]["parameters"]["m"]["value"] - answer["rows"][0]["parameters"]["m"]["value"]
+    assert added == pytest.approx(19.93, rel=0.01)
     page = Path(answer["report"]).read_text(encoding="utf-8")
     assert "what is known of the weights" in page
+    assert all(f"with-{count}" in page for count in MOUNTED)
     assert "--starts" in refused("validate", "hexapod", *places, "--starts", "3", "-o", tmp_path / "w")
     assert not (tmp_path / "w").exists()
