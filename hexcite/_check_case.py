@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from cases.base.units import as_html
-from cases.scaffold import readiness
+from cases.readiness import readiness
 from cases.schema import Case
 from cases.tables import find_case
 from hexcite.reports.case_figures import case_figures, has_motion_box, leftovers, share_sentences

@@ -12,7 +12,7 @@ from cases.base.file_reading import read_whole
 from cases.base.options import default_of, documented
 from cases.basis import motion_hash
 from cases.controller import ControllerName
-from cases.scaffold import readiness
+from cases.readiness import readiness
 from cases.schema import Case
 from hexcite.options import Accept, Ini, Language, LanguageOfFile, Speed
 from identification.limits.limit import LimitKind

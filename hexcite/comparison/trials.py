@@ -21,7 +21,7 @@ from cases.base.doors import checks_arguments
 from cases.base.errors import CaseError, Code, HexciteError, IdentificationError, Interrupted, choice, option
 from cases.base.options import documented
 from cases.controller import ControllerName
-from cases.scaffold import readiness
+from cases.readiness import readiness
 from cases.schema import Case, fingerprint
 from cases.sensors import Disturbances, RigidBody, together
 from cases.tables import Part

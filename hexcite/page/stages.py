@@ -20,7 +20,7 @@ from cases.basis import (
     recording_basis,
     result_basis,
 )
-from cases.scaffold import readiness
+from cases.readiness import readiness
 from cases.schema import Case, load_case
 from cases.tables import CASE_FILE, built_in_cases
 

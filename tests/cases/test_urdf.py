@@ -11,7 +11,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cases.base.errors import MOST_PROBLEMS, CaseError, FileProblem
-from cases.scaffold import new_arm, readiness
+from cases.readiness import readiness
+from cases.scaffold import new_arm
 from cases.schema import load_case
 from cases.sensors import RigidBody
 from cases.urdf import Arm, read_urdf

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from starlette.testclient import TestClient
 
-from cases.scaffold import new_arm, new_case, readiness
+from cases.readiness import readiness
+from cases.scaffold import new_arm, new_case
 from cases.schema import load_case
 from hexcite.page import values
 from hexcite.page.refusals import Refused

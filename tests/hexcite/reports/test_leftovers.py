@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 
 from cases.base.errors import CaseError
-from cases.scaffold import NEEDS, new_case, readiness
+from cases.readiness import NEEDS, readiness
+from cases.scaffold import new_case
 from cases.schema import Case, load_case
 from cases.tables import built_in_cases
 from hexcite.reports.case_figures import leftovers
