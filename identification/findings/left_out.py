@@ -1,4 +1,4 @@
-"""What a model of a run leaves out: its effects on the forces, one by one, to be compared with the residuals."""
+"""How the forces of a run change with what its model leaves out; `alternatives` names it, one by one."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -11,7 +11,6 @@ from scipy.spatial.transform import Rotation
 from cases.base.units import DEG, MM, Array, Indices
 from cases.machine import MotionLimits
 from cases.schema import Case
-from identification.estimation.alternatives import Alternative
 from identification.machines.hexapod import Hexapod
 from identification.machines.machine import Kinematics
 from identification.model.blocks import RIGID
@@ -27,15 +26,6 @@ from identification.samples.samples import Fitted, MotionOfSamples, Moving
 
 STEP = 1e-6  # [m, rad and their rates, or a share] for derivatives of what is smooth over metres
 FAINT = 1e-4  # of what varies in the forces, below which noise of the drives does not count
-SLOW = 0.05  # of the largest speed, below which friction grows with the speed
-PERCENT, DEGREES, MILLIMETRES, MILLISECONDS = 0.01, DEG, MM, 1e-3
-
-SPRING = "a hose, a cable or a spring between the load and its surroundings"
-BY_PLACE = "a wrong dimension or zero in the case, an elastic frame, or errors of encoders and joints"
-BY_ORIENTATION = "errors of the orientations, or sensors that are not straight"
-BY_SHAKING = "a gain, a mode of what carries the sensor, or a low-pass in one of the streams"
-BY_RATE = "friction, channels that are late against each other, or a cable"
-BY_ACCELERATION = "a wrong dimension in the case, a gain, a mode of the frame, or a low-pass in one of the streams"
 
 
 class Names(NamedTuple):
@@ -144,95 +134,9 @@ class LeftOut:
         more = [self.derivative(self.expected, order)[:, :, None] for order in orders]
         return self.weighted(np.concatenate([self.matrices, *more], axis=2))
 
-    def alternatives(self) -> Iterator[Alternative]:
-        """All that this kind of run can show."""
-        for alternative in self._all():
-            yield alternative._replace(columns=self.weighted(alternative.columns))
-
     def weighted(self, columns: Array) -> Array:
         """Effects on the forces as a fit sees them, shape (n, 6, k)."""
         return np.asarray(columns * (self.motion.known * self.scale)[:, None, None])
-
-    def _all(self) -> Iterator[Alternative]:
-        if self.larger is not None:
-            yield self._of_larger(self.larger)
-        yield from self._of_channels()
-        yield from self._of_frame()
-        yield from self._of_surroundings()
-        if self.late is not None:
-            yield from self._of_clocks()
-        yield from self._of_drives()
-        yield from self._of_motion()
-
-    def _of_larger(self, larger: Model) -> Alternative:
-        more = [k for k, name in enumerate(larger.names) if name not in self.model.names]
-        names = ", ".join(larger.names[k] for k in more)
-        cause = f"a model that is too small: {names} are not in it; choose model {larger.number}"
-        follow = f"what model {larger.number} has beside model {self.model.number}"
-        return Alternative("model", follow, cause, regressors(larger, self.load)[:, :, more])
-
-    def _of_channels(self) -> Iterator[Alternative]:
-        for k, name in enumerate(self.names.channels):
-            columns = in_channel(self.expected[:, k], k)
-            yield Alternative(
-                "gain", f"the load on {name}", f"a gain of {name} that is {{}} % too high", columns, PERCENT
-            )
-        coupling = in_channels(self.of_load)
-        cause = "cross-talk of the channels, or a wrong dimension of the sensor frame"
-        yield Alternative(
-            "coupling",
-            "the loads on all channels",
-            cause,
-            coupling,
-            each=self._each("the load on {}", self.names.channels),
-        )
-        size = np.abs(self.expected).max(axis=0)
-        bent = own(self.expected**2 / np.where(size > 0.0, size, 1.0))
-        yield Alternative(
-            "bent",
-            "the square of the load",
-            "sensors that are not linear",
-            bent,
-            each=self._own("the square of its load"),
-        )
-        yield from self._of_bars()
-
-    def _each(self, words: str, names: tuple[str, ...]) -> tuple[tuple[str, int], ...]:
-        """What columns of `in_channels` follow."""
-        return tuple((words.format(name), k) for k in range(6) for name in names)
-
-    def _own(self, words: str) -> tuple[tuple[str, int], ...]:
-        """What columns of `own` follow."""
-        return tuple((words, k) for k in range(6))
-
-    def _of_bars(self) -> Iterator[Alternative]:
-        if self.bars is None:
-            return
-        into, (lower, upper) = self.into_channels[0], self.bars
-        for ring, place in (("lower", lower), ("upper", upper)):
-            for what, ways, unit, word in ring_changes(place):
-                if ring == "upper" and what == "height":
-                    continue  # nearly the same as the lower ring's
-                moved = (place + STEP * ways, upper) if ring == "lower" else (lower, place + STEP * ways)
-                change = (structure_of(*moved) - structure_of(lower, upper)) / STEP
-                columns = -(self.of_load @ (into @ change).T)[:, :, None]
-                cause = f"a {what} of the bars' {ring} ring that is {{}} {word} larger than the case says"
-                yield Alternative("bars", "the loads on all channels", cause, columns, unit)
-
-    def _of_frame(self) -> Iterator[Alternative]:
-        for k, name in enumerate("xyz"):
-            than = "the accelerometer" if self.motion.by_accelerometer else "the case says"
-            cause = f"a sensor frame that is {{}} mm further along its {name} than {than}"
-            yield Alternative("frame", "the turning of the load", cause, self.by_place[:, :, k : k + 1], MILLIMETRES)
-        for k, name in enumerate("xyz"):
-            against = "the orientations" if self.motion.by_accelerometer else "the case"
-            cause = f"a sensor frame that is turned about its {name} by {{}} deg against {against}"
-            yield Alternative("frame", "gravity and acceleration", cause, self.by_axes[:, :, k : k + 1], DEGREES)
-        axes, columns = self.by_gravity
-        for k, axis in enumerate(axes[1:], 1):
-            along = ", ".join(f"{v + 0.0:.2g}" for v in axis)
-            cause = f"gravity that leans by {{}} deg towards ({along})"
-            yield Alternative("gravity", "the direction of gravity", cause, columns[:, :, k : k + 1], DEGREES)
 
     @cached_property
     def by_place(self) -> Array:
@@ -303,60 +207,6 @@ class LeftOut:
         local = self.turn.transpose(0, 2, 1) * forces[:, None, :]
         return np.asarray(self.into_channels[:, :, :3] @ local)
 
-    def _of_surroundings(self) -> Iterator[Alternative]:
-        position, speed = self.load.pose[:, :3], self.load.twist[:, :3]
-        kinds = [("pull", "a constant force along {} of the base", "a hose or a cable that pulls", np.ones_like(speed))]
-        if np.ptp(position, axis=0).any():
-            kinds.append(("spring", "the position along {}", SPRING, position - position.mean(axis=0)))
-            if self.late is not None:
-                kinds.append(("drag", "the speed along {}", "a damper, or a hose that is dragged along", speed))
-                cause = "friction of a cable chain or a seal"
-                kinds.append(("friction", "the sign of the speed along {}", cause, rubbing(speed)))
-        for key, follow, cause, forces in kinds:
-            columns, each = self.pulled(forces), tuple((follow.format(axis), -1) for axis in "xyz")
-            yield Alternative(key, follow.format("x, y and z"), cause, columns, each=each)
-            for k in range(3):
-                yield Alternative(key, each[k][0], cause, columns[:, :, k : k + 1])
-
-    def _of_clocks(self) -> Iterator[Alternative]:
-        assert self.late is not None
-        cause = "time stamps that are {} % too far apart"
-        if not self.motion.by_accelerometer:  # then only the turning goes by the clock
-            yield Alternative("clock", "the acceleration", cause, self.by_clock[:, :, None], PERCENT)
-        span = (self.t - self.t.mean()) / max(float(np.ptp(self.t)), self.step)
-        rate = self.derivative(self.expected, 1)
-        cause = "clocks of forces and motion that drift apart by {} ms over the run"
-        yield Alternative(
-            "drift", "a delay that changes with time", cause, -(rate * span[:, None])[:, :, None], MILLISECONDS
-        )
-        yield Alternative(
-            "skew",
-            "the rate of the forces",
-            "channels that are late against each other",
-            own(rate),
-            each=self._own("its own rate"),
-        )
-        cause = "a low-pass in the streams, noise of the drives, or a mode of the frame below the cut-off"
-        for order in (2, 3, 4) if self.motion.calm else ():
-            bend, word = self.derivative(self.expected, order), {2: "second", 3: "third", 4: "fourth"}[order]
-            follow = f"the {word} derivative of the forces"
-            yield Alternative("smoothing", follow, cause, bend[:, :, None])
-            yield Alternative(
-                "smoothing", follow, cause, own(bend), each=self._own(f"the {word} derivative of its own force")
-            )
-        yield Alternative(
-            "hysteresis",
-            "the sign of the rate of the forces",
-            "hysteresis of the sensors",
-            own(rubbing(rate)),
-            each=self._own("the sign of its own rate"),
-        )
-        loads = [k for k, name in enumerate(self.model.names) if name in ("m", "mxC", "myC", "mzC")]
-        if loads:
-            for share, word in ((span, "changes with time"), ((span > 0.0) * 1.0, "changes at once")):
-                columns = self.matrices[:, :, loads] * share[:, None, None]
-                yield Alternative("load", f"a load that {word}", "a payload that was lost, taken up or moved", columns)
-
     def derivative(self, values: Array, order: int) -> Array:
         """Of series between neighbouring samples, zero where they have none, shape (n, 6)."""
         for _ in range(order // 2):
@@ -410,45 +260,6 @@ class LeftOut:
             total += np.tensordot(change, (change @ self.values) @ w, ((0, 1), (0, 1)))
         return total
 
-    def _of_drives(self) -> Iterator[Alternative]:
-        if self.by_drives is None or self.motion.drives is None:
-            return
-        place, v, gains = self.by_drives[0], self.motion.drives[1], self.by_scales
-        for k, name in enumerate(self.names.drives):
-            unit, word = (DEGREES, "deg") if self.names.turns[k] else (MILLIMETRES, "mm")
-            cause = f"a zero of {name} that is wrong by {{}} {word}"
-            yield Alternative("zero", f"the position of {name}", cause, -place[:, :, k : k + 1], unit)
-            cause = f"a scale of {name} that is wrong by {{}} %"
-            yield Alternative("scale", f"the motion of {name}", cause, -gains[:, :, k : k + 1], PERCENT)
-        if self.motion.of_pose:
-            cause = "zeros of all struts that are wrong by {} mm"
-            yield Alternative("zero", "the pose", cause, -place.sum(axis=2, keepdims=True), MILLIMETRES)
-            cause = "a scale of all struts that is wrong by {} %"
-            yield Alternative("scale", "the pose", cause, -gains.sum(axis=2, keepdims=True), PERCENT)
-            yield from self._of_joints()
-        if self.late is not None:
-            each = self._each("the sign of the speed of {}", self.names.drives)
-            yield Alternative(
-                "friction",
-                "the signs of the drives' speeds",
-                "friction in joints or drives",
-                in_channels(rubbing(v)),
-                each=each,
-            )
-
-    def _of_joints(self) -> Iterator[Alternative]:
-        """Rings of joints of a hexapod that are not as the case says: then struts seem to have other lengths."""
-        machine = self.motion.machine
-        if not isinstance(machine, Hexapod):
-            return
-        for ring, points in (("base", machine.base), ("platform", machine.platform)):
-            for what, ways, unit, word in ring_changes(points):
-                if what == "height":
-                    continue  # of the base or of the platform, it moves the pose as a whole
-                columns = -self.by_joints(machine, ring, ways)  # the run is of the larger ring
-                cause = f"a {what} of the {ring} joints' ring that is {{}} {word} larger than the case says"
-                yield Alternative("ring", "the pose", cause, columns, unit)
-
     def by_joints(self, machine: Hexapod, ring: str, ways: Array) -> Array:
         """How the expected forces change where joints of a ring are moved in the case, shape (n, 6, 1).
 
@@ -484,53 +295,6 @@ class LeftOut:
         lengths = np.linalg.norm(struts, axis=2)
         speeds = np.sum(struts * rates, axis=2) / lengths
         return lengths, speeds, (np.sum(rates**2 + struts * bends, axis=2) - speeds**2) / lengths
-
-    def _of_motion(self) -> Iterator[Alternative]:
-        described = (self.load.pose, self.load.twist, self.load.twist_rate)
-        if self.motion.by_accelerometer:
-            yield from self._of_orientation()
-            return
-        if self.motion.drives is not None and not self.motion.of_pose:
-            described = self.motion.drives
-        names = self.names.coordinates
-        place, *moving = (scaled(values) for values in described)
-        each = self._each("the position of {}", names)
-        yield Alternative("place", "the position", BY_PLACE, in_channels(place), each=each)
-        first, second = np.triu_indices(place.shape[1])
-        pairs = tuple(names[i] if i == j else f"{names[i]} and {names[j]}" for i, j in zip(first, second, strict=True))
-        each = self._each("products of the position of {}", pairs)
-        yield Alternative(
-            "place", "the position", BY_PLACE, in_channels(scaled(place[:, first] * place[:, second])), each=each
-        )
-        if self.late is not None:
-            for key, values, cause in zip(("speed", "acceleration"), moving, (BY_RATE, BY_ACCELERATION), strict=True):
-                yield Alternative(
-                    key, f"the {key}", cause, in_channels(values), each=self._each(f"the {key} of {{}}", names)
-                )
-
-    def _of_orientation(self) -> Iterator[Alternative]:
-        """Of a motion whose place is not known: how gravity lies in the sensor, and how that turns and is shaken."""
-        m, into_sensor = self.load, self.turn.transpose(0, 2, 1)
-        specific_force = into_sensor @ (m.twist_rate[:, :3] - self.model.gravity)[:, :, None]
-        kinds = (
-            ("place", "the orientation", "gravity along {} of the sensor", into_sensor[:, :, 2], BY_ORIENTATION),
-            (
-                "speed",
-                "the speed",
-                "the speed about {} of the sensor",
-                (into_sensor @ m.twist[:, 3:, None])[:, :, 0],
-                BY_RATE,
-            ),
-            (
-                "acceleration",
-                "the acceleration",
-                "the acceleration along {} of the sensor",
-                specific_force[:, :, 0],
-                BY_SHAKING,
-            ),
-        )
-        for key, follow, each, values, cause in kinds:
-            yield Alternative(key, follow, cause, in_channels(scaled(values)), each=self._each(each, ("x", "y", "z")))
 
 
 def _ends(case: Case) -> tuple[Array, Array] | None:
@@ -573,9 +337,9 @@ def ring_changes(points: Array) -> Iterator[tuple[str, Array, float, str]]:
     gaps = np.diff(np.r_[angles[order], angles[order[0]] + 2.0 * np.pi])
     pairs = np.empty(6)
     pairs[order] = (-1.0, 1.0) * 3 if gaps[0::2].sum() < gaps[1::2].sum() else (1.0, -1.0) * 3
-    yield "radius", arms / radius[:, None], MILLIMETRES, "mm"
-    yield "half-angle", around * pairs[:, None], DEGREES, "deg"
-    yield "height", np.tile([0.0, 0.0, 1.0], (6, 1)), MILLIMETRES, "mm"
+    yield "radius", arms / radius[:, None], MM, "mm"
+    yield "half-angle", around * pairs[:, None], DEG, "deg"
+    yield "height", np.tile([0.0, 0.0, 1.0], (6, 1)), MM, "mm"
 
 
 def _with(drives: tuple[Array, Array, Array], order: int, k: int) -> list[Array]:
@@ -588,26 +352,3 @@ def _with(drives: tuple[Array, Array, Array], order: int, k: int) -> list[Array]
 def in_channel(series: Array, k: int) -> Array:
     """A series, shape (n,), as a column in channel k alone, shape (n, 6, 1)."""
     return np.asarray((series[:, None] * np.eye(6)[k])[:, :, None])
-
-
-def own(series: Array) -> Array:
-    """A series of each channel, shape (n, 6), as columns in that channel alone, shape (n, 6, 6)."""
-    return np.asarray(series[:, :, None] * np.eye(6))
-
-
-def in_channels(series: Array) -> Array:
-    """Series, shape (n, s), each as a column in each channel alone, shape (n, 6, 6 s); channel after channel."""
-    return np.asarray(np.concatenate([series[:, None, :] * np.eye(6)[k][:, None] for k in range(6)], axis=2))
-
-
-def scaled(values: Array) -> Array:
-    """Series about their means, largest size 1, shape (n, s)."""
-    centred = values - values.mean(axis=0)
-    size = np.abs(centred).max(axis=0)
-    return np.asarray(centred / np.where(size > 0.0, size, 1.0))
-
-
-def rubbing(speed: Array) -> Array:
-    """The sign of a speed, smooth where it is slow, shape (n, s)."""
-    size = SLOW * np.abs(speed).max(axis=0)
-    return np.asarray(np.tanh(speed / np.where(size > 0.0, size, 1.0)))

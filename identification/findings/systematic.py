@@ -16,6 +16,7 @@ from cases.base.units import DEG, Array
 from cases.schema import Case
 from identification.estimation.alternatives import Effect, Unseen, effects_of, unseen
 from identification.finding import Finding, Kind, note, warning
+from identification.findings.alternatives import alternatives_of
 from identification.findings.clock import OddClock
 from identification.findings.drift import Drift, drift_of
 from identification.findings.left_out import LeftOut
@@ -95,7 +96,7 @@ def systematic_of(
     if drift is not None:
         rest = rest.beside((drift.shape[part] * samples.scale)[:, None, None] * np.eye(6))
         bias += np.outer(drift.bias, drift.bias)
-    alternatives = list(left_out.alternatives())
+    alternatives = list(alternatives_of(left_out))
     if odd is not None:
         for clock in (alternative for alternative in alternatives if alternative.key == "clock"):
             wrong = half @ rest.without_fit(rest.root @ clock.columns)[1][: len(half), 0] * odd.share
