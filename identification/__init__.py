@@ -8,8 +8,8 @@ if TYPE_CHECKING:
     from identification.estimation.estimators import Method as Method
     from identification.estimation.priors import Prior as Prior
     from identification.finding import Finding as Finding
-    from identification.looks import Look as Look
-    from identification.looks import look as look
+    from identification.looks.look import Look as Look
+    from identification.looks.looking import look as look
     from identification.model.model import Model as Model
     from identification.model_choice import ModelChoice as ModelChoice
     from identification.model_choice import identify_models as identify_models
@@ -32,8 +32,8 @@ PUBLIC = {
     "Method": "identification.estimation.estimators",
     "Prior": "identification.estimation.priors",
     "Finding": "identification.finding",
-    "Look": "identification.looks",
-    "look": "identification.looks",
+    "Look": "identification.looks.look",
+    "look": "identification.looks.looking",
     "Model": "identification.model.model",
     "ModelChoice": "identification.model_choice",
     "identify_models": "identification.model_choice",

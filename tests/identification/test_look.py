@@ -13,7 +13,7 @@ import pytest
 from cases.base.errors import RecordingError
 from cases.recording_format import RecordingFormat
 from cases.schema import Case, load_case
-from identification.looks import look
+from identification.looks.looking import look
 from identification.machines.hexapod import Hexapod
 from identification.recording.recording import read
 from identification.samples.moving_window import checked_filter

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from cases.schema import Case, load_case
 from cases.tables import built_in_cases
 from cases.urdf import read_urdf
-from identification.looks import look
+from identification.looks.looking import look
 from identification.recording.recording import read
 from postprocessors.controllers.linuxcnc.machine_ini import read_ini
 from postprocessors.program import dialect, read_program

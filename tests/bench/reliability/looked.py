@@ -6,7 +6,7 @@ import numpy as np
 
 from cases.recording_format import RecordingFormat
 from cases.schema import Case
-from identification.looks import look
+from identification.looks.looking import look
 from identification.recording.recording import Recording, read
 from tests.bench.reliability.tally import Tally
 

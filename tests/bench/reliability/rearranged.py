@@ -18,7 +18,7 @@ from cases.recording_format import RecordingFormat
 from cases.schema import Case, load_case
 from identification.finding import Kind
 from identification.identify import estimate_parameters
-from identification.looks import look
+from identification.looks.looking import look
 from identification.machines.hexapod import Hexapod
 from identification.model.model import identification_model
 from identification.model.parameters import linear_parameters, physical_form

@@ -9,7 +9,7 @@ import pytest
 from cases.base.errors import RecordingError
 from cases.recording_format import BAR_FORCES, STRUTS
 from cases.schema import Case
-from identification.looks import look
+from identification.looks.looking import look
 from identification.machines.hexapod import Hexapod
 from identification.recording.recording import Recording, read, write_recording
 from identification.simulate import simulate_recording

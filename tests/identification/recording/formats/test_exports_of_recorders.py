@@ -10,7 +10,7 @@ import pytest
 from cases.base.errors import RecordingError
 from cases.recording_format import RecordingFormat
 from cases.schema import Case
-from identification.looks import look
+from identification.looks.looking import look
 from identification.recording.formats.stated_rates import stated_step
 from identification.recording.recording import Recording, read
 from tests.helpers import one_line

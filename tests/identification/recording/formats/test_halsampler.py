@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cases.base.errors import RecordingError
-from identification.looks import look
+from identification.looks.looking import look
 from identification.recording.formats.reading import read_tables
 from identification.recording.recording import read
 from tests.helpers import one_line

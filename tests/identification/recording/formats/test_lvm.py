@@ -9,7 +9,7 @@ import pytest
 
 from cases.base.errors import RecordingError
 from cases.recording_format import BAR_FORCES, STRUTS
-from identification.looks import look
+from identification.looks.looking import look
 from identification.recording.recording import Recording, read
 from tests.helpers import one_line
 from tests.identification.recording.formats.runs import HEXAPOD, Truth, case_with, number, written

@@ -20,7 +20,7 @@ from rosbags.typesys import Stores, get_typestore
 from cases.base.errors import RecordingError
 from cases.schema import Case
 from identification.identify import identify
-from identification.looks import look
+from identification.looks.looking import look
 from identification.recording.recording import read
 from tests.chains import ROBOT, swing, swung_forces
 from tests.helpers import answer, examples, one_line

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cases.schema import Case, load_case
-from identification.looks import look
+from identification.looks.looking import look
 from identification.recording.recording import read
 from tests.chains import swing, swung_forces
 

@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cases.base.errors import RecordingError
-from identification.looks import look
+from identification.looks.looking import look
 from identification.recording.formats.content import Content, blocks_of, lines_of, section_of
 from identification.recording.formats.text import squeezed
 from identification.recording.recording import Recording, read

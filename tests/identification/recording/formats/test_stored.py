@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cases.base.errors import RecordingError
-from identification.looks import look
+from identification.looks.looking import look
 from identification.recording.formats import content
 from identification.recording.recording import read
 from tests.helpers import one_line

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cases.base.errors import RecordingError
-from identification.looks import look
+from identification.looks.looking import look
 from identification.recording.recording import Recording, read
 from tests.helpers import one_line
 from tests.identification.recording.formats.runs import HEXAPOD, NAMES, Truth, case_with, number, written

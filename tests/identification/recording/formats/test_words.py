@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from cases.base.errors import RecordingError
 from cases.recording_format import FileFormat
-from identification.looks import look
+from identification.looks.looking import look
 from identification.recording.formats.words import MISSING, is_value, regular
 from identification.recording.recording import read
 from tests.identification.recording.formats.runs import HEXAPOD, NAMES, Truth, case_with, csv, rows, written
