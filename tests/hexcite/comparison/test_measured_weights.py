@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from cases.base.errors import Code, HexciteError
-from hexcite.comparison.trials import measured_trials, trials
+from hexcite.comparison.trials import Trial, measured_trials, trials
 from hexcite.comparison.validation import validate_results
 from identification.results.payload import payload
 from identification.results.result import Result
@@ -17,9 +17,15 @@ MOUNTED = (0, 1, 3)
 
 
 @pytest.fixture(scope="module")
-def results() -> list[Result]:
-    """Results of an undisturbed machine with noise, without weights, with one and with three."""
-    return [trial.result for trial in trials(moving(CASE), MOUNTED, None)]
+def simulated() -> list[Trial]:
+    """An undisturbed machine with noise, without weights, with one and with three."""
+    return list(trials(moving(CASE), MOUNTED, None))
+
+
+@pytest.fixture
+def results(simulated: list[Trial]) -> list[Result]:
+    """What its runs say."""
+    return [trial.result for trial in simulated]
 
 
 def code_of(*arguments: Any) -> Code:
@@ -29,8 +35,9 @@ def code_of(*arguments: Any) -> Code:
     return raised.value.code
 
 
-def test_theory_is_that_of_the_simulated_experiment_and_errors_are_of_what_was_added(results: list[Result]):
-    simulated = list(trials(moving(CASE), MOUNTED, None))
+def test_theory_is_that_of_the_simulated_experiment_and_errors_are_of_what_was_added(
+    simulated: list[Trial], results: list[Result]
+):
     measured = list(measured_trials(results, MOUNTED))
     assert [trial.theory for trial in measured] == [trial.theory for trial in simulated]
     assert not measured[0].errors
