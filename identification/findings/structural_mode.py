@@ -100,19 +100,22 @@ def _widely(run: Run) -> Run:
     return replace(run, filter=wide, rows=run.rows + shift, spoilt=spoilt)
 
 
-def biased_by(mode: Mode, left_out: LeftOut, rest: Remainder, basis: Array) -> Array:
-    """By how much a mode puts the values of a fit off, shape (v,), where its smoothing was not estimated with them.
-
-    Args:
-        mode: the mode.
-        left_out: the fit with its motion.
-        rest: what the fit leaves.
-        basis: what was free in the fit, shape (v, free).
-    """
+def sharpened(mode: Mode, left_out: LeftOut) -> Array:
+    """What a mode adds to the forces of a fit in the fit's motion, shape (n, 6)."""
     load = left_out.load
     bent = left_out.derivative(load.twist_rate, 2)
-    change = left_out.change(replace(load, twist_rate=load.twist_rate - STEP * mode.sharpening * bent))
-    _, inside = rest.without_fit(rest.root @ left_out.weighted(change[:, :, None]))
+    return left_out.change(replace(load, twist_rate=load.twist_rate - STEP * mode.sharpening * bent))
+
+
+def biased_by(column: Array, rest: Remainder, basis: Array) -> Array:
+    """By how much an effect on the forces puts the values of a fit off, shape (v,).
+
+    Args:
+        column: the effect as a fit sees it, shape (n, 6, 1).
+        rest: what the fit leaves; what was estimated beside it takes up its part.
+        basis: what was free in the fit, shape (v, free).
+    """
+    _, inside = rest.without_fit(rest.root @ column)
     return np.asarray(basis @ (rest.half @ inside))[:, 0]
 
 

@@ -22,7 +22,7 @@ from identification.findings.drift import Drift, drift_of
 from identification.findings.left_out import LeftOut
 from identification.findings.noise_level import channel_words
 from identification.findings.remains import excerpt_of, free_basis, remainder_of
-from identification.findings.structural_mode import Ringing, biased_by, mode_of
+from identification.findings.structural_mode import Ringing, biased_by, mode_of, sharpened
 from identification.findings.told import Told
 from identification.findings.tolerances import Share, shares_of, without_tolerances
 from identification.model.parameters import offset_columns
@@ -96,6 +96,12 @@ def systematic_of(
     if drift is not None:
         rest = rest.beside((drift.shape[part] * samples.scale)[:, None, None] * np.eye(6))
         bias += np.outer(drift.bias, drift.bias)
+    mode = mode_of(whole)
+    ringing = None
+    if mode is not None:  # before all that follows derivatives of the forces, which would take it over
+        column = left_out.weighted(sharpened(mode, left_out)[:, :, None])
+        ringing = Ringing(mode, biased_by(column, rest, basis))
+        rest = rest.beside(column)
     alternatives = list(alternatives_of(left_out))
     if odd is not None:
         for clock in (alternative for alternative in alternatives if alternative.key == "clock"):
@@ -128,8 +134,6 @@ def systematic_of(
         pull = basis.T @ np.r_[attenuated, np.zeros(fitted.regression.nuisance)]
         drives = -basis @ (half @ (half.T @ pull))
         bias += np.outer(drives, drives)
-    mode = mode_of(whole)
-    ringing = None if mode is None else Ringing(mode, biased_by(mode, left_out, rest, basis))
     if ringing is not None:
         bias += np.outer(ringing.bias, ringing.bias)
     rms = np.sqrt(np.mean(residuals**2, axis=0))

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from identification.findings.left_out import LeftOut
 from identification.findings.remains import free_basis, remainder_of
-from identification.findings.structural_mode import Mode, biased_by, mode_of
+from identification.findings.structural_mode import Mode, biased_by, mode_of, sharpened
 from identification.identify import default_model, estimate_parameters, fitted_run
 from identification.model.model import identification_model
 from identification.samples.samples import GAUSS_MARKOV, Fitted
@@ -77,7 +77,8 @@ def test_an_estimate_is_off_by_what_the_mode_is_said_to_do() -> None:
     assert sound.regression.nuisance == off.regression.nuisance == 1
     left_out = LeftOut.of(off, off.samples.motion(off.at), of.case)
     rest = remainder_of(off, left_out.regressors(off.regression.names))
-    said = biased_by(Mode(60.0, DAMPING), left_out, rest, free_basis(off))[:-1]
+    column = left_out.weighted(sharpened(Mode(60.0, DAMPING), left_out)[:, :, None])
+    said = biased_by(column, rest, free_basis(off))[:-1]
     found = (off.fit.values - sound.fit.values)[:-1]
     scale = np.sqrt(np.diag(off.fit.covariance))[:-1]
     assert np.abs(found / scale).max() > 1.0
@@ -93,3 +94,16 @@ def test_deviations_hold_with_a_mode() -> None:
     assert any("rings at" in said for said in (*estimate.warnings, *estimate.notes))
     errors = [(p.value - of.truth[k]) / p.reported for k, p in estimate.physical.items() if k in of.truth]
     assert np.abs(errors).max() < 3.5
+
+
+def test_its_bias_is_counted_though_derivatives_of_the_forces_explain_the_residuals_too() -> None:
+    of, seed = machine("hexapod"), 2
+    sound, off = (
+        estimate_parameters(recorded(of, Moves(of, 3, 4.0), seed, STATED, change), of.case)
+        for change in (SOUND, behind_a_mode(of, 45.0))
+    )
+    bias = off.quantities["structural_mode"]["bias"][0]
+    shift = off.physical["m"].value - sound.physical["m"].value
+    assert bias == pytest.approx(shift, rel=0.5)
+    assert abs(shift) > 10.0 * sound.physical["m"].reported
+    assert off.physical["m"].reported > 0.6 * abs(shift)
