@@ -17,7 +17,8 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from multiprocessing import get_context, parent_process
+from multiprocessing import active_children, get_context, parent_process
+from multiprocessing.process import BaseProcess
 from threading import Event, Thread, current_thread, main_thread
 from types import FrameType, ModuleType
 from typing import Any
@@ -186,6 +187,18 @@ def _work(task: Task) -> Start | Failed:
     return run_safely(task, watch)
 
 
+_kept: list[tuple[list[BaseProcess], tuple[Any, ...]]] = []
+
+
+def _keep_until_ended(*ends: Any) -> None:
+    """Keeps ends of events and queues for processes that are still beginning, which would not find them otherwise.
+
+    A process that is started late in a search, on a busy computer, may begin when the search is over.
+    """
+    _kept[:] = [(processes, held) for processes, held in _kept if any(process.is_alive() for process in processes)]
+    _kept.append((active_children(), ends))
+
+
 Runner = Callable[[Schedule, Listener], Outcome]
 """Runs starts until they are enough."""
 
@@ -291,6 +304,7 @@ def workers(pressed: Event, most: int | None = None) -> Iterator[Runner]:
     finally:
         stop.set()
         pool.shutdown(wait=False, cancel_futures=True)  # they end beside what follows
+        _keep_until_ended(stop, shares)
 
 
 def _take(running: dict[Future[Start | Failed], int], results: Results, listener: Listener, shares: Any) -> None:

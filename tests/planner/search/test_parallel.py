@@ -1,6 +1,10 @@
 """When a search has had enough starts: counted in the order of their seeds, and only where nothing else was asked."""
 
+import os
+import subprocess
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -97,3 +101,39 @@ def test_gains_are_ratios_of_what_a_criterion_stands_for(criterion: str, old: fl
     assert gain(criterion, SIZE, -np.inf, new) == np.inf
     assert gain(criterion, SIZE, old, -np.inf) == 0.0
     assert gain(criterion, SIZE, -np.inf, -np.inf) == 0.0
+
+
+# The process that begins second sleeps before Python has read what it is to do.
+LATE = """
+import os, sys, time
+if "--multiprocessing-fork" in sys.orig_argv:
+    try:
+        os.mkdir({first!r})
+    except FileExistsError:
+        time.sleep(2.0)
+"""
+SCRIPT = """
+import operator
+from threading import Event
+from planner.search import parallel
+
+parallel._work = operator.neg
+if __name__ == "__main__":
+    with parallel.workers(Event(), 2) as run:
+        two = parallel.Schedule(lambda k, _: k + 1 if k < 2 else None, lambda results: len(results) >= 1)
+        print(run(two, parallel.silent))
+    del run
+"""
+
+
+@pytest.mark.repeats
+def test_a_process_that_begins_when_the_search_is_over_says_nothing(tmp_path: Path):
+    """On a busy computer a process may take seconds to begin; what it was to join is gone by then, or is it?"""
+    (tmp_path / "sitecustomize.py").write_text(LATE.format(first=str(tmp_path / "first")), encoding="ascii")
+    (tmp_path / "script.py").write_text(SCRIPT, encoding="ascii")
+    places = os.pathsep.join([str(tmp_path), str(Path(__file__).parents[3]), os.environ.get("PYTHONPATH", "")])
+    run = subprocess.run(
+        [sys.executable, "script.py"], cwd=tmp_path, env=os.environ | {"PYTHONPATH": places}, timeout=300,
+        capture_output=True, text=True,
+    )  # fmt: skip
+    assert (run.stdout, run.stderr, run.returncode) == ("([-1], False)\n", "", 0)
