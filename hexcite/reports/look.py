@@ -15,7 +15,7 @@ from cases.base.output_places import check_file
 from cases.base.units import Array
 from cases.recording_format import CLOCK, ROLE_OF
 from identification.looks.look import Column, Look
-from identification.recording.formats.families import words_of
+from identification.recording.formats.names.families import words_of
 
 MOST_POINTS = 4000  # points of a line; more cannot be seen
 MOST_LINES = 12  # lines of a panel that can be told from each other

@@ -6,7 +6,7 @@ D_ = D - A A^+ D, is compared with the residuals r: the scores c = U^T r, U an o
 noise where the model is right (Rao's test). Their covariance is that of noise as what r leaves beside this alternative
 shows it (`noise_mixtures.mixtures`): a large effect so never hides in the noise by which it is judged, and noise with
 memory is not taken for one. What is left shows the noise itself by few independent numbers, the fewer the slower it is
-and the more the alternative takes: by that much more must be seen (`small_sample`).
+and the more the alternative takes: by that much more must be seen (`score_test`).
 
 Of an effect that is seen, the size of D in the directions that the fit took is as large as in those that are left: with
 effects of D's columns of variance tau^2 by the scores, the estimate is biased with the covariance tau^2 B B^T, where
@@ -23,7 +23,7 @@ from cases.base.units import Array, Indices
 from identification.estimation.fit import orthonormal
 from identification.estimation.force_noise import LEAST_SAMPLES, in_turned_channels, toeplitz
 from identification.estimation.noise_mixtures import mixtures
-from identification.estimation.small_sample import Noise, chance_of
+from identification.estimation.score_test import Noise, chance_of
 
 UNSEEN = 1e-8  # of a column's square, below which what the fit leaves of it is rounding
 WIDTH = 15  # half width of the windows of frequencies over which power is averaged for the quietest of them

@@ -5,7 +5,7 @@ noise. Of one size alone, the others as stated, the run tells x = g^T S^-1 c / b
 b = g^T S^-1 g, g its column of G: an estimate that does not draw it towards 0 by what is stated of it, so that value,
 deviation and tolerance stand beside each other as a reader compares them. x / sqrt(1 + deviation^2) is normal where
 the case is right. All scores together are judged by c^T S^-1 c. In both tests N is known by few residuals
-(`small_sample`).
+(`score_test`).
 """
 
 from typing import NamedTuple
@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from cases.base.units import Array
-from identification.estimation.small_sample import Noise, chance_of
+from identification.estimation.score_test import Noise, chance_of
 
 UNLIKELY = 1e-3  # chance of so much in a run of a machine that is as its case states, below which the case is doubted
 LOOKED_AT = 3.0  # deviations of both, below which a size is never that unlikely

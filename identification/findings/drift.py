@@ -15,7 +15,7 @@ from cases.base.phrases import NOTHING, phrase
 from cases.base.units import Array, Flags
 from cases.schema import Case
 from identification.estimation.alternatives import Sizes, sizes_of
-from identification.estimation.small_sample import chance_of
+from identification.estimation.score_test import chance_of
 from identification.finding import Finding, Kind, warning
 from identification.findings.noise_level import channel_words
 from identification.findings.remains import excerpt_of, remainder_of

@@ -22,7 +22,7 @@ from cases.base.phrases import Phrase, enumerated, phrase
 from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.alternatives import noise_of
-from identification.estimation.small_sample import Noise
+from identification.estimation.score_test import Noise
 from identification.finding import Finding, Kind, note, warning
 from identification.findings.contradiction import UNLIKELY, Part, chance_of_all, times_stated, worst_part
 from identification.findings.drift import drift_of

@@ -9,18 +9,18 @@ import numpy as np
 from cases.schema import Case
 from identification.looks.look import Column, Look
 from identification.looks.trial import sentences_of, trial_of
-from identification.recording.formats.binary import Topic
-from identification.recording.formats.families import words_of
-from identification.recording.formats.frames import is_stated, problem_of
-from identification.recording.formats.meaning import meaning_of
+from identification.recording.formats.names.families import words_of
+from identification.recording.formats.names.meaning import meaning_of
 from identification.recording.formats.proposal import (
     CUTOFF_HZ,
     LAYOUT,
     stated_of,
 )
 from identification.recording.formats.reasons import NO_REASON, Why, because
+from identification.recording.formats.ros.bags import Topic
+from identification.recording.formats.ros.frames import is_stated, problem_of
+from identification.recording.formats.ros.topics import BagTopic, bag_topics
 from identification.recording.formats.table import listed
-from identification.recording.formats.topics import BagTopic, bag_topics
 
 _MEANT: dict[Topic, str] = {"joints": "positions of the joints", "wrench": "readings of the force/torque sensor"}
 
@@ -83,7 +83,7 @@ def _rank_of_topic(topic: BagTopic, frame: str | None) -> tuple[bool, bool, bool
     """Order in which topics are chosen: those of the stated frame, and of names that say neither filtered nor
     compensated.
     """
-    from identification.recording.formats import vocabulary as say
+    from identification.recording.formats.names import vocabulary as say
 
     words = words_of(topic.name)
     elsewhere = frame is not None and not all(is_stated(own, frame) for own in topic.frames)
@@ -103,7 +103,7 @@ def _about_frames(topic: BagTopic, stated: str | None) -> Iterator[str]:
 def _channels(topic: BagTopic, case: Case | None, settings: Mapping[str, Any]) -> Iterator[Column]:
     """The channels of a topic as columns."""
     from cases.recording_format import WRENCH
-    from identification.recording.formats.binary import AXES
+    from identification.recording.formats.ros.bags import AXES
 
     assert topic.values is not None
     assert topic.t is not None

@@ -11,7 +11,7 @@ from cases.base.units import Array, as_html
 from cases.editing import Change, changes_of, write_table
 from cases.tables import built_in_cases, find_case
 from identification.recording.formats.reasons import NO_REASON, Reason
-from identification.recording.formats.topics import BagTopic
+from identification.recording.formats.ros.topics import BagTopic
 
 
 @dataclass(frozen=True, slots=True)

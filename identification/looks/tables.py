@@ -18,7 +18,7 @@ from cases.schema import Case
 from identification.looks.look import Column, FileLook, Look
 from identification.looks.trial import Trial, sentences_of, trial_of
 from identification.recording.formats.layout import TextColumns, look_at_text
-from identification.recording.formats.misnamed import ALIKE, SMOOTH
+from identification.recording.formats.names.misnamed import ALIKE, SMOOTH
 from identification.recording.formats.proposal import (
     LAYOUT,
     Proposal,

@@ -17,7 +17,7 @@ from cases.recording_format import CLOCK
 from cases.schema import Case
 from identification.finding import Finding, Kind, warning
 from identification.recording.formats.clocks import lost_samples
-from identification.recording.formats.misnamed import SMOOTH
+from identification.recording.formats.names.misnamed import SMOOTH
 from identification.recording.formats.sampling import spread
 from identification.recording.formats.table import Lines, Stream
 from identification.recording.recording import Recording

@@ -30,7 +30,7 @@ from cases.schema import Case
 from identification.finding import Finding, Kind, note
 from identification.recording.formats import dates
 from identification.recording.formats.clocks import Unsteady
-from identification.recording.formats.misnamed import require_own_values
+from identification.recording.formats.names.misnamed import require_own_values
 from identification.recording.formats.sampling import on_equal_steps, spread
 from identification.recording.formats.table import MOST_MISSING, ColumnTable, Stream, listed, shown
 from identification.recording.formats.text import without

@@ -12,12 +12,13 @@ import numpy as np
 from cases.base.errors import Code, RecordingError
 from cases.base.units import Array
 from cases.recording_format import CLOCK, TICKS, FileFormat
-from identification.recording.formats import dates, halsampler, plain
+from identification.recording.formats import dates
 from identification.recording.formats.content import LONGEST_LINE, Content, content_of, section_of
-from identification.recording.formats.echoed import echoed_names
-from identification.recording.formats.known import TextFormat, described, format_of
-from identification.recording.formats.meaning import known_among
-from identification.recording.formats.plain import SAMPLE
+from identification.recording.formats.names.meaning import known_among
+from identification.recording.formats.recorders import halsampler, plain
+from identification.recording.formats.recorders.known import TextFormat, described, format_of
+from identification.recording.formats.recorders.plain import SAMPLE
+from identification.recording.formats.ros.echoed import echoed_names
 from identification.recording.formats.table import MOST_MISSING
 from identification.recording.formats.text import Layout, cells
 from identification.recording.formats.words import EMPTY, is_missing, is_number, is_switch, is_value, split

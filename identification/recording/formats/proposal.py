@@ -34,16 +34,16 @@ from cases.recording_format import (
 )
 from cases.schema import Case
 from identification.recording.formats.assembly import lengths_of_struts
-from identification.recording.formats.families import words_of
-from identification.recording.formats.labels import StatedUnit, counted, stated_unit
 from identification.recording.formats.layout import TextColumns
-from identification.recording.formats.meaning import groups_of, meaning_of, span
+from identification.recording.formats.names.families import words_of
+from identification.recording.formats.names.labels import StatedUnit, counted, stated_unit
+from identification.recording.formats.names.meaning import groups_of, meaning_of, span
+from identification.recording.formats.names.vocabulary import CLOCK_UNITS
 from identification.recording.formats.quantities import scale_of_shares
 from identification.recording.formats.reasons import NO_REASON, Reason, Why, because
 from identification.recording.formats.stated_rates import stated_step
 from identification.recording.formats.table import listed
 from identification.recording.formats.triggers import changing_bits, switched
-from identification.recording.formats.vocabulary import CLOCK_UNITS
 
 CUTOFF_HZ = 40.0  # of a proposal where the case states none
 LEAST_CUTOFF_HZ = 1.0  # below, nothing of an excitation is left

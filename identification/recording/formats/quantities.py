@@ -14,10 +14,10 @@ from cases.base.unit_names import is_share, is_unit
 from cases.base.units import Array
 from cases.recording_format import BAR_FORCES, CLOCK, COLUMNS, ROLE_OF, ROLE_UNITS, TICKS, WRENCH, Role
 from identification.finding import Finding, Kind, note, warning
-from identification.recording.formats.families import words_of
-from identification.recording.formats.labels import StatedUnit, counted, is_count, stated_unit
+from identification.recording.formats.names.families import words_of
+from identification.recording.formats.names.labels import StatedUnit, counted, is_count, stated_unit
+from identification.recording.formats.names.vocabulary import computed
 from identification.recording.formats.table import ColumnTable, shown
-from identification.recording.formats.vocabulary import computed
 
 _FORCES = (*BAR_FORCES, *WRENCH)
 _ENOUGH = 1000  # rows that show whether numbers are whole

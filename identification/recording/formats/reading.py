@@ -18,10 +18,12 @@ from cases.machine import POSE
 from cases.orientation import ROTATION
 from cases.recording_format import CLOCK, FileFormat, FileOfRun, RecordingFormat
 from cases.schema import Case
-from identification.recording.formats import binary, known
 from identification.recording.formats.assembly import by_clock, require_clock, start_of, stream_of
 from identification.recording.formats.joining import on_one_axis
+from identification.recording.formats.parquet import parquet_tables
 from identification.recording.formats.quantities import with_units
+from identification.recording.formats.recorders import known
+from identification.recording.formats.ros.bags import bag_format, bag_tables
 from identification.recording.formats.sampling import clocked
 from identification.recording.formats.table import (
     ColumnTable,
@@ -47,9 +49,9 @@ def read_tables(file: Path, form: FileFormat, ranges: Array | None = None) -> tu
     """
     reader: Callable[[Path, FileFormat], Iterable[ColumnTable]]
     if is_bag(file):
-        reader = binary.bag_tables
+        reader = bag_tables
     elif is_parquet(file):
-        reader = binary.parquet_tables
+        reader = parquet_tables
     else:
         reader = known.read
     return tuple(with_units(table, ranges) for table in reader(file, form))
@@ -167,7 +169,7 @@ def _file_of(path: Path, case: Case | None) -> tuple[Path, tuple[FileFormat, ...
         path = recording_of(path)
         if is_bag(path):
             ways = () if case is None else case.recording.ways(path.name)
-            return path, tuple(binary.bag_format(path, form, case) for form in ways if case is not None)
+            return path, tuple(bag_format(path, form, case) for form in ways if case is not None)
         ours = path.stem == "recording" and path.with_name("recording.json").is_file()
     except OSError:  # a name that the system refuses; the reader explains it
         ours = False

@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from identification.recording.formats.labels import LONGEST
+from identification.recording.formats.names.labels import LONGEST
 
 _NUMBER = r"(?P<number>\d+(?:[.,]\d+)?(?:e[+-]?\d{1,2})?)"
 _OF_SAMPLES = r"(?:sampl\w*|abtast\w*|scan\w*|mess|acquisition|aufzeichnungs?|record\w*|log\w*|daq)"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cases.base.units import Array
-from identification.estimation.small_sample import Noise
+from identification.estimation.score_test import Noise
 from identification.findings.contradiction import UNLIKELY, chance_of_all, parts_of, times_stated, worst_part
 
 SIZES, SCORES = 30, 12

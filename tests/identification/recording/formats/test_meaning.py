@@ -10,7 +10,7 @@ import pytest
 from cases.orientation import ANGLES, QUATERNION, ROTATION
 from cases.recording_format import ACCELEROMETER, BAR_FORCES, CLOCK, DRIVES, OVERRIDE, STRUTS, TRIGGER, WRENCH
 from cases.schema import Case, load_case
-from identification.recording.formats.meaning import meaning_of
+from identification.recording.formats.names.meaning import meaning_of
 
 XYZ = "xyz"
 UR_JOINTS = ("base", "shoulder", "elbow", "wrist_1", "wrist_2", "wrist_3")

@@ -10,7 +10,7 @@ from cases.base.errors import RecordingError
 from cases.schema import Case
 from cases.tables import built_in_cases
 from identification.looks.looking import look
-from identification.recording.formats.echoed import echoed_names
+from identification.recording.formats.ros.echoed import echoed_names
 from identification.recording.recording import Recording, read
 from tests.chains import ROBOT, swing, swung_forces
 from tests.helpers import one_line

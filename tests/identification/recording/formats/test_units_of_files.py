@@ -13,7 +13,7 @@ from cases.base.unit_names import FORCES, LENGTHS, MOMENTS, QUANTITIES, TIMES
 from cases.recording_format import BAR_FORCES, STRUTS
 from cases.schema import Case, load_case
 from identification.identify import identify
-from identification.recording.formats.labels import stated_unit
+from identification.recording.formats.names.labels import stated_unit
 from identification.recording.recording import Recording, read
 from tests.helpers import examples, one_line
 from tests.identification.recording.formats.loaded_hexapod import CENTRE, MASS, run

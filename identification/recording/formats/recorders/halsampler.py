@@ -12,7 +12,7 @@ from cases.base.errors import Code, RecordingError
 from cases.recording_format import CLOCK, COLUMNS, FileFormat
 from identification.recording.formats import text
 from identification.recording.formats.content import Content, blocks_of, section_of
-from identification.recording.formats.plain import SAMPLE
+from identification.recording.formats.recorders.plain import SAMPLE
 from identification.recording.formats.table import ColumnTable
 from identification.recording.formats.text import Field, Layout
 from identification.recording.formats.words import is_number

@@ -28,9 +28,9 @@ from cases.recording_format import (
     Role,
 )
 from cases.schema import Case
-from identification.recording.formats import vocabulary as say
-from identification.recording.formats.families import AXES, AXIS, JOINT, NUMBER, Family, families, words_of
-from identification.recording.formats.labels import is_count, stated_unit
+from identification.recording.formats.names import vocabulary as say
+from identification.recording.formats.names.families import AXES, AXIS, JOINT, NUMBER, Family, families, words_of
+from identification.recording.formats.names.labels import is_count, stated_unit
 
 Group = tuple[str, ...]
 _GROUPS: tuple[Group, ...] = (

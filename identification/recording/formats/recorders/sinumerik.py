@@ -15,8 +15,8 @@ import numpy as np
 
 from cases.base.errors import Code, RecordingError
 from cases.recording_format import CLOCK, FileFormat
-from identification.recording.formats import plain
 from identification.recording.formats.content import PART, Content
+from identification.recording.formats.recorders import plain
 from identification.recording.formats.table import ColumnTable, Lines, require_room, shown
 from identification.recording.formats.text import Field, Layout
 

@@ -1,11 +1,9 @@
-"""Files that hold numbers as numbers: bags of ROS 2 and ROS 1, and Parquet.
+"""Bags of ROS 2 and ROS 1: files that hold numbers as numbers.
 
 A bag has positions of joints and readings of a force/torque sensor in two topics, each with a clock of its own:
 `sensor_msgs/JointState` and `geometry_msgs/WrenchStamped`, in SI units (REP 103), by the stamps in their headers. A
 host gives these, so that they jitter: samples are taken to be at equal steps, on the straight line through the stamps.
 Joints go by name, for their order differs between messages; messages of other joints on the topic are skipped.
-
-Parquet files have a column a channel, named as in `csv`; clocks are numbers or Parquet's own time stamps.
 """
 
 import struct
@@ -19,15 +17,12 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from cases.base.errors import Code, RecordingError
-from cases.base.units import Array
-from cases.recording_format import CLOCK, TICKS, WRENCH, Clock, FileFormat
+from cases.recording_format import CLOCK, WRENCH, Clock, FileFormat
 from cases.schema import Case
-from identification.recording.formats.frames import require_frame
-from identification.recording.formats.table import ColumnTable, Lines, Stamps, listed, require_room, shown, unreadable
-from identification.recording.formats.text import Field, select, without
+from identification.recording.formats.ros.frames import require_frame
+from identification.recording.formats.table import ColumnTable, Lines, listed, shown
 
 if TYPE_CHECKING:
-    import pyarrow as pa
     from rosbags.highlevel import AnyReader
 
 STAMP = "header.stamp"
@@ -221,76 +216,3 @@ def _table(
     ours, lines = {form.file_name(column): column for column in form.columns}, Lines(1, word="message")
     columns = {ours[name]: np.ascontiguousarray(rows[:, k]) for k, name in enumerate(names)}
     return ColumnTable(source, form, (STAMP, *names), columns, stamps, form.tick, lines, True)
-
-
-def parquet_tables(file: Path, form: FileFormat) -> list[ColumnTable]:
-    """Reads a file; raises RecordingError with the place and the remedy."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq  # costs 50 ms, and few need it
-
-    try:
-        with pq.ParquetFile(file) as parquet:
-            names, rows = tuple(parquet.schema_arrow.names), parquet.metadata.num_rows
-            chosen = select(file, [Field(name) for name in names], form)
-            clock = [names[chosen.pop(CLOCK)]] if CLOCK in chosen else []
-            if not chosen:
-                raise RecordingError(place=file, problem=without(names, form), code=Code.MISSING)
-            if not rows:
-                raise RecordingError(
-                    place=file, problem="has columns but no rows", remedy="record again", code=Code.TOO_FEW
-                )
-            require_room(file, rows, len(chosen))
-            table = parquet.read(columns=[*(names[k] for k in chosen.values()), *clock])
-    except (pa.ArrowException, OSError, ValueError) as error:
-        if isinstance(error, RecordingError):
-            raise
-        if isinstance(error, OSError) and error.errno is not None:
-            raise unreadable(file, error) from error
-        reason = shown(" ".join(str(error).split()) or type(error).__name__, 120)
-        raise RecordingError(
-            place=file,
-            problem=f"is a damaged Parquet file ({reason})",
-            remedy="copy or export it again",
-            code=Code.DAMAGED,
-        ) from error
-    values = {ours: _numbers(file, names[k], table) for ours, k in chosen.items()}
-    stamps, tick = _stamps(file, clock[0], table, form.tick) if clock else (None, 0.0)
-    if stamps is None and form.clock.period is not None:
-        stamps, tick = np.arange(rows), form.clock.period
-    return [ColumnTable(str(file), form, names, values, stamps, tick, Lines(1, word="row"), bool(clock))]
-
-
-def _numbers(file: Path, name: str, table: "pa.Table") -> Array:
-    import pyarrow as pa
-
-    column = table.column(name)
-    kind = column.type
-    if not (pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_boolean(kind)):
-        raise RecordingError(
-            place=f"{file}, {shown(name)}",
-            problem=f"holds {shown(str(kind))}, not numbers",
-            remedy="export it as double",
-            code=Code.WRONG_KIND,
-        )
-    return np.asarray(column.cast(pa.float64(), safe=False).to_numpy())
-
-
-def _stamps(file: Path, name: str, table: "pa.Table", tick: float) -> tuple[Stamps, float]:
-    """Time stamps, and the duration of one unit of them [s]."""
-    import pyarrow as pa
-
-    column = table.column(name)
-    kind = column.type
-    if column.null_count:
-        row = int(np.argmin(column.is_valid().to_numpy()))
-        raise RecordingError(
-            place=f"{file}, {shown(name)}",
-            problem=f"has no value in row {row + 1}",
-            remedy="remove the row",
-            code=Code.MISSING,
-        )
-    if pa.types.is_timestamp(kind) or pa.types.is_duration(kind):
-        return column.cast(pa.int64()).to_numpy(), TICKS[kind.unit]
-    if pa.types.is_integer(kind):
-        return column.cast(pa.int64()).to_numpy(), tick
-    return _numbers(file, name, table), tick

@@ -8,7 +8,7 @@ from itertools import pairwise
 from cases.base.errors import Code, RecordingError
 from cases.recording_format import FileFormat
 from identification.recording.formats.content import Content, section_of
-from identification.recording.formats.labels import units_row
+from identification.recording.formats.names.labels import units_row
 from identification.recording.formats.text import Field, Layout, cells, decoded
 from identification.recording.formats.words import is_number
 

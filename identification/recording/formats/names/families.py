@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from cases.base.unit_names import is_unit
-from identification.recording.formats.labels import LONGEST
+from identification.recording.formats.names.labels import LONGEST
 
 NUMBER, AXIS, JOINT = "#", "@", "&"  # what stands in the words of a family for the place in which its labels differ
 AXES = "xyz"

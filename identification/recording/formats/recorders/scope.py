@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from cases.base.errors import Code, RecordingError
 from cases.recording_format import TICKS, FileFormat
 from identification.recording.formats.content import Content, section_of
-from identification.recording.formats.plain import SAMPLE
+from identification.recording.formats.recorders.plain import SAMPLE
 from identification.recording.formats.text import Field, Layout, cells
 from identification.recording.formats.words import is_missing, is_number, is_switch, number_of, split
 

@@ -12,9 +12,10 @@ from pydantic import ValidationError
 
 from cases.base.errors import Code, RecordingError
 from cases.recording_format import CLOCK, TRIGGER, WRENCH, FileFormat, FormatName
-from identification.recording.formats import halsampler, lvm, plain, scope, sinumerik, text
+from identification.recording.formats import text
 from identification.recording.formats.content import Content, content_of
-from identification.recording.formats.frames import FRAME, require_frame
+from identification.recording.formats.recorders import halsampler, lvm, plain, scope, sinumerik
+from identification.recording.formats.ros.frames import FRAME, require_frame
 from identification.recording.formats.table import MOST_MISSING, ColumnTable
 from identification.recording.formats.text import Layout, select, without
 

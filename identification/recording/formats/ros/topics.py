@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cases.base.units import Array
-from identification.recording.formats.binary import AXES, KINDS, Topic, opened
+from identification.recording.formats.ros.bags import AXES, KINDS, Topic, opened
 
 if TYPE_CHECKING:
     from rosbags.highlevel import AnyReader

@@ -1,0 +1,1 @@
+"""What columns of recordings are, by their names and labels: words, families, meanings."""

@@ -1,0 +1,1 @@
+"""Formats of text that recorders write, each a value; `known` lists them."""

@@ -1,0 +1,1 @@
+"""ROS: bags, their topics and frames, and messages as text."""
