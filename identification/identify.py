@@ -24,7 +24,7 @@ from identification.estimation.bounded import bounded
 from identification.estimation.estimators import Method
 from identification.estimation.fit import require_alive
 from identification.finding import Finding, Kind, changed_cases, note, sentences, warning
-from identification.findings.as_planned import ANOTHER, Planned, as_planned, closest
+from identification.findings.as_planned import as_planned
 from identification.findings.causes.answer import Answer, answer
 from identification.findings.causes.deviations import Evaluate
 from identification.findings.clock import clock_findings, odd_clock
@@ -39,6 +39,7 @@ from identification.findings.known_body import (
 )
 from identification.findings.noise_level import doubtful, louder_than_stated, noise_of_channels, stated_noise
 from identification.findings.off_case import without
+from identification.findings.plan_comparison import ANOTHER, Planned, closest
 from identification.findings.structural_mode import mode_findings
 from identification.findings.systematic import allowed_for, noisy_drives, not_shown, systematic_findings, systematic_of
 from identification.findings.told import Told, findings_of, told_by

@@ -16,7 +16,8 @@ import hexcite as hx
 from cases.base.units import DEG, MM
 from cases.schema import Case, load_case
 from identification.finding import Finding
-from identification.findings.as_planned import as_planned, closest
+from identification.findings.as_planned import as_planned
+from identification.findings.plan_comparison import closest
 from identification.identify import identify
 from identification.machines.executed import Execution
 from identification.machines.of_case import machine_of
