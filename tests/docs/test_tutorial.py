@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from cases.scaffold import readiness
+from cases.readiness import readiness
 from cases.schema import load_case
 
 DOCS = Path(__file__).parents[2] / "docs"

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from cases.base.errors import Code, HexciteError
-from cases.scaffold import readiness
+from cases.readiness import readiness
 from cases.schema import load_case
 from cases.tables import built_in_cases
 from hexcite.reports.case_figures import case_figures, has_motion_box, leftovers
