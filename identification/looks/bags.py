@@ -11,11 +11,7 @@ from identification.looks.look import Column, Look
 from identification.looks.trial import sentences_of, trial_of
 from identification.recording.formats.names.families import words_of
 from identification.recording.formats.names.meaning import meaning_of
-from identification.recording.formats.proposal import (
-    CUTOFF_HZ,
-    LAYOUT,
-    stated_of,
-)
+from identification.recording.formats.proposal import CUTOFF_HZ, LAYOUT, stated_of
 from identification.recording.formats.reasons import NO_REASON, Why, because
 from identification.recording.formats.ros.bags import Topic
 from identification.recording.formats.ros.frames import is_stated, problem_of

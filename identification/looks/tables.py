@@ -19,14 +19,8 @@ from identification.looks.look import Column, FileLook, Look
 from identification.looks.trial import Trial, sentences_of, trial_of
 from identification.recording.formats.layout import TextColumns, look_at_text
 from identification.recording.formats.names.misnamed import ALIKE, SMOOTH
-from identification.recording.formats.proposal import (
-    LAYOUT,
-    Proposal,
-    missing_parts,
-    proposal_of_run,
-    proposed,
-    stated_of,
-)
+from identification.recording.formats.proposal import LAYOUT, Proposal, proposed, stated_of
+from identification.recording.formats.proposal_of_run import missing_parts, proposal_of_run
 from identification.recording.formats.reading import is_parquet
 from identification.recording.formats.reasons import NO_REASON
 

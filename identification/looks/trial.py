@@ -12,9 +12,7 @@ from cases.recording_format import RecordingFormat
 from cases.schema import Case
 from identification.finding import Finding, Kind
 from identification.identify import require_fit
-from identification.recording.formats.proposal import (
-    stated_of,
-)
+from identification.recording.formats.proposal import stated_of
 from identification.recording.formats.quantities import CONTRADICTED, contradiction
 from identification.recording.formats.reading import read_tables
 from identification.recording.recording import Recording, read
