@@ -7,7 +7,7 @@ samples and three to eight times for thousands.
 CasADi is column-major: one column a sample, so that memory order equals NumPy's rows.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from cases.base.units import Array
 
-FEW = 160  # samples at most that the interpreter is quicker for
+FEW = 120  # samples at most that the interpreter is quicker for
 CHUNK = 1000  # samples a call of the interpreter, whose results then stay in the cache of the processor
 PART = 6000  # samples that an instruction is executed for at once
 
@@ -65,8 +65,14 @@ def _mapped(function: ca.Function, count: int) -> ca.Function:
     return function.map(count)
 
 
-_Program = tuple[tuple[tuple[int, Sequence[int], Sequence[int], float], ...], int]
-"""Instructions (operation, inputs, outputs, constant), and how many places their results need."""
+_TWO, _ONE, _FROM_INPUT, _TO_OUTPUT, _FILL = range(5)
+
+_Program = tuple[tuple[tuple[int, Any, int, int, int], ...], int]
+"""Instructions, and how many places their results need.
+
+An instruction is its kind, what it does, two numbers, and the place of its result. Operations have a ufunc and the
+places of one or two operands; inputs and outputs have their number and row, constants their value.
+"""
 
 
 @lru_cache(maxsize=64)
@@ -78,11 +84,22 @@ def _program(function: ca.Function) -> _Program | None:
     operations = [function.instruction_id(k) for k in count]
     if not _KNOWN.issuperset(operations):
         return None
-    constants = [function.instruction_constant(k) if operations[k] == ca.OP_CONST else 0.0 for k in count]
-    operands, targets = (
-        [list(of(k)) for k in count] for of in (function.instruction_input, function.instruction_output)
-    )
-    return tuple(zip(operations, operands, targets, constants, strict=True)), function.sz_w()
+    instructions: list[tuple[int, Any, int, int, int]] = []
+    for k, operation in zip(count, operations, strict=True):
+        operands, targets = function.instruction_input(k), function.instruction_output(k)
+        if operation == ca.OP_OUTPUT:
+            instructions.append((_TO_OUTPUT, None, *targets, operands[0]))
+        elif operation == ca.OP_INPUT:
+            instructions.append((_FROM_INPUT, None, *operands, targets[0]))
+        elif operation == ca.OP_CONST:
+            instructions.append((_FILL, function.instruction_constant(k), 0, 0, targets[0]))
+        elif operation == ca.OP_TWICE:
+            instructions.append((_TWO, np.add, operands[0], operands[0], targets[0]))
+        elif len(operands) == 2:
+            instructions.append((_TWO, _OPERATIONS[operation], *operands, targets[0]))
+        else:
+            instructions.append((_ONE, _OPERATIONS[operation], operands[0], 0, targets[0]))
+    return tuple(instructions), function.sz_w()
 
 
 def _execute(program: _Program, inputs: list[Array], outputs: list[Array]) -> None:
@@ -93,22 +110,17 @@ def _execute(program: _Program, inputs: list[Array], outputs: list[Array]) -> No
     memory = list(np.empty((size, count)))
     places = memory.copy()
     with np.errstate(all="ignore"):  # as the interpreter: infinity and not a number are answers
-        for operation, operands, targets, constant in instructions:
-            if operation == ca.OP_OUTPUT:
-                results[targets[0]][targets[1]] = places[operands[0]]
-                continue
-            to = targets[0]
-            if operation == ca.OP_INPUT:
-                places[to] = arguments[operands[0]][operands[1]]
-                continue
-            if operation == ca.OP_CONST:
-                memory[to].fill(constant)
-            elif operation == ca.OP_TWICE:
-                np.add(places[operands[0]], places[operands[0]], out=memory[to])
-            elif len(operands) == 1:
-                _OPERATIONS[operation](places[operands[0]], out=memory[to])
+        for kind, what, first, second, to in instructions:
+            if kind == _TWO:  # a place is replaced at last: an operand may have stood there
+                places[to] = what(places[first], places[second], memory[to])
+            elif kind == _ONE:
+                places[to] = what(places[first], memory[to])
+            elif kind == _FROM_INPUT:
+                places[to] = arguments[first][second]
+            elif kind == _TO_OUTPUT:
+                results[first][second] = places[to]
             else:
-                _OPERATIONS[operation](places[operands[0]], places[operands[1]], out=memory[to])
-            places[to] = memory[to]  # not before: an operand may have stood there
+                memory[to].fill(what)
+                places[to] = memory[to]
     for result, output in zip(results, outputs, strict=True):
         output.reshape(count, -1)[:] = result.T
