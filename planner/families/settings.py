@@ -461,7 +461,7 @@ class Best(FamilySettings):
 
     def _every(self, case: Case) -> tuple[FamilySettings, ...]:
         moves = PointToPoint()
-        return (moves,) if moves.made_for(case) is not None else (moves, Spline(), Fourier())
+        return (moves,) if moves.made_for(case) is not None else (Spline(), moves, Fourier())
 
     def least(self, case: Case) -> float:
         """The least of all families [s]."""
@@ -476,7 +476,7 @@ class Best(FamilySettings):
         return PointToPoint().made_for(case)
 
     def families(self, case: Case, duration: float) -> tuple[Family, ...]:
-        """All of all families, one after the other."""
+        """All of all families, splines first: where time is short they mostly are the best that there is."""
         return tuple(sets for family in self.candidates(case, duration) for sets in family.families(case, duration))
 
     def chosen(self, case: Case, duration: float, name: str) -> FamilySettings:

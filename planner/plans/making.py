@@ -178,10 +178,11 @@ class _Rounds:
         least, exactly = self._least(), request.starts is not None
         self.listener(Planned("start", least, exactly, schedule.until))
         results, early = self.run(schedule, self.listener)
-        ending = max(time.monotonic() - schedule.until, 0.0)
+        late = schedule.late(results)
+        ending = max(time.monotonic() - schedule.until, 0.0) if late else 0.0
         promising = _promising([*before, *results])[: request.family.refinements(request.criterion)]
         refinements = [self._task(s.family, s.record.seed, s.begin) for s in promising]
-        early = early and not schedule.late  # the end of its time leaves some to refine, or to go on
+        early = early and not late  # the end of its time leaves some to refine, or to go on
         if refinements and not early and self.until - time.monotonic() > ending:
             self.listener(Planned("refinement", len(refinements), True, self.until))
             second, early = self.run(Schedule.of(refinements, self.until), self.listener)
@@ -239,7 +240,7 @@ class _Rounds:
         def are_enough(results: Sequence[Start | Failed]) -> bool:
             return len(results) >= least and enough(results, request, parameters)
 
-        return Schedule(task, are_enough, until)
+        return Schedule(task, are_enough, until, self.until)
 
 
 def seeds_of(seed: int, starts: int) -> list[int]:

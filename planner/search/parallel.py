@@ -12,7 +12,7 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
@@ -117,17 +117,18 @@ class Schedule:
     # whether results, in the order of their starts, are enough
     enough: Callable[[Sequence[Start | Failed]], bool]
     until: float = math.inf  # when starts end with what they have reached, by `time.monotonic` [s]
+    last: float = math.inf  # when they end even if none is done
 
     @classmethod
     def of(cls, tasks: Sequence[Task], until: float = math.inf) -> "Schedule":
         """All of some starts."""
         every = len(tasks)
-        return cls(lambda k, _: tasks[k] if k < every else None, lambda results: len(results) >= every, until)
+        return cls(lambda k, _: tasks[k] if k < every else None, lambda results: len(results) >= every, until, until)
 
-    @property
-    def late(self) -> bool:
-        """Whether their time is over."""
-        return time.monotonic() >= self.until
+    def late(self, results: Iterable[Start | Failed]) -> bool:
+        """Whether their time is over: what a start has reached before it is done is worth little, so one is awaited."""
+        now = time.monotonic()
+        return now >= self.last or (now >= self.until and any(isinstance(result, Start) for result in results))
 
 
 class Results:
@@ -138,6 +139,11 @@ class Results:
         self.in_order: list[Start | Failed] = []
         self.early: dict[int, Start | Failed] = {}  # by the numbers of starts behind one that is still running
         self.enough = schedule.enough(())
+
+    @property
+    def late(self) -> bool:
+        """Whether the time of the starts is over."""
+        return self.schedule.late((*self.in_order, *self.early.values()))
 
     def add(self, number: int, result: Start | Failed) -> None:
         """Takes the result of a start."""
@@ -207,12 +213,12 @@ def run_here(schedule: Schedule, listener: Listener) -> Outcome:
     """Runs starts one after the other in this process: for those who bring processes of their own."""
     results = Results(schedule)
     while not results.enough and (task := schedule.task(len(results.in_order), results.in_order)) is not None:
-        if results.in_order and schedule.late:
+        if results.in_order and results.late:
             break
-        result = run_safely(task, lambda objective: schedule.late)
+        result = run_safely(task, lambda objective: results.late)
         listener(result)
         results.add(len(results.in_order), result)
-    return results.in_order, schedule.late and not results.enough
+    return results.in_order, results.late and not results.enough
 
 
 def cores() -> int:
@@ -284,7 +290,7 @@ def workers(pressed: Event, most: int | None = None) -> Iterator[Runner]:
         results, upcoming = Results(schedule), 0
         running: dict[Future[Start | Failed], int] = {}
         with suppress(BrokenProcessPool):  # of which the results of the starts that were running tell
-            while not (pressed.is_set() or results.enough or (upcoming > 0 and schedule.late)):
+            while not (pressed.is_set() or results.enough or (upcoming > 0 and results.late)):
                 while len(running) < width and (task := schedule.task(upcoming, results.in_order)) is not None:
                     with ctrl_c_waits(), _without_script():
                         running[pool.submit(_work, task)] = upcoming
@@ -292,7 +298,7 @@ def workers(pressed: Event, most: int | None = None) -> Iterator[Runner]:
                 if not running:
                     break
                 _take(running, results, listener, shares)
-        early = not results.enough and (pressed.is_set() or schedule.late)
+        early = not results.enough and (pressed.is_set() or results.late)
         stop.set()  # for starts that are not waited for, and for those that leave what they have reached
         while running:
             _take(running, results, listener, shares)

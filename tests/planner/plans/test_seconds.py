@@ -13,7 +13,7 @@ from planner.families.settings import FamilySettings, Fourier, PointToPoint, Spl
 from planner.plans.making import ENDING, search
 from planner.request import Request
 from planner.search.parallel import Listener, Outcome, Schedule, run_here, silent
-from planner.search.record import SolverStatus, StartRecord
+from planner.search.record import Failed, SolverStatus, StartRecord
 from planner.search.solving import Start
 
 LONG = 120.0  # [s] room for a busy computer
@@ -89,3 +89,18 @@ def test_a_plan_says_that_its_time_was_over(hexapod_case: Case, cache: None):
 def test_times_that_cannot_be_are_refused(settings: dict):
     with pytest.raises(HexciteError, match="seconds"):
         Request(**settings)
+
+
+def test_at_the_end_of_its_time_a_search_waits_for_a_first_start_that_is_done(monkeypatch: pytest.MonkeyPatch):
+    """A start that is stopped early has found little: half of an exploration is not half of its information."""
+    clock = [0.0]
+    monkeypatch.setattr(time, "monotonic", lambda: clock[0])
+    schedule = Schedule(lambda k, results: None, lambda results: False, until=3.0, last=5.0)
+    failed = Failed(1, "no motion")
+    record = StartRecord(1, False, -3.0, -3.0, SolverStatus.SETTLED, True, 9, 4.0)
+    done = Start(record, np.zeros(1), PointToPoint(moves=8).families(hx.load_case("hexapod"), 4.0)[0], 1.0,
+                 np.zeros(1), -3.0)  # fmt: skip
+    late = {}
+    for clock[0] in (2.9, 3.1, 5.1):
+        late[clock[0]] = [schedule.late(results) for results in ((), (failed,), (failed, done))]
+    assert late == {2.9: [False] * 3, 3.1: [False, False, True], 5.1: [True] * 3}
