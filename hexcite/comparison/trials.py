@@ -69,6 +69,11 @@ class Trial:
     errors: Mapping[str, float]  # of mass, centre of gravity and inertia, in reported standard deviations, by name
 
     @property
+    def load_words(self) -> str:
+        """The load to a kilogram, a lighter one to three digits."""
+        return f"{self.load:.0f} kg" if self.load >= 10.0 else f"{self.load:.3g} kg"
+
+    @property
     def s0(self) -> float:
         """The value of (27) for the recorded forces [N]."""
         return self.result.record.s0

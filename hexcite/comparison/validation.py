@@ -73,7 +73,7 @@ class Validation:
         """Warnings of the evaluations: of all results that were given, or of the methods without payload."""
         if not self.measured:
             return self.comparison.warnings
-        return tuple(f"{trial.load:.4g} kg: {warning}" for trial in self.trials for warning in trial.result.warnings)
+        return tuple(f"{trial.load_words}: {warning}" for trial in self.trials for warning in trial.result.warnings)
 
     @property
     def measured(self) -> bool:
@@ -165,7 +165,7 @@ def validate(
             progress(f"{method}: identifying")
             for trial in trials(excitation, mounted, disturbances):
                 found.append(trial)
-                progress(f"{method} {trial.load:.0f} kg")
+                progress(f"{method} {trial.load_words}")
         if not found:
             raise HexciteError(
                 problem="; ".join(f"{method}: {reason}" for method, reason in failed.items()), code=Code.INFEASIBLE

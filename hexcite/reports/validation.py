@@ -32,7 +32,7 @@ def table_7(trials: Sequence[Trial]) -> list[list[str]]:
     """Rows as in Table 7, one a load: values with their relative deviation from theory."""
     rows = []
     for trial in trials:
-        row = [f"{trial.load:.0f} kg", f"{trial.s0:.2f}"]
+        row = [trial.load_words, f"{trial.s0:.2f}"]
         for name in SHOWN:
             value = trial.result.parameters.get(name)
             row.append("-" if value is None else f"{value.value * legible(value.unit)[0]:.2f}")
@@ -50,7 +50,7 @@ def errors_of(trials: Sequence[Trial]) -> tuple[list[str], list[list[str]]]:
     """Head and rows, one a load: errors in reported standard deviations."""
     names = list(dict.fromkeys(name for trial in trials for name in trial.errors))
     rows = [
-        [f"{trial.load:.0f} kg", *(f"{trial.errors[n]:+.1f}" if n in trial.errors else "-" for n in names)]
+        [trial.load_words, *(f"{trial.errors[n]:+.1f}" if n in trial.errors else "-" for n in names)]
         for trial in trials
         if trial.errors
     ]
@@ -67,7 +67,7 @@ def _measured_page(validation: Validation) -> str:
     case, trials = validation.case, validation.trials
     (sentence,) = validation.sentences
     near = all(abs(error) <= OFF for trial in trials for error in trial.errors.values())
-    entries = [replace(entry_of_trial(case, trial), name=f"{trial.load:.0f} kg") for trial in trials]
+    entries = [replace(entry_of_trial(case, trial), name=trial.load_words) for trial in trials]
     head = Head(f"{sentence[0].upper()}{sentence[1:]}.", near and not validation.warnings, validation.machine)
     return page(
         f"Known weights: {case.heading}",
@@ -114,11 +114,11 @@ def _methods_page(validation: Validation) -> str:
         words = f"{method} ({METHODS[method].label}), {lasting:.1f} s, model {model}"
         tables += [note(words), table(TABLE_7, table_7(trials))]
     entries = comparison.entries
-    mounted = ", ".join(dict.fromkeys(f"{trial.load:.0f}" for trial in validation.trials))
+    mounted = ", ".join(dict.fromkeys(trial.load_words for trial in validation.trials))
     return page(
         f"Validation with payloads: {case.heading}",
         comparison_head(comparison)._replace(machine=validation.machine),
-        f"Known weights of {mounted} kg mounted one after the other and identified by {len(by_method)} methods on "
+        f"Known weights of {mounted} mounted one after the other and identified by {len(by_method)} methods on "
         f"{validation.machine}.",
         _inputs(validation),
         (*(f"{method} was not run: {why}" for method, why in validation.failed.items()), *comparison.warnings),

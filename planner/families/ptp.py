@@ -18,7 +18,7 @@ from cases.base.units import Array, Flags
 from cases.chain import Box
 from cases.schema import Case
 from identification.estimation.criteria import box_middle
-from identification.motion.motion import Joined
+from identification.motion.motion import Joined, Standstill
 from identification.motion.moves import StraightMove, fastest_profile, unit_profile
 from planner.families.family import Family, Layout
 from planner.families.plan_settings import MoveSettings
@@ -232,12 +232,13 @@ class PointToPointFamily(Family):
         return np.concatenate([np.tile(place, self.moves + 1), np.tile(times / self.unit, self.moves)])
 
     def motion(self, unknowns: Array) -> Joined:
-        """The motion of unknowns of shape ((n + 3) moves + n,)."""
+        """The motion of unknowns of shape ((n + 3) moves + n,); a move between equal waypoints is a pause."""
         points, times = self.split(unknowns)
         poses = self.middle + points * self.half
-        moves = []
+        moves: list[StraightMove | Standstill] = []
         for start, end, (tj, th, tc) in zip(poses[:-1], poses[1:], times * self.unit, strict=True):
-            moves.append(StraightMove(start, end, unit_profile(float(tj), float(th), float(tc))))
+            law = unit_profile(float(tj), float(th), float(tc))
+            moves.append(StraightMove(start, end, law) if (start != end).any() else Standstill(start, law.duration))
         return Joined(tuple(moves))
 
     def shrunk(self, unknowns: Array, share: float) -> Array:

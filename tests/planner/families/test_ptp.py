@@ -10,12 +10,13 @@ from identification.estimation.criteria import reference_scaling
 from identification.limits.limit import UNUSED_SHARE
 from identification.limits.proof import prove
 from identification.model.model import identification_model
-from identification.motion.motion import sample
+from identification.motion.motion import Standstill, sample
 from identification.motion.moves import StraightMove
 from planner.controller_limits import controlled
 from planner.families.ptp import PointToPointFamily
 from planner.families.rows import StateRows
 from planner.noise import mean_information
+from planner.plans.rating import with_jerk_limited
 from planner.search.feasibility import keep_limits
 from planner.search.nlp import NonlinearProgram
 from planner.search.problem import build_program
@@ -68,6 +69,23 @@ def test_it_is_at_rest_at_both_ends_and_between_its_moves(start: np.ndarray, fam
     assert corners.coordinates == pytest.approx(family.middle + points * family.half, abs=1e-15)
     assert len(points) == MOVES + 1
     assert len(motion.parts) == MOVES
+
+
+def test_a_move_that_goes_nowhere_is_a_pause_which_can_be_timed_within_jerk(
+    start: np.ndarray, family: PointToPointFamily, hexapod_case: Case
+):
+    """A search that is stopped early may have two equal waypoints one after the other."""
+    points, times = family.split(start)
+    stopped = points.copy()
+    stopped[4] = stopped[3]
+    motion = family.motion(np.concatenate([stopped.ravel(), times.ravel()]))
+    pause = motion.parts[3]
+    assert isinstance(pause, Standstill)
+    assert pause.duration == pytest.approx(family.motion(start).parts[3].duration, rel=1e-12)
+    assert motion.duration == pytest.approx(4.0, abs=1e-12)
+    timed = with_jerk_limited(motion, hexapod_case)
+    assert timed.parts[3] == pause
+    assert np.isfinite(timed.at(np.linspace(0.0, timed.duration, 500)).jerks).all()
 
 
 def test_a_search_that_was_stopped_early_still_takes_the_duration(start: np.ndarray, family: PointToPointFamily):
