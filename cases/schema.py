@@ -363,6 +363,7 @@ class Case(Heading):
             "sensor_deg": self.sensor_frame.transducer is not None,
             "joint_zeros_deg": any(turns),
             "joint_zeros_mm": not all(turns),
+            "links_mm": len(turns) > 1,
             "encoder_scale_ppm": self.machine is not None,
             "clock_ppm": self.setup != "1a",
         }

@@ -13,6 +13,7 @@ KINDS = {
     "bars_mm": "drawing",
     "joint_zeros_deg": "drawing",
     "joint_zeros_mm": "drawing",
+    "links_mm": "drawing",
     "gain_percent": "gains",
     "common_gain_percent": "gains",
     "sensor_mm": "alignment",
@@ -39,6 +40,7 @@ TYPICAL = {
     "sensor_deg": 0.1,
     "joint_zeros_deg": 0.02,
     "joint_zeros_mm": 0.02,
+    "links_mm": 0.2,
     "encoder_scale_ppm": 20.0,
     "gain_percent": 0.2,
     "common_gain_percent": 0.05,
@@ -99,6 +101,9 @@ class Tolerances(Part):
     """The zero of each joint of a chain that turns."""
     joint_zeros_mm: Tolerance | None = None
     """The zero of each joint of a chain that slides."""
+    links_mm: Tolerance | None = None
+    """Each coordinate of the place of each joint of a chain but the first, against the one before it: lengths of links,
+    and how far axes are apart."""
     encoder_scale_ppm: Tolerance | None = None
     """The scale of each encoder."""
     gain_percent: Tolerance | None = None

@@ -56,6 +56,7 @@ NOUNS: dict[str, str] = {
     "jerk": "Ruck",
     "joint states": "Topic der Gelenke",
     "joint zeros": "Gelenknullpunkte",
+    "links": "Glieder",
     "joints": "Gelenke",
     "k0 N m": "k0, N/m",
     "k1 Nm m": "k1, N m/m",
@@ -269,6 +270,10 @@ KEYS: dict[str, str] = {
     "Tolerances.sensor_deg": "Die Achsen eines Kraft-Momenten-Sensors, um jede von ihnen.",
     "Tolerances.joint_zeros_deg": "Die Nullstellung jedes drehenden Gelenks einer Kette.",
     "Tolerances.joint_zeros_mm": "Die Nullstellung jedes schiebenden Gelenks einer Kette.",
+    "Tolerances.links_mm": (
+        "Jede Koordinate des Ortes jedes Gelenks einer Kette außer dem ersten gegenüber dem Gelenk davor: Längen der "
+        "Glieder und Abstände der Achsen."
+    ),
     "Tolerances.encoder_scale_ppm": "Der Maßstab jedes Gebers.",
     "Tolerances.gain_percent": "Die Verstärkung jedes Kanals für sich.",
     "Tolerances.common_gain_percent": (

@@ -11,8 +11,10 @@ from scipy.spatial.transform import Rotation
 from cases.base.units import DEG, MM, Array, Indices
 from cases.machine import MotionLimits
 from cases.schema import Case
+from identification.machines.casadi_batch import over_samples
 from identification.machines.hexapod import Hexapod
 from identification.machines.machine import Kinematics
+from identification.machines.serial_chain import SerialChain
 from identification.model.blocks import RIGID
 from identification.model.model import (
     Model,
@@ -155,6 +157,22 @@ class LeftOut:
             )
             columns.append(self.change(moved))
         return np.stack(columns, axis=2)
+
+    def by_links(self, chain: SerialChain) -> Array:
+        """How the forces change with the place of each joint but the first, x, y, z each, shape (n, 6, k) [1/m]."""
+        drives, m = self.motion.drives, self.load
+        assert drives is not None
+        (changes,) = over_samples(chain.by_links, *drives)
+        moved = [
+            replace(
+                m,
+                pose=m.pose + STEP * _linear(change[:, :3]),
+                twist=m.twist + STEP * _linear(change[:, 3:6]),
+                twist_rate=m.twist_rate + STEP * _linear(change[:, 6:]),
+            )
+            for change in changes[:, :, 3:].transpose(2, 0, 1)
+        ]
+        return np.stack([self.change(motion) for motion in moved], axis=2)
 
     @cached_property
     def by_axes(self) -> Array:
@@ -301,6 +319,11 @@ def _ends(case: Case) -> tuple[Array, Array] | None:
     """Lower and upper ends of the bars of a sensor frame that has some."""
     bars = case.sensor_frame.bars
     return None if bars is None else (bars.lower.points, bars.upper.points)
+
+
+def _linear(vectors: Array) -> Array:
+    """Six coordinates of which the last three are 0, shape (n, 3) -> (n, 6)."""
+    return np.hstack([vectors, np.zeros_like(vectors)])
 
 
 def gravity_axes(gravity: Array) -> Array:

@@ -20,8 +20,8 @@ from identification.recording.recording import Recording
 
 SYMBOLS = {"mm": "mm", "deg": "deg", "percent": "%", "ppm": "ppm"}
 SHOWABLE = frozenset(
-    {"joints_mm", "bars_mm", "joint_zeros_deg", "joint_zeros_mm", "sensor_mm", "sensor_deg", "gravity_deg"}
-    | {"gravity_percent", "gain_percent", "encoder_scale_ppm", "clock_ppm"}
+    {"joints_mm", "bars_mm", "joint_zeros_deg", "joint_zeros_mm", "links_mm", "sensor_mm", "sensor_deg"}
+    | {"gravity_deg", "gravity_percent", "gain_percent", "encoder_scale_ppm", "clock_ppm"}
 )
 """Keys of tolerances without which a run can be evaluated anew; a gain that all channels have in common is not seen."""
 
@@ -76,6 +76,13 @@ def sizes_named(case: Case, key: str) -> list[Size]:
         return [
             Size(key, f"{n} moves {{}} more than its encoder says", "correct the scale in the drive") for n in names
         ]
+    if key == "links_mm":
+        pairs = itertools.pairwise(joints)
+        return [
+            Size(key, f"joint {name} is off by {{}} along {axis} of joint {before}", "")
+            for before, name in pairs
+            for axis in "xyz"
+        ]
     turns = [] if case.chain is None else [joint.turns for joint in case.chain.joints]
     remedy = "correct its zero in the controller"
     return [
@@ -119,6 +126,14 @@ def edited(case: Case, sizes: Sizes) -> Case:
         entries = {"rpy_deg": _row(np.degrees(rpy_of(turn))), "origin_mm": _row(origin / MM)}
         frame = chain.sensor.model_copy(update=entries)
         chain = chain.model_copy(update={"sensor": frame})
+        case = case.model_copy(update={"machine": machine.model_copy(update={"chain": chain})})
+    if chain is not None and machine is not None and "links_mm" in sizes:
+        first, *others = chain.joints
+        moved = (
+            joint.model_copy(update={"origin_mm": _row((joint.origin + by) / MM)})
+            for joint, by in zip(others, sizes["links_mm"].reshape(-1, 3), strict=True)
+        )
+        chain = chain.model_copy(update={"joints": (first, *moved)})
         case = case.model_copy(update={"machine": machine.model_copy(update={"chain": chain})})
     if "joints_mm" in sizes and case.hexapod is not None and machine is not None:
         rings = zip(("base", "platform"), sizes["joints_mm"].reshape(2, 6, 3), strict=True)

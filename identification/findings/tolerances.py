@@ -20,6 +20,7 @@ from identification.estimation.alternatives import Remainder
 from identification.finding import Finding, Kind, note
 from identification.findings.left_out import STEP, LeftOut, in_channel, structure_of
 from identification.machines.hexapod import Hexapod
+from identification.machines.serial_chain import SerialChain
 from identification.model.parameters import physical_form
 from identification.samples.samples import Fitted
 
@@ -101,6 +102,8 @@ def effects_of(of: LeftOut, key: str) -> Array:
         found = _of_bars(of, *of.bars)
     elif key.startswith("joint_zeros") and of.by_drives is not None and not of.motion.of_pose:
         found = of.by_drives[0][:, :, np.array(of.names.turns) == key.endswith("deg")]
+    elif key == "links_mm" and of.by_drives is not None and isinstance(of.motion.machine, SerialChain):
+        found = of.by_links(of.motion.machine)
     elif key.startswith("sensor") and of.bars is None:
         found = of.by_place if key.endswith("mm") else of.by_axes
     elif key == "gain_percent":

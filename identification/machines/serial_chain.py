@@ -112,12 +112,17 @@ class SerialChain:
             torques.insert(0, ca.dot(frame.axis, moment - ca.cross(frame.p, force) if joint.turns else force))
         return ca.vertcat(*torques)
 
-    def _links(self, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> Iterator[_Link]:
-        """The moved frame of each joint, then {P}, which has the last joint's axis."""
+    def _links(
+        self, q: ca.SX, rates: ca.SX, accelerations: ca.SX, origins: Sequence[ca.SX] | None = None
+    ) -> Iterator[_Link]:
+        """The moved frame of each joint, then {P}, which has the last joint's axis.
+
+        `origins`: places of the joints, each in the frame of the one before; by default those of the case.
+        """
         p, v, a, omega, alpha = (ca.SX(3, 1) for _ in range(5))
         turn = ca.SX.eye(3)
         for k, joint in enumerate(self.chain.joints):
-            r = turn @ ca.sparsify(ca.DM(joint.origin))
+            r = turn @ (ca.sparsify(ca.DM(joint.origin)) if origins is None else origins[k])
             a, v, p = a + _carried(r, omega, alpha), v + ca.cross(omega, r), p + r
             turn = turn @ ca.sparsify(ca.DM(_turned(joint.rpy)))
             axis = np.array(joint.axis) / np.linalg.norm(joint.axis)
@@ -144,6 +149,18 @@ class SerialChain:
         position, turn, twist, twist_rate = self.frame(q, rates, accelerations)
         outputs = [ca.densify(value) for value in (position, ca.vec(turn), twist, twist_rate)]
         return ca.Function("chain_motion", [q, rates, accelerations], outputs, {"cse": True})
+
+    @cached_property
+    def by_links(self) -> ca.Function:
+        """(q, q', q'') -> how position, velocity and acceleration of {P} in {B} change with places of joints, (9, 3 n).
+
+        These are linear in the places, each in the frame of the joint before, one joint's x, y and z after another.
+        """
+        q, rates, accelerations = (ca.SX.sym(name, self.count) for name in ("q", "rates", "accelerations"))
+        origins = [ca.SX.sym(f"origin_{k}", 3) for k in range(self.count)]
+        *_, last = self._links(q, rates, accelerations, origins)
+        change = ca.jacobian(ca.vertcat(last.p, last.v, last.a), ca.vertcat(*origins))
+        return ca.Function("chain_by_links", [q, rates, accelerations], [ca.densify(change)], {"cse": True})
 
     def kinematics(
         self, q: ArrayLike, rates: ArrayLike, accelerations: ArrayLike, near: Array | None = None

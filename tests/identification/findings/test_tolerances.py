@@ -84,6 +84,10 @@ def sensor(case: Case, run: Recording) -> tuple[Case, Recording]:
     return edited(case, "machine", "chain", "sensor", "origin_mm", 2, by=0.5), run
 
 
+def link(case: Case, run: Recording) -> tuple[Case, Recording]:
+    return edited(case, "machine", "chain", "joints", 4, "origin_mm", 1, by=5.0), run
+
+
 def gravity(case: Case, run: Recording) -> tuple[Case, Recording]:
     return edited(case, "gravity_m_s2", 2, by=-9.81e-3), run
 
@@ -98,6 +102,7 @@ CHANGES = [
     ("hexapod", "bars_mm", 6, bar("lower", 2, 0), 0.1 * MM),
     ("ur10_wrist", "joint_zeros_deg", 4, zero, 0.02 * DEG),
     ("ur10_wrist", "sensor_mm", 2, sensor, 0.5 * MM),
+    ("ur10_wrist", "links_mm", 10, link, 5.0 * MM),
     ("hexapod", "gain_percent", 2, gain, 2e-3),
     ("hexapod", "gravity_percent", 0, gravity, 1e-3),
     ("hexapod", "clock_ppm", 0, clock, 1e-3),
