@@ -388,8 +388,8 @@ def joint_problems(chain: Chain, limits: JointMotionLimits) -> Iterator[str]:
     if names != chain.names:
         yield f"limits.motion.joints are {', '.join(names)}; list those of machine.chain: {', '.join(chain.names)}"
         return
-    if lacking := _unmoved(chain):
-        yield from (f"machine.chain.joints: {words}; limits of motion go with it, add it" for words in lacking)
+    if lacks := _unmoved(chain):
+        yield from (f"machine.chain.joints: {words}; limits of motion go with it, add it" for words in lacks)
         return
     for joint, limit, (low, high) in zip(
         chain.joints, limits.joints, limits.coordinates.T + chain.home[:, None], strict=True

@@ -102,8 +102,8 @@ def identify(
     comparison = None if plan is None else closest(whole, case, plan)
     differences = () if plan is None else as_planned(comparison, plan)
     try:
-        asked = Asked(model, how, average_standstills, poses, treatment)
-        result = _identified(recording, whole, case, asked, differences)
+        evaluation = Asked(model, how, average_standstills, poses, treatment)
+        result = _identified(recording, whole, case, evaluation, differences)
     except (IdentificationError, RecordingError) as error:
         raise error.beside(sentences(differences, "warning")) from error
     if comparison is None or comparison.share < ANOTHER or result.estimate is None:

@@ -204,11 +204,15 @@ def identify_models(
 
 def carried(run: Recording, case: Case) -> dict[int, Model]:
     """The models that a run, whose standstills are averaged already, can be evaluated by, by number."""
-    moves, placed, usual = run.t is not None and case.setup != "1a", run.drives is not None, default_model(run, case)
+    moves, has_positions, usual = (
+        run.t is not None and case.setup != "1a",
+        run.drives is not None,
+        default_model(run, case),
+    )
     models = models_of(case)
     if not moves:
-        return {n: m for n, m in models.items() if not m.needs_motion and (placed or not m.needs_position)}
-    return {n: m for n, m in models.items() if placed or n == usual or not m.needs_position}
+        return {n: m for n, m in models.items() if not m.needs_motion and (has_positions or not m.needs_position)}
+    return {n: m for n, m in models.items() if has_positions or n == usual or not m.needs_position}
 
 
 def _fits(

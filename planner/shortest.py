@@ -56,8 +56,8 @@ def shortest(request: Request, case: Case, plan_of: Callable[[Request], Plan]) -
     trials: list[Trial] = []
     duration: float | None = _whole(min(max(DURATION, family.least(case)), longest), family.step)
     while duration is not None and len(trials) < MOST:
-        asked = replace(request, family=family, duration=duration, target={})
-        trial = _trial(asked, targets, plan_of)
+        whole_request = replace(request, family=family, duration=duration, target={})
+        trial = _trial(whole_request, targets, plan_of)
         trials.append(trial)
         if trial.plan is not None:
             family = trial.plan.of_motion[0].family

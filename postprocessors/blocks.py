@@ -169,8 +169,8 @@ def path_speed_deviation(spline: PolynomialMotion, motion: Trajectory) -> tuple[
     origins = spline.at(_within(spline, p)).coordinates[:, :3].reshape(len(spline.durations), len(p), 3)
     ways = np.cumsum(np.linalg.norm(np.diff(origins, axis=1, prepend=origins[:, :1]), axis=2), axis=1)
     shares = [way / way[-1] if way[-1] > 1e-12 else p for way in ways]
-    passed = np.array([np.interp(even, share, p) for share in shares])
-    return _distance(spline.at(_within(spline, passed)).coordinates, motion, _within(spline, even))
+    positions = np.array([np.interp(even, share, p) for share in shares])
+    return _distance(spline.at(_within(spline, positions)).coordinates, motion, _within(spline, even))
 
 
 def _within(spline: PolynomialMotion, shares: Array) -> Array:

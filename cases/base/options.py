@@ -116,9 +116,9 @@ def _own_options(function: Callable[..., object]) -> list[Declared]:
 
 def _lines(declared: Declared) -> list[str]:
     """An option among the arguments of a docstring."""
-    said = declared.option
+    declaration = declared.option
     unsaid: tuple[Any, ...] = (None, {}, (), False, inspect.Parameter.empty)
     usual = "" if declared.default in unsaid else f"By default {declared.default}."
-    parts = (f"{declared.name}: {in_python(said.meaning)}", said.in_python, usual)
+    parts = (f"{declared.name}: {in_python(declaration.meaning)}", declaration.in_python, usual)
     text = " ".join(part for part in parts if part)
     return wrap(text, 112, initial_indent=" " * 4, subsequent_indent=" " * 8)

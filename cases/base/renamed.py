@@ -42,13 +42,13 @@ def _property(kind: type, old: str, new: str) -> property:
 
 def _taking(kind: type, names: dict[str, str]) -> Callable[..., None]:
     """The construction of a dataclass, also of keywords by their earlier names; these come first in `replace`."""
-    made: Callable[..., None] = kind.__init__  # type: ignore[misc]
+    constructor: Callable[..., None] = kind.__init__  # type: ignore[misc]
 
-    @wraps(made)
+    @wraps(constructor)
     def make(self: object, *args: Any, **fields: Any) -> None:
         for old in names.keys() & fields.keys():
             _warn(kind, old, names[old])
             fields[names[old]] = fields.pop(old)
-        made(self, *args, **fields)
+        constructor(self, *args, **fields)
 
     return make

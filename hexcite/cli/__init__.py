@@ -101,11 +101,11 @@ def main() -> None:
 @contextmanager
 def warnings_on_stderr() -> Iterator[None]:
     """Inside, what the library logs as a warning is a line on stderr, once."""
-    handler, log, said = logging.StreamHandler(sys.stderr), logging.getLogger("hexcite"), set[str]()
+    handler, log, earlier = logging.StreamHandler(sys.stderr), logging.getLogger("hexcite"), set[str]()
 
     def first(record: logging.LogRecord) -> bool:
-        new = record.getMessage() not in said
-        said.add(record.getMessage())
+        new = record.getMessage() not in earlier
+        earlier.add(record.getMessage())
         return new
 
     handler.setLevel(logging.WARNING)

@@ -42,11 +42,11 @@ def takes(
 
 def _parameter(declared: Declared, prefix: str = "") -> inspect.Parameter:
     """An option as a parameter that typer understands."""
-    said, optional = declared.option, declared.default in (None, {}, ())
+    declaration, optional = declared.option, declared.default in (None, {}, ())
     kinds = [kind for kind in get_args(declared.kind) if kind is not type(None)]
-    kind = said.read_as or (kinds[0] if kinds else declared.kind)
-    names = [f"--{declared.flag}"] if said.flag or kind is bool else []
-    text = " ".join(filter(None, [prefix + as_typed(said.meaning), said.written]))
+    kind = declaration.read_as or (kinds[0] if kinds else declared.kind)
+    names = [f"--{declared.flag}"] if declaration.flag or kind is bool else []
+    text = " ".join(filter(None, [prefix + as_typed(declaration.meaning), declaration.written]))
     return inspect.Parameter(
         declared.name,
         inspect.Parameter.POSITIONAL_OR_KEYWORD,
@@ -60,6 +60,6 @@ def _own(parameter: inspect.Parameter) -> inspect.Parameter:
     extras = get_args(parameter.annotation)[1:] if get_origin(parameter.annotation) is Annotated else ()
     if not any(isinstance(extra, Option) for extra in extras):
         return parameter
-    kind, said = get_args(parameter.annotation)[:2]
-    declared_parameter = _parameter(Declared(parameter.name, kind, parameter.default, said))
+    kind, declaration = get_args(parameter.annotation)[:2]
+    declared_parameter = _parameter(Declared(parameter.name, kind, parameter.default, declaration))
     return parameter.replace(annotation=declared_parameter.annotation, default=declared_parameter.default)

@@ -117,12 +117,12 @@ def identify(
                 place_of(run.case, frame)  # before anything is computed
             planned = None
             if poses is not None:
-                posed = hx.Plan.load(poses, run.case, stale=True)  # of a plan of poses only these are wanted
-                planned = posed.poses
+                pose_plan = hx.Plan.load(poses, run.case, stale=True)  # of a plan of poses only these are wanted
+                planned = pose_plan.poses
                 if not len(planned):
                     raise hx.HexciteError(
                         place=poses,
-                        problem=f"is a plan of family {posed.family}, not of poses",
+                        problem=f"is a plan of family {pose_plan.family}, not of poses",
                         remedy="name one of hexcite poses",
                         code=Code.WRONG_KIND,
                     )

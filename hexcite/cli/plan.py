@@ -62,12 +62,12 @@ def plan(
     from planner.search.parallel import first_ctrl_c
 
     sources = {name: context.get_parameter_source(name) for name in (*SEARCHED, *OWNERS)}
-    given = [o for o, source in sources.items() if source and source.name != "DEFAULT"]
-    if family is None and (owners := [OWNERS[o] for o in given if o in OWNERS]):
+    typed_options = [o for o, source in sources.items() if source and source.name != "DEFAULT"]
+    if family is None and (owners := [OWNERS[o] for o in typed_options if o in OWNERS]):
         family = owners[0]  # to whom the first option belongs
     kind = Best if family is None else family_class(family)
     if family is not None:
-        refuse_foreign(given, family)
+        refuse_foreign(typed_options, family)
     of_families = {name: options.pop(name) for name in OWNERS}
     own = kind(**{name: value for name, value in of_families.items() if OWNERS[name] == family})
     options["payload"], options["payload_from"] = read_payloads(options["payload"])

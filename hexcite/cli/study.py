@@ -29,11 +29,11 @@ def study(
     """
     from hexcite.studies.spec import load_spec
 
-    loaded, asked = hx.load_case(case), load_spec(spec)
-    with status(f"study {asked.name} of {loaded.name}", json) as remark:
+    loaded, specification = hx.load_case(case), load_spec(spec)
+    with status(f"study {specification.name} of {loaded.name}", json) as remark:
         result = hx.study(
             loaded,
-            asked,
+            specification,
             output,
             workers=workers,
             scheduler=scheduler,

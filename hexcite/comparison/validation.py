@@ -209,7 +209,7 @@ def validate_results(results: Sequence[Result], weights: Sequence[int] | None = 
             code=Code.OTHER_SOURCE,
         )
     mounted = mounted_weights(case, tuple(range(len(results))) if weights is None else weights)
-    found = tuple(measured_trials(results, mounted))
+    trials = tuple(measured_trials(results, mounted))
     kinds = {None if result.record.run is None else result.record.run.simulated for result in results}
     simulated = kinds.pop() if len(kinds) == 1 else None
     machine = {
@@ -217,7 +217,7 @@ def validate_results(results: Sequence[Result], weights: Sequence[int] | None = 
         False: "a real machine",
         None: "a machine of which the runs do not say more",
     }
-    return Validation(case, machine[simulated], found, simulated)
+    return Validation(case, machine[simulated], trials, simulated)
 
 
 def _simulated(case: Case, disturbances: Disturbances | None, settings: ValidationSettings) -> str:

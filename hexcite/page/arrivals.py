@@ -89,13 +89,13 @@ class Runs:
 
     def give_up(self, taken: Collection[str]) -> list[str]:
         """Shows what has come of runs whose browser went away; returns the names of their folders."""
-        shown = []
+        names = []
         for name in [each for each in self._held if each not in self._coming]:
             if self._clock() - self._heard[name] > WAIT:
                 with suppress(OSError, Outside):
-                    shown.append(_appear(self.root, self.folder(name), taken, ENDING))
+                    names.append(_appear(self.root, self.folder(name), taken, ENDING))
                 self._forget(name)
-        return [name for name in shown if name]
+        return [name for name in names if name]
 
     def _forget(self, name: str) -> None:
         self._held.pop(name, ExitStack()).close()

@@ -93,7 +93,7 @@ def _drawn(groups: Mapping[str, Sequence[Array]], labels: Labels, near: float, a
 
 def _beside(labels: Labels) -> Labels:
     """The labels where their texts begin: each at a side of its point where no earlier one stands, if there is one."""
-    placed: Labels = []
+    labels_at: Labels = []
     for (x, y), text in labels:
         wide = LETTER * len(text)
         sides = [np.array([x + across, y + up]) for up in (-4.0, 13.0) for across in (4.0, -4.0 - wide)]
@@ -103,12 +103,12 @@ def _beside(labels: Labels) -> Labels:
             if 0.0 < side[0] < WIDTH - wide
             and not any(
                 -LETTER * len(other) < there[0] - side[0] < wide and abs(there[1] - side[1]) < LINE
-                for there, other in placed
+                for there, other in labels_at
             )
         )
         inside = next((side for side in sides if 0.0 < side[0] < WIDTH - wide), sides[0])
-        placed.append((next(free, inside), text))
-    return placed
+        labels_at.append((next(free, inside), text))
+    return labels_at
 
 
 def _round(length: float) -> float:

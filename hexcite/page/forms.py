@@ -73,8 +73,8 @@ def post(fields: Fields, plan_name: str, dialect: str, output: str, ini: str = "
     """`hexcite post`, beside the INI file of the machine where one is named."""
     accepted = [f"--accept={name}" for name in fields.get("accept", ())[:50]]
     speed = SPEEDS[chosen(fields, "speed", SPEEDS, "full")]
-    beside = [f"--ini={place(ini)}"] if ini else []
-    return ["post", place(plan_name), "--dialect", dialect, *speed, *accepted, *beside, "-o", output]
+    ini_option = [f"--ini={place(ini)}"] if ini else []
+    return ["post", place(plan_name), "--dialect", dialect, *speed, *accepted, *ini_option, "-o", output]
 
 
 def run(machine: Machine, program: str, on: str, output: str) -> list[str]:

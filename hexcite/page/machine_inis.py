@@ -17,9 +17,9 @@ def inis(root: Path) -> list[str]:
 
 def includes_beyond(root: Path, name: str) -> bool:
     """Whether an INI file includes one that is not in the root folder, where nobody's browser is to look."""
-    for found in _INCLUDE.findall((root / name).read_bytes()):
+    for include in _INCLUDE.findall((root / name).read_bytes()):
         try:
-            inside(root, found.decode("utf-8", "replace"))
+            inside(root, include.decode("utf-8", "replace"))
         except Outside:
             return True
     return False

@@ -156,8 +156,8 @@ def _needed(case: Case, columns: list[Mapping[str, Any]]) -> tuple[str, ...]:
         drives = tuple(case.drive_columns)
     except HexciteError:
         drives = ()
-    posed = {"x_mm", ANGLES[0], QUATERNION[0], ROTATION[0]} & {column["meaning"] for column in columns}
-    return (CLOCK, TRIGGER, *(() if posed else drives), *case.sensor_frame.channels)
+    pose_columns = {"x_mm", ANGLES[0], QUATERNION[0], ROTATION[0]} & {column["meaning"] for column in columns}
+    return (CLOCK, TRIGGER, *(() if pose_columns else drives), *case.sensor_frame.channels)
 
 
 def _conventions(names: tuple[str, ...]) -> tuple[tuple[str, str], ...]:

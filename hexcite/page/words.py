@@ -123,8 +123,8 @@ class Words:
         """
         if self._own or not isinstance(entries, Mapping):
             return None
-        said = sentence(entries, self.quoted)
-        return None if said is None else Markup(said[:1].upper() + said[1:])
+        sentence_text = sentence(entries, self.quoted)
+        return None if sentence_text is None else Markup(sentence_text[:1].upper() + sentence_text[1:])
 
     def clause(self, entries: object, english: str) -> Markup:
         """A clause by its code, else as a quotation."""

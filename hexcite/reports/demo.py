@@ -25,7 +25,7 @@ def demo_page(chain: Demo) -> str:
     origin = chain.recording.record.origin
     source = case.need_simulation("the demo").source
     inside = sum(abs(row["error"]) <= 1.96 * row["std"] for row in chain.truth)
-    strayed = f"excitation as executed ({run.planned_s:.2f} s planned, {run.path_error_mm:.3f} mm from its path)"
+    execution = f"excitation as executed ({run.planned_s:.2f} s planned, {run.path_error_mm:.3f} mm from its path)"
     efficiency = (
         "D-efficiency as executed, behind the evaluation's filter "
         f"({chain.plan.of_motion[1].d_efficiency:.2f} planned, {run.d_efficiency_planned:.2f} as programmed)"
@@ -52,7 +52,7 @@ def demo_page(chain: Demo) -> str:
         section(
             "What came out",
             tiles(
-                (f"{run.executed_s:.2f} s", strayed),
+                (f"{run.executed_s:.2f} s", execution),
                 (f"{run.d_efficiency:.2f}", efficiency),
                 (f"{chain.worst:.2f}", "largest error in reported standard deviations"),
                 noise_tile(result),

@@ -185,9 +185,9 @@ def study(
         HexciteError: the study cannot be understood, its folder is another's, Dask is missing.
         Interrupted: Ctrl-C; what is done is kept.
     """
-    asked = spec if isinstance(spec, Spec) else load_spec(str(spec))
+    specification = spec if isinstance(spec, Spec) else load_spec(str(spec))
     case.need_motion("a study")
-    if asked.execute is not None:
+    if specification.execute is not None:
         case.need_simulation("a study that executes its plans")
     if one_process and (scheduler is not None or workers is not None):
         raise HexciteError(
@@ -205,9 +205,9 @@ def study(
     require_workers(workers)
     if not one_process:
         require_dask()
-    place = Path(f"{case.name}-{asked.name}-study") if folder is None else Path(folder)
-    cells = cells_of(asked, case)
-    _require_own(place, asked, case)
+    place = Path(f"{case.name}-{specification.name}-study") if folder is None else Path(folder)
+    cells = cells_of(specification, case)
+    _require_own(place, specification, case)
     missing = [cell for cell in cells if not file_of(place, cell).exists()]
     computed = 0
     if missing:
@@ -215,19 +215,23 @@ def study(
         if one_process:
             context = nullcontext()
         elif scheduler is None:
-            context = local_client(workers, asked.cells.memory_GB)
+            context = local_client(workers, specification.cells.memory_GB)
         else:
             context = remote_client(scheduler, None if certificates is None else Path(certificates), insecure)
         try:
             with context as client:
                 shared = {"case_hash": case.hash, "version": version("hexcite")}
-                about = {"schema_version": 1, "name": asked.name, "case": case.name, "case_file": case.origin}
-                about |= {**shared, "cells": len(cells), "spec": asked.model_dump(mode="json")}
+                about = {"schema_version": 1, "name": specification.name, "case": case.name, "case_file": case.origin}
+                about |= {**shared, "cells": len(cells), "spec": specification.model_dump(mode="json")}
                 write_text(place / ABOUT, json_text(about))
                 progress(f"{len(missing)} of {len(cells)} cells to do, in {place}")
-                tasks = ((cell, partial(work, case, request_of(cells[cell]), asked.execute)) for cell in missing)
+                tasks = (
+                    (cell, partial(work, case, request_of(cells[cell]), specification.execute)) for cell in missing
+                )
                 answers = (
-                    run_one_by_one(tasks) if client is None else run_tasks(client, tasks, asked.cells.time_limit_s)
+                    run_one_by_one(tasks)
+                    if client is None
+                    else run_tasks(client, tasks, specification.cells.time_limit_s)
                 )
                 for cell, answer in answers:
                     rows = [failure(answer)] if isinstance(answer, HexciteError) else answer
@@ -236,7 +240,7 @@ def study(
                     progress(f"{computed} of {len(missing)} cells")
         except Interrupted:
             raise Interrupted(f"what is done is kept in {place}, the same command goes on") from None
-    return Study(place, case, asked, len(cells), computed, read_rows(file_of(place, cell) for cell in cells))
+    return Study(place, case, specification, len(cells), computed, read_rows(file_of(place, cell) for cell in cells))
 
 
 def _require_own(folder: Path, spec: Spec, case: Case) -> None:

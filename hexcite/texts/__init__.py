@@ -14,8 +14,8 @@ TEXTS: dict[str, tuple[str, str]] = {key: words for part in PARTS for key, words
 
 def text(key: str, language: Language, **values: object) -> str:
     """A text of the page, with values in its places; raises KeyError for a key that there is not."""
-    found = TEXTS[key][LANGUAGES.index(language)]
-    return found.format(**values) if values else found
+    words = TEXTS[key][LANGUAGES.index(language)]
+    return words.format(**values) if values else words
 
 
 def language_of(accepted: str) -> Language:

@@ -42,8 +42,8 @@ def sentence(value: object, quoted: Callable[[object], Markup]) -> Markup | None
 
 def plain(value: object, english: str) -> str:
     """A sentence by its code without any markup; the English one in quotation marks where it has no German words."""
-    found = sentence(value, lambda text: escape(f"“{text}”")) if isinstance(value, Mapping) else None
-    if found is None:
+    phrase_text = sentence(value, lambda text: escape(f"“{text}”")) if isinstance(value, Mapping) else None
+    if phrase_text is None:
         return f"“{english}”"
-    said = unescape(str(found))
-    return said[:1].upper() + said[1:]
+    plain_text = unescape(str(phrase_text))
+    return plain_text[:1].upper() + plain_text[1:]

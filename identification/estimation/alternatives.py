@@ -164,10 +164,10 @@ def _floor(noise: Array, places: Indices) -> float:
     series[places] = noise
     power = np.abs(rfft(series, axis=0)) ** 2 / len(noise)
     half = min(WIDTH, len(power) - 2)
-    passed = max(1, len(power) // 3)
+    count = max(1, len(power) // 3)
     sums = np.vstack([np.zeros((1, power.shape[1])), np.cumsum(power, axis=0)])
     averages = (sums[2 * half + 1 :] - sums[: -2 * half - 1]) / (2 * half + 1)
-    return float((averages[: passed - half] if passed > half else power).min())
+    return float((averages[: count - half] if count > half else power).min())
 
 
 class _Scores(NamedTuple):

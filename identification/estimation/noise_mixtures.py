@@ -139,13 +139,13 @@ def _described(channels: Sequence[Shown], single: Sequence[Shown], many: Likelie
         rising: whether noise of accelerations is among both.
     """
     free = np.concatenate([free_of(many.shares, of) for of in channels])
-    left = np.concatenate([of.left for of in channels], axis=1)
+    spectra = np.concatenate([of.left for of in channels], axis=1)
     one = mean_of(single, many.sizes, free, rising)
     power = np.concatenate([of.power / size for of, size in zip(channels, many.sizes, strict=True)])
-    total = np.maximum(many.shares @ left, NOTHING * float(left.max()))
+    total = np.maximum(many.shares @ spectra, NOTHING * float(spectra.max()))
     likelihood = -float(np.sum(free * (np.log(total) + power / total)))
     if likelihood - (many.price - len(channels) + 1.0) - one.criterion > RICHER:
-        return Parts(many.shares, _together(many.sizes, channels), _spread(many.shares, left, free))
+        return Parts(many.shares, _together(many.sizes, channels), _spread(many.shares, spectra, free))
     certain = np.zeros((len(one.shares), len(one.shares)))  # what is not known of the shares is part of their mean
     return Parts(one.shares, _together(many.sizes, single), certain, HARDLY_SHOWN)
 
@@ -199,8 +199,8 @@ def _channels(found: Turned) -> list[Shown]:
         kinds.append(found.lags(found.sources[1]))
     mask = found.series(np.ones(len(found.noise)))
     scale = float(mask.sum()) / found.freedom
-    peaked = [autoregressive(noise, mask, scale) for noise in found.series(found.noise).T]
-    return shown(found, np.array(kinds), lowest(found, SLOW, len(kinds)), peaked)
+    resonances = [autoregressive(noise, mask, scale) for noise in found.series(found.noise).T]
+    return shown(found, np.array(kinds), lowest(found, SLOW, len(kinds)), resonances)
 
 
 def _spread(shares: Array, expected: Array, free: Array) -> Array:
@@ -225,10 +225,10 @@ def _chosen(channels: Sequence[Shown]) -> Likeliest:
 
     Its price is the number of their coefficients. Shares are of all kinds, shape (c,).
     """
-    plain, peaked = _in_common(channels, -1), _in_common(channels, None)
+    plain, resonant = _in_common(channels, -1), _in_common(channels, None)
     orders = float(sum(channel.order for channel in channels))
-    if peaked.criterion - orders > plain.criterion:
-        return peaked._replace(price=peaked.price + orders)
+    if resonant.criterion - orders > plain.criterion:
+        return resonant._replace(price=resonant.price + orders)
     return plain._replace(shares=np.r_[plain.shares, 0.0])
 
 
@@ -239,11 +239,11 @@ def _in_common(channels: Sequence[Shown], last: int | None) -> Likeliest:
     sizes, begin = np.ones(len(channels)), None
     for rest in reversed(range(SIZES if len(channels) > 1 else 1)):
         scale = np.repeat(sizes, counts)
-        found = likeliest(np.concatenate(power) / scale, np.concatenate(expected, axis=1), begin, len(channels))
-        begin = found.shares
+        mixture = likeliest(np.concatenate(power) / scale, np.concatenate(expected, axis=1), begin, len(channels))
+        begin = mixture.shares
         if rest:
             sizes = np.array(
                 [np.mean(p / np.maximum(begin @ e, NOTHING * e.max())) for p, e in zip(power, expected, strict=True)]
             )
-    likelihood = found.likelihood - float(np.sum(np.log(scale)))
-    return Likeliest(found.shares, sizes, likelihood, found.price + len(channels) - 1.0)
+    likelihood = mixture.likelihood - float(np.sum(np.log(scale)))
+    return Likeliest(mixture.shares, sizes, likelihood, mixture.price + len(channels) - 1.0)

@@ -70,9 +70,9 @@ def shown(
     pairs = np.maximum(np.round(products(mask)), 0.0)
     answers = []
     for k in range(found.noise.shape[1]):
-        own, order = (kinds, 0) if peaked is None else (np.vstack([kinds, peaked[k][0]]), peaked[k][1])
-        seen = _seen(*_narrow(answer[:, k], basis[:, k]), mask, pairs, own, frequencies)
-        answers.append(Shown(own, np.abs(rfft(white[:, k])[:frequencies]) ** 2, *seen, order))
+        autocovariances, order = (kinds, 0) if peaked is None else (np.vstack([kinds, peaked[k][0]]), peaked[k][1])
+        effects = _seen(*_narrow(answer[:, k], basis[:, k]), mask, pairs, autocovariances, frequencies)
+        answers.append(Shown(autocovariances, np.abs(rfft(white[:, k])[:frequencies]) ** 2, *effects, order))
     return answers
 
 
@@ -105,15 +105,18 @@ def _seen(
     length, period = len(here), next_fast_len(2 * len(here), real=True)
     raw = (2.0 * rfft(pairs * kinds).real - pairs[0] * kinds[:, :1])[:, :slow]
     spectra = rings(kinds, period)
-    ahead, takes = rfft(spanned.T, period), rfft(taken.T)[:, :slow]
-    left, meats = [], []
-    for ring, own in zip(spectra, raw, strict=True):
-        response = irfft(ring * ahead, period)[:, :length]  # Gamma Q
+    basis_spectra, response_spectra = rfft(spanned.T, period), rfft(taken.T)[:, :slow]
+    residual_spectra, meats = [], []
+    for ring, noise_spectrum in zip(spectra, raw, strict=True):
+        response = irfft(ring * basis_spectra, period)[:, :length]  # Gamma Q
         meat = response @ spanned
-        crossed = rfft(response * here)[:, :slow]
-        left.append(own + np.sum((meat @ takes - 2.0 * crossed) * takes.conj(), axis=0).real)
+        cross_spectra = rfft(response * here)[:, :slow]
+        residual_spectra.append(
+            noise_spectrum
+            + np.sum((meat @ response_spectra - 2.0 * cross_spectra) * response_spectra.conj(), axis=0).real
+        )
         meats.append(back.T @ meat @ back)
-    return np.array(left), raw, np.array(meats)
+    return np.array(residual_spectra), raw, np.array(meats)
 
 
 def free_of(shares: Array, channel: Shown) -> Array:

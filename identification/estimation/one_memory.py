@@ -67,48 +67,48 @@ def mean_of(channels: Sequence[Shown], sizes: Array, free: Array, rising: bool) 
             counts by.
         rising: whether noise of accelerations is among their kinds.
     """
-    left = np.concatenate([channel.left for channel in channels], axis=1)
+    spectra = np.concatenate([channel.left for channel in channels], axis=1)
     power = np.concatenate([channel.power / size for channel, size in zip(channels, sizes, strict=True)])
-    floor = NOTHING * float(left.max())
-    left, power = np.maximum(left, floor), np.maximum(power, floor)
-    memories = range(1, len(left) - rising)
-    mean, best = _averaged(power, left, free, memories, [0])
+    floor = NOTHING * float(spectra.max())
+    spectra, power = np.maximum(spectra, floor), np.maximum(power, floor)
+    memories = range(1, len(spectra) - rising)
+    mean, best = _averaged(power, spectra, free, memories, [0])
     if rising:
-        last = len(left) - 1
-        with_it = likeliest(power, left[[0, best, last]], free=free)
+        last = len(spectra) - 1
+        with_it = likeliest(power, spectra[[0, best, last]], free=free)
         if with_it.likelihood - mean.likelihood > RISES:
-            mean, _ = _averaged(power, left, free, memories, [0, last])
+            mean, _ = _averaged(power, spectra, free, memories, [0, last])
     return mean
 
 
 def _averaged(power: Array, left: Array, free: Array, memories: range, others: list[int]) -> tuple[Mean, int]:
     """The mean with some noises beside the one with memory, and which memory is the likeliest."""
-    begin, tried = None, list[_Memory]()
+    begin, candidates = None, list[_Memory]()
     for memory in memories:
-        known = likeliest(power, left[[*others, memory]], begin, free=free)
-        begin = known.shares
+        likeliest_shares = likeliest(power, left[[*others, memory]], begin, free=free)
+        begin = likeliest_shares.shares
         shares = np.zeros(len(left))
-        shares[[*others, memory]] = known.shares
-        tried.append(_sizes(power, left, free, shares, memory))
-    chances = np.array([of.chances for of in tried])
+        shares[[*others, memory]] = likeliest_shares.shares
+        candidates.append(_sizes(power, left, free, shares, memory))
+    chances = np.array([of.chances for of in candidates])
     weights = np.exp(chances - chances.max())
-    mean = np.tensordot(weights / weights.sum(), np.array([of.shares for of in tried]), 2)
-    best = max(range(len(tried)), key=lambda k: tried[k].likelihood)
-    return Mean(mean, tried[best].likelihood, PRICE + len(others) - 1.0), memories[best]
+    mean = np.tensordot(weights / weights.sum(), np.array([of.shares for of in candidates]), 2)
+    best = max(range(len(candidates)), key=lambda k: candidates[k].likelihood)
+    return Mean(mean, candidates[best].likelihood, PRICE + len(others) - 1.0), memories[best]
 
 
 def _sizes(power: Array, left: Array, free: Array, shares: Array, memory: int) -> _Memory:
     """Sizes of the noise of a memory about the likeliest shares, shape (c,); the size of all follows each."""
-    own = shares[memory] * left[memory]
-    beside = shares @ left - own
-    part, count = own / (own + beside), float(np.sum(free))
-    known = max(float(np.sum(free * part**2) - np.sum(free * part) ** 2 / count), LEAST_KNOWN)
-    width = REACH / np.sqrt(known)
+    remembered_power = shares[memory] * left[memory]
+    other_power = shares @ left - remembered_power
+    part, count = remembered_power / (remembered_power + other_power), float(np.sum(free))
+    fisher_information = max(float(np.sum(free * part**2) - np.sum(free * part) ** 2 / count), LEAST_KNOWN)
+    width = REACH / np.sqrt(fisher_information)
     upper = float(np.log(shares[memory])) + min(width, REACH)
     least = float(np.log(LEAST * shares[0]))
     lower = min(max(float(np.log(shares[memory])) - width, least), upper - 1.0)
     logs = np.linspace(lower, upper, SIZES)
-    total = beside + np.exp(logs)[:, None] * left[memory]
+    total = other_power + np.exp(logs)[:, None] * left[memory]
     scale = np.sum(free * power / total, axis=1) / count
     likelihoods = -np.sum(free * np.log(total), axis=1) - count * (np.log(scale) + 1.0)
     each = np.tile(shares, (SIZES, 1))

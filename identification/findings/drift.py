@@ -50,18 +50,18 @@ def drift_of(fitted: Fitted) -> Drift | None:
         return None
     excerpt, part = excerpt_of(fitted)
     rest, scale = remainder_of(excerpt), np.broadcast_to(excerpt.samples.scale, len(part))
-    if (lacking := _lacking(excerpt)) is not None:
-        rest = rest.beside(lacking)
+    if (pose_errors := _lacking(excerpt)) is not None:
+        rest = rest.beside(pose_errors)
     shapes = [_shape((samples.t - samples.t.min()) / span, memory) for memory in (None, *SETTLING)]
     columns = [(shape[part] * scale)[:, None, None] * np.eye(6) for shape in shapes]
     rough = [(k, sizes_of(each, rest, roughly=True)) for k, each in enumerate(columns)]
-    likely = [(-found.explained, k) for k, found in rough if found is not None and _chances(found).min() < CHANCE]
+    likely = [(-drifts.explained, k) for k, drifts in rough if drifts is not None and _chances(drifts).min() < CHANCE]
     for _, k in sorted(likely):
-        found = sizes_of(columns[k], rest)
-        if found is None or (chances := _chances(found)).min() >= CHANCE:
+        drifts = sizes_of(columns[k], rest)
+        if drifts is None or (chances := _chances(drifts)).min() >= CHANCE:
             continue
         sure = -ndtri(np.maximum(chances, np.finfo(float).tiny) / 2.0)
-        return Drift(shapes[k], k > 0, found.values, sure, chances < CHANCE, found.answer @ found.values)
+        return Drift(shapes[k], k > 0, drifts.values, sure, chances < CHANCE, drifts.answer @ drifts.values)
     return None
 
 

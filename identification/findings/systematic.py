@@ -121,9 +121,9 @@ def systematic_of(
             break
         explained = np.sqrt(np.mean((effects[0].explained @ inverse) ** 2, axis=0))
         effects_seen.append(Seen(effects[0], tuple(effects[1:]), explained))
-        taken = effects[0].alternative
-        rest = rest.beside(taken.columns @ effects[0].supported)
-        alternatives = [alternative for alternative in alternatives if alternative is not taken]  # counted whole
+        explanation = effects[0].alternative
+        rest = rest.beside(explanation.columns @ effects[0].supported)
+        alternatives = [alternative for alternative in alternatives if alternative is not explanation]  # counted whole
     bias = basis @ bias @ basis.T
     if drift is not None:  # an offset is that of the whole run, and what it is before and after differs by the drift
         for k, place in enumerate(offset_columns(samples.model)):
@@ -260,7 +260,7 @@ def systematic_findings(case: Case, fitted: Fitted, systematic: Systematic | Non
     first, growth = systematic.seen[0], _growth(fitted, systematic.bias)
     sentence = _follows(first, systematic, case)
     if len(systematic.seen) > 1:
-        others = dict.fromkeys(seen.effect.alternative.follow for seen in systematic.seen[1:])
+        others = dict.fromkeys(effect.effect.alternative.follow for effect in systematic.seen[1:])
         sentence += f"; what is left follows {' and '.join(others)}"
     worst = int(np.argmax(growth))
     if growth[worst] > GROWN:
@@ -269,16 +269,16 @@ def systematic_findings(case: Case, fitted: Fitted, systematic: Systematic | Non
         )
     quantity = [
         {
-            "key": seen.effect.alternative.key,
-            "follows": seen.effect.alternative.follow,
-            "as_with": _cause(seen.effect),
-            "size": float(seen.effect.sizes[0]) if len(seen.effect.sizes) == 1 else None,
-            "std": float(seen.effect.stds[0]) if len(seen.effect.sizes) == 1 else None,
-            "chance": seen.effect.chance,
-            "share": seen.effect.share,
-            "explained_rms": seen.explained.tolist(),
+            "key": effect.effect.alternative.key,
+            "follows": effect.effect.alternative.follow,
+            "as_with": _cause(effect.effect),
+            "size": float(effect.effect.sizes[0]) if len(effect.effect.sizes) == 1 else None,
+            "std": float(effect.effect.stds[0]) if len(effect.effect.sizes) == 1 else None,
+            "chance": effect.effect.chance,
+            "share": effect.effect.share,
+            "explained_rms": effect.explained.tolist(),
         }
-        for seen in systematic.seen
+        for effect in systematic.seen
     ]
     matters = first.effect.share > MUCH_NOISE or growth[worst] > np.sqrt(1.0 + HARM**2)
     if not matters:

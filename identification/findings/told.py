@@ -237,17 +237,17 @@ def told_by(fitted: Fitted, case: Case, sizes: Array | None = None) -> Told | No
     shares = shown(every, case)
     if not shares:
         return None
-    left, both = np.concatenate([share.left for share in shares], axis=2), ((0, 1), (0, 1))
-    values, vectors = np.linalg.eigh(np.tensordot(left, left, both))
+    residual_effects, both = np.concatenate([share.left for share in shares], axis=2), ((0, 1), (0, 1))
+    values, vectors = np.linalg.eigh(np.tensordot(residual_effects, residual_effects, both))
     significant = values > FAINT * float(np.mean(rest.residuals**2))
     if not significant.any():
         return None
     strength = np.sqrt(values[significant])
     through = (vectors[:, significant] * strength).T  # G, of scores in an orthonormal basis
-    scored = left @ (vectors[:, significant] / strength)
+    scored = residual_effects @ (vectors[:, significant] / strength)
     scores = np.tensordot(scored, rest.residuals, both)
     noise = noise_of(scored, rest, rest.residuals - scored @ scores)
-    now = np.zeros(left.shape[2]) if sizes is None else sizes
+    now = np.zeros(residual_effects.shape[2]) if sizes is None else sizes
     factor = cho_factor(through @ through.T + noise.covariance)
     gain = cho_solve(factor, through).T
     news = scores + through @ now

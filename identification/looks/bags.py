@@ -111,11 +111,11 @@ def _channels(topic: BagTopic, case: Case | None, settings: Mapping[str, Any]) -
         ours = {
             theirs: column for column, theirs in (names if is_complete else names | settings.get("columns", {})).items()
         }
-    taken = because(Why.JOINTS_OF if topic.what == "joints" else Why.WRENCH_OF, topic=topic.name)
+    reason = because(Why.JOINTS_OF if topic.what == "joints" else Why.WRENCH_OF, topic=topic.name)
     for name, values in zip(topic.channels, topic.values.T, strict=True):
         unit = "rad" if topic.what == "joints" else "N" if name.startswith("force") else "Nm"
         if topic.what == "joints" and ours.get(name, "").endswith("_mm"):
             unit = "m"
         there = np.isfinite(values)
-        why, why_unit = (taken, because(Why.MESSAGES)) if name in ours else (NO_REASON, NO_REASON)
+        why, why_unit = (reason, because(Why.MESSAGES)) if name in ours else (NO_REASON, NO_REASON)
         yield Column(name, ours.get(name), unit, False, values[there], topic.t[there], why, why_unit)

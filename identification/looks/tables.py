@@ -37,10 +37,10 @@ def look_at_tables(files: Sequence[Path], case: Case | None, own: str | None) ->
     if laid_out is not None:
         proposals, settings, trial = laid_out
     else:
-        found = [
+        read_files = [
             (file, *(_as_stated(file, case) if reads and case is not None else (_table(file), case))) for file in files
         ]
-        proposals = [(file, table, proposed(table, its_case, reads)) for file, table, its_case in found]
+        proposals = [(file, table, proposed(table, its_case, reads)) for file, table, its_case in read_files]
         settings = proposal_of_run([(file.name, proposal) for file, _, proposal in proposals])
         if reads and case is not None and case.recording.files:
             settings = stated_of(case.recording)

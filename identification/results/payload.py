@@ -290,8 +290,8 @@ def payload_between(before: Result, after: Result) -> Payload:
     robust -= common_of(before, after, old, new)
     findings = _about(before, after, float(difference[0]), max(float(covariance[0, 0]), float(robust[0, 0])))
     place, biases = place_of(after.case_as_told, "sensor"), _biases_of(before, after, old, new)
-    found = Body(place, body, difference, covariance, robust, biases)
-    return Payload(found.parameters, tuple(findings), before, after, found)
+    payload_body = Body(place, body, difference, covariance, robust, biases)
+    return Payload(payload_body.parameters, tuple(findings), before, after, payload_body)
 
 
 def _biases_of(before: Result, after: Result, old: Sequence[int], new: Sequence[int]) -> dict[str, Array]:

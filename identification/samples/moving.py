@@ -150,9 +150,9 @@ class Run(Moving):
         assert self.recording.drives is not None
         if self.machine.of_pose:  # the field is one over the lengths of struts
             struts = self.recording.drives[self.filter.margin + self.rows[part]]
-            placed = covariance_by_pose(data, struts, residuals if whitening is None else None)
-            if placed is not None:
-                return placed._replace(sources=source_covariance(data))
+            pose_covariance = covariance_by_pose(data, struts, residuals if whitening is None else None)
+            if pose_covariance is not None:
+                return pose_covariance._replace(sources=source_covariance(data))
         return coloured_covariance(data)
 
     def _places_of(self, part: Indices) -> Indices:

@@ -186,8 +186,8 @@ def searched_design(
         def derivative(shares: Array) -> Array:
             return directional(matrices_of(shares), inverse)
 
-        climbed, values = climb(derivative, _drawn(draw, RANDOM, n), CLIMBERS, known, variations())
-        return np.inf, float(values.max()), climbed[values > size * (1.0 + gap / 2)]
+        points, values = climb(derivative, _drawn(draw, RANDOM, n), CLIMBERS, known, variations())
+        return np.inf, float(values.max()), points[values > size * (1.0 + gap / 2)]
 
     return exchanged(matrices_of, _drawn(draw, FIRST_SEARCHED, n), largest, gap, deadline, progress)
 

@@ -100,7 +100,7 @@ def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Guarantees
     """
     count = int(np.clip(np.ceil(motion.duration * PROOF_RATE), FEWEST, MOST))
     report = prove_at(motion, by.case, np.linspace(0.0, motion.duration, count + 1), part.trigger)
-    asked = {c.kind: c for c in _asked(part, motion, by)}
+    limits = {c.kind: c for c in _asked(part, motion, by)}
 
     def lawful(check: LimitCheck) -> Status:  # how accelerations are shared in an arc is less well known
         return by.lawful(check) if isinstance(motion, StraightMove) else by.status_of(check.kind)
@@ -112,9 +112,9 @@ def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Guarantees
             continue
         match family:
             case LimitKind.VELOCITY:
-                yield by.prediction(check) if part.feed is None else asked[check.kind]
+                yield by.prediction(check) if part.feed is None else limits[check.kind]
             case LimitKind.STRUT_VELOCITY:
-                fastest = asked.get(check.kind)
+                fastest = limits.get(check.kind)
                 if fastest is None or not fastest.kept:
                     yield by.prediction(check, status=lawful(check))
                 elif part.feed is None:  # the fastest within the enforced rates of all coordinates

@@ -60,12 +60,12 @@ class ProgramProof:
             return "NOT proven"
         left_out = f", without {', '.join(self.without)} as planned" if self.without else ""
         families = [kind for kind in self._families(Status.ENFORCED) if kind not in self.relies_on]
-        passed = self._exceeded
-        within = [kind for kind in self.relies_on if kind not in passed]
+        exceeded = self._exceeded
+        within = [kind for kind in self.relies_on if kind not in exceeded]
         phrases = {
             f"{self.controller} enforces": families,
             "nobody enforces": within,
-            "EXCEEDED, as predicted, and nobody enforces": passed.values(),
+            "EXCEEDED, as predicted, and nobody enforces": exceeded.values(),
         }
         clauses = (f"{phrase}: {', '.join(names)}" for phrase, names in phrases.items() if names)
         return "; ".join([f"proven{left_out}", *clauses])
@@ -164,9 +164,9 @@ def prove_program(reading: Reading, guarantees: Guarantees) -> ProgramProof:
         if isinstance(part, Timed):
             require_timing(part, guarantees, reading.file)
         report, duration = judge(part, guarantees)
-        placed = [replace(check, line=_line_of(part, check), time=check.time + clock) for check in report.checks]
-        violations += [check for check in placed if not check.kept]
-        for check in placed:
+        checks = [replace(check, line=_line_of(part, check), time=check.time + clock) for check in report.checks]
+        violations += [check for check in checks if not check.kept]
+        for check in checks:
             if math.isfinite(check.ratio) and check.ratio > getattr(of_lines.get(check.line), "ratio", -math.inf):
                 of_lines[check.line] = check
         reports.append(report.later(clock))

@@ -44,18 +44,18 @@ def _take(context: Context, there: Workspace, fields: Fields) -> Job:
     writing = _look(context, there, fields, write=True)
     if not field(fields, "identify"):
         return writing
-    job, looked = _identify(context, there, fields), _looked(context, field(fields, "recording"))
-    write_table(context.machine.file, "recording", looked["settings"])
+    job, look_job = _identify(context, there, fields), _looked(context, field(fields, "recording"))
+    write_table(context.machine.file, "recording", look_job["settings"])
     job.before = writing.command
     return job
 
 
 def _looked(context: Context, recording: str) -> Mapping[str, Any]:
     """What the latest look at a recording answered, by the case as it is now."""
-    looked = context.jobs.latest(context.machine.key, "look", recording)
-    if looked is None or looked.answer is None or looked.finished < context.machine.file.stat().st_mtime:
+    look_job = context.jobs.latest(context.machine.key, "look", recording)
+    if look_job is None or look_job.answer is None or look_job.finished < context.machine.file.stat().st_mtime:
         raise Unfit("look_at_it_first", recording=recording)
-    return looked.answer
+    return look_job.answer
 
 
 def _menus(context: Context, there: Workspace, fields: Fields) -> Job:

@@ -16,8 +16,8 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     from postprocessors.controllers.linuxcnc.session import linuxcnc_missing
 
     recording: Recording | None = chosen(there.recordings, query.get("recording"))
-    looked = context.jobs.latest(context.machine.key, "look", recording.name) if recording is not None else None
-    answer = looked.answer if looked is not None and looked.over and _since(looked, context.machine) else None
+    look_job = context.jobs.latest(context.machine.key, "look", recording.name) if recording is not None else None
+    answer = look_job.answer if look_job is not None and look_job.over and _since(look_job, context.machine) else None
     refused = context.jobs.latest(context.machine.key, "identify", recording.name) if recording is not None else None
     stated = remedies_of(refused.answer) if refused is not None and refused.state == "failed" else []
     picture = f"{Path(recording.name).stem}-look.svg" if recording is not None else ""

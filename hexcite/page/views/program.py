@@ -74,8 +74,8 @@ def verdict(words: Words, answer: Mapping[str, Any]) -> Markup:
             ("verdict_beyond", beyond),
         )
     ]
-    said = [words.say(key, what=", ".join(kinds), dialect=answer["dialect"]) for key, kinds in parts if kinds]
-    return escape(" ".join([words.say("proven"), *said]))
+    sentences = [words.say(key, what=", ".join(kinds), dialect=answer["dialect"]) for key, kinds in parts if kinds]
+    return escape(" ".join([words.say("proven"), *sentences]))
 
 
 def _remarks(words: Words, answer: Mapping[str, Any]) -> list[Markup]:

@@ -304,19 +304,21 @@ class _Prefixed:
 
     def left(self, wanted: Sequence[tuple[Sized, Array]]) -> Array:
         """What some sizes of families leave; infinity where they are not mistakes."""
-        made = [sized.make(size) for sized, size in wanted]
-        left = np.full(len(made), np.inf)
+        hypotheses = [sized.make(size) for sized, size in wanted]
+        residuals = np.full(len(hypotheses), np.inf)
         in_sensor = not any(hypothesis.in_base for hypothesis in self.prefix)
-        columns = [k for k, (sized, _) in enumerate(wanted) if made[k] is not None and sized.of_channels and in_sensor]
-        rows = [k for k, hypothesis in enumerate(made) if hypothesis is not None and k not in {*columns}]
+        columns = [
+            k for k, (sized, _) in enumerate(wanted) if hypotheses[k] is not None and sized.of_channels and in_sensor
+        ]
+        rows = [k for k, hypothesis in enumerate(hypotheses) if hypothesis is not None and k not in {*columns}]
         if columns:
             before = np.linalg.inv(channels_of(self.prefix))  # the fits have it already
-            channels = [channels_of(together(*self.prefix, *_alone(made[k]))) @ before for k in columns]
-            left[columns] = self.fits.left(np.array(channels)).residuals[0]
+            channels = [channels_of(together(*self.prefix, *_alone(hypotheses[k]))) @ before for k in columns]
+            residuals[columns] = self.fits.left(np.array(channels)).residuals[0]
         if rows:
-            changes = [together(*self.prefix, *_alone(made[k])) for k in rows]
-            left[rows] = tried(self.instants, changes, [AS_RECORDED]).residuals[:, 0]
-        return left
+            changes = [together(*self.prefix, *_alone(hypotheses[k])) for k in rows]
+            residuals[rows] = tried(self.instants, changes, [AS_RECORDED]).residuals[:, 0]
+        return residuals
 
 
 def _alone(hypothesis: Hypothesis | None) -> Trial:

@@ -372,7 +372,12 @@ def _beside_sizes(
 ) -> list[Trial]:
     """Hypotheses without a size beside those with one, whose first sizes leave least together with them."""
     sized = [each for each in sized_of(coarse, AS_RECORDED) if each.family is not Family.POINT]
-    first = [(each, start, made) for each in sized for start in each.starts if (made := each.make(np.array(start)))]
+    first = [
+        (each, start, hypothesis)
+        for each in sized
+        for start in each.starts
+        if (hypothesis := each.make(np.array(start)))
+    ]
     of_forces = [entry for entry in first if entry[0].of_channels]
     of_motion = [entry for entry in first if not entry[0].of_channels]
     candidates: list[tuple[float, Sized, tuple[float, ...], Trial]] = []
@@ -385,23 +390,23 @@ def _beside_sizes(
 
     forces = [(column,) for column in columns]
     if of_forces and rows:
-        note(tried(coarse, rows, [(made,) for *_, made in of_forces]).residuals.T, of_forces, *rows)
+        note(tried(coarse, rows, [(hypothesis,) for *_, hypothesis in of_forces]).residuals.T, of_forces, *rows)
     if of_motion and forces:
-        note(tried(coarse, [(made,) for *_, made in of_motion], forces).residuals, of_motion, *forces)
+        note(tried(coarse, [(hypothesis,) for *_, hypothesis in of_motion], forces).residuals, of_motion, *forces)
     if of_forces and forces:
-        pairs = [together(made, column) for *_, made in of_forces for column in columns]
+        pairs = [together(hypothesis, column) for *_, hypothesis in of_forces for column in columns]
         note(tried(coarse, [AS_RECORDED], pairs).residuals.reshape(len(of_forces), -1), of_forces, *forces)
     trials: list[Trial] = []
-    for _, each, start, beside in sorted(candidates, key=lambda entry: entry[0])[:REFINED]:
-        trials += refined(instants, coarse, [replace(each, starts=(start,))], beside, worth)
+    for _, each, start, others in sorted(candidates, key=lambda entry: entry[0])[:REFINED]:
+        trials += refined(instants, coarse, [replace(each, starts=(start,))], others, worth)
     if not coarse.case.sensor_frame.has_moments:
         return trials
     plain = [*rows, *forces]
     abouts = moments_about(coarse, plain)
     for k in sorted(range(len(plain)), key=lambda k: abouts[k].residuals)[:REFINED]:
-        beside = plain[k]
-        of_point = [each for each in sized_of(coarse, beside) if each.family is Family.POINT]
-        trials += refined(instants, coarse, of_point, beside, worth)
+        others = plain[k]
+        of_point = [each for each in sized_of(coarse, others) if each.family is Family.POINT]
+        trials += refined(instants, coarse, of_point, others, worth)
     return trials
 
 

@@ -83,10 +83,10 @@ def of_share(case: Case, share: float, mistakes: float, std: float | None = None
         std: standard deviation of the share [%]; None where it is not known.
     """
     gravity = tuple(float(f"{(1.0 - share) * value:.5g}") for value in case.gravity)
-    lacking = "the forces are compensated: they lack {share} % of the weight of what the sensor carries"
+    sentence = "the forces are compensated: they lack {share} % of the weight of what the sensor carries"
     return Hypothesis(
         family=Family.COMPENSATED, edit=_gravity(gravity), place="case", mistakes=mistakes,
-        words=phrase("compensated_in_part", lacking, share=number(100.0 * share, std, 3)),
+        words=phrase("compensated_in_part", sentence, share=number(100.0 * share, std, 3)),
         remedy=RAW,
     )  # fmt: skip
 

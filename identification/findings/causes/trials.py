@@ -75,7 +75,7 @@ def tried(instants: Instants, changes: Sequence[Trial], channels: Sequence[Trial
     own = np.array([channels_of(trial) for trial in changes])
     as_recorded = [np.array_equal(matrix, np.eye(6)) for matrix in own]
     turned = [any(hypothesis.in_base for hypothesis in trial) for trial in changes]
-    plain = [k for k, kept in enumerate(as_recorded) if kept and not turned[k]]
+    plain = [k for k, recorded in enumerate(as_recorded) if recorded and not turned[k]]
     others = sorted({*range(len(changes))} - {*plain})
     for which in (plain, others):  # those that leave the forces as they were recorded share them
         for start in range(0, len(which), size):
@@ -140,8 +140,8 @@ class Fits:
         """What channel a in the place of channel i shows of each direction of the basis, shape (H, u, 36, D)."""
         count, unknowns, _, n = self.whole.shape
         right = self.forces.reshape(len(self.forces), n, -1)
-        shown = self.whole.reshape(count, unknowns * 6, n) @ right
-        return self._whitened(shown.reshape(count, unknowns, -1)).reshape(count, unknowns, 36, -1)
+        projections = self.whole.reshape(count, unknowns * 6, n) @ right
+        return self._whitened(projections.reshape(count, unknowns, -1)).reshape(count, unknowns, 36, -1)
 
     def _whitened(self, along: Array) -> Array:
         """What lies along the basis from what lies along the rows, shapes (H, u, k)."""
@@ -156,8 +156,8 @@ class Fits:
         explained = self._explained(matrices)
         sizes = np.einsum("jia,hdab,jib->hjdi", matrices, self.products, matrices, optimize=True)
         total = np.einsum("hjdi,hi->hjd", np.broadcast_to(sizes, (count, *sizes.shape[1:])), 1.0 / self.noise**2)
-        left = np.maximum(total - np.sum(explained**2, axis=1), 0.0)
-        least, place = _parabola(left / max(6 * n - unknowns, 1))
+        residuals = np.maximum(total - np.sum(explained**2, axis=1), 0.0)
+        least, place = _parabola(residuals / max(6 * n - unknowns, 1))
         # of the noise that is recorded, as the changes make it of channels, the matrices make more or less
         shares = np.einsum("jia,ha,hi->hj", matrices**2, self.noise**2, 1.0 / self.noise**2, optimize=True)
         least = least / (shares / 6.0)
@@ -293,9 +293,9 @@ def _about(fits: Fits, trials: Sequence[Trial]) -> Iterator[About]:
         products = fits.products[k if len(fits.products) > 1 else 0]
         squares = np.einsum("jia,dab,lib->djl", over, products, over, optimize=True) - along @ along.transpose(0, 2, 1)
         points = -(np.linalg.pinv(squares[:, 1:, 1:], rcond=SINGULAR, hermitian=True) @ squares[:, 1:, :1])[:, :, 0]
-        left = squares[:, 0, 0] + np.sum(squares[:, 0, 1:] * points, axis=1)
-        best = int(np.argmin(left))
-        yield About(points[best], max(float(left[best]), 0.0))
+        residuals = squares[:, 0, 0] + np.sum(squares[:, 0, 1:] * points, axis=1)
+        best = int(np.argmin(residuals))
+        yield About(points[best], max(float(residuals[best]), 0.0))
 
 
 def _case_of(instants: Instants, trial: Trial) -> Case:

@@ -133,9 +133,9 @@ def _fit(reference: _Edges, other: _Edges, shift: int) -> _ClockMap | None:
     fit = _ClockMap(mean, rate, spread**-0.5 if last - first > 1 else np.inf, middle, last - first)
     if np.any(np.abs(late - mean) > half + _MOST_RATE * np.abs(away)):
         return None
-    seen, sent = reference.inside(other, mean), other.inside(reference, -mean)
-    seen[own], sent[theirs] = False, False
-    return None if seen.any() or sent.any() else fit
+    own_samples, other_samples = reference.inside(other, mean), other.inside(reference, -mean)
+    own_samples[own], other_samples[theirs] = False, False
+    return None if own_samples.any() or other_samples.any() else fit
 
 
 def _joined_by_trigger(reference: Stream, stream: Stream, stated: bool) -> tuple[Stream, Finding]:

@@ -73,7 +73,7 @@ def _of_json(message: Embedded, file: str, case: Case) -> list[_Point]:
     chain, _ = case.need_chain("a joint trajectory")
     count, points = len(chain.names), list[_Point]()
     for line, entries in points_of(message, file, case):
-        if (found := _of_entries(entries, count)) is None:
+        if (trajectory := _of_entries(entries, count)) is None:
             raise ProgramError(
                 file=file,
                 line=line,
@@ -82,7 +82,7 @@ def _of_json(message: Embedded, file: str, case: Case) -> list[_Point]:
                 remedy="write it so",
                 code=Code.SYNTAX,
             )
-        points.append((line, *found))
+        points.append((line, *trajectory))
     if not points:
         raise ProgramError(file=file, line=message.line, problem="no point: truncated", code=Code.DAMAGED)
     return points

@@ -86,11 +86,11 @@ def _require_values(table: ColumnTable) -> None:
             )
             remedy = "record again, or give a file of its own to what is sampled less often"
             if count < len(column):
-                held = (
+                values = (
                     "set recording.empty = 'apart' if rows of several topics or recorders stand among each other, "
                     "'hold' if a value stands there only where it has changed"
                 )
-                remedy = f"{held}; else {remedy}"
+                remedy = f"{values}; else {remedy}"
             raise RecordingError(
                 place=table.place(int(np.argmax(missing)), ours), problem=problem, remedy=remedy, code=Code.MISSING
             )
