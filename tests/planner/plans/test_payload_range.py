@@ -17,9 +17,6 @@ from tests.hexcite.command_line import call, refused
 from tests.planner.monte_carlo import vibrating
 
 CASE = load_case("hexapod")
-MODEL = identification_model(CASE, 9)
-SCALING = reference_scaling(CASE, MODEL)
-MOTION = manual_motion(CASE, sequence_file(CASE))
 
 
 @pytest.mark.parametrize(("text", "found"), [("2", (2, None)), ("0-5", (5, 0)), (" 1-1 ", (1, 1))])
@@ -32,7 +29,8 @@ def test_a_number_or_a_range_is_read(text: str, found: tuple[int, int | None]):
 @pytest.mark.parametrize("shaken", [False, True])
 def test_what_is_predicted_for_a_range_is_the_largest_within_it(shaken: bool):
     case = vibrating(CASE, 1.0, 0.05, 1.0, "stated") if shaken else CASE
-    runs = predictions_of(case, MODEL, SCALING, MOTION, range(3))
+    model, motion = identification_model(CASE, 9), manual_motion(CASE, sequence_file(CASE))
+    runs = predictions_of(case, model, reference_scaling(CASE, model), motion, range(3))
     each, worst = [run.std for run in runs], Promise.of(runs).std
     for name, std in worst.items():
         assert std == pytest.approx(max(one[name] for one in each), rel=1e-9)

@@ -41,7 +41,8 @@ def number(value: float, decimal: str = ".") -> str:
 
 
 def rows(numbers: np.ndarray, delimiter: str = ",", decimal: str = ".") -> list[str]:
-    return [delimiter.join(number(v, decimal) for v in row) for row in numbers]
+    lines = ["\t".join(["%.9g"] * len(row)) % tuple(row) for row in np.asarray(numbers).tolist()]  # some are long
+    return [line.replace(".", decimal).replace("\t", delimiter) for line in lines]
 
 
 def csv(numbers: np.ndarray, names: Sequence[str] = NAMES, delimiter: str = ",", decimal: str = ".") -> str:
