@@ -4,8 +4,8 @@ The scores c = G d + n of a run have the covariance S = G G^T + N where the size
 noise. Of one size alone, the others as stated, the run tells x = g^T S^-1 c / b with the deviation sqrt((1 - b) / b),
 b = g^T S^-1 g, g its column of G: an estimate that does not draw it towards 0 by what is stated of it, so that value,
 deviation and tolerance stand beside each other as a reader compares them. x / sqrt(1 + deviation^2) is normal where
-the case is right. All scores together are judged by c^T S^-1 c. In both tests N is known by few residuals
-(`score_test`).
+the case is right. All together are judged by c^T S^-1 c in the directions in which sizes are not lost in noise. In both
+tests N is known by few residuals (`small_sample`).
 """
 
 from typing import NamedTuple
@@ -18,6 +18,7 @@ from identification.estimation.score_test import Noise, chance_of
 
 UNLIKELY = 1e-3  # chance of so much in a run of a machine that is as its case states, below which the case is doubted
 LOOKED_AT = 3.0  # deviations of both, below which a size is never that unlikely
+SEEN = 0.5  # variance by stated sizes over that by noise, from which on a direction tells of all sizes together
 SMALLEST, LARGEST = 1.0, 1e3  # times that stated tolerances may be larger in truth
 
 
@@ -74,15 +75,20 @@ def worst_part(news: Array, through: Array, noise: Noise) -> Part:
 
 
 def chance_of_all(news: Array, through: Array, noise: Noise) -> float:
-    """Probability of so large scores, all together, where sizes vary as stated; arguments as of `worst_part`."""
-    return _chance(news, through, noise, *np.eye(len(news)))
+    """Probability of so large scores, all together, where sizes vary as stated; arguments as of `worst_part`.
+
+    Directions count in which stated sizes make half as much as noise or more, in variance: in others larger sizes would
+    not be seen, and only hide in noise what these show. 1 where there is none.
+    """
+    values, directions = _by_strength(through, noise)
+    some = values >= SEEN
+    return _chance(news, through, noise, *directions[some]) if some.any() else 1.0
 
 
 def times_stated(news: Array, through: Array, noise: Noise) -> float:
     """By how many times larger deviations than stated the scores are likeliest; arguments as of `worst_part`."""
-    half = np.linalg.inv(np.linalg.cholesky(noise.covariance))
-    values, vectors = np.linalg.eigh(half @ through @ through.T @ half.T)
-    squares = (vectors.T @ half @ news) ** 2
+    values, directions = _by_strength(through, noise)
+    squares = (directions @ news) ** 2
 
     def unlikely(log: float) -> float:
         variances = 1.0 + np.exp(2.0 * log) * values
@@ -90,6 +96,13 @@ def times_stated(news: Array, through: Array, noise: Noise) -> float:
 
     ends = float(np.log(SMALLEST)), float(np.log(LARGEST))
     return float(np.exp(minimize_scalar(unlikely, bounds=ends, method="bounded").x))
+
+
+def _by_strength(through: Array, noise: Noise) -> tuple[Array, Array]:
+    """Variances that stated sizes make of independent sums of scores, in those of noise, and the weights of these."""
+    half = np.linalg.inv(np.linalg.cholesky(noise.covariance))
+    values, vectors = np.linalg.eigh(half @ through @ through.T @ half.T)
+    return np.asarray(values), np.asarray(vectors.T @ half)
 
 
 def _chance(news: Array, through: Array, noise: Noise, *directions: Array) -> float:

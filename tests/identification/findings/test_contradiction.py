@@ -65,6 +65,18 @@ def test_tolerances_that_are_three_times_too_small_show_it_together() -> None:
     assert np.median([times_stated(of, THROUGH, known()) for of in news]) == pytest.approx(3.0, rel=0.1)
 
 
+def test_directions_that_noise_hides_take_nothing_from_what_others_show() -> None:
+    draw, more = np.random.default_rng(7), 30
+    faint = np.zeros((more, SIZES))
+    faint[:, :1] = 0.01
+    through = np.vstack([THROUGH, faint])
+    whole = Noise(np.eye(SCORES + more), (np.eye(SCORES + more)[None],), (np.array([[2e-9]]),))
+    for _ in range(20):
+        news = scores(draw, 2.0)
+        beside = chance_of_all(np.r_[news, draw.normal(size=more)], through, whole)
+        assert beside == pytest.approx(chance_of_all(news, THROUGH, known()), rel=0.05)
+
+
 def test_a_size_that_no_score_shows_is_never_named() -> None:
     through = THROUGH.copy()
     through[:, 4] = 0.0
