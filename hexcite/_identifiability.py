@@ -68,14 +68,7 @@ def _looked_at(
             states = motion.coordinates, motion.rates, motion.accelerations
             return machine, thing.model, lambda model: over_samples(model.coordinate_regressor, *states)[0], _any
         case Recording():
-            own_case = thing.case if case is None else case
-            if own_case is None:
-                raise HexciteError(
-                    place=thing.source,
-                    problem="does not say which machine it is from",
-                    remedy="give its case",
-                    code=Code.MISSING,
-                )
+            own_case = thing.machine_case(case)
             usual = default_model(thing, own_case)
             samples = samples_of(thing, own_case, identification_model(own_case, usual))
             return own_case, usual, *_at_samples(samples, 0.0)

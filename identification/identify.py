@@ -90,14 +90,7 @@ def identify(
         RecordingError: the run cannot be evaluated.
         CaseError: the case lacks what the evaluation needs.
     """
-    case = recording.case if case is None else case
-    if case is None:
-        raise RecordingError(
-            place=recording.source,
-            problem="does not say which machine it is from",
-            remedy="give its case",
-            code=Code.MISSING,
-        )
+    case = recording.machine_case(case)
     whole = on_one_clock(recording, case)
     comparison = None if plan is None else closest(whole, case, plan)
     differences = () if plan is None else as_planned(comparison, plan)

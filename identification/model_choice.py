@@ -13,7 +13,7 @@ from typing import Annotated, Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from cases.base.errors import Code, HexciteError, IdentificationError, RecordingError
+from cases.base.errors import Code, HexciteError, IdentificationError
 from cases.base.options import default_of, documented
 from cases.base.units import Array, as_html
 from cases.schema import Case
@@ -163,14 +163,7 @@ def identify_models(
         RecordingError: the run cannot be evaluated.
         CaseError: the case lacks what the evaluation needs.
     """
-    case = recording.case if case is None else case
-    if case is None:
-        raise RecordingError(
-            place=recording.source,
-            problem="does not say which machine it is from",
-            remedy="give its case",
-            code=Code.MISSING,
-        )
+    case = recording.machine_case(case)
     run, _ = standing_of(on_one_clock(recording, case), case, poses, average_standstills)
     models, unit = carried(run, case), "poses" if run.t is None or case.setup == "1a" else "samples"
     with threadpool_limits(limits=1, user_api="blas"):

@@ -61,7 +61,7 @@ def show(
     file = output_place(output, Path(f"{loaded.name}-machine.svg"), overwrite)
     check_file(file, (".svg", ".png", ".pdf"), [find_case(case)], overwrite)
     with console.status("drawing", json):
-        from hexcite.reports.plots import case_figure
+        from hexcite.reports.drawing.plots import case_figure
 
         with atomic_file(file) as part:
             case_figure(loaded).savefig(part, format=file.suffix[1:].lower())

@@ -10,8 +10,8 @@ from cases.base.errors import Code, HexciteError
 from cases.chain import Chain
 from cases.machine import KeepOut
 from cases.schema import Case
-from hexcite.reports.outline import SAME_PLACE, Labels, Lines, chain_outline, outline, together
-from hexcite.reports.scene import box_outlines, room
+from hexcite.reports.drawing.outline import SAME_PLACE, Labels, Lines, chain_outline, outline, together
+from hexcite.reports.drawing.scene import box_outlines, room
 from identification.motion.motion import Array
 
 WIDTH, HEIGHT, EDGE = 480.0, 380.0, 34.0  # of a drawing, and free at its sides

@@ -10,8 +10,17 @@ from cases.base.units import MM
 from cases.chain import Chain, Joint
 from cases.schema import Case
 from cases.urdf import LinkPlace
-from hexcite.reports.chart import COLOURS
-from hexcite.reports.scene import BASE, Label, Part, Scene, drawn_pose, shown_alone, standing_chain, standing_machine
+from hexcite.reports.drawing.chart import COLOURS
+from hexcite.reports.drawing.scene import (
+    BASE,
+    Label,
+    Part,
+    Scene,
+    drawn_pose,
+    shown_alone,
+    standing_chain,
+    standing_machine,
+)
 from identification.limits.chain import body_clearances, chain_frames
 from identification.limits.hexapod import LimitedHexapod
 from identification.limits.limit import LimitKind, Quantity

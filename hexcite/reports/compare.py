@@ -7,9 +7,9 @@ import numpy as np
 from cases.base.provenance import provenance
 from hexcite.comparison.comparison import Comparison
 from hexcite.comparison.entries import Entry
-from hexcite.reports.accelerations import acceleration_charts, measured_accelerations, planned_accelerations
-from hexcite.reports.chart import Axis, Chart, Points, colour
-from hexcite.reports.densities import compared_densities
+from hexcite.reports.drawing.accelerations import acceleration_charts, measured_accelerations, planned_accelerations
+from hexcite.reports.drawing.chart import Axis, Chart, Points, colour
+from hexcite.reports.drawing.densities import compared_densities
 from hexcite.reports.page import Block, Head, note, page, section, table
 from identification.texts import legible, parameter_words, std_text, value_text
 from planner.options import FAMILY_WORDS

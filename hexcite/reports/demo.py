@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 
 from hexcite._demo import Demo
-from hexcite.reports.chart import COLOURS, Axis, Band, Chart, Points
-from hexcite.reports.figures import limits_table
+from hexcite.reports.drawing.chart import COLOURS, Axis, Band, Chart, Points
+from hexcite.reports.drawing.figures import limits_table
+from hexcite.reports.drawing.scene import moving_machine
 from hexcite.reports.identify import noise_tile, residual_blocks, run_inputs
 from hexcite.reports.page import Head, note, page, section, table, tiles
-from hexcite.reports.scene import moving_machine
 from identification.limits.limit import Status
 from identification.texts import legible, parameter_words, std_text, value_text
 from planner.options import FAMILY_WORDS

@@ -3,7 +3,7 @@
 import numpy as np
 
 from cases.recording_format import WRENCH
-from hexcite.reports.chart import Axis, Chart, lines
+from hexcite.reports.drawing.chart import Axis, Chart, lines
 from hexcite.reports.page import Head, note, page, section, table, tiles
 from identification.results.force import UNITS, ExternalForce, on_clock
 from identification.texts import budget_cells, std_text, value_text

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hexcite.reports.chart import Axis, Chart, Line, Points, colour
+from hexcite.reports.drawing.chart import Axis, Chart, Line, Points, colour
 from hexcite.reports.page import Head, page, section, table
 from identification.results.history import DAY, History
 from identification.texts import legible, parameter_words, with_deviation

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hexcite.reports.chart import Axis, Chart, Heat
+from hexcite.reports.drawing.chart import Axis, Chart, Heat
 from hexcite.reports.page import Block, note, table
 from identification.results.identifiability import Identifiability
 

@@ -9,10 +9,15 @@ from markupsafe import Markup
 from cases.base.units import Array
 from cases.schema import Case
 from hexcite._identifiability import identifiability_of_models
-from hexcite.reports.accelerations import acceleration_charts, measured_accelerations, planned_accelerations, summary
-from hexcite.reports.chart import Axis, Chart, Heat, Rule, lines
-from hexcite.reports.densities import density_charts, normal_chart
-from hexcite.reports.figures import unit_of
+from hexcite.reports.drawing.accelerations import (
+    acceleration_charts,
+    measured_accelerations,
+    planned_accelerations,
+    summary,
+)
+from hexcite.reports.drawing.chart import Axis, Chart, Heat, Rule, lines
+from hexcite.reports.drawing.densities import density_charts, normal_chart
+from hexcite.reports.drawing.figures import unit_of
 from hexcite.reports.identifiability import identifiability_blocks
 from hexcite.reports.page import Block, Head, note, page, section, table, tiles
 from identification.findings.noise_level import noise_of_channels, stated_noise

@@ -21,9 +21,9 @@ from markupsafe import Markup, escape
 from numpy.typing import NDArray
 
 from cases.base.errors import legible
-from hexcite.reports.chart import Chart
-from hexcite.reports.interactive import plotly_figure
-from hexcite.reports.scene import Scene
+from hexcite.reports.drawing.chart import Chart
+from hexcite.reports.drawing.interactive import plotly_figure
+from hexcite.reports.drawing.scene import Scene
 
 TERMS = {
     "std (28)": "standard deviation if the residuals are white noise, equation (28) of Friedrich & Ihlenfeldt 2021",
@@ -83,7 +83,7 @@ def _html(block: Block) -> Markup:
 
 def _figure(chart: Chart) -> Markup:
     """A figure as it stands on a page: its picture, which the script replaces by one that answers."""
-    from hexcite.reports.still import picture  # matplotlib, which pages without figures do not need
+    from hexcite.reports.drawing.still import picture  # matplotlib, which pages without figures do not need
 
     kind = Markup(' class="half"') if chart.half else ""
     plot = _plot(f"plot-{chart.name}", chart.caption, chart.height, picture(chart))
@@ -143,7 +143,7 @@ def _player(scene: Scene) -> Markup:
 <script type="application/json" id="scene">{}</script>
 <figcaption>{}<span class="screen"> Drag to turn, wheel to zoom.</span></figcaption>
 </figure>"""
-    from hexcite.reports.still import machine_picture
+    from hexcite.reports.drawing.still import machine_picture
 
     words = "The machine in some of its poses." if scene.steps else "The machine where its path begins, and the path."
     plot = _plot("machine", "the machine in 3-D along its path", 560, machine_picture(scene))

@@ -4,10 +4,10 @@ from markupsafe import Markup
 
 from cases.base.provenance import provenance
 from hexcite._identifiability import identifiability_of_models
-from hexcite.reports.figures import limits_table, motion_blocks
+from hexcite.reports.drawing.figures import limits_table, motion_blocks
+from hexcite.reports.drawing.scene import Scene, moving_machine, posing_machine, with_limits
 from hexcite.reports.identifiability import identifiability_blocks
 from hexcite.reports.page import Head, note, page, section, table, tiles
-from hexcite.reports.scene import Scene, moving_machine, posing_machine, with_limits
 from identification.limits.limit import TOLERANCE, Status
 from identification.motion.motion import sample
 from planner.plans.plan import Plan

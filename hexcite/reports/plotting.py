@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cases.base.units import DEG, MM
-from hexcite.reports.chart import Axis, Chart, Line, Points, colour, lines
-from hexcite.reports.figures import unit_of
-from hexcite.reports.still import drawn, machine_figure
+from hexcite.reports.drawing.chart import Axis, Chart, Line, Points, colour, lines
+from hexcite.reports.drawing.figures import unit_of
+from hexcite.reports.drawing.still import drawn, machine_figure
 from identification.motion.motion import sample
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def plot(
     """
     match type(value).__name__:  # to import the types of all takes a second
         case "Case":
-            from hexcite.reports.plots import case_figure
+            from hexcite.reports.drawing.plots import case_figure
 
             return case_figure(value)  # type: ignore[arg-type]
         case "Plan":
@@ -83,8 +83,8 @@ def plot(
 
 
 def _plan(plan: Any) -> "Figure":
-    from hexcite.reports.figures import motion_blocks
-    from hexcite.reports.scene import posing_machine
+    from hexcite.reports.drawing.figures import motion_blocks
+    from hexcite.reports.drawing.scene import posing_machine
 
     if len(plan.poses):
         return machine_figure(posing_machine(plan.case, plan.poses))

@@ -8,8 +8,8 @@ import numpy as np
 from cases.base.provenance import provenance
 from hexcite.comparison.trials import METHODS, SHOWN, Trial
 from hexcite.comparison.validation import OFF, Validation, entry_of_trial
-from hexcite.reports.chart import Axis, Chart, Line, colour
 from hexcite.reports.compare import comparison_head, figure_rows, parameter_columns, parameter_rows, std_chart
+from hexcite.reports.drawing.chart import Axis, Chart, Line, colour
 from hexcite.reports.page import Block, Head, note, page, section, table
 from identification.texts import legible
 

@@ -22,7 +22,7 @@ from cases.base.text_formats import json_text
 from cases.base.units import as_html
 from cases.schema import Case
 from hexcite.options import Certificates, Insecure, OneProcess, Scheduler
-from hexcite.reports.chart import Axis, Box, Chart
+from hexcite.reports.drawing.chart import Axis, Box, Chart
 from hexcite.reports.page import Head, note, page, section, table
 from hexcite.studies.cell_rows import FAILED, ROWS, failure, file_of, keep, read_rows, work
 from hexcite.studies.cluster import local_client, remote_client, require_dask, run_one_by_one, run_tasks

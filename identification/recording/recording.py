@@ -51,6 +51,18 @@ class Recording(Stream):
     record: RunRecord | None = None  # what `recording.json` says; None where there is none
     remarks: tuple[str, ...] = ()  # what has changed in the case since, where it is evaluated nevertheless
 
+    def machine_case(self, case: Case | None = None) -> Case:
+        """The case of its machine: another one that is given, else its own; RecordingError where there is none."""
+        known = self.case if case is None else case
+        if known is None:
+            raise RecordingError(
+                place=self.source,
+                problem="does not say which machine it is from",
+                remedy="give its case",
+                code=Code.MISSING,
+            )
+        return known
+
     def __post_init__(self) -> None:
         """Checks what is given, as of a stream; RecordingError names what is wrong."""
         if self.forces is None:

@@ -15,9 +15,9 @@ from hypothesis import settings
 
 from cases.base.errors import Code
 from hexcite.cli import main
-from hexcite.reports import still
-from hexcite.reports.chart import Chart
-from hexcite.reports.scene import Scene
+from hexcite.reports.drawing import still
+from hexcite.reports.drawing.chart import Chart
+from hexcite.reports.drawing.scene import Scene
 from tests.helpers import EXAMPLES
 from tests.hexcite.json_answer import one_json_object
 

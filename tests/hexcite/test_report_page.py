@@ -16,11 +16,11 @@ from playwright.sync_api import Page as Tab
 from pypdf import PdfReader
 
 from cases.schema import Case
-from hexcite.reports.chart import Axis, Chart, Heat, Line, thinned
-from hexcite.reports.figures import limits_table, motion_blocks
-from hexcite.reports.interactive import plotly_figure
+from hexcite.reports.drawing.chart import Axis, Chart, Heat, Line, thinned
+from hexcite.reports.drawing.figures import limits_table, motion_blocks
+from hexcite.reports.drawing.interactive import plotly_figure
+from hexcite.reports.drawing.scene import moving_machine, posing_machine
 from hexcite.reports.page import TERMS, Head, explained, note, page, script_json, section, table
-from hexcite.reports.scene import moving_machine, posing_machine
 from identification.limits.limit import Limit, LimitCheck, LimitKind, LimitReport, Status
 from identification.machines.hexapod import Hexapod
 from identification.motion.motion import sample

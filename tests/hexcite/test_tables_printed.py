@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from hexcite.reports.figures import limits_table
+from hexcite.reports.drawing.figures import limits_table
 from identification.limits.limit import Limit, LimitCheck, LimitKind, LimitReport, OwnMove, Quantity, Status
 from identification.limits.proof import prove, worst_case
 from identification.motion.motion import StandingPoses

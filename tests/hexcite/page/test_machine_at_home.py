@@ -11,7 +11,7 @@ import pytest
 from starlette.testclient import TestClient
 
 import hexcite as hx
-from hexcite.reports.scene import moving_machine, standing_machine, with_limits
+from hexcite.reports.drawing.scene import moving_machine, standing_machine, with_limits
 from planner.families.manual import in_turn
 from tests.helpers import SHORT_MOVES
 

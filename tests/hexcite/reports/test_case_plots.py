@@ -7,7 +7,7 @@ import pytest
 
 from cases.scaffold import new_arm
 from cases.schema import Case, load_case
-from hexcite.reports.plots import case_figure
+from hexcite.reports.drawing.plots import case_figure
 from planner.box.reach import standing_ratios
 from tests.driven.arms import ARMS
 from tests.hexcite.command_line import call, refused

@@ -5,9 +5,14 @@ import pytest
 
 import hexcite as hx
 from cases.schema import load_case
-from hexcite.reports.accelerations import acceleration_charts, measured_accelerations, planned_accelerations, summary
-from hexcite.reports.chart import Line
-from hexcite.reports.densities import density, density_charts, normal_chart
+from hexcite.reports.drawing.accelerations import (
+    acceleration_charts,
+    measured_accelerations,
+    planned_accelerations,
+    summary,
+)
+from hexcite.reports.drawing.chart import Line
+from hexcite.reports.drawing.densities import density, density_charts, normal_chart
 from identification.estimation.fit import Value
 from identification.machines.hexapod import Hexapod
 from identification.signals import Residuals

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from cases.machine import KeepOut, Tool
-from hexcite.reports.plots import case_figure
-from hexcite.reports.scene import box_outlines, room, tool_outlines
+from hexcite.reports.drawing.plots import case_figure
+from hexcite.reports.drawing.scene import box_outlines, room, tool_outlines
 from identification.limits.hexapod import distance_of_points
 from planner.box.reach import standing_ratios
 from tests.helpers import HOME

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hexcite.reports.chart import Points
 from hexcite.reports.compare import SPREAD, std_chart
+from hexcite.reports.drawing.chart import Points
 from hexcite.reports.page import section
 
 

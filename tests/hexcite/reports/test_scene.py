@@ -8,9 +8,9 @@ from playwright.sync_api import Browser
 from scipy.spatial.transform import Rotation
 
 from cases.schema import load_case
+from hexcite.reports.drawing.scene import Part, Scene, moving_machine, posing_machine
+from hexcite.reports.drawing.still import machine_picture
 from hexcite.reports.page import Head, page, section
-from hexcite.reports.scene import Part, Scene, moving_machine, posing_machine
-from hexcite.reports.still import machine_picture
 from identification.limits.chain import chain_frames
 from identification.motion.motion import StandingPoses
 from tests.chains import chain_case

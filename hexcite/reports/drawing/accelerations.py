@@ -5,7 +5,7 @@ import numpy as np
 
 from cases.base.units import Array
 from cases.schema import Case
-from hexcite.reports.chart import Axis, Chart, Dash, lines
+from hexcite.reports.drawing.chart import Axis, Chart, Dash, lines
 from identification.machines.casadi_batch import over_samples
 from identification.machines.of_case import machine_of
 from identification.motion.motion import Trajectory, sample

@@ -11,7 +11,7 @@ from cases.base.units import MM
 from cases.chain import Chain
 from cases.machine import KeepOut, turned
 from cases.schema import Case
-from hexcite.reports.scene import AXIS, drawn_pose, frames_at_sensor, hull_outlines, tool_outlines
+from hexcite.reports.drawing.scene import AXIS, drawn_pose, frames_at_sensor, hull_outlines, tool_outlines
 from identification.limits.chain import chain_frames
 from identification.motion.motion import Array, StandingPoses
 

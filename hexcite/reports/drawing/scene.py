@@ -14,7 +14,7 @@ from cases.base.units import MM
 from cases.chain import Chain
 from cases.machine import KeepOut, Tool
 from cases.schema import Case
-from hexcite.reports.chart import COLOURS
+from hexcite.reports.drawing.chart import COLOURS
 from identification.limits.chain import chain_frames
 from identification.limits.limit import LimitKind
 from identification.limits.proof import everything

@@ -9,9 +9,9 @@ from mpl_toolkits.mplot3d.axes3d import Axes3D
 from cases.base.units import MM
 from cases.machine import turned
 from cases.schema import Case
-from hexcite.reports.outline import SAME_PLACE, outline, together, where
-from hexcite.reports.scene import box_outlines, room
-from hexcite.reports.still import Shown
+from hexcite.reports.drawing.outline import SAME_PLACE, outline, together, where
+from hexcite.reports.drawing.scene import box_outlines, room
+from hexcite.reports.drawing.still import Shown
 
 
 def case_figure(case: Case) -> Figure:

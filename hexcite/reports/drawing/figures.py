@@ -7,7 +7,7 @@ from markupsafe import Markup
 
 from cases.base.units import DEG, MM
 from cases.schema import Case
-from hexcite.reports.chart import Axis, Chart, Rule, colour, lines
+from hexcite.reports.drawing.chart import Axis, Chart, Rule, colour, lines
 from identification.limits.limit import TOLERANCE, LimitCheck, LimitReport, Status
 from identification.motion.motion import Motion
 from identification.texts import bounds_text, use_text

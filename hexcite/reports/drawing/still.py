@@ -16,8 +16,8 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 from cases.base.errors import legible
-from hexcite.reports.chart import COLOURS, Axis, Box, Chart, Heat, Line, Points, thinned
-from hexcite.reports.scene import Scene
+from hexcite.reports.drawing.chart import COLOURS, Axis, Box, Chart, Heat, Line, Points, thinned
+from hexcite.reports.drawing.scene import Scene
 
 WIDE, HALF = 7.2, 3.55  # widths that A4 and Letter have room for [inch]
 PIXELS = 110.0  # of a figure's height on the page for an inch of its picture

@@ -4,7 +4,7 @@ from typing import Any, assert_never
 
 import numpy as np
 
-from hexcite.reports.chart import Axis, Box, Chart, Heat, Line, Points, Rule, Series
+from hexcite.reports.drawing.chart import Axis, Box, Chart, Heat, Line, Points, Rule, Series
 
 STRENGTH = ((0.0, "rgba(0,114,178,0)"), (1.0, "rgba(0,114,178,1)"))  # colours of a `Heat`
 

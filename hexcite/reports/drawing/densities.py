@@ -6,8 +6,8 @@ import numpy as np
 from scipy.special import ndtri
 
 from hexcite.comparison.entries import Entry
-from hexcite.reports.chart import Axis, Chart, Dash, Line, Points, colour
-from hexcite.reports.figures import powers, unit_of
+from hexcite.reports.drawing.chart import Axis, Chart, Dash, Line, Points, colour
+from hexcite.reports.drawing.figures import powers, unit_of
 from identification.estimation.fit import Value
 from identification.signals import Residuals
 from identification.texts import legible
