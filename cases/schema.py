@@ -337,6 +337,10 @@ class Case(Heading):
         cycle = {k: v for k, v in content.pop("controller", {}).items() if k == "cycle_ms"}
         return fingerprint(content | {f"controller.{key}": value for key, value in cycle.items()})
 
+    def __hash__(self) -> int:  # type: ignore[override]  # its tables have none, for they are no keys
+        """Equal cases have equal ones: functions can keep what they computed of the last cases."""
+        return hash(self.hash)
+
     @cached_property
     def controller_hash(self) -> str:
         """Fingerprint of `[controller]`, on which programs and runs depend."""

@@ -1,9 +1,11 @@
 """`hexcite plan`: optimises an excitation and writes a plan folder."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from importlib import import_module
 from pathlib import Path
-from typing import Annotated, Any
+from threading import Thread
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -16,6 +18,9 @@ from hexcite.cli import console
 from hexcite.cli.console import argument, option, out
 from hexcite.cli.declared import takes
 from planner.options import FAMILY_WORDS, OF_FAMILIES, Duration, PlanOptions
+
+if TYPE_CHECKING:
+    from planner.plans.progress import Standing
 
 SEARCHED = (
     "duration",
@@ -86,7 +91,7 @@ def plan(
         motion = f"{'up to ' if request.target else ''}{request.duration:g} s, criterion {request.criterion}, "
         console.say(f"Planning for {loaded.name}: {words}, {motion if optimised else ''}model {request.model}")
     with console.status("searching" if optimised else "timing", json) as remark:
-        result = planned(request, loaded, console.as_lines() if json and progress else remark)
+        result = planned(request, loaded, with_page_at_hand(console.as_lines() if json and progress else remark))
     with console.status("writing", json), first_ctrl_c():  # this takes a short time
         console.save_with_page(result, PLAN, folder, overwrite)
     written = f"plan written: {folder}, with its report {folder}/report.html"
@@ -95,6 +100,19 @@ def plan(
     console.answered(
         answer, json, written, result, *([f"identifiability: {identifiable.words}"] if identifiable.sentences else [])
     )
+
+
+def with_page_at_hand(remark: "Callable[[Standing], None]") -> "Callable[[Standing], None]":
+    """A remark that also loads what pages need, beside the refinements: a processor is idle in the last of them."""
+    modules = "hexcite.reports.plan", "hexcite.reports.still"
+    loading = Thread(target=lambda: [import_module(name) for name in modules], daemon=True)
+
+    def shown(standing: "Standing") -> None:
+        if standing.refining and loading.ident is None:
+            loading.start()
+        remark(standing)
+
+    return shown
 
 
 def read_payloads(text: str) -> tuple[int, int | None]:

@@ -12,7 +12,7 @@ import numpy as np
 from cases.base.errors import Code, HexciteError, IdentificationError, InfeasiblePlan, Interrupted, choice
 from cases.base.units import Array
 from cases.schema import Case
-from identification.limits.limit import LimitKind
+from identification.limits.limit import UNUSED_SHARE, LimitKind
 from identification.limits.proof import PROOF_RATE, prove
 from identification.model.model import identification_model
 from identification.model.parameters import physical_form
@@ -25,6 +25,8 @@ from planner.plans.rating import PlannedMotion, rated_plan
 from planner.request import LONGEST, Request
 from planner.search.feasibility import keep_limits, remedy, require_identifiable, require_rest
 from planner.search.parallel import (
+    REFINEMENT,
+    START,
     Listener,
     Planned,
     Runner,
@@ -43,6 +45,7 @@ KEPT = 3  # number of the best orders, periods, numbers of moves and families, a
 CLOSE = 0.03  # share of an efficiency by which others than the best are worse, at most, that get more starts too
 REFINING = 0.4  # share of what is left of a search of some seconds that the refinements of a round have
 ENDING = 3.0  # [s] at the end of a search of some seconds for proof, figures and page, but half of it at most
+BETWEEN = 1e-5  # share of a limit that may be used between the instants at which a refined motion was checked
 AHEAD = 8  # starts that may run at a time: what a start is depends on the results of those so many before it
 
 
@@ -123,8 +126,11 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
             raise Interrupted
         raise InfeasiblePlan(problem=failed[0].reason, code=Code.INFEASIBLE)
     best = starts[0]
-    motion = best.family.motion(keep_limits(rounds.case, best.family, best.unknowns, PROOF_RATE)[0])
+    motion = best.family.motion(best.unknowns)
     report = with_steps(prove(motion, case), step_time)
+    if not best.record.refined or report.worst_ratio > 1.0 - UNUSED_SHARE + BETWEEN:
+        motion = best.family.motion(keep_limits(rounds.case, best.family, best.unknowns, PROOF_RATE)[0])
+        report = with_steps(prove(motion, case), step_time)
     without = LimitKind.JERK if step_time else None
     settings = best.family.found(best.unknowns).model_copy(update={"made_for": made_for, "without": without})
     interrupted = ended_early and not out_of_time
@@ -176,7 +182,7 @@ class _Rounds:
         refining = REFINING * seconds_left if math.isfinite(seconds_left) else 0.0
         schedule = self._explorations(number, self.until - refining)
         least, exactly = self._least(), request.starts is not None
-        self.listener(Planned("start", least, exactly, schedule.until))
+        self.listener(Planned(START, least, exactly, schedule.until))
         results, early = self.run(schedule, self.listener)
         late = schedule.late(results)
         ending = max(time.monotonic() - schedule.until, 0.0) if late else 0.0
@@ -184,7 +190,7 @@ class _Rounds:
         refinements = [self._task(s.family, s.record.seed, s.begin) for s in promising]
         early = early and not late  # the end of its time leaves some to refine, or to go on
         if refinements and not early and self.until - time.monotonic() > ending:
-            self.listener(Planned("refinement", len(refinements), True, self.until))
+            self.listener(Planned(REFINEMENT, len(refinements), True, self.until))
             second, early = self.run(Schedule.of(refinements, self.until), self.listener)
             results = results + second
         return _Round(results, early, self.until - time.monotonic() <= ending)

@@ -15,7 +15,7 @@ from identification.model.model import identification_model
 from planner.bounds.bound import information_limit
 from planner.noise import mean_information
 from planner.request import Request
-from planner.search.parallel import News, Planned, UnderWay
+from planner.search.parallel import REFINEMENT, News, Planned, UnderWay
 from planner.search.solving import Start
 
 LEAST = 0.05  # of all the work, from which the time that is left is estimated
@@ -43,6 +43,7 @@ class Standing:
         least: number of starts that there will be at least; None before it is known.
         best: D-efficiency of the best motion until now, or the other criterion that is asked for; None before one.
         left_s: time that is left; None before it can be estimated.
+        refining: whether the best starts are refined, after which the search ends.
     """
 
     line: str
@@ -50,6 +51,7 @@ class Standing:
     least: int | None = None
     best: float | None = None
     left_s: float | None = None
+    refining: bool = False
 
     def __str__(self) -> str:
         return self.line
@@ -99,7 +101,8 @@ class Follower:
             self._best() if self.starts else None,
             self._left(),
         )
-        return Standing(self._line(best, seconds_left), self.done, least, best, seconds_left)
+        refining = self.planned.what == REFINEMENT
+        return Standing(self._line(best, seconds_left), self.done, least, best, seconds_left, refining)
 
     def _line(self, best: float | None, left: float | None) -> str:
         number = min(self.done + 1, max(self.planned.least, self.done))

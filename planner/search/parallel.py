@@ -75,6 +75,7 @@ def gain(criterion: Criterion, parameters: int, old: float, new: float) -> float
     return abs(old / new) - 1.0 if new < 0.0 else new / old - 1.0
 
 
+START, REFINEMENT = "start", "refinement"
 POLL = 0.2  # [s] between two looks at the running starts
 
 
@@ -82,7 +83,7 @@ POLL = 0.2  # [s] between two looks at the running starts
 class Planned:
     """Starts that are about to run."""
 
-    what: str  # what each is: start or refinement
+    what: str  # what each is: `START` or `REFINEMENT`
     least: int  # their number at least
     exactly: bool  # whether there will not be more
     until: float  # when they are to end, by `time.monotonic` [s]; infinity without such a time

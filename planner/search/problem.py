@@ -5,7 +5,6 @@ in units of itself and satisfied where every component lies between -1 and 1. `i
 by other means.
 """
 
-import pickle
 from functools import lru_cache
 
 import casadi as ca
@@ -106,6 +105,7 @@ def state_limits(case: Case, loads: tuple[int, ...] = ()) -> Limits:
     return tuple((kind, order, Kernel(state, share)) for kind, order, share in groups)
 
 
+@lru_cache(maxsize=2)
 def near_limits(case: Case) -> Limits:
     """The non-linear limits that come close somewhere in the motion box, judged by seeded states of it.
 
@@ -114,12 +114,6 @@ def near_limits(case: Case) -> Limits:
     largest in at least one of the states. The limits of the last cases are kept, with the derivatives that were built
     of them: a process runs several starts of a search.
     """
-    return _near_limits(pickle.dumps(case))
-
-
-@lru_cache(maxsize=2)
-def _near_limits(pickled: bytes) -> Limits:
-    case: Case = pickle.loads(pickled)
     states = _extreme_states(case)
     near: list[tuple[LimitKind, int, Kernel]] = []
     by_load: dict[LimitKind, list[Kernel]] = {}

@@ -4,7 +4,6 @@ Criterion and limits of every result are computed anew, whatever the solver repo
 motion that exceeds a limit between the instants at which it was constrained is optimised again with tighter limits.
 """
 
-import pickle
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -156,15 +155,17 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
 
 
 @lru_cache(maxsize=2)
-def _information_of(pickled: bytes) -> tuple[Model, Array, PoseErrors | None, Kernel]:
+def _information_of(
+    case: Case, reference: Case, number: int, payload: int
+) -> tuple[Model, Array, PoseErrors | None, Kernel]:
     """Model behind the weights, reference scaling, errors of the pose, and the regressor of one state.
 
     They are the same for all starts of a search, and take as long to build as some iterations.
 
     Args:
-        pickled: case, case of the reference scaling, numbers of model and payload.
+        reference: case of the reference scaling.
+        number: that of the model.
     """
-    case, reference, number, payload = pickle.loads(pickled)
     model = identification_model(case, number)
     scaling = reference_scaling(reference, model)
     noise = expected_noise(case, model, payload)
@@ -178,8 +179,9 @@ class _Run:
     def __init__(self, task: Task, watch: Watch) -> None:
         require_rest(task.case)
         self.task, self.family, self.watch = task, task.family, watch
-        known = pickle.dumps((task.case, task.reference or task.case, task.model, task.payload))
-        self.model, self.scaling, self.errors, regressor = _information_of(known)
+        self.model, self.scaling, self.errors, regressor = _information_of(
+            task.case, task.reference or task.case, task.model, task.payload
+        )
         program = build_program(task.case, self.model, self.family, self.scaling, UNUSED_SHARE + SLIPPED, self.errors)
         self.program = replace(program, regressor=regressor)
         self.iterations, self.status = 0, SolverStatus.NOT_RUN
