@@ -66,7 +66,7 @@ def readiness(case: Case) -> dict[str, tuple[str, ...]]:
 
 def _lacks(case: Case, command: str, keys: tuple[str | AnyOf, ...]) -> tuple[str, ...]:
     """Keys that a command misses, of a table that is missing its own name only, or the machine that it is for."""
-    if machine := _other_machine(case, command.removeprefix("post --dialect ")):
+    if machine := other_machine(case, command.removeprefix("post --dialect ")):
         return (machine,)
     moving = () if case.chain is None or "limits.motion" not in keys else case.chain.joints
     missing: list[str | AnyOf] = [
@@ -85,7 +85,7 @@ def _lacks(case: Case, command: str, keys: tuple[str | AnyOf, ...]) -> tuple[str
     return tuple(key for key, around in zip(whole, tables, strict=True) if not around & {*whole})
 
 
-def _other_machine(case: Case, name: str) -> str | None:
+def other_machine(case: Case, name: str) -> str | None:
     """The machine that a command, or a dialect, is for; None where it is for that of the case."""
     if case.chain is None:
         if name in ("urscript", "ros2") and case.hexapod is not None:

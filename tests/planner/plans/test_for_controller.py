@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from cases.base.errors import CaseError, Code
 from cases.schema import Case, load_case
 from hexcite._write import usual_dialect
 from identification.limits.limit import Status
@@ -83,6 +84,16 @@ def test_the_case_says_for_whom_to_plan(hexapod_case: Case):
     assert PointToPoint(controller="sinumerik").made_for(case) == "sinumerik"
     assert Spline().made_for(case) is None
     assert PointToPoint().made_for(hexapod_case) is None
+
+
+@pytest.mark.parametrize(
+    ("name", "controller"), [("hexapod", "ros2"), ("hexapod", "urscript"), ("ur10_wrist", "sinumerik")]
+)
+def test_a_controller_of_other_machines_is_refused_before_anything_is_searched(name: str, controller: str) -> None:
+    family = PointToPoint(controller=controller, without="jerk" if controller == "urscript" else None)
+    with pytest.raises(CaseError, match=controller) as raised:
+        family.require_plannable(load_case(name), 12.0)
+    assert (raised.value.key, raised.value.code) == ("machine", Code.NOT_SUPPORTED)
 
 
 @pytest.mark.parametrize(
