@@ -1,11 +1,11 @@
 """`hexcite identify`: parameters with error bars from a recording; `hexcite look`: what one of unknown format holds."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from functools import partial
 from itertools import count
 from pathlib import Path
-from typing import Annotated, Any, TypedDict
+from typing import TYPE_CHECKING, Annotated, Any, TypedDict
 
 import typer
 
@@ -32,6 +32,9 @@ from identification.options import (
     Weights,
 )
 from identification.texts import aligned, carries_rods, value_cells
+
+if TYPE_CHECKING:
+    from cases.base.units import Array
 
 
 class MethodOptions(TypedDict, total=False):
@@ -89,12 +92,10 @@ def identify(
     Standard deviations: `std` by (28), right where noise is white; `std_robust` allows for noise that is not. The
     larger of the two is what to report. Exit code 1 where the case states [accept] and the result fails it.
     """
-    from hexcite.cli.method_options import answer_of_result, method_of, number_of, treatment_of
+    from hexcite.cli.method_options import method_of, treatment_of
     from identification.recording.formats.reading import files_of
     from identification.recording.formats.table import require_file
-    from identification.recording.recording import record_of
-    from identification.results.frames import frame_named, place_of
-    from planner.plans.at_hand import plans_at_hand
+    from identification.results.frames import frame_named
 
     if verify is not None:
         require_file(files_of([verify])[0])  # before a result is written
@@ -103,71 +104,109 @@ def identify(
     folder = output_place(output, Path("pooled" if runs else f"{recordings[0].resolve().stem}-result"), overwrite)
     check_folder(folder, RESULT, recordings, overwrite)
     with console.remedies(json), console.status("identifying", json):
-        named = None if plan is None else hx.Plan.load(plan, None if case is None else hx.load_case(case), stale=True)
-
         treatment = treatment_of(**{field.name: options.pop(field.name) for field in fields(TreatmentOptions)})
+        own_case = None if case is None else hx.load_case(case)
+        named = None if plan is None else hx.Plan.load(plan, own_case, stale=True)
         how = partial(method_of, **options)
-
-        def identified(files: list[Path]) -> tuple[hx.Result, hx.ModelChoice | None]:
-            """The result of one run, and all models of it where they are asked for."""
-            own = named.case if named is not None and record_of(files[0]) is None else None
-            run = hx.Recording.load(files, own if case is None else hx.load_case(case), stale)
-            assert run.case is not None  # it was read with one
-            if frame is not None:
-                place_of(run.case, frame)  # before anything is computed
-            planned = None
-            if poses is not None:
-                pose_plan = hx.Plan.load(poses, run.case, stale=True)  # of a plan of poses only these are wanted
-                planned = pose_plan.poses
-                if not len(planned):
-                    raise hx.HexciteError(
-                        place=poses,
-                        problem=f"is a plan of family {pose_plan.family}, not of poses",
-                        remedy="name one of hexcite poses",
-                        code=Code.WRONG_KIND,
-                    )
-            choice = None
-            if model == "all":
-                choice = hx.identify_models(run, how=how, average_standstills=average_standstills, poses=planned)
-            result = hx.identify(
-                run,
-                model=None if model is None else number_of(model) if choice is None else choice.best,
-                how=how,
-                average_standstills=average_standstills,
-                poses=planned,
-                plan=plans_at_hand(run) if named is None else named,
-                treatment=treatment,
-            )
-            return (result, None) if choice is None else (result.chosen_among(choice.to_json()), choice)
-
+        evaluation = _Evaluation(own_case, named, poses, model, how, average_standstills, treatment, frame, stale)
         choice, single = None, dict[Path, hx.Result]()
         if runs:
-            single = {place: _of_run(file, identified) for place, file in _places_of_runs(recordings).items()}
+            places = _places_of_runs(recordings)
+            single = {place: _of_run(file, evaluation) for place, file in places.items()}
             result = hx.pool([*single.values()])
         else:
-            result, choice = identified(recordings)
+            result, choice = evaluation.result(recordings)
         body = None if frame is None else result.in_frame(frame_named(frame))
         console.save_with_page(result, RESULT, folder, overwrite, single)
+    beside: dict[str, Any] = {} if body is None else {"in_frame": body}
+    beside |= {} if choice is None else {"models": choice}
+    beside |= {} if verify is None else {"verify": hx.verify(hx.read(verify, result.case), result)}
+    _answer(result, folder, single, beside, json)
+
+
+@dataclass(frozen=True, slots=True)
+class _Evaluation:
+    """How runs are evaluated, as it was typed."""
+
+    case: "hx.Case | None"  # None: that of the plan or the run
+    plan: "hx.Plan | None"  # None: the one at hand
+    poses: Path | None
+    model: str | None
+    how: "Callable[[hx.Model], hx.Method]"
+    average_standstills: bool
+    treatment: "hx.Treatment | None"
+    frame: str | None
+    stale: bool
+
+    def result(self, files: list[Path]) -> "tuple[hx.Result, hx.ModelChoice | None]":
+        """The result of one run, and all models of it where they are asked for."""
+        from hexcite.cli.method_options import number_of
+        from planner.plans.at_hand import plans_at_hand
+
+        run, choice = self._run(files), None
+        poses = self._poses(run)
+        if self.model == "all":
+            choice = hx.identify_models(run, how=self.how, average_standstills=self.average_standstills, poses=poses)
+        number = None if self.model is None else number_of(self.model) if choice is None else choice.best
+        result = hx.identify(
+            run,
+            model=number,
+            how=self.how,
+            average_standstills=self.average_standstills,
+            poses=poses,
+            plan=plans_at_hand(run) if self.plan is None else self.plan,
+            treatment=self.treatment,
+        )
+        return (result, None) if choice is None else (result.chosen_among(choice.to_json()), choice)
+
+    def _run(self, files: list[Path]) -> "hx.Recording":
+        """A run, which has the frame that the load is to be stated in."""
+        from identification.recording.recording import record_of
+        from identification.results.frames import place_of
+
+        of_plan = self.plan.case if self.plan is not None and record_of(files[0]) is None else None
+        run = hx.Recording.load(files, of_plan if self.case is None else self.case, self.stale)
+        if self.frame is not None:
+            place_of(run.machine_case(), self.frame)  # before anything is computed
+        return run
+
+    def _poses(self, run: "hx.Recording") -> "Array | None":
+        """Poses of the plan that was named for them."""
+        if self.poses is None:
+            return None
+        plan = hx.Plan.load(self.poses, run.case, stale=True)  # of a plan of poses only these are wanted
+        if not len(plan.poses):
+            raise hx.HexciteError(
+                place=self.poses,
+                problem=f"is a plan of family {plan.family}, not of poses",
+                remedy="name one of hexcite poses",
+                code=Code.WRONG_KIND,
+            )
+        return plan.poses
+
+
+def _answer(
+    result: "hx.Result", folder: Path, single: "Mapping[Path, hx.Result]", beside: Mapping[str, Any], json: bool
+) -> None:
+    """Prints a result that was written, with what was asked for beside it; ends with exit code 1 where it fails.
+
+    Args:
+        single: results of single runs, by their places in the folder.
+        beside: values that were asked for, by their keys in JSON.
+    """
+    from hexcite.cli.method_options import answer_of_result
+
     answer = answer_of_result(result, folder)
-    verdict = None if result.case.accept is None else hx.accept(result)
     texts: list[object] = [f"result written: {folder}, with its report {folder}/report.html"]
     if single:
         answer["runs"] = [answer_of_result(of, folder / place) for place, of in single.items()]
         texts.extend(_lines_of_runs(folder, single))
+    verdict = None if result.case.accept is None else hx.accept(result)
     if verdict is not None:
         answer["accept"] = verdict.to_json()
         texts.append(verdict)
-    texts.append(result)
-    if body is not None:
-        answer["in_frame"] = body.to_json()
-        texts.append(body)
-    if choice is not None:
-        texts.append(choice)
-    if verify is not None:
-        prediction = hx.verify(hx.read(verify, result.case), result)
-        answer["verify"] = prediction.to_json()
-        texts.append(prediction)
-    console.answered(answer, json, *texts)
+    answer |= {key: value.to_json() for key, value in beside.items() if key != "models"}  # the result has these
+    console.answered(answer, json, *texts, result, *beside.values())
     if verdict is not None and not verdict.passed:
         raise typer.Exit(1)
 
@@ -208,10 +247,10 @@ def _places_of_runs(recordings: Sequence[Path]) -> dict[Path, Path]:
     return places
 
 
-def _of_run(file: Path, identified: Callable[[list[Path]], tuple["hx.Result", object]]) -> "hx.Result":
+def _of_run(file: Path, evaluation: _Evaluation) -> "hx.Result":
     """The result of one run of several; an error names it."""
     try:
-        return identified([file])[0]
+        return evaluation.result([file])[0]
     except (RecordingError, IdentificationError) as error:
         raise error.at(str(file)) from error
 
