@@ -89,8 +89,8 @@ SHIFTED: Mapping[StreamName, tuple[str, ...]] = {
 class Clock(Part):
     """The time stamps of a file."""
 
-    unit: Literal["s", "ms", "us", "ns", "filetime", "min", "h"] | None = None
-    """Unit of a stamp; `filetime`: 100 ns. By default s; of `twincat-scope` ms."""
+    unit: Literal["s", "ms", "us", "ns", "filetime", "min", "h", "d"] | None = None
+    """Unit of a stamp; `filetime`: 100 ns, `d`: days. By default s; of `twincat-scope` ms."""
     nanoseconds: str | None = None
     """The file's name of a second column of the stamps, where they are in two: seconds, and nanoseconds on top."""
     period_ms: Positive | None = None

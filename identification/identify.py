@@ -322,7 +322,12 @@ def _settling(case: Case) -> float:
 
 def fits(number: int, how: Method) -> Evaluate:
     """What fits a model to a run with another case."""
-    return lambda run, case: fitted_run(run, case, identification_model(case, number), how).fitted
+
+    def evaluate(run: Recording, case: Case, robust: bool = True) -> Fitted:
+        model = identification_model(case, number)
+        return fitted_run(run, case, model, replace(how, robust=how.robust and robust)).fitted
+
+    return evaluate
 
 
 def _cause_of_standstills(recording: Recording, case: Case) -> Answer | None:

@@ -156,7 +156,16 @@ MOMENTS = Units(
 )  # fmt: skip
 TIMES = Units(
     "time",
-    {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "filetime": 1e-7, "min": MINUTE, "h": 60.0 * MINUTE},
+    {
+        "s": 1.0,
+        "ms": 1e-3,
+        "us": 1e-6,
+        "ns": 1e-9,
+        "filetime": 1e-7,
+        "min": MINUTE,
+        "h": 60.0 * MINUTE,
+        "d": 1440.0 * MINUTE,
+    },
     {
         **_each("s", "sec secs second seconds sek sekunde sekunden"),
         **_each("ms", "msec msecs millisecond milliseconds millisekunden"),
@@ -165,6 +174,7 @@ TIMES = Units(
         **_each("filetime", "100ns"),
         **_each("min", "minute minutes minuten"),
         **_each("h", "hr hrs hour hours stunde stunden"),
+        **_each("d", "day days tag tage"),
     },
 )
 SHARES = Units("share", {"%": 0.01, "1": 1.0}, _each("%", "percent prozent pct"))

@@ -149,6 +149,7 @@ REASONS = {
     "case_states": "die Maschine sagt es",
     "format": "das Format der Datei sagt es",
     "two_columns": "ihr Name; ganze Sekunden, zu denen {column} Nanosekunden zählt",
+    "ticks": "ihre Zahlen sind Takte von 100 ns und laufen mit den Zeilen weiter",
     "runs_on": "ihr Name, und ihre Zahlen laufen mit den Zeilen weiter",
     "alone_changes": "von denen, die es dem Namen nach sein können, ändert nur sie sich",
     "are_lengths": "ihre Werte sind Längen, welche die Streben haben können",

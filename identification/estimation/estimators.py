@@ -54,6 +54,8 @@ class Method:
     Args:
         OPTIONS
         tangent: local Jacobian of the non-linear form, where a fit of it has ended.
+        robust: whether deviations allow for noise with memory and errors of the pose; without that those of white
+            noise, (28), stand in their place: enough where values and residuals alone are looked at.
 
     Raises:
         IdentificationError: there are no such weights, or choices that do not go together.
@@ -71,6 +73,7 @@ class Method:
         ),
     ] = False
     tangent: Selection | None = None
+    robust: bool = True
 
     def __post_init__(self) -> None:
         if self.weights is not None and self.weights not in ALIKE:

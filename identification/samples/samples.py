@@ -311,7 +311,7 @@ def fit_samples(
     basis = block_diag(how.selection(model).basis, np.eye(nuisance_count))
     fit = how.estimate(white, model)
     fit = replace(fit, findings=(*fit.findings, *method_findings))
-    if not how.priors and how.weights != "huber":
+    if how.robust and not how.priors and how.weights != "huber":
         free = white.regressors if np.array_equal(basis, np.eye(len(basis))) else white.regressors @ basis
         robust = samples.robust_covariance(free, fit.residuals, fit.weights, whitening)
         if robust is not None:

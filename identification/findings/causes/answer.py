@@ -13,7 +13,7 @@ from cases.base.phrases import Phrase, enumerated, phrase, said
 from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.fit import Fit
-from identification.findings.causes.deviations import Certainty, Evaluate, certain, deviations_of
+from identification.findings.causes.deviations import Certainty, Evaluate, certain, deviations_of, sized
 from identification.findings.causes.hypothesis import (
     RECORDED,
     SENSED,
@@ -110,8 +110,8 @@ def causes_of(found: Search, recording: Recording, case: Case, model: Model, eva
     for entry in found.explanations:
         fitted = _confirmed(entry, recording, case, model, evaluate)
         if fitted is not None and len(causes) < MOST_NAMED:
-            sized = certain(entry.trial, fitted, lambda trial: mended(trial, recording, case), evaluate)
-            causes.append(Cause(entry, *sized))
+            sizes = certain(entry.trial, fitted, lambda trial: mended(trial, recording, case), evaluate)
+            causes.append(Cause(entry, *sizes))
     return causes
 
 
@@ -161,7 +161,8 @@ def _confirmed(entry: Tried, recording: Recording, case: Case, model: Model, eva
     """The fit to the whole run with the remedies; None where it leaves more than some instants did."""
     run, edited = mended(entry.trial, recording, case)
     try:
-        fitted, instants = evaluate(run, edited), instants_of(run, edited, identification_model(edited, model.number))
+        fitted = evaluate(run, edited, robust=sized(entry.trial))  # deviations of sizes follow from it
+        instants = instants_of(run, edited, identification_model(edited, model.number))
     except HexciteError:
         return None
     if instants is None:

@@ -10,6 +10,7 @@ case would give wrong numbers: such a size is to be measured otherwise.
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -27,8 +28,14 @@ from identification.texts import legible, std_text
 
 LOOSE = 1.0  # deviations of a parameter by which the deviation of a size may move it, to be written into the case
 
-Evaluate = Callable[[Recording, Case], Fitted]
-"""The fit to a run with another case."""
+
+class Evaluate(Protocol):
+    """Fits a run with another case."""
+
+    def __call__(self, run: Recording, case: Case, robust: bool = True) -> Fitted:
+        """The fit; `robust`: whether its deviations are looked at, which allow for noise with memory then."""
+
+
 Mended = Callable[[Trial], tuple[Recording, Case]]
 """The run and the case as they are where a trial is right."""
 
@@ -51,6 +58,15 @@ class _Place:
     nudge: float
 
 
+def sized(trial: Trial) -> bool:
+    """Whether a trial has sizes that a run can show."""
+    return bool(_places(trial))
+
+
+def _places(trial: Trial) -> list[_Place]:
+    return [_Place(i, k, s.nudges[k]) for i, h in enumerate(trial) if (s := h.size) is not None for k in s.free]
+
+
 def certain(trial: Trial, fitted: Fitted, mended: Mended, evaluate: Evaluate) -> tuple[Trial, Certainty | None]:
     """A trial whose sizes are those that the whole run shows, with deviations in its words, and their certainty.
 
@@ -62,9 +78,9 @@ def certain(trial: Trial, fitted: Fitted, mended: Mended, evaluate: Evaluate) ->
         mended: run and case of a trial.
         evaluate: fits the whole run.
     """
-    places = [_Place(i, k, s.nudges[k]) for i, h in enumerate(trial) if (s := h.size) is not None for k in s.free]
-    if not places:
+    if not sized(trial):
         return trial, None
+    places = _places(trial)
     effects = [_effect(trial, place, fitted, mended, evaluate) for place in places]
     columns = [effect[0] for effect in effects if effect is not None]
     if len(columns) < len(places):
@@ -84,8 +100,7 @@ def certain(trial: Trial, fitted: Fitted, mended: Mended, evaluate: Evaluate) ->
 
 def deviations_of(values: Callable[[Trial], Sequence[Array]], trial: Trial, certainty: Certainty) -> list[Array]:
     """Standard deviations of values that follow from the sizes of a trial, shapes as theirs."""
-    places = [_Place(i, k, s.nudges[k]) for i, h in enumerate(trial) if (s := h.size) is not None for k in s.free]
-    slopes = []
+    places, slopes = _places(trial), []
     for place in places:
         low, high = (values(_moved(trial, [place], np.array([sign * place.nudge]))) for sign in (-1.0, 1.0))
         slopes.append([(b - a) / (2.0 * place.nudge) for a, b in zip(low, high, strict=True)])
@@ -98,7 +113,7 @@ def _effect(
 ) -> tuple[Array, Array] | None:
     """Effect of a unit of a size on the forces, shape (n, 6), and on the values of the fit; None where not known."""
     try:
-        other = evaluate(*mended(_moved(trial, [place], np.array([place.nudge]))))
+        other = evaluate(*mended(_moved(trial, [place], np.array([place.nudge]))), robust=False)
     except HexciteError:
         return None
     if other.fit.residuals.shape != fitted.fit.residuals.shape or len(other.fit.values) != len(fitted.fit.values):

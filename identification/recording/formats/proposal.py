@@ -56,6 +56,8 @@ _MOST_METRES = 2.0  # of joints that slide; in millimetres one of them is beyond
 _NEARER = 3.0  # times nearer to home, from which on one unit fits and the other does not
 _BEYOND = 1.0  # degrees or millimetres beyond the ends of a joint that a recording may have
 _RUNNING = 0.04  # share of the steps of a clock that go on, at least: others stand for many rows
+_TICKS = 1e17, 1e18  # stamps in ticks of 100 ns since the years 1 or 1601
+_EVEN_ROWS, _EVEN, _NEARLY = 20, 1.5, 0.95  # a clock without a name: least steps, times the usual one, share of them
 _ONWARD = 0.5  # sum of all steps over that of their sizes, at least: others begin anew again and again
 _LEAST_NANOSECONDS = 1e6  # in a column of nanoseconds that adds to seconds: a thousandth of a second
 LAYOUT = frozenset(
@@ -202,6 +204,25 @@ class _Draft:
         elif self.said.clocks:
             which = ", ".join(repr(self.names[k]) for k in self.said.clocks)
             self.doubts.append(f"{which}: by the name a time, but no number that runs on with the rows")
+        if CLOCK not in self.places and "period_ms" not in self.stated.get("clock", {}):
+            self._clock_without_a_name()
+
+    def _clock_without_a_name(self) -> None:
+        """What no name makes a clock, but rises evenly: ticks of 100 ns are one, other numbers may be one."""
+        rising = [k for k in sorted({*self.numbers} - {*self.places.values()}) if _rises_evenly(self.numbers[k])]
+        for k in rising:
+            if _TICKS[0] < self.numbers[k][0] < _TICKS[1]:
+                self.places[CLOCK], self.reasons[CLOCK] = k, because(Why.TICKS)
+                return
+        for k in rising:
+            name = repr(printable(self.names[k]))
+            if np.all(np.diff(self.numbers[k]) == 1.0):
+                self.doubts.append(f"{name} counts the rows, which is not a time: state recording.clock.period_ms")
+                continue
+            self.doubts.append(
+                f"{name} rises evenly, as a clock does: if it is one, write t_s = {name} in [recording.columns], and "
+                f"its unit in recording.clock.unit ({', '.join(TICKS)})"
+            )
 
     def _clock_in_two(self) -> tuple[int, int] | None:
         """Columns of whole seconds and of nanoseconds on top, as headers of ROS have them; None: there are none."""
@@ -504,6 +525,15 @@ def runs(stamps: Array) -> bool:
     return bool(np.mean(steps > 0.0) >= _RUNNING) and way > 0.0 and float(steps.sum()) >= _ONWARD * way
 
 
+def _rises_evenly(values: Array) -> bool:
+    """Whether numbers, shape (n,), rise from row to row, by steps that are nearly alike."""
+    steps = np.diff(values)
+    if len(steps) < _EVEN_ROWS or not (np.isfinite(steps).all() and (steps > 0.0).all()):
+        return False
+    usual = float(np.median(steps))
+    return bool(np.mean((steps > usual / _EVEN) & (steps < usual * _EVEN)) > _NEARLY)
+
+
 def rate_of(
     places: Mapping[str, int], units: Mapping[str, str], numbers: Mapping[int, Array], settings: Mapping[str, Any]
 ) -> float | None:
@@ -560,7 +590,7 @@ def _strut_unit(columns: Sequence[Array], case: Case | None) -> str | None:
 def _units_of_values(values: Mapping[str, Array], case: Case | None) -> Iterator[tuple[str, str]]:
     """Units of clock, struts and turning joints that fit their values."""
     if CLOCK in values and len(clock := values[CLOCK]) > 1 and (step := float(np.median(np.diff(clock)))) > 0.0:
-        names = ("filetime",) if 1e17 < clock[0] < 1e18 else ("s", "ms", "us", "ns")
+        names = ("filetime",) if _TICKS[0] < clock[0] < _TICKS[1] else ("s", "ms", "us", "ns")
         rates = {unit: 1.0 / (step * TICKS[unit]) for unit in names}
         possible = [unit for unit, rate in rates.items() if _RATES[0] <= rate <= _RATES[1]]
         if possible:

@@ -15,6 +15,7 @@ class Why(Enum):
     FORMAT = "the format of the file says so"
     TWO_COLUMNS = "its name; whole seconds that {column} adds nanoseconds to"
     RUNS_ON = "its name, and its numbers run on with the rows"
+    TICKS = "its numbers are ticks of 100 ns that run on with the rows"
     ALONE_CHANGES = "of those that may be it by their names it alone changes"
     ARE_LENGTHS = "its values are lengths that the struts can have"
     WRENCH = "the sensor of the case has forces and moments"

@@ -16,6 +16,7 @@ from identification.recording.formats.clocks import GAP, Even, Unsteady, agrees,
 from identification.recording.formats.table import Channel, ColumnTable, Stream
 
 MOST_PUT_BACK = 3  # samples in a row
+_CUBIC = 4  # samples that a cubic goes through
 _SWITCHING: tuple[Channel, ...] = ("trigger", "override", "rotations")  # a lost sample gets their last value
 _MOTIONS: tuple[Channel, ...] = ("drives", "poses")
 _SMOOTHER = 2.0  # times, by which the motion must be smoother for stamps to be the instants
@@ -135,11 +136,34 @@ def _with_lost_rows(stream: Stream, t: Array, numbers: Indices) -> Stream:
 
 
 def spread(values: Array, own: Indices | Array, rows: Indices | Array, last: bool) -> Array:
-    """Values at all rows: straight lines between those that are there, or the last of them."""
+    """Values at all rows: cubics through two that are there on either side, or the last of them.
+
+    A straight line cuts the bends of a motion: at 5 m/s^2 a strut is 10 um off it midway between samples 4 ms apart,
+    and accelerations behind the filter show that. Across more than a few samples it is a straight line nevertheless,
+    for there a cubic would follow the noise of what it goes through.
+    """
     if last:
         return np.asarray(values[np.maximum(np.searchsorted(own, rows, side="right") - 1, 0)])
-    columns = [np.interp(rows, own, column) for column in values.reshape(len(values), -1).T]
-    return np.stack(columns, axis=1).reshape(len(rows), *values.shape[1:])
+    columns = values.reshape(len(values), -1)
+    result = np.stack([np.interp(rows, own, column) for column in columns.T], axis=1)
+    if len(own) >= _CUBIC:
+        before = np.clip(np.searchsorted(own, rows, side="right") - 1, 0, len(own) - 2)
+        near = own[before + 1] - own[before] <= (MOST_PUT_BACK + 1.5) * np.median(np.diff(own))
+        near &= (rows > own[0]) & (rows < own[-1]) & (rows != own[before])
+        at, first = rows[near], np.clip(before[near] - 1, 0, len(own) - _CUBIC)
+        nodes = first[:, None] + np.arange(_CUBIC)
+        result[near] = np.einsum("nk,nkj->nj", _weights(own[nodes], at), columns[nodes])
+    return result.reshape(len(rows), *values.shape[1:])
+
+
+def _weights(nodes: Array, at: Array) -> Array:
+    """Weights of Lagrange's polynomials through nodes, shape (n, k), at instants, shape (n,)."""
+    weights = np.ones(nodes.shape)
+    for k in range(nodes.shape[1]):
+        for other in range(nodes.shape[1]):
+            if other != k:
+                weights[:, k] *= (at - nodes[:, other]) / (nodes[:, k] - nodes[:, other])
+    return weights
 
 
 def _taken_when_stamped(stream: Stream, stamps: Array, even: Even) -> bool:

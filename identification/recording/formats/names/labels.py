@@ -28,7 +28,7 @@ _WORDS = frozenset(
     }
 )  # fmt: skip
 """Words in brackets that are not units, in small letters."""
-_AMBIGUOUS = frozenset({"in", "h", "t", "g", "ft", "rev", "turn", "turns", "s"})
+_AMBIGUOUS = frozenset({"in", "d", "h", "t", "g", "ft", "rev", "turn", "turns", "s"})
 """Units that, behind a name and without brackets, are as likely a part of the name."""
 _UNIT_CELLS = frozenset({"unit", "units", "einheit", "einheiten", "dimension", "y_unit_label", "vert_units"})
 _MULTIPLE = re.compile(
@@ -101,7 +101,7 @@ def _in_brackets(text: str, units: Units) -> StatedUnit | None:
     """The unit that a text in brackets is, or holds beside words about the signal; None: it is about something else."""
     if symbol := units.symbol(text):
         return StatedUnit(text, symbol)
-    if is_unit(text) and text not in ("-", "none"):
+    if (is_unit(text) and text not in ("-", "none")) or set(text) == {"?"}:  # ?: the recorder does not know it
         return StatedUnit(text, None)
     # of a force, `10 N` may be a range as well
     multiple = _MULTIPLE.fullmatch(text) if units.quantity == "time" else None

@@ -106,11 +106,20 @@ def parts_of_units() -> str:
     return ",".join(names) + "\n" + rows(1e4 * t, joints, 1e3 * forces, separator=",")
 
 
+def ticks_under_a_strange_name() -> str:
+    """Ticks of 100 ns since 1601 in a column whose name says nothing of time."""
+    t, joints, forces = parts()
+    stamps = [f"{134_000_000_000_000_000 + round(1e7 * s)}" for s in t]
+    numbers = rows(joints, forces, separator=",").splitlines()
+    names = ["Name", *numbered("J#_deg"), "Fx_N", "Fy_N", "Fz_N", "Tx_Nm", "Ty_Nm", "Tz_Nm"]
+    return ",".join(names) + "\n" + "\n".join(map(",".join, zip(stamps, numbers, strict=True))) + "\n"
+
+
 @pytest.mark.parametrize(
     "written",
     [
         rtde_of_a_host, datagrams, german_words, units_behind_a_keyword, step_in_the_header, units_behind_in,
-        parts_of_units,
+        parts_of_units, ticks_under_a_strange_name,
     ],
 )  # fmt: skip
 def test_the_proposal_reads_what_was_recorded(written: object, tmp_path: Path) -> None:
@@ -128,6 +137,33 @@ def test_the_proposal_reads_what_was_recorded(written: object, tmp_path: Path) -
     np.testing.assert_allclose(np.degrees(again.drives), joints, atol=1e-5)
     np.testing.assert_allclose(again.forces, forces, atol=1e-5)
     assert found.rate == pytest.approx(500.0, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("name", "begin", "step", "key"),
+    [
+        ("Row", 1.0, 1.0, "recording.clock.period_ms"),  # numbers of rows are not a time
+        ("datenum", 739_960.25, 0.002 / 86_400.0, "recording.clock.unit"),  # days
+    ],
+)
+def test_numbers_that_rise_evenly_are_named_beside_the_missing_clock(
+    name: str, begin: float, step: float, key: str, tmp_path: Path
+) -> None:
+    _, joints, forces = parts()
+    names = [name, *numbered("J#_deg"), "Fx_N", "Fy_N", "Fz_N", "Tx_Nm", "Ty_Nm", "Tz_Nm"]
+    stamps = begin + step * np.arange(ROWS)
+    file = tmp_path / "run.csv"
+    file.write_text(",".join(names) + "\n" + rows(stamps, joints, forces, separator=",", form="%.12f"))
+    (said,) = (sentence for sentence in look(file, blank_case()).odd if repr(name) in sentence)
+    assert key in said
+    if key == "recording.clock.period_ms":
+        form = {"columns": {}, "clock": {"period_ms": 2.0}}
+    else:  # what it says is done
+        form = {"columns": {"t_s": name}, "clock": {"unit": "d"}}
+    own = blank_case().model_copy(update={"recording": RecordingFormat.model_validate(form)})
+    settings = dict(look(file, own).settings)
+    again = read(file, own.model_copy(update={"recording": RecordingFormat.model_validate(settings)}))
+    assert again.step == pytest.approx(0.002, rel=1e-4)
 
 
 def test_a_force_that_a_controller_computes_is_said_to_be_no_reading(tmp_path: Path) -> None:

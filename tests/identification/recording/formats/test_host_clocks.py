@@ -13,6 +13,7 @@ from identification.finding import Finding
 from identification.identify import identify
 from identification.recording.formats.clocks import Even, Unsteady, evened
 from identification.recording.recording import Recording, read
+from identification.samples.sample_checks import bridged
 from tests.helpers import one_line, seeds, tells
 from tests.identification.recording.formats.loaded_hexapod import CASE, CENTRE, MASS, Array, Run, run
 from tests.identification.recording.formats.runs import case_with, written
@@ -85,6 +86,32 @@ def test_lost_samples_are_counted_behind_stamps_that_stray(spread: float) -> Non
         assert even.step == pytest.approx(STEP, rel=1e-4)
         assert even.numbers[-1] == numbers[-1]
         assert np.mean(even.numbers != numbers) < (0.0 if spread == 0.01 else 0.02) + 1e-9
+
+
+@pytest.mark.parametrize("how", ["lost", "without a force"])
+def test_what_is_put_in_place_of_missing_samples_moves_as_the_machine_does(how: str, tmp_path: Path) -> None:
+    """A straight line between neighbours would be 20 um off; accelerations, and so the mass, would show that."""
+    missing = np.arange(50, 1950, 60)
+    if how == "lost":
+        kept = np.setdiff1d(np.arange(len(T)), np.r_[missing, missing[::3] + 1])  # sometimes two in a row
+        text = table(seconds(T[kept]), part(kept))
+    else:
+        lines = table(seconds(T)).splitlines()
+        for row in missing:
+            fields = lines[1 + row].split(",")
+            lines[1 + row] = ",".join([*fields[:8], "", *fields[9:]])
+        text = "\n".join(lines) + "\n"
+    recording = read(written(tmp_path, text), CASE)
+    bad = recording.bad
+    assert recording.drives is not None
+    assert np.flatnonzero(bad).size >= len(missing)
+    off = np.abs(bridged(recording.drives, bad) - RUN.struts)
+    assert off.max() < 2e-6  # written to 1 nm
+    line = np.interp(T, T[~bad], RUN.struts[~bad, 0]) - RUN.struts[:, 0]
+    assert np.abs(line).max() > 10 * off.max()
+    result, whole = (identify(each, CASE) for each in (recording, read(written(tmp_path, table(seconds(T))), CASE)))
+    assert abs(result["m"].value - whole["m"].value) < whole["m"].reported
+    assert result["m"].reported < 1.3 * whole["m"].reported
 
 
 def test_lost_samples_that_stamps_hide_make_the_step_uncertain_by_as_much_as_it_is_wrong() -> None:

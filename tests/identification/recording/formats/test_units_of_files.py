@@ -49,7 +49,7 @@ def warnings(recording: Recording) -> list[str]:
 def test_labels_are_read_in_the_units_that_they_state(
     force: str, length: str, time: str, form: str, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    if form in ("{} / {}", "{}_{}") and {force, length, time} & {"in", "ft", "h"}:
+    if form in ("{} / {}", "{}_{}") and {force, length, time} & {"in", "ft", "h", "d"}:
         return  # without brackets they may belong to the name
     labels = [form.format(name, force) for name in LABELS]
     struts = [form.format(f"Strebe {k}", length) for k in range(1, 7)]
@@ -121,7 +121,7 @@ def test_shares_of_a_range_weigh_the_right_mass_by_the_remedy(stated: bool, labe
     assert np.allclose(read(file, mapped(labels, scale=scale)).forces, RUN.forces)
 
 
-@pytest.mark.parametrize("unit", ["counts", "V", "mV/V", "digits", "bar", "Pfund", "mm", "Nm"])
+@pytest.mark.parametrize("unit", ["counts", "V", "mV/V", "digits", "bar", "Pfund", "mm", "Nm", "?"])
 def test_a_unit_that_forces_cannot_have_is_refused_with_label_and_remedy(unit: str, tmp_path: Path) -> None:
     labels = [f"{name} [{unit}]" for name in LABELS]
     with pytest.raises(RecordingError, match=r"Kraft 1 \[.*5 more.*recording\.(units|scale)") as caught:
