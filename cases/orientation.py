@@ -9,7 +9,7 @@ Users of conventions as the manuals of Basler's rc_cube and Mech-Mind's software
 import re
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Literal
 
@@ -94,14 +94,21 @@ def _of_angles(axes: str, moved: bool) -> Convention:
     return Convention(name, "angles", words, _USERS.get(name, ""), axes.upper() if moved else axes)
 
 
+def _from_base(of: Convention) -> Convention:
+    """The convention whose numbers turn vectors of the base into the sensor's frame."""
+    return replace(of, name=f"{of.name} inverse", words=f"{of.words}; from base to sensor", users="", inverse=True)
+
+
 _ORDERS = tuple(f"{one}{two}{three}" for one, two, three in product("xyz", repeat=3) if one != two != three)
+_ANGLES = tuple(_of_angles(axes, moved) for moved in (False, True) for axes in _ORDERS)
 _VECTOR = "axis of the rotation times its angle, its three components a, b, c"
 _QUATERNION = "unit quaternion, qw its scalar part"
 _MATRIX = "rotation matrix, rij in row i and column j"
 CONVENTIONS: Mapping[str, Convention] = {
     convention.name: convention
     for convention in (
-        *(_of_angles(axes, moved) for moved in (False, True) for axes in _ORDERS),
+        *_ANGLES,
+        *(_from_base(of) for of in _ANGLES if of.users),
         Convention("rotation vector", "rotation vector", _VECTOR, "Universal Robots rx ry rz"),
         Convention("rotation vector inverse", "rotation vector", f"{_VECTOR}, from base to sensor", "", "", True),
         Convention("quaternion", "quaternion", _QUATERNION, "ABB q1 to q4 (q1 is qw), ROS x y z w"),
@@ -110,7 +117,8 @@ CONVENTIONS: Mapping[str, Convention] = {
         Convention("matrix inverse", "matrix", f"{_MATRIX}, from base to sensor", "", "", True),
     )
 }  # fmt: skip
-"""Every convention by its name: 12 orders of angles about fixed and 12 about moved axes, and those without angles."""
+"""Every convention by its name: 12 orders of angles about fixed and 12 about moved axes, the inverse of the four that
+makers use, and those without angles."""
 ROLL_PITCH_YAW = CONVENTIONS["xyz extrinsic"]
 """What a recording has that states no other, and our own poses have: R = Rz(c) Ry(b) Rx(a)."""
 OF_ANGLES = tuple(c for c in CONVENTIONS.values() if c.columns == ANGLES)

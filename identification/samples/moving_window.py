@@ -287,10 +287,17 @@ def _window(recording: Recording, low_pass: Filter, drives: str, unit: str) -> t
     if recording.trigger is not None:
         rows = np.flatnonzero(recording.trigger[margin:-margin])
         if not len(rows):
+            on = float(recording.trigger.sum()) * recording.step
+            problem = "is never 1"
+            if on > 0.0:
+                problem = (
+                    f"is on for {on:.2g} s only, all of it within {margin * recording.step:.2g} s of an end, where the "
+                    "filter does not reach, as pulses are and a switch that is off in motion"
+                )
             raise RecordingError(
                 place=f"{recording.source}, trigger",
-                problem="is never 1",
-                remedy="record with the trigger or leave it out",
+                problem=problem,
+                remedy="record with the trigger on during the motion, or leave it out",
                 code=Code.TRIGGER,
             )
     else:

@@ -217,6 +217,11 @@ def _wrist() -> Iterator[Mistake]:
 
         yield Mistake(f"orientation as {name}", "orientation", make, rf"orientations are written as '{name}'")
     yield Mistake(
+        "orientation from base to sensor", "orientation",
+        lambda run, r, c: (replace(r, rotations=r.rotations.transpose(0, 2, 1)), c),
+        r"orientations are written as 'xyz extrinsic inverse'",
+    )  # fmt: skip
+    yield Mistake(
         "matrix transposed", "orientation",
         lambda run, r, c: (replace(r, rotations=r.rotations.transpose(0, 2, 1), case=_by_matrix()), _by_matrix()),
         r"orientations are written as 'matrix inverse'",

@@ -127,13 +127,7 @@ SIGNED = 1.2  # mistakes that a convention which nobody is known to use, or a si
 
 def _orientations(recording: Recording, case: Case, of: Callable[[Turns], Changed]) -> Iterator[Hypothesis]:
     """Orientations that are written in another way than they are read, given what makes a recording of other turns."""
-    stated = case.recording.orientation
-    now = ROLL_PITCH_YAW if stated is None else CONVENTIONS[stated]
-    columns = {*case.recording.columns}
-    if stated is None and not columns & {*ANGLES} and columns & {*QUATERNION}:
-        now = CONVENTIONS["quaternion"]
-    elif stated is None and not columns & {*ANGLES} and case.hexapod is None:
-        now = CONVENTIONS["matrix"]
+    now = _convention(recording, case)
     written = _written(recording, case, now)
     for other in OF_ANGLES if now.columns == ANGLES else CONVENTIONS.values():
         if other is not now and other.columns == now.columns:
@@ -153,6 +147,21 @@ def _orientations(recording: Recording, case: Case, of: Callable[[Turns], Change
             )
     if now.columns == ANGLES:
         yield from _angles(case, now, written, of)
+
+
+def _convention(recording: Recording, case: Case) -> Convention:
+    """That by which the orientations were read: the stated one, else that of the columns which the files have."""
+    if case.recording.orientation is not None:
+        return CONVENTIONS[case.recording.orientation]
+    unstated = (ROLL_PITCH_YAW, CONVENTIONS["quaternion"], CONVENTIONS["matrix"])
+    for convention in unstated:
+        if {*case.recording.columns} & {*convention.columns}:
+            return convention
+    for convention in unstated:
+        with suppress(HexciteError):
+            if written_columns(recording.paths, case, convention.columns) is not None:
+                return convention
+    return CONVENTIONS["matrix"] if case.hexapod is None else ROLL_PITCH_YAW
 
 
 def _angles(case: Case, now: Convention, written: Turns, of: Callable[[Turns], Changed]) -> Iterator[Hypothesis]:

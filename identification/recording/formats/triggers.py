@@ -57,12 +57,17 @@ def trigger_of(table: ColumnTable) -> tuple[Flags | None, list[Finding]]:
 
 
 def switched(values: Array) -> Flags | None:
-    """Whether a switch is on: 0 and 1, or a voltage near one of two levels, shape (n,); None if it is not a switch."""
+    """Whether a switch is on: 0 and 1, or a voltage near one of two levels, shape (n,); None if it is not a switch.
+
+    It is off at the level near 0, and on at the other, which may be -1: some languages write TRUE so.
+    """
     low, high = float(np.min(values)), float(np.max(values))
     if low == high:
         return values > 0.0
     near = np.minimum(values - low, high - values) <= LEVELS * (high - low)
-    return values > (low + high) / 2 if near.all() and abs(low) <= OFF * high else None
+    if near.all() and abs(low) <= OFF * high:
+        return values > (low + high) / 2
+    return values < (low + high) / 2 if near.all() and abs(high) <= OFF * -low else None
 
 
 def _never_switches(values: Array) -> bool:

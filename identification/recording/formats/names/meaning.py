@@ -5,7 +5,7 @@ if its words say one, if it has as many columns as the machine has of that, and 
 two do, neither has a meaning, and a sentence names both.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -74,7 +74,7 @@ def meaning_of(names: Sequence[str], case: Case | None = None, units: Sequence[s
         doubts += _without_a_machine(found, places, names)
     orientations: tuple[str, ...] = ()
     if not {*places} & {*STRUTS, *DRIVES, *POSE, *QUATERNION, *ROTATION, *_joints(case)}:
-        pose, orientations = _pose(found, words, case)
+        pose, orientations = _pose(found, words, quantities, case)
         places |= pose
     clocks = sorted((k for k, of in words.items() if _is_clock(of)), key=lambda k: _clock_rank(words[k]))
     clocks = [*([places[CLOCK]] if CLOCK in places else []), *clocks]
@@ -314,7 +314,10 @@ _TRIPLES: tuple[tuple[Group, tuple[str, ...], tuple[str, ...]], ...] = (
 
 
 def _pose(
-    found: Sequence[Family], words: Mapping[int, tuple[str, ...]], case: Case | None
+    found: Sequence[Family],
+    words: Mapping[int, tuple[str, ...]],
+    quantities: Mapping[int, frozenset[str]],
+    case: Case | None,
 ) -> tuple[dict[str, int], tuple[str, ...]]:
     """Position and orientation of the platform or sensor, and the conventions that the orientation may have."""
     excluded = (say.NO_READING, say.SPEED, say.ACCELERATION, say.EFFORT, say.OTHER, say.FORCE)
@@ -322,14 +325,15 @@ def _pose(
     positions = [f for f in found if _quantity(f) == "place" and {*f.members.values()} <= {*read}]
     place = dict(zip(POSE[:3], positions[0].members.values(), strict=True)) if len(positions) == 1 else {}
     hexapod = case is not None and case.hexapod is not None
+    turned_only = case is not None and case.machine is None  # a sensor that somebody turns: what else would they be?
+    turning = {k: of for k, of in read.items() if not quantities[k] or quantities[k] & {ANGLE_UNITS.quantity, _ANY}}
     for letters, of_hexapods, of_robots in _TRIPLES:
-        if (angles := _each_once(letters, read)) and (place or letters[0] == "roll"):
+        if (angles := _each_once(letters, turning)) and (place or turned_only or letters[0] == "roll"):
             return place | dict(zip(ANGLES, angles, strict=True)), of_hexapods if hexapod else of_robots
     if numbers := _quaternion(found, words):
         return place | dict(zip(QUATERNION, numbers, strict=True)), ("quaternion",)
-    matrix = {number: k for k, of in words.items() if (number := _element(of)) is not None}
-    if len(matrix) == len(ROTATION) and {*matrix} == {*range(len(ROTATION))}:
-        return {ours: matrix[number] for number, ours in enumerate(ROTATION)}, ("matrix",)
+    if matrix := _matrix(found, words):
+        return matrix, ("matrix",)
     tcp = [
         f for f in found if NUMBER in f.words and len(f.members) == len(POSE) and f.rest == ("actual", "tcp", "pose")
     ]
@@ -372,14 +376,34 @@ def _each_once(letters: Group, words: Mapping[int, tuple[str, ...]]) -> tuple[in
     return whole[0] if len(whole) == 1 else ()
 
 
-def _element(words: tuple[str, ...]) -> int | None:
-    """The place of a matrix element, row by row from 0, by the two digits of its name; None: it is not one."""
+_MATRICES = frozenset({"r", "rot", "rotation", "matrix", "dcm"})
+_TRANSFORMS = _MATRICES | {"t", "tf", "h", "pose", "transform", "trafo"}
+_BY_COLUMNS = ("o", "t", "ee")  # O_T_EE of libfranka, 16 numbers column by column
+
+
+def _matrix(found: Sequence[Family], words: Mapping[int, tuple[str, ...]]) -> dict[str, int]:
+    """The elements of a rotation matrix, alone or within a homogeneous one; empty where there is none."""
+    for side, names in ((3, _MATRICES), (4, _TRANSFORMS)):
+        elements = {place: k for k, of in words.items() if (place := _element(of, names)) is not None}
+        if {*elements} == {(i, j) for i in range(side) for j in range(side)}:
+            return {ours: elements[divmod(number, 3)] for number, ours in enumerate(ROTATION)}
+    for family in found:
+        rest, count = family.rest, len(family.members)
+        if NUMBER in family.words and {*family.members} == {*range(count)}:
+            if count == 9 and {*rest} & _MATRICES:
+                return {ours: family.members[number] for number, ours in enumerate(ROTATION)}
+            if count == 16 and rest[-3:] == _BY_COLUMNS:
+                return {ours: family.members[number // 3 + 4 * (number % 3)] for number, ours in enumerate(ROTATION)}
+    return {}
+
+
+def _element(words: tuple[str, ...], names: Set[str]) -> tuple[int, int] | None:
+    """Row and column of a matrix element, from 0, by the two digits of its name; None: it is not one."""
     digits = "".join(word for word in words if word.isdecimal())
     named = [word for word in words if not word.isdecimal()]
-    if len(digits) != 2 or not {*named} <= {"r", "rot", "rotation", "matrix", "dcm"} or not named:
+    if len(digits) != 2 or not {*named} <= names or not named or "0" in digits:
         return None
-    row, column = (int(digit) - 1 for digit in digits)
-    return 3 * row + column if 0 <= row < 3 and 0 <= column < 3 else None
+    return int(digits[0]) - 1, int(digits[1]) - 1
 
 
 def _without_a_machine(found: Sequence[Family], places: Mapping[str, int], names: Sequence[str]) -> Iterator[str]:

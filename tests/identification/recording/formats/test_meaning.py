@@ -237,6 +237,17 @@ HEADERS = [
     header("Doosan", UR, "timestamp", (Q6, numbered("actual_joint_position[#]", 0)),
            numbered("actual_joint_velocity[#]", 0), numbered("external_tcp_force[#]", 0),
            (WRENCH, numbered("raw_force_torque[#]", 0)), clock="timestamp", doubt="external_tcp_force"),
+    # a sensor that somebody turns has no joints: angles need no position beside them
+    header("angles alone", WRIST, (ANGLES, [*"ABC"]), wrench("F@", "T@"), orientation="zyx intrinsic"),
+    header("angles alone, of a robot", UR, [*"ABC"], wrench("F@", "T@")),
+    header("rotation vector alone", WRIST, (ANGLES, ["rx", "ry", "rz"]), orientation="rotation vector"),
+    header("homogeneous matrix", WRIST, (ROTATION, [f"T{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3)]),
+           ["T14", "T24", "T34", "T41", "T42", "T43", "T44"], orientation="matrix"),
+    header("libfranka, by columns", WRIST, (("r11", "r21", "r31"), numbered("O_T_EE[#]", 0, 3)), ["O_T_EE[3]"],
+           (("r12", "r22", "r32"), numbered("O_T_EE[#]", 4, 3)), ["O_T_EE[7]"],
+           (("r13", "r23", "r33"), numbered("O_T_EE[#]", 8, 3)), numbered("O_T_EE[#]", 11, 5), orientation="matrix"),
+    header("matrix by numbers", WRIST, (ROTATION, numbered("R[#]", 0, 9)), orientation="matrix"),
+    header("16 numbers of something", WRIST, numbered("status[#]", 0, 16)),
     # units decide where words do not
     header("load bars by unit", HEX, "t", (BAR_FORCES, numbered("Messstab #, Zug positiv [N]")),
            numbered("Antrieb #: Strom [A]"), numbered("Position des Schlittens # [mm/s]"), clock="t"),

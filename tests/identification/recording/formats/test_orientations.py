@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from cases.base.errors import RecordingError
+from cases.base.errors import HexciteError, RecordingError, Write
 from cases.orientation import OF_ANGLES, QUATERNION, ROTATION
 from cases.recording_format import BAR_FORCES, STRUTS, WRENCH
 from cases.schema import Case, load_case
@@ -85,6 +85,28 @@ def test_a_load_on_a_wrist_is_weighed_in_the_orientations_of_its_controller(
     columns = dict(zip(ANGLES, names, strict=True))
     file, case = wrist(tmp_path, names, angles, columns=columns, units=unit, orientation=orientation)
     require_load(identify(read(file, case), case), HELD, AT)
+
+
+@pytest.mark.parametrize(
+    ("names", "numbers", "orientation"),
+    [
+        ([*ANGLES], TURNS.as_euler("ZYX", degrees=True), "zyx intrinsic"),
+        ([*ANGLES], TURNS.inv().as_euler("xyz", degrees=True), "xyz extrinsic inverse"),
+        ([*QUATERNION], TURNS.inv().as_quat(scalar_first=True), "quaternion inverse"),
+        ([*ROTATION], TURNS.inv().as_matrix().reshape(-1, 9), "matrix inverse"),
+    ],
+)
+def test_the_convention_that_explains_a_run_is_a_key_that_reads_the_file(
+    names: list[str], numbers: np.ndarray, orientation: str, tmp_path: Path
+) -> None:
+    """Under our own names of columns too, of which the case says nothing."""
+    file, case = wrist(tmp_path, names, numbers)
+    with pytest.raises(HexciteError) as caught:
+        identify(read(file, case), case)
+    (remedy,) = caught.value.remedies
+    assert remedy.keys == (Write(("recording", "orientation"), orientation),)
+    mended = case_with(case, orientation=orientation)
+    require_load(identify(read(file, mended), mended), HELD, AT)
 
 
 @pytest.mark.parametrize("order", ["wxyz", "xyzw"])

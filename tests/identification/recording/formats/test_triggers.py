@@ -34,6 +34,12 @@ def test_the_noise_of_a_voltage_is_no_switch(level: float, tmp_path: Path) -> No
     np.testing.assert_array_equal(recorded(24.0 * ON + noise, tmp_path).trigger, ON)
 
 
+@pytest.mark.parametrize("level", [-1.0, -24.0])
+def test_a_level_below_0_is_on(level: float, tmp_path: Path) -> None:
+    """Languages whose TRUE has all bits set write -1."""
+    np.testing.assert_array_equal(recorded(level * ON, tmp_path).trigger, ON)
+
+
 def test_a_voltage_of_two_steps_of_its_converter_that_stays_high_is_no_switch(tmp_path: Path) -> None:
     assert recorded(np.where(np.arange(RUN.count) % 2, 24.02, 23.97), tmp_path).trigger is None
 
