@@ -96,7 +96,8 @@ def _of_angles(axes: str, moved: bool) -> Convention:
 
 def _from_base(of: Convention) -> Convention:
     """The convention whose numbers turn vectors of the base into the sensor's frame."""
-    return replace(of, name=f"{of.name} inverse", words=f"{of.words}; from base to sensor", users="", inverse=True)
+    words = f"{of.words.replace('R = ', 'R^T = ')}, from base to sensor"
+    return replace(of, name=f"{of.name} inverse", words=words, users="", inverse=True)
 
 
 _ORDERS = tuple(f"{one}{two}{three}" for one, two, three in product("xyz", repeat=3) if one != two != three)

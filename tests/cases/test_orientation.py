@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cases.orientation import CONVENTIONS, OF_ANGLES, ROLL_PITCH_YAW
+from cases.orientation import CONVENTIONS, OF_ANGLES, ROLL_PITCH_YAW, Convention
 
 Matrix = NDArray[np.float64]
 
@@ -30,7 +30,7 @@ def about_vector(vector: Matrix) -> Matrix:
 TURNS = np.array([[0.3, -0.5, 1.1], [-2.0, 0.4, 2.9], [0.0, 1.2, -0.7]])
 
 
-@pytest.mark.parametrize("name", [c.name for c in OF_ANGLES if c.form == "angles"])
+@pytest.mark.parametrize("name", [c.name for c in OF_ANGLES if c.form == "angles" and not c.inverse])
 def test_angles_turn_about_the_axes_in_their_order(name: str) -> None:
     order, kind = name.split()
     for angles, turn in zip(TURNS, CONVENTIONS[name].matrices(TURNS), strict=True):
@@ -40,9 +40,17 @@ def test_angles_turn_about_the_axes_in_their_order(name: str) -> None:
         np.testing.assert_allclose(turn, expected, atol=1e-12)
 
 
+@pytest.mark.parametrize("convention", [c for c in OF_ANGLES if c.inverse], ids=lambda c: c.name)
+def test_an_inverse_turns_the_other_way(convention: Convention) -> None:
+    other = CONVENTIONS[convention.name.removesuffix(" inverse")]
+    np.testing.assert_array_equal(convention.matrices(TURNS), other.matrices(TURNS).transpose(0, 2, 1))
+    turns = other.matrices(TURNS)
+    np.testing.assert_allclose(convention.matrices(convention.values(turns)), turns, atol=1e-12)
+
+
 def test_there_are_twelve_orders_about_fixed_and_about_moved_axes_and_all_differ() -> None:
     turns = np.array([convention.matrices(TURNS) for convention in OF_ANGLES])
-    assert len(turns) == 26
+    assert len(turns) == 26 + 4  # and the inverse of what makers use
     for k, one in enumerate(turns):
         for other in turns[:k]:
             assert np.abs(one - other).max() > 0.1
