@@ -173,6 +173,8 @@ def _silent(recording: Recording) -> Iterator[Problem]:
         still = np.diff(recording.forces[:, k]) == 0.0
         steps_of = np.abs(np.diff(recording.forces[:, k]))
         digit = float(np.min(steps_of[steps_of > 0.0], initial=np.inf))  # what the channel changes by at least
+        if np.isfinite(digit) and np.ptp(recording.forces[:, k]) <= DIGITS * digit:
+            continue  # a moment about the axis of a load, say, of which the sensor shows a few digits
         usual = float(np.clip(np.mean(still), 0.01, 0.999))
         least = int(np.ceil(np.log(NEVER / len(still)) / np.log(usual)))
         rows = np.zeros(len(recording.forces), dtype=bool)

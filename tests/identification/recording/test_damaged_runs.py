@@ -1,17 +1,21 @@
-"""A run with one bad value in a thousand rows still gives its result."""
+"""A run with one bad value in a thousand rows still gives its result, and so does one of a sensor with few digits."""
 
 import random
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from cases.base.errors import RecordingError
 from cases.schema import load_case
 from identification.identify import estimate_parameters
 from identification.machines.hexapod import Hexapod
 from identification.recording.recording import read, write_recording
 from identification.simulate import simulate_recording
+from tests.damaged.runs import truth_of
 from tests.helpers import Harmonic, answer, few
+from tests.mistaken.machines import machine, run
 from tests.simulated_machine import PoseExecution
 
 HEXAPOD = load_case("hexapod")
@@ -50,3 +54,21 @@ def within_3_std(seeds: range, folder: Path) -> float:
 @pytest.mark.parametrize("seeds", few(range(4), range(4, 200)))
 def test_mild_damage_leaves_most_runs_usable(seeds: range, tmp_path: Path) -> None:
     assert within_3_std(seeds, tmp_path) >= 0.9
+
+
+@pytest.mark.parametrize("digit", [0.1, 0.25])  # [N m]; forces have twenty times as large ones
+def test_a_moment_that_a_sensor_shows_in_few_digits_is_not_stuck(digit: float) -> None:
+    """The moment about the sensor's axis stays within one digit for long while forces change by many."""
+    sound = run("ur10_wrist", 42, 3.0)
+    digits = np.repeat([20.0 * digit, digit], 3)
+    recording = replace(sound.recording, forces=np.round(sound.recording.forces / digits) * digits)
+    mass = estimate_parameters(recording, sound.case).physical["m"]
+    assert abs(mass.value - truth_of(machine("ur10_wrist").plant)["m"]) < 4.0 * mass.reported
+
+
+def test_a_moment_that_stops_changing_is_stuck() -> None:
+    sound = run("ur10_wrist", 42, 3.0)
+    forces = sound.recording.forces.copy()
+    forces[400:, 4] = forces[400, 4]
+    with pytest.raises(RecordingError, match="channel 5 is stuck"):
+        estimate_parameters(replace(sound.recording, forces=forces), sound.case)
