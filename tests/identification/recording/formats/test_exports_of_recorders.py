@@ -3,6 +3,7 @@
 from datetime import UTC, datetime, timedelta
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -157,7 +158,7 @@ def test_numbers_that_rise_evenly_are_named_beside_the_missing_clock(
     (said,) = (sentence for sentence in look(file, blank_case()).odd if repr(name) in sentence)
     assert key in said
     if key == "recording.clock.period_ms":
-        form = {"columns": {}, "clock": {"period_ms": 2.0}}
+        form: dict[str, Any] = {"columns": {}, "clock": {"period_ms": 2.0}}
     else:  # what it says is done
         form = {"columns": {"t_s": name}, "clock": {"unit": "d"}}
     own = blank_case().model_copy(update={"recording": RecordingFormat.model_validate(form)})
