@@ -105,7 +105,7 @@ class Program:
         worst = {v.kind.family: v for v in reversed(violations)}  # of each limit the worst stands first
         lines = limit_lines(self.proof.limits.checks)
         for limit, count in Counter(v.kind.family for v in violations).items():
-            others = f" ({count - 1} more lines exceed it)" if count > 1 else ""
+            others = f" ({count - 1} more line{'s exceed' if count > 2 else ' exceeds'} it)" if count > 1 else ""
             lines.append(f"line {worst[limit].line}: {worst[limit].sentence()}{others}")
         return "\n".join([*lines, repr(self)])
 

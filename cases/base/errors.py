@@ -331,13 +331,22 @@ class Violation(NamedTuple):
 class NotProven(ProgramError):
     """A program exceeds limits; `violations` are all of them, the worst first."""
 
-    def __init__(self, *, file: Path | str, violations: Sequence[Violation], remedy: str) -> None:
+    def __init__(self, *, file: Path | str, violations: Sequence[Violation], remedy: str, listed: bool = False) -> None:
         worst, more = violations[0], len(violations) - 1
-        others = f" ({more} more: {option('violations', 'all')} shows them)" if more else ""
+        others = f"{more} more, as listed" if listed else f"{more} more: {option('violations', 'all')} shows them"
         super().__init__(
-            file=file, line=worst.line, problem=worst.sentence, remedy=f"{remedy}{others}", code=Code.NOT_PROVEN
+            file=file,
+            line=worst.line,
+            problem=worst.sentence,
+            remedy=f"{remedy} ({others})" if more else remedy,
+            code=Code.NOT_PROVEN,
         )
         self.violations = tuple(violations)
+        self._advice = remedy
+
+    def listed(self) -> "NotProven":
+        """The same error where all violations are shown beside it."""
+        return NotProven(file=self.file, violations=self.violations, remedy=self._advice, listed=True)
 
 
 class FileProblem(HexciteError, OSError):

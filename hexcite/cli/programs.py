@@ -67,7 +67,7 @@ def _told(every: bool, as_json: bool) -> Iterator[None]:
         answer = {"ok": False, "violations": [v._asdict() for v in error.violations]}
         if every or as_json:
             console.answered(answer, as_json, *lines_of(error.violations))
-        raise
+        raise error.listed() if every else error from None
 
 
 def lines_of(violations: Sequence[Violation]) -> list[str]:
@@ -114,7 +114,10 @@ def check(
         answer = answer_of_proof(read)
     lines = lines_of(read.proof.exceeded) if every else []
     console.answered(answer, json, *(f"note: {remark}" for remark in answer["remarks"]), *lines, read)
-    require_proven(read, loaded)
+    try:
+        require_proven(read, loaded)
+    except NotProven as error:
+        raise error.listed() if every else error from None
 
 
 def answer_of_proof(program: "hx.Program") -> dict[str, Any]:
