@@ -97,7 +97,7 @@ def test_a_check_that_fails_still_answers(chain: Chain, shared: Path, tmp_path: 
     assert answer["ok"] is False
     assert abs(answer["violations"][0]["line"] - (line + 1)) <= 2
     assert len(answer["violations"]) > 2
-    assert f"({len(answer['violations']) - 1} more: --all of post and check shows them)" in err
+    assert f"({len(answer['violations']) - 1} more: --all shows them)" in err
     listed = call("check", tmp_path / "edited.ngc", "--case", "hexapod", "--all")
     assert "--all" not in listed.err  # which was asked for
     shown = listed.out.splitlines()
@@ -118,7 +118,7 @@ def test_a_program_that_is_not_written_says_every_limit_that_it_exceeds(
     monkeypatch.setattr(hexcite, "write", written)
     code, out, err = call("post", shared / "plan", "-o", tmp_path / "p.ngc", *options)
     assert (code, len(err.splitlines()), (tmp_path / "p.ngc").exists()) == (1, 1, False)
-    others = "1 more, as listed" if "--all" in options else "1 more: --all of post and check shows them"
+    others = "1 more, as listed" if "--all" in options else "1 more: --all shows them"
     assert f"line 7: jerk (x) reaches 101; slow down ({others})" in err
     if "--json" in options:
         assert one_json_object(out) == {"ok": False, "violations": [v._asdict() for v in violations]}
