@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Callable, Sequence
-from importlib import import_module
 from pathlib import Path
 from threading import Thread
 from typing import TYPE_CHECKING, Annotated, Any
@@ -104,8 +103,14 @@ def plan(
 
 def with_page_at_hand(remark: "Callable[[Standing], None]") -> "Callable[[Standing], None]":
     """A remark that also loads what pages need, beside the refinements: a processor is idle in the last of them."""
-    modules = "hexcite.reports.plan", "hexcite.reports.still"
-    loading = Thread(target=lambda: [import_module(name) for name in modules], daemon=True)
+
+    def load() -> None:
+        from hexcite.reports import plan
+        from hexcite.reports.drawing import still
+
+        del plan, still  # that they are loaded is all
+
+    loading = Thread(target=load, daemon=True)
 
     def shown(standing: "Standing") -> None:
         if standing.refining and loading.ident is None:
