@@ -152,6 +152,8 @@ def identify_models(
 
     Findings are not looked for: `identify` the model that is preferred.
 
+        hx.identify_models(hx.Recording.load("empty")).best
+
     Args:
         recording: the run.
         case: case of the machine; the recording's own unless given.

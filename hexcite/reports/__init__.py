@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cases.base.atomic import write_text
+from cases.base.errors import Code, HexciteError
 
 if TYPE_CHECKING:
     from hexcite.comparison.comparison import Comparison
@@ -18,7 +19,10 @@ if TYPE_CHECKING:
 def report(
     value: "Plan | Result | Comparison | Validation | ExternalForce | History | Payload", file: Path | str
 ) -> None:
-    """Writes the page of a value, one HTML file that needs no network."""
+    """Writes the page of a value, one HTML file that needs no network.
+
+    >>> hx.report(hx.Result.load("empty-result"), "empty.html")
+    """
     write_text(Path(file), page_of(value))
 
 
@@ -49,7 +53,14 @@ def page_of(value: Any) -> str:
             from hexcite.reports.payload import payload_page
 
             return payload_page(value)
-        case _:
+        case "Validation":
             from hexcite.reports.validation import validation_page
 
             return validation_page(value)
+        case kind:
+            raise HexciteError(
+                place=kind,
+                problem="has no page",
+                remedy="give a plan, result, comparison, validation, force, history or payload",
+                code=Code.WRONG_KIND,
+            )

@@ -49,7 +49,10 @@ def certificate(
 ) -> None:
     """Writes the certificate of a result, one PDF file of A4 pages.
 
-        hx.certificate(result, "calibration.pdf")
+    >>> result = hx.Result.load("empty-result")
+    >>> hx.certificate(result, "calibration.pdf", number="2026-01")
+    >>> hx.verify_certificate("calibration.pdf", result).stated["number"]
+    '2026-01'
 
     Args:
         result: the result.

@@ -41,7 +41,7 @@ def plot(
     the load, models of a run by what they predict, identifiability as correlations and R (Figure 3), a bound as
     D-efficiency up to it, an external force over time, a history as parameters over time.
 
-        hx.plot(result).savefig("residuals.pdf")
+    >>> hx.plot(hx.Result.load("empty-result")).savefig("correlations.svg")
     """
     match type(value).__name__:  # to import the types of all takes a second
         case "Case":

@@ -27,7 +27,11 @@ from identification.model.parameters import physical_form, require_names
 
 
 class Prior(NamedTuple):
-    """A parameter, linear or physical, its value and standard deviation beforehand [SI]."""
+    """A parameter, linear or physical, its value and standard deviation beforehand [SI].
+
+    >>> hx.Method(priors=(hx.Prior("m", 33.0, 0.5),)).priors[0].std
+    0.5
+    """
 
     name: str
     value: float

@@ -14,7 +14,7 @@ from identification.findings.plan_comparison import (
     FEWEST,
     NEAR,
     WHOLE,
-    Comparison,
+    PlanComparison,
     Planned,
     in_coordinates,
 )
@@ -39,7 +39,7 @@ AT_AN_END = 0.02  # of the distance of two points: what is nearer to the end of 
 MISSED_STAY = 0.5  # share of the planned stay at a pose
 
 
-def as_planned(best: Comparison | None, plan: Planned | Sequence[Planned]) -> tuple[Finding, ...]:
+def as_planned(best: PlanComparison | None, plan: Planned | Sequence[Planned]) -> tuple[Finding, ...]:
     """What was different from the plan, as findings with numbers; figures alone where nothing was.
 
     Args:
@@ -57,7 +57,7 @@ def as_planned(best: Comparison | None, plan: Planned | Sequence[Planned]) -> tu
     return (note(Kind.PROGRAM, f"the run is not the motion of {which}; name its own with --plan", as_planned=figures),)
 
 
-def findings_of(comparison: Comparison) -> tuple[Finding, ...]:
+def findings_of(comparison: PlanComparison) -> tuple[Finding, ...]:
     """Findings of a comparison; figures alone where nothing was different."""
     name, share = comparison.plan.name, comparison.share
     figures: dict[str, Any] = {"plan": name, "share_of_path": round(share, 4)}
@@ -88,7 +88,7 @@ def _of(said: _Said, name: str, **quantity: Any) -> Finding:
     return make(Kind.PROGRAM, sentence, **quantity)
 
 
-def _shifts(comparison: Comparison, figures: dict[str, Any]) -> list[_Said]:
+def _shifts(comparison: PlanComparison, figures: dict[str, Any]) -> list[_Said]:
     """What to say of a run whose path is the plan's at another place."""
     _, limits = comparison.case.need_motion("the comparison with a plan")
     poses = comparison.plan.motion.at(comparison.planned.t[comparison.pairs[:, 0]]).coordinates
@@ -116,7 +116,7 @@ def _amount(column: str, value: float, turns: bool, sign: str = "") -> str:
     return f"{name} {value / (DEG if turns else MM):{sign}.3g} {unit}"
 
 
-def _differences(comparison: Comparison, figures: dict[str, Any]) -> list[_Said]:
+def _differences(comparison: PlanComparison, figures: dict[str, Any]) -> list[_Said]:
     """What to say of parts of the plan that the run does not hold."""
     planned, pairs, matched = comparison.planned, comparison.pairs, comparison.matched
     total, count = comparison.plan.motion.duration, len(matched)
@@ -175,7 +175,7 @@ def _moves(motion: Trajectory, start: float, end: float) -> str:
     return f" ({which} of {len(motion.parts)})"
 
 
-def _astray(comparison: Comparison, i: int, i_next: int, j: int, j_next: int) -> str:
+def _astray(comparison: PlanComparison, i: int, i_next: int, j: int, j_next: int) -> str:
     """How far points j .. j_next of the run leave the plan's points i .. i_next, in the coordinate where it is most."""
     _, limits = comparison.case.need_motion("the comparison with a plan")
     planned_path = comparison.planned.drives[i : i_next + 1] + comparison.shift
@@ -193,7 +193,7 @@ def _astray(comparison: Comparison, i: int, i_next: int, j: int, j_next: int) ->
     return f", by {_amount(limits.columns[k], abs(apart[k]), bool(limits.turns[k]))}"
 
 
-def _missed_poses(comparison: Comparison) -> list[int]:
+def _missed_poses(comparison: PlanComparison) -> list[int]:
     """Numbers of the poses, counted from 1, at which the run did not stand half as long as planned."""
     motion, pairs, raw = comparison.plan.motion, comparison.pairs, comparison.raw
     if not len(comparison.plan.poses) or not isinstance(motion, Joined):
@@ -221,7 +221,7 @@ def _listed(numbers: Sequence[int]) -> str:
     return f"{listing} and {len(numbers) - 6} more" if len(numbers) > 6 else listing
 
 
-def _paces(comparison: Comparison, figures: dict[str, Any]) -> list[_Said]:
+def _paces(comparison: PlanComparison, figures: dict[str, Any]) -> list[_Said]:
     """What to say of a run that is slower or faster than planned.
 
     How long parts take is compared. Where all of them are slower, and by one factor where they are fastest, that is the
@@ -280,7 +280,7 @@ class _Part(NamedTuple):
         return self.run / self.planned
 
 
-def _passed(comparison: Comparison) -> list[_Part]:
+def _passed(comparison: PlanComparison) -> list[_Part]:
     """The parts of the plan that were run, or, of a motion that has none, parts of equal duration."""
     motion, pairs, raw = comparison.plan.motion, comparison.pairs, comparison.raw
     edges = motion.starts if isinstance(motion, Joined) else np.linspace(0.0, motion.duration, PARTS + 1)
@@ -318,7 +318,7 @@ def _stay(edges: Array, group: Indices) -> float:
     return float(edges[group[-1]] - edges[group[0]])
 
 
-def _pace_where_fastest(comparison: Comparison) -> float | None:
+def _pace_where_fastest(comparison: PlanComparison) -> float | None:
     """How many times slower a run was where the plan is fastest; None where that differs from place to place."""
     pairs, planned, run = comparison.pairs, comparison.planned, comparison.run
     both = np.flatnonzero((np.diff(pairs, axis=0) == 1).all(axis=1))

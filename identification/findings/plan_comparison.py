@@ -56,7 +56,7 @@ class _Path(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Comparison:
+class PlanComparison:
     """A run beside its plan."""
 
     plan: Planned
@@ -87,7 +87,7 @@ class Comparison:
         return float(self.matched.mean())
 
 
-def compared(recording: Recording, case: Case, plan: Planned) -> Comparison | None:
+def compared(recording: Recording, case: Case, plan: Planned) -> PlanComparison | None:
     """A run beside a plan; None where the recording has no clock or no drives, or one of them does not move.
 
     Args:
@@ -119,10 +119,10 @@ def compared(recording: Recording, case: Case, plan: Planned) -> Comparison | No
     if min(len(planned.t), len(run.t)) < FEWEST:
         return None
     shift, pairs = _best(planned.drives / scale, run.drives / scale, step)
-    return Comparison(plan, case, planned, run, _Path(recording.t[good], struts), scale, shift * scale, pairs, step)
+    return PlanComparison(plan, case, planned, run, _Path(recording.t[good], struts), scale, shift * scale, pairs, step)
 
 
-def closest(recording: Recording, case: Case, plan: Planned | Sequence[Planned]) -> Comparison | None:
+def closest(recording: Recording, case: Case, plan: Planned | Sequence[Planned]) -> PlanComparison | None:
     """A run beside its plan, or beside that of some plans which is most alike; None where none can be compared.
 
     Args:
@@ -245,7 +245,7 @@ def _aligned(planned: Array, run: Array, near: float) -> Indices:
     return np.concatenate([matches[:0], *(group for group in groups if len(group) >= FEWEST)])
 
 
-def in_coordinates(comparison: Comparison, points: Indices) -> Array | None:
+def in_coordinates(comparison: PlanComparison, points: Indices) -> Array | None:
     """Coordinates of points of the run, shape (n, k) [m or rad]; None where no pose has such drives."""
     try:
         return np.asarray(machine_of(comparison.case).coordinates(comparison.run.drives[points]))

@@ -176,7 +176,9 @@ class History:
 def history(places: Sequence[Path | str] | Path | str, case: str | None = None) -> History:
     """Results of one machine over time, which may lie anywhere.
 
-        hx.history("results").findings
+    >>> past = hx.history(["empty-result", "loaded-result"])
+    >>> len(past.entries)
+    2
 
     A leap is a change between two results that follow each other, with the same payload, beyond what their own noise
     and the tolerances allow, or between the means before and after; a drift a straight line over three results or

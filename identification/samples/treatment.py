@@ -29,6 +29,9 @@ WIDEST = 0.2  # of the samples a second: the widest low-pass behind which positi
 class Treatment(TreatmentOptions):
     """How a moving run is treated; what is None is as by default.
 
+    >>> hx.Treatment(cutoff=40.0).harmonics
+    7
+
     Args:
         OPTIONS
 

@@ -117,6 +117,9 @@ class FamilySettings:
 class Fourier(FourierOptions, FamilySettings):
     """Periodic Fourier series (34)-(36) from rest to rest.
 
+    >>> hx.Fourier(order=3).period is None
+    True
+
     Args:
         OPTIONS
     """
@@ -248,6 +251,9 @@ def _highest_frequency(case: Case) -> float:
 class PointToPoint(MoveOptions, FamilySettings):
     """Straight moves in the coordinates, each from rest to rest.
 
+    >>> hx.PointToPoint(moves=40, controller="linuxcnc").without is None
+    True
+
     Args:
         OPTIONS
     """
@@ -366,6 +372,9 @@ class PointToPoint(MoveOptions, FamilySettings):
 class Spline(SplineOptions, FamilySettings):
     """Cubic splines limited in jerk, from rest to rest.
 
+    >>> hx.Spline().intervals(12.0)
+    120
+
     Args:
         OPTIONS
     """
@@ -412,6 +421,9 @@ IN_TURN = "each coordinate to both ends of its way, then all at once"
 @dataclass(frozen=True, slots=True)
 class Manual(ManualOptions, FamilySettings):
     """The manual motion of a file, as fast as the limits allow.
+
+    >>> hx.Manual("steps.toml").file(hx.load_case("hexapod")).name
+    'steps.toml'
 
     Args:
         OPTIONS
