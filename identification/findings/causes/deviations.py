@@ -19,7 +19,7 @@ from cases.base.phrases import NOTHING, Phrase, phrase
 from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.alternatives import sizes_of
-from identification.findings.causes.hypothesis import Hypothesis, Size, Trial
+from identification.findings.causes.hypothesis import Hypothesis, Size, Trial, pace_of
 from identification.findings.remains import remainder_of
 from identification.model.parameters import physical_form
 from identification.recording.recording import Recording
@@ -92,7 +92,7 @@ def certain(trial: Trial, fitted: Fitted, mended: Mended, evaluate: Evaluate) ->
     answer = np.stack([effect[1] for effect in effects if effect is not None], axis=1)
     better = _moved(trial, places, sizes.values)
     with suppress(HexciteError):
-        again = evaluate(*mended(better))
+        again = evaluate(*_as_filtered(better, trial, mended))
         if again.fit.residuals.shape == fitted.fit.residuals.shape and _left(again, fitted) < _left(fitted, fitted):
             trial, fitted = better, again
     return _stated(trial, places, covariance), Certainty(covariance, _loose(fitted, answer, covariance))
@@ -113,13 +113,27 @@ def _effect(
 ) -> tuple[Array, Array] | None:
     """Effect of a unit of a size on the forces, shape (n, 6), and on the values of the fit; None where not known."""
     try:
-        other = evaluate(*mended(_moved(trial, [place], np.array([place.nudge]))), robust=False)
+        other = evaluate(*_as_filtered(_moved(trial, [place], np.array([place.nudge])), trial, mended), robust=False)
     except HexciteError:
         return None
     if other.fit.residuals.shape != fitted.fit.residuals.shape or len(other.fit.values) != len(fitted.fit.values):
         return None
     change = fitted.fit.residuals - other.fit.residuals, other.fit.values - fitted.fit.values
     return change[0] / place.nudge, change[1] / place.nudge
+
+
+def _as_filtered(trial: Trial, base: Trial, mended: Mended) -> tuple[Recording, Case]:
+    """Run and case of a trial, with a filter that reaches over as many samples as with another trial.
+
+    At another pace of the clock the same cut-off would pass more or less of the noise: the pace at which it passes
+    least would seem to fit best.
+    """
+    run, case = mended(trial)
+    ratio, cutoff = pace_of(trial) / pace_of(base), case.recording.filter_cutoff_Hz
+    if ratio == 1.0 or cutoff is None:
+        return run, case
+    form = case.recording.model_copy(update={"filter_cutoff_Hz": cutoff / ratio})
+    return run, case.model_copy(update={"recording": form})
 
 
 def _moved(trial: Trial, places: Sequence[_Place], steps: Array) -> Trial:

@@ -116,6 +116,17 @@ def test_two_mistakes_at_once_are_named_together(of: str, names: tuple[str, str]
         assert mistake(of, name).named_in(text), text
 
 
+def test_the_pace_of_a_gentle_run_is_right_by_its_deviation() -> None:
+    """Its residuals are three times the noise: a filter that passes less of that at another pace would count."""
+    slow, sound = mistake("hexapod", "time twice too slow"), run("hexapod", 4)
+    recording, case = slow.make(sound, sound.recording, sound.case)
+    model = identification_model(case, default_model(recording, case))
+    found = searched(recording, case)
+    words = [cause.words for cause in causes_of(found, recording, case, model, fits(model.number, GAUSS_MARKOV))]
+    assert len(words) == 1
+    assert slow.named_in(words[0]), words
+
+
 TURN = Rotation.from_euler("y", -90.0, degrees=True)
 
 
