@@ -6,6 +6,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from scipy.interpolate import BarycentricInterpolator
 
 from cases.base.errors import RecordingError
 from identification.recording.formats.table import Lines
@@ -105,9 +106,8 @@ def test_a_few_missing_samples_are_put_back_and_marked(tmp_path: Path) -> None:
     assert recording.step == pytest.approx(1e-3)
     assert np.flatnonzero(recording.missing).tolist() == [10, 11, 12]
     np.testing.assert_allclose(np.diff(recording.t), 1e-3, rtol=1e-6)
-    share = np.arange(1, 4)[:, None] / 4
-    line = (1 - share) * RUN.struts[9] + share * RUN.struts[10]
-    np.testing.assert_allclose(recording.drives[10:13], line, rtol=1e-9)
+    cubic = BarycentricInterpolator([8, 9, 13, 14], RUN.struts[8:12])  # through two samples on either side
+    np.testing.assert_allclose(recording.drives[10:13], cubic([10, 11, 12]), rtol=1e-9)
     np.testing.assert_allclose(recording.drives[13:], RUN.struts[10:], rtol=1e-9)
     assert recording.lines.place(12) == "line 11"
     assert recording.lines.place(13) == "line 12"
