@@ -182,7 +182,8 @@ def history(places: Sequence[Path | str] | Path | str, case: str | None = None) 
 
     A leap is a change between two results that follow each other, with the same payload, beyond what their own noise
     and the tolerances allow, or between the means before and after; a drift a straight line over three results or
-    more. Noise alone makes one of them in one of a hundred histories, or two.
+    more. Noise alone makes one of them in one of a hundred histories, or two. What `pool` wrote is left out where all
+    its runs are there by themselves.
 
     Args:
         places: result folders, or folders in which results are looked for, at any depth.
@@ -212,13 +213,18 @@ def history(places: Sequence[Path | str] | Path | str, case: str | None = None) 
     of_machine = sorted(
         (_entry(result) for result in loaded if case in (None, result.record.case)), key=lambda entry: entry.when
     )
+    alone = frozenset().union(*(e.result.recordings for e in of_machine if e.result.record.pooled is None))
     entries: list[Entry] = []
-    for entry in of_machine:
+    for entry in sorted(of_machine, key=lambda entry: entry.result.record.pooled is None):  # pools first
+        if entry.result.record.pooled is not None and entry.result.recordings <= alone:
+            left_out.append(f"{entry.result.source}: each run that it pools is there by itself")
+            continue
         twin = next((e for e in entries if e.result.recordings & entry.result.recordings), None)
         if twin is None:
             entries.append(entry)
         else:
             left_out.append(f"{entry.result.source}: is of the same recording as {twin.result.source}")
+    entries.sort(key=lambda entry: entry.when)
     entries_in_order = History(entries[0].result.record.case, tuple(entries), (), (), tuple(left_out))
     leaps = _leaps(entries_in_order)
     changes = _changes_over_all(entries_in_order, {leap.parameter for leap in leaps})

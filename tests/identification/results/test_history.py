@@ -123,6 +123,18 @@ def test_a_run_that_was_identified_twice_counts_once(tmp_path: Path) -> None:
     assert "same recording" in found.left_out[0]
 
 
+def test_runs_count_and_not_what_was_pooled_of_them_where_all_are_there(tmp_path: Path) -> None:
+    both = [{"file": f"run_{k}.csv", "sha256": f"{k:064x}"} for k in (0, 1)]
+    pooled = {"runs": ["day_0", "day_1"], "chi2": 1.0, "freedom": 1, "p": 0.5, "without": None}
+    add(tmp_path, 0, TRUTH)
+    add(tmp_path / "pools", 0, TRUTH, inputs=both, pooled=pooled)
+    assert [len(entry.result.recordings) for entry in hx.history(tmp_path).entries] == [2]  # one of its runs is gone
+    add(tmp_path, 1, TRUTH)
+    found = hx.history(tmp_path)
+    assert [len(entry.result.recordings) for entry in found.entries] == [1, 1]
+    assert "pools" in found.left_out[0]
+
+
 def test_results_of_several_machines_need_a_name(tmp_path: Path) -> None:
     add(tmp_path, 0, TRUTH)
     write_result(tmp_path / "robot", load_case("ur10_wrist"), 6)
