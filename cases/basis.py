@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from cases.base.errors import CaseError, Code, FileProblem, option
+from cases.base.phrases import NOTHING, phrase, said
 from cases.schema import Case, fingerprint, load_case
 from cases.tables import built_in_cases
 
@@ -113,10 +114,20 @@ def changes_since(about: Mapping[str, Any], now: Mapping[str, Any], case_hash: s
     """What the case had when an artefact was computed and has no longer: key, old value, new value."""
     then = about.get(COMPUTED_FROM)
     if not isinstance(then, Mapping):
-        return [] if about.get("case_hash") == case_hash else ["something (it says no more than a fingerprint)"]
+        unnamed = phrase("something_changed", "something (it says no more than a fingerprint)")
+        return [] if about.get("case_hash") == case_hash else [unnamed]
     # Of a list of tables that an artefact does not depend on nothing is saved.
     names = [name for name in dict.fromkeys((*then, *now)) if then.get(name) != now.get(name)]
-    return [f"{name} was {_shown(then.get(name))}, is {_shown(now.get(name))}" for name in names]
+    return [
+        phrase(
+            "was_is",
+            "{name} was {before}, is {now}",
+            name=name,
+            before=_shown(then.get(name)),
+            now=_shown(now.get(name)),
+        )
+        for name in names
+    ]
 
 
 def require_unchanged(
@@ -139,16 +150,39 @@ def require_unchanged(
     if not changes:
         return tuple(earlier)
     name = about.get("case_file", case.name)
-    more = f" ({len(changes) - 1} more)" if len(changes) > 1 else ""
+    more = phrase("more_of_them", " ({count} more)", count=len(changes) - 1) if len(changes) > 1 else NOTHING
     if not stale:
         alike = 2 * len(changes) < len(now)  # else it is another machine
         same = case.origin in ("", name)
-        differs = "has changed since" if same else f"differs from {case.origin}"
-        remedy = "restore the case" if same else f"name its own case with {option('case')}"
+        differs = (
+            phrase("changed_since", "has changed since")
+            if same
+            else phrase("differs_from", "differs from {origin}", origin=case.origin)
+        )
+        other = (
+            phrase("restore_case", "restore the case")
+            if same
+            else phrase("name_own_case", "name its own case with {case}", case=option("case"))
+        )
         raise FileProblem(
             place=file,
-            problem=f"case {name} {differs}: {changes[0]}{more}",
-            remedy=f"{again}, or {remedy}" + (f", or go on at your own risk with {option('stale')}" if alike else ""),
+            problem=phrase(
+                "case_changed",
+                "case {case} {differs}: {change}{more}",
+                case=name,
+                differs=differs,
+                change=changes[0],
+                more=more,
+            ),
+            remedy=phrase("again_or", "{again}, or {other}", again=said(again), other=other)
+            if not alike
+            else phrase(
+                "again_or_stale",
+                "{again}, or {other}, or go on at your own risk with {stale}",
+                again=said(again),
+                other=other,
+                stale=option("stale"),
+            ),
             code=Code.STALE,
         )
     return (*earlier, f"stale: {file} is of case {case.name} before {'; '.join(changes)}")
@@ -156,6 +190,6 @@ def require_unchanged(
 
 def _shown(value: Any) -> str:
     if value is None:
-        return "not stated"
+        return phrase("not_stated", "not stated")
     text = f"{value:g}" if isinstance(value, float) else str(value)
     return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}.."

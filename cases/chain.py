@@ -14,7 +14,7 @@ from cases.base.renamed import renamed
 from cases.base.units import DEG, MM, Array
 from cases.machine import Frame, KeepOut, MotionLimits, Tool, Workspace, require_flange
 from cases.sensors import RigidBody
-from cases.tables import NonNegative, Number, Part, Positive, Range, Vector, frozen, kind_of, own_units, spelled
+from cases.tables import NonNegative, Number, Part, Positive, Range, Text, Vector, frozen, kind_of, own_units, spelled
 
 MOST_JOINTS = 12
 LEAST_AXIS = 1e-6  # length of an axis below which it has no direction
@@ -143,6 +143,27 @@ class Chain(Part):
     """Round bodies behind the sensor, in {P}: tool and workpiece."""
     keep_out: tuple[KeepOut, ...] = ()
     """Boxes in {B} that neither links nor tool may enter: floor, table, neighbour."""
+    may_touch: tuple[tuple[Text, Text], ...] = ()
+    """Pairs of bodies by their names that are not kept apart: `[["forearm", "hand"]]`. Those of one link, or of two
+    that a joint joins, need not be named."""
+
+    @model_validator(mode="after")
+    def _bodies_named(self) -> "Chain":
+        bodies = [*self.base, *self.tool, *(body for joint in self.joints for body in joint.bodies)]
+        known = {body.name for body in bodies}
+        if unknown := sorted({name for pair in self.may_touch for name in pair} - known):
+            there = ", ".join(sorted(known)) or "there are none"
+            raise ValueError(f"may_touch names {', '.join(unknown)}, but no body has that name; name bodies: {there}")
+        return self
+
+    def keeps_apart(self, link: int, body: str, other_link: int, other: str) -> bool:
+        """Whether two bodies are kept apart: neither of one link, nor of two that meet, nor a pair of `may_touch`.
+
+        Args:
+            link: number of the link of the first, 0 of what stands; `other_link` that of the second.
+            body: name of the first; `other` that of the second.
+        """
+        return abs(link - other_link) > 1 and not {(body, other), (other, body)} & {*self.may_touch}
 
     @model_validator(mode="after")
     def _tcp_in_flange(self) -> "Chain":

@@ -254,6 +254,11 @@ class Tool(Part):
         stated = (self.from_mm, self.to_mm) if self.corners_mm is None else self.corners_mm
         return frozen(np.array(stated, dtype=float) * MM)
 
+    @property
+    def beyond(self) -> float:
+        """By which the body is larger than the hull of `points`, all around [m]."""
+        return self.radius_mm * MM
+
     @cached_property
     def _capsule(self) -> tuple[Array, float]:
         if self.corners_mm is None:

@@ -17,6 +17,7 @@ import numpy as np
 
 from cases.base.atomic import write_text
 from cases.base.errors import WITH_OUTPUT, CaseError, Code, FileProblem, printable
+from cases.base.phrases import phrase
 from cases.base.text_formats import toml_value
 from cases.base.units import MM
 from cases.bounds import Bounds
@@ -116,7 +117,12 @@ def _comment(text: str) -> list[str]:
 
 
 def new_arm(
-    name: str, urdf: Path | str, flange: str | None = None, folder: Path | str | None = None, sensor: str | None = None
+    name: str,
+    urdf: Path | str,
+    flange: str | None = None,
+    folder: Path | str | None = None,
+    sensor: str | None = None,
+    bodies: bool = False,
 ) -> Path:
     """Writes `folder/case.toml` with the chain of a URDF file; keys that no URDF has are there as comments.
 
@@ -128,16 +134,17 @@ def new_arm(
         flange: link that carries the sensor.
         folder: folder to make; named after the case unless given.
         sensor: link whose frame is the sensor's; that of the flange unless given.
+        bodies: whether bodies that cover the file's collision geometry are kept apart; else they are comments.
 
     Raises:
         CaseError: a name that a case cannot have; the URDF file is not sound or has no such link.
         FileProblem: the folder holds a case, or cannot be written.
     """
-    return begin_arm(name, urdf, flange, folder, sensor)[0]
+    return begin_arm(name, urdf, flange, folder, sensor, bodies)[0]
 
 
 def begin_arm(
-    name: str, urdf: Path | str, flange: str | None, folder: Path | str | None, sensor: str | None
+    name: str, urdf: Path | str, flange: str | None, folder: Path | str | None, sensor: str | None, bodies: bool
 ) -> tuple[Path, tuple[str, ...]]:
     """As `new_arm`: the case file, and what is odd about the URDF file, each in a sentence."""
     file = _place(name, folder)
@@ -151,12 +158,23 @@ def begin_arm(
     )
     templates.filters |= {"keys": _keys, "comment": lambda text: "\n".join(_comment(printable(text)))}
     templates.filters["commented"] = lambda text: "\n".join(f"# {line}" for line in text.splitlines())
+    templates.filters["toml"] = toml_value
     templates.filters["bodies"] = lambda bodies: toml_value(
         [json.loads(b.model_dump_json(exclude_unset=True)) for b in bodies]
     )
     arm = read_urdf(Path(urdf), flange, sensor)
+    from cases.always_touching import always_touching
+
+    moved = [joint for joint, _ in arm.joints]
+    touching = always_touching(moved, arm.sensor, arm.standing, arm.bodies, arm.tool) if bodies else ()
     text = templates.get_template("arm.toml.jinja").render(
-        arm._asdict(), name=name, urdf=Path(urdf).name, flange_link=flange, sensor_link=sensor or flange
+        arm._asdict(),
+        name=name,
+        urdf=Path(urdf).name,
+        flange_link=flange,
+        sensor_link=sensor or flange,
+        keep_apart=bodies,
+        touching=[list(pair) for pair in touching],
     )
     write_text(file, text)
     return file, arm.notes
@@ -174,20 +192,23 @@ def _place(name: str, folder: Path | str | None) -> Path:
     if not _NAME.fullmatch(name):
         raise CaseError(
             file=name or "''",
-            problem="is not a name of a case",
-            remedy="use small letters, digits and underscores, a letter first",
+            problem=phrase("no_case_name", "is not a name of a case"),
+            remedy=phrase("use_small_letters", "use small letters, digits and underscores, a letter first"),
             code=Code.WRONG_KIND,
         )
     if name in built_in_cases():
         raise CaseError(
-            file=name, problem="is the name of a built-in case", remedy="choose another one", code=Code.EXISTS
+            file=name,
+            problem=phrase("built_in_name", "is the name of a built-in case"),
+            remedy=phrase("choose_another", "choose another one"),
+            code=Code.EXISTS,
         )
     file = Path(name if folder is None else folder) / CASE_FILE
     if file.exists():
         raise FileProblem(
             place=file,
-            problem="exists",
-            remedy=f"choose another folder{WITH_OUTPUT}, or edit that file",
+            problem=phrase("case_exists", "exists"),
+            remedy=phrase("folder_or_edit", "choose another folder{output}, or edit that file", output=WITH_OUTPUT),
             code=Code.EXISTS,
         )
     return file

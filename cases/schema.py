@@ -18,6 +18,7 @@ from cases.acceptance import Acceptance
 from cases.base.atomic import write_text
 from cases.base.errors import ALSO, CaseError, Code, option, printable
 from cases.base.output_places import check_file
+from cases.base.phrases import phrase
 from cases.base.text_formats import toml_text
 from cases.base.units import DEG, MINUTE, MM, Array, as_html
 from cases.bounds import Bounds
@@ -538,8 +539,14 @@ class Case(Heading):
             raise CaseError(
                 file=f"case {self.name}",
                 key="setup",
-                problem=f"is 1a, a sensor frame that does not move: {purpose} needs one that does",
-                remedy="use hexcite tare, force, and identify with payload for what is put on it",
+                problem=phrase(
+                    "setup_1a",
+                    "is 1a, a sensor frame that does not move: {purpose} needs one that does",
+                    purpose=purpose,
+                ),
+                remedy=phrase(
+                    "tare_instead", "use hexcite tare, force, and identify with payload for what is put on it"
+                ),
                 code=Code.NOT_SUPPORTED,
             )
         if self.hexapod is None:
@@ -566,8 +573,13 @@ class Case(Heading):
             raise CaseError(
                 file=f"case {self.name}",
                 key="payloads.weights",
-                problem=f"are {len(self.bodies) - 1}",
-                remedy=f"{payloads} cannot be mounted: choose 0 to {len(self.bodies) - 1}",
+                problem=phrase("payloads_are", "are {count}", count=len(self.bodies) - 1),
+                remedy=phrase(
+                    "mountable",
+                    "{payloads} cannot be mounted: choose 0 to {most}",
+                    payloads=payloads,
+                    most=len(self.bodies) - 1,
+                ),
                 code=Code.OUT_OF_RANGE,
             )
         return self.bodies[payloads]

@@ -7,6 +7,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from cases.base.errors import CaseError, Code
+from cases.base.phrases import phrase
 from cases.base.units import DEG, MM, Array
 from cases.machine import Frame, Joints, require_flange, require_spanning
 from cases.recording_format import BAR_FORCES, WRENCH
@@ -97,9 +98,12 @@ class Transducer(Part):
             raise CaseError(
                 file="case",
                 key="sensor_frame.transducer.sense",
-                problem="is missing",
-                remedy='state "load_on_sensor" if a hanging tool of 1 kg reads -9.81 N along the axis that points up, '
-                'else "sensor_on_load"',
+                problem=phrase("sense_missing", "is missing"),
+                remedy=phrase(
+                    "state_sense",
+                    'state "load_on_sensor" if a hanging tool of 1 kg reads -9.81 N along the axis that points '
+                    'up, else "sensor_on_load"',
+                ),
                 code=Code.MISSING,
             )
         return {"load_on_sensor": -1.0, "sensor_on_load": 1.0}[self.sense]

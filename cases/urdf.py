@@ -49,9 +49,14 @@ class Arm(NamedTuple):
     flange: Frame | None  # the robot's flange in the last joint's moved frame; None where the file leaves it open
     sensor: Frame  # the sensor in the same frame
     notes: tuple[str, ...]  # what was odd or left out, each a sentence
-    # round bodies that cover what stands, and the link behind each joint, as far as the file has collision geometry
+    # bodies that cover what stands, and the link behind each joint, as far as the file has collision geometry
     standing: tuple[Tool, ...] = ()
     bodies: tuple[tuple[Tool, ...], ...] = ()
+    # what is fixed behind the link of the sensor, in its frame, and the links that it is made of; None where the file
+    # does not say
+    load: RigidBody | None = None
+    load_links: tuple[str, ...] = ()
+    tool: tuple[Tool, ...] = ()  # bodies that cover it, in the same frame
 
 
 class LinkPlace(NamedTuple):
@@ -230,7 +235,13 @@ def _arm(root: Element, flange: str | None, sensor: str | None, folder: Path) ->
     starts = [base, *(element.attrib[_CHILD] for element in moving)]
     standing, *bodies = (_bodies(_cluster(start, fixed, flange), links, folder, findings) for start in starts)
     flange_frame = _frame(place) if stated else None
-    return Arm(base, tuple(joints), flange_frame, _frame(sensed), findings.notes(), standing, tuple(bodies))
+    carrier = sensor if sensor is not None else flange
+    carried = [(name, at) for name, at in _cluster(carrier, fixed) if name != carrier]
+    load = _body(iter(carried), links, findings)
+    heavy = tuple(name for name, _ in carried if links[name].find("inertial") is not None)
+    frames = (flange_frame, _frame(sensed))
+    tool = _bodies(iter(carried), links, folder, findings)
+    return Arm(base, tuple(joints), *frames, findings.notes(), standing, tuple(bodies), load, heavy, tool)
 
 
 def _bodies(

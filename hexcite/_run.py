@@ -10,6 +10,7 @@ import numpy as np
 
 from cases.base.errors import Code, HexciteError, ProgramError, choice, option
 from cases.base.options import default_of, documented
+from cases.base.phrases import phrase
 from cases.base.units import MM
 from cases.basis import motion_hash
 from cases.controller import ControllerName
@@ -156,8 +157,10 @@ def carried_out(program: Program, case: Case, on: str) -> ExecutedRun:
     if not len(run.trigger):
         raise HexciteError(
             place=program.path,
-            problem=f"the trigger never came on while {run.controller} ran it",
-            remedy="report this",
+            problem=phrase(
+                "trigger_never_on", "the trigger never came on while {controller} ran it", controller=run.controller
+            ),
+            remedy=phrase("report_this", "report this"),
             code=Code.RUN_FAILED,
         )
     return run
@@ -167,8 +170,8 @@ def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
     if read.dialect.name != ControllerName.LINUXCNC:
         raise HexciteError(
             place=read.path,
-            problem=f"is not a LinuxCNC program ({read.dialect.name})",
-            remedy=f"run it with {option('on')} virtual",
+            problem=phrase("not_linuxcnc", "is not a LinuxCNC program ({dialect})", dialect=read.dialect.name),
+            remedy=phrase("run_virtual", "run it with {on} virtual", on=option("on")),
             code=Code.WRONG_KIND,
         )
     log = run_linuxcnc(read, case)
@@ -237,9 +240,13 @@ def run(
     if motion_hash(read.case) != motion_hash(case):
         raise ProgramError(
             file=read.path,
-            problem=f"is proven for case {read.case.name}, whose machine or limits are others "
-            f"than those of {case.name}",
-            remedy="give the program's own case, or write the plan for this one",
+            problem=phrase(
+                "proven_for_other",
+                "is proven for case {other}, whose machine or limits are others than those of {case}",
+                other=read.case.name,
+                case=case.name,
+            ),
+            remedy=phrase("own_case", "give the program's own case, or write the plan for this one"),
             code=Code.OTHER_SOURCE,
         )
     if ini is not None:

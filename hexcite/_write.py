@@ -10,6 +10,7 @@ from pathlib import Path
 from cases.base.errors import CaseError, Code, FileProblem, HexciteError, ProgramError, option
 from cases.base.file_reading import read_whole
 from cases.base.options import default_of, documented
+from cases.base.phrases import phrase
 from cases.basis import motion_hash
 from cases.controller import ControllerName
 from cases.readiness import readiness
@@ -62,8 +63,10 @@ def write(
     path = Path(f"{plan.name}{language.suffix}" if file is None else file)
     if not SLOWEST <= speed <= 1.0:
         raise HexciteError(
-            problem=f"speed {speed:g} is outside {SLOWEST:g} to 1",
-            remedy="choose 0.1 for a first try",
+            problem=phrase(
+                "speed_outside", "speed {speed} is outside {slowest} to 1", speed=f"{speed:g}", slowest=f"{SLOWEST:g}"
+            ),
+            remedy=phrase("first_try", "choose 0.1 for a first try"),
             code=Code.OUT_OF_RANGE,
         )
     if isinstance(plan.request, Request) and plan.request.family.of_moves:

@@ -224,8 +224,13 @@ def standing_of(
             return part, {"count": len(part.forces), "matched_to_poses": True, "found_by": "row"}
         raise RecordingError(
             place=recording.source,
-            problem="its rows are averaged already",
-            remedy=f"leave {option('poses')} and {option('average_standstills', 'standstills')} out",
+            problem=phrase("averaged_already", "its rows are averaged already"),
+            remedy=phrase(
+                "leave_poses_out",
+                "leave {poses} and {standstills} out",
+                poses=option("poses"),
+                standstills=option("average_standstills", "standstills"),
+            ),
             code=Code.CONTRADICTION,
         )
     if expected is None and not asked and not stands_only(recording):
@@ -406,8 +411,10 @@ def fitted_run(
     if not moves and {p.name for p in INERTIA.parameters} & {*method.selection(model).names}:
         raise IdentificationError(
             place=recording.source,
-            problem=f"model {model.number} contains inertia, which standstills cannot excite",
-            remedy="choose a model from 0 to 5, or record a motion",
+            problem=phrase(
+                "inertia_at_rest", "model {model} contains inertia, which standstills cannot excite", model=model.number
+            ),
+            remedy=phrase("model_to_5", "choose a model from 0 to 5, or record a motion"),
             code=Code.NO_EXCITATION,
         )
     clean = scan(recording, case)

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from scipy.fft import fft, irfft, next_fast_len, rfft, rfftfreq
 
 from cases.base.errors import Code, RecordingError
+from cases.base.phrases import phrase
 from cases.base.units import Array, Indices
 
 Spectrum = NDArray[np.complex128]
@@ -110,10 +111,14 @@ class Filter(NamedTuple):
             raise ValueError(f"delay {delay:g} s is beyond the filter's reach of {self.reach:g} s")
         if len(values) <= 2 * self.margin + 1:
             raise RecordingError(
-                problem=f"{len(values)} samples are too few for a {self.cutoff:g} Hz filter, which needs more "
-                "than "
-                f"{2 * self.margin + 1}",
-                remedy="record longer or raise filter_cutoff_Hz",
+                problem=phrase(
+                    "few_for_filter",
+                    "{count} samples are too few for a {cutoff} Hz filter, which needs more than {needed}",
+                    count=len(values),
+                    cutoff=f"{self.cutoff:g}",
+                    needed=2 * self.margin + 1,
+                ),
+                remedy=phrase("longer_or_cutoff", "record longer or raise filter_cutoff_Hz"),
                 code=Code.TOO_FEW,
             )
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cases.base.errors import Code, FileProblem, HexciteError, option
+from cases.base.phrases import phrase
 from cases.base.units import Array
 from cases.basis import changes_since, result_basis
 from cases.schema import Case
@@ -93,8 +94,10 @@ def _require_usable(result: "Result", case: Case, payload: int, standing: bool) 
     if changes := changes_since({"computed_from": record.computed_from}, result_basis(case), case.hash):
         raise FileProblem(
             place=source,
-            problem=f"was identified with another case {case.name}: {changes[0]}",
-            remedy="identify its recording again with the case of the plan",
+            problem=phrase(
+                "known_of_other", "was identified with another case {case}: {change}", case=case.name, change=changes[0]
+            ),
+            remedy=phrase("identify_with_plan", "identify its recording again with the case of the plan"),
             code=Code.OTHER_SOURCE,
         )
     fixed = [*(record.known or {}), *record.dropped, *(record.priors or {})]

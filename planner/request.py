@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Literal, NamedTuple, NoReturn
 
 from cases.base.errors import Code, HexciteError, choice, option
 from cases.base.options import default_of
+from cases.base.phrases import phrase
 from cases.sensors import payload_words
 from identification.estimation.criteria import Criterion
 from identification.texts import legible
@@ -105,8 +106,13 @@ class Request:
         object.__setattr__(self, "solver", None if self.solver is None else Solver(self.solver))
         if not abs(self.duration) <= LONGEST:
             raise HexciteError(
-                problem=f"duration {self.duration:g} s is not at most {LONGEST:g} s",
-                remedy="choose about 12 s",
+                problem=phrase(
+                    "duration_too_long",
+                    "duration {duration} s is not at most {longest} s",
+                    duration=f"{self.duration:g}",
+                    longest=f"{LONGEST:g}",
+                ),
+                remedy=phrase("choose_12", "choose about 12 s"),
                 code=Code.OUT_OF_RANGE,
             )
         self.family.check(self.duration)
@@ -115,8 +121,15 @@ class Request:
         require_workers(self.workers)
         if self.seconds is not None and not 0.0 < self.seconds <= LONGEST_SEARCH:
             raise HexciteError(
-                problem=f"{self.seconds:g} s is not a time to search for",
-                remedy=f"choose {option('seconds')} up to {LONGEST_SEARCH:g}",
+                problem=phrase(
+                    "no_search_time", "{seconds} s is not a time to search for", seconds=f"{self.seconds:g}"
+                ),
+                remedy=phrase(
+                    "choose_up_to",
+                    "choose {seconds} up to {longest}",
+                    seconds=option("seconds"),
+                    longest=f"{LONGEST_SEARCH:g}",
+                ),
                 code=Code.OUT_OF_RANGE,
             )
         if self.seconds is not None and self.starts is not None:
@@ -217,15 +230,15 @@ def read_value(text: str, units: Mapping[str, str], option: str, example: str, m
     if match is None:
         raise HexciteError(
             place=f"{option} {text}",
-            problem="is not understood",
-            remedy=f"write {option} {example}",
+            problem=phrase("target_not_understood", "is not understood"),
+            remedy=phrase("write_so", "write {option} {example}", option=option, example=example),
             code=Code.WRONG_KIND,
         )
     name, unit = match["name"], (match["unit"] or "").replace("^", "").replace(" ", "")
     if name not in units:
         raise HexciteError(
             place=f"{option} {text}",
-            problem=f"{name} is not a parameter of model {model}",
+            problem=phrase("not_a_parameter", "{name} is not a parameter of model {model}", name=name, model=model),
             remedy=choice(name, units, "choose from"),
             code=Code.UNKNOWN,
         )
@@ -312,15 +325,35 @@ class PoseRequest:
         count = self.count if self.count is not None else min(USUAL, available)
         if count < fewest:
             raise HexciteError(
-                problem=f"{count} poses give {6 * max(count, 0)} forces for {parameters} parameters of model "
-                f"{self.model}",
-                remedy=f"ask for {fewest} or more, about {USUAL} for useful standard deviations",
+                problem=phrase(
+                    "poses_too_few",
+                    "{count} poses give {forces} forces for {parameters} parameters of model {model}",
+                    count=count,
+                    forces=6 * max(count, 0),
+                    parameters=parameters,
+                    model=self.model,
+                ),
+                remedy=phrase(
+                    "ask_for",
+                    "ask for {fewest} or more, about {usual} for useful standard deviations",
+                    fewest=fewest,
+                    usual=USUAL,
+                ),
                 code=Code.TOO_FEW,
             )
         if count > available:
             raise HexciteError(
-                problem=f"{count} poses are asked for, only {available} candidates are valid",
-                remedy=f"ask for fewer, take smaller steps in [poses], or sample more with {option('candidates')}",
+                problem=phrase(
+                    "few_candidates",
+                    "{count} poses are asked for, only {available} candidates are valid",
+                    count=count,
+                    available=available,
+                ),
+                remedy=phrase(
+                    "fewer_or_more",
+                    "ask for fewer, take smaller steps in [poses], or sample more with {candidates}",
+                    candidates=option("candidates"),
+                ),
                 code=Code.OUT_OF_RANGE,
             )
         return count

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from cases.base.errors import Code, HexciteError, InfeasiblePlan, Interrupted, option
+from cases.base.phrases import phrase
 from cases.schema import Case
 from identification.model.model import identification_model
 from identification.model.parameters import physical_form
@@ -214,8 +215,13 @@ def _missed(trials: list[Trial], request: Request, case: Case) -> HexciteError |
     longest = max(trial.duration for trial in planned)
     return InfeasiblePlan(
         place=f"no motion of up to {longest:g} s reaches {deviations_in_words(targets, targets, case, model)}",
-        problem=f"the best, of {best.duration:g} s, predicts {_predicted(best, targets, case, model)}, "
-        f"{best.excess:.2f} times as much as asked for",
+        problem=phrase(
+            "target_missed",
+            "the best, of {duration} s, predicts {predicted}, {times} times as much as asked for",
+            duration=f"{best.duration:g}",
+            predicted=_predicted(best, targets, case, model),
+            times=f"{best.excess:.2f}",
+        ),
         remedy=_remedy(planned, longest, request, best.plan),
         code=Code.INFEASIBLE,
     )

@@ -14,6 +14,7 @@ from cases.base.file_reading import system_reason
 from cases.base.folder_kinds import MARKER, FolderKind, files_below
 from cases.base.leftovers import OLD, PART, clear_leftovers, in_use
 from cases.base.output_places import check_folder, free_name
+from cases.base.phrases import phrase
 from cases.base.text_formats import json_text
 
 
@@ -35,8 +36,8 @@ def _writing(path: Path) -> Iterator[None]:
     except OSError as error:
         raise FileProblem(
             place=path,
-            problem=f"cannot be written ({system_reason(error)})",
-            remedy=f"choose another place{WITH_OUTPUT}",
+            problem=phrase("not_writable", "cannot be written ({reason})", reason=system_reason(error)),
+            remedy=phrase("another_place", "choose another place{output}", output=WITH_OUTPUT),
             code=Code.NOT_WRITABLE,
         ) from error
 

@@ -9,7 +9,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
-from cases.base.phrases import Phrase
+from cases.base.phrases import Phrase, phrase, said
 
 ALSO = "; also: "  # between problems of one error
 MOST_PROBLEMS = 50  # of one error; a file with more of them is of another kind, or damaged by a program
@@ -327,20 +327,29 @@ class Violation(NamedTuple):
     limit: str  # family of the limit
     sentence: str  # value, limit and time in words
 
+    def to_json(self) -> dict[str, Any]:
+        """Entries for programs."""
+        entries = self._asdict()
+        return entries | ({"phrase": self.sentence.to_json(printable)} if isinstance(self.sentence, Phrase) else {})
+
 
 class NotProven(ProgramError):
     """A program exceeds limits; `violations` are all of them, the worst first."""
 
     def __init__(self, *, file: Path | str, violations: Sequence[Violation], remedy: str, listed: bool = False) -> None:
         worst, more = violations[0], len(violations) - 1
-        others = f"{more} more, as listed" if listed else f"{more} more: {option('violations', 'all')} shows them"
-        super().__init__(
-            file=file,
-            line=worst.line,
-            problem=worst.sentence,
-            remedy=f"{remedy} ({others})" if more else remedy,
-            code=Code.NOT_PROVEN,
-        )
+        advice = remedy
+        if more and listed:
+            advice = phrase("and_more_listed", "{remedy} ({more} more, as listed)", remedy=said(remedy), more=more)
+        elif more:
+            advice = phrase(
+                "and_more",
+                "{remedy} ({more} more: {all} shows them)",
+                remedy=said(remedy),
+                more=more,
+                all=option("violations", "all"),
+            )
+        super().__init__(file=file, line=worst.line, problem=worst.sentence, remedy=advice, code=Code.NOT_PROVEN)
         self.violations = tuple(violations)
         self._advice = remedy
 

@@ -12,6 +12,7 @@ from cases.base.errors import WITH_OUTPUT, Code, FileProblem, option
 from cases.base.file_reading import system_reason
 from cases.base.folder_kinds import LOOKS, FolderKind, looked_at
 from cases.base.leftovers import TRY
+from cases.base.phrases import phrase
 
 
 def free_name(path: Path, separator: str = "-") -> Path:
@@ -30,8 +31,13 @@ def output_place(named: Path | None, usual: Path, overwrite: bool, separator: st
 def _refuse_to_replace(path: Path, content: str) -> NoReturn:
     raise FileProblem(
         place=path,
-        problem=f"{content} stands there",
-        remedy=f"choose another place{WITH_OUTPUT}, or replace it with {option('overwrite')}",
+        problem=phrase("stands_there", "{what} stands there", what=content),
+        remedy=phrase(
+            "place_or_overwrite",
+            "choose another place{output}, or replace it with {overwrite}",
+            output=WITH_OUTPUT,
+            overwrite=option("overwrite"),
+        ),
         code=Code.EXISTS,
     )
 
@@ -143,7 +149,7 @@ def require_place(path: Path) -> None:
     if (free := shutil.disk_usage(above).free) < LEAST_SPACE:
         raise FileProblem(
             place=path,
-            problem=f"cannot be written ({free / 2**20:.1f} MB are left there)",
-            remedy="make room there",
+            problem=phrase("disk_full", "cannot be written ({left} MB are left there)", left=f"{free / 2**20:.1f}"),
+            remedy=phrase("make_room", "make room there"),
             code=Code.NOT_WRITABLE,
         )

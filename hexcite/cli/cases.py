@@ -78,6 +78,9 @@ def new(
     sensor: Annotated[
         str | None, option("Link of the URDF whose frame is the sensor's; that of the flange by default.", "--sensor")
     ] = None,
+    bodies: Annotated[
+        bool, option("Keep links and tool apart, by the collision geometry of the URDF.", "--bodies")
+    ] = False,
     output: Annotated[Path | None, out("Folder to make; NAME by default.")] = None,
     json: console.Json = False,
 ) -> None:
@@ -88,14 +91,14 @@ def new(
 
     if urdf is not None and like is not None:
         raise typer.BadParameter("a case begins from a built-in case or from a URDF file; give --like or --urdf")
-    if urdf is None and (flange or sensor) is not None:
-        raise typer.BadParameter("--flange and --sensor name links of a URDF file; give --urdf too")
+    if urdf is None and (bodies or (flange or sensor) is not None):
+        raise typer.BadParameter("--flange, --sensor and --bodies are about a URDF file; give --urdf too")
     if urdf is None:
         file, notes = hx.new_case(name, like or "hexapod", output), tuple[str, ...]()
     else:
         from cases.scaffold import begin_arm
 
-        file, notes = begin_arm(name, urdf, flange, output, sensor)
+        file, notes = begin_arm(name, urdf, flange, output, sensor, bodies)
     fill = "fill it in from top to bottom with your machine's values"
     if urdf is not None:
         fill = "to identify, say how the sensor reads and is mounted; to plan, fill in the rest from top to bottom"

@@ -64,7 +64,7 @@ def _told(every: bool, as_json: bool) -> Iterator[None]:
     try:
         yield
     except NotProven as error:
-        answer = {"ok": False, "violations": [v._asdict() for v in error.violations]}
+        answer = {"ok": False, "violations": [v.to_json() for v in error.violations]}
         if every or as_json:
             console.answered(answer, as_json, *lines_of(error.violations))
         raise error.listed() if every else error from None
@@ -130,7 +130,7 @@ def answer_of_proof(program: "hx.Program") -> dict[str, Any]:
         "verdict": proof.verdict,
         "relies_on": list(proof.relies_on),
         "without": list(proof.without),
-        "violations": [v._asdict() for v in proof.exceeded],
+        "violations": [v.to_json() for v in proof.exceeded],
         "duration_s": proof.duration,
         "remarks": [*proof.remarks, *([other] if other else [])],
         "limits": proof.limits.to_json(),

@@ -73,13 +73,24 @@ def post(fields: Fields, plan_name: str, dialect: str, output: str, ini: str = "
     """`hexcite post`, beside the INI file of the machine where one is named."""
     accepted = [f"--accept={name}" for name in fields.get("accept", ())[:50]]
     speed = SPEEDS[chosen(fields, "speed", SPEEDS, "full")]
-    ini_option = [f"--ini={place(ini)}"] if ini else []
-    return ["post", place(plan_name), "--dialect", dialect, *speed, *accepted, *ini_option, "-o", output]
+    return ["post", place(plan_name), "--dialect", dialect, *speed, *accepted, *_ini_option(ini), "-o", output]
 
 
-def run(machine: Machine, program: str, on: str, output: str) -> list[str]:
-    """`hexcite run`."""
-    return ["run", place(program), "--case", machine.argument, "--on", on, "-o", output]
+_INI = "--ini="
+
+
+def _ini_option(ini: str) -> list[str]:
+    return [f"{_INI}{place(ini)}"] if ini else []
+
+
+def ini_in(command: Sequence[str]) -> str:
+    """The INI file that a command was given; empty where it was given none."""
+    return next((word.removeprefix(_INI).removeprefix("./") for word in command if word.startswith(_INI)), "")
+
+
+def run(machine: Machine, program: str, on: str, output: str, ini: str = "") -> list[str]:
+    """`hexcite run`, beside the INI file of the machine where one is named."""
+    return ["run", place(program), "--case", machine.argument, "--on", on, *_ini_option(ini), "-o", output]
 
 
 def look(machine: Machine, recording: Sequence[str], picture: str, write: bool = False) -> list[str]:

@@ -116,6 +116,10 @@ def missing(data: Table, case: Case | None, content: str = "") -> dict[Place, An
         for key, field in part.model_fields.items():
             if key not in table and not _leaf(part, key):
                 examples |= _table(data, example, (*place, key), _parts(field.annotation)[0], case)
+    body = ("simulation", "parameters", "body")
+    for key, value in (data.get("nominal") or {}).items():  # the simulated machine is this one, not that of the example
+        if (*body, key) in examples:
+            examples[*body, key] = value
     stated = commented(content)
     return {place: stated.get(place, value) for place, value in examples.items()}
 

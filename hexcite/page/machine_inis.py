@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+from hexcite.page.forms import chosen
+from hexcite.page.refusals import Unfit
 from hexcite.page.security import Outside, inside
 
 MOST = 100  # files that are shown
@@ -23,3 +25,11 @@ def includes_beyond(root: Path, name: str) -> bool:
         except Outside:
             return True
     return False
+
+
+def ini_of(root: Path, name: str) -> str:
+    """The INI file that a form names, empty where it names none; raises Unfit where there is none, or not all of it."""
+    ini = chosen({"ini": [name]}, "ini", ["", *inis(root)], "")
+    if ini and includes_beyond(root, ini):
+        raise Unfit("ini_includes", name=ini)
+    return ini

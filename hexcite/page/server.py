@@ -36,6 +36,7 @@ from hexcite.page.words import Words
 from hexcite.texts import LANGUAGES, Language, language_of, text
 
 STATIC = {"page.css": "text/css", "page.js": "text/javascript"}
+POLITE = 0.02  # [s] between looks at whether a page is being answered
 UNASKED = 3.0  # [s] without a page being asked for, after which stages are prepared
 EVERY = 2.0  # [s] after which a stream shows the clock again
 DOWNLOADS = (
@@ -118,9 +119,13 @@ def _tidy(root: Path) -> list[str]:
     return [*(path.relative_to(root).as_posix() for path in restored), *left_over(root)]
 
 
+_LAST = object()
+
+
 class _Page:
     def __init__(self, root: Path) -> None:
         self.root = root
+        self.answering = 0  # pages that are being answered
         self.runs = Runs(root)
         self.jobs: Jobs
         self.answered = asyncio.Event()  # once a page was sent
@@ -141,7 +146,10 @@ class _Page:
         with suppress(TimeoutError):
             async with asyncio.timeout(UNASKED):
                 await self.answered.wait()
-        await run_in_threadpool(views.warm_up)
+        steps = views.warm_up()
+        while await run_in_threadpool(next, steps, _LAST) is not _LAST:
+            while self.answering:  # what someone waits for has the processor alone
+                await asyncio.sleep(POLITE)
 
     async def given_up(self) -> None:
         """Shows, while the server goes on, what came of runs whose browser went away."""
@@ -193,7 +201,11 @@ class _Page:
         jobs = self._panels(request, self.jobs.of(context.machine.key, stage))
         query = dict(request.query_params)
         language = self._language(request)
-        values = await run_in_threadpool(views.stage, context, stage, query, language)
+        self.answering += 1
+        try:
+            values = await run_in_threadpool(views.stage, context, stage, query, language)
+        finally:
+            self.answering -= 1
         sentences = request.query_params.getlist("said")
         whole = {"jobs": jobs, "error": "", "saved": False, "said": sentences, **values, **more}
         return HTMLResponse(self._rendered(request, f"{stage}.html.jinja", stage=stage, **whole), status)

@@ -154,7 +154,7 @@ def named(place: Place) -> str:
 def _table_of(place: Place) -> tuple[str, str]:
     """The table that a value is shown in, of two keys at most or an entry of a list, and its key there."""
     numbers = [k for k, key in enumerate(place[:-1]) if isinstance(key, int)]
-    two = len(place) > 3 or place[0] in ("controller", "limits")
+    two = len(place) > 3 or place[0] in ("controller", "limits") or place[:2] == ("machine", "chain")
     cut = numbers[0] + 1 if numbers else min(2 if two else 1, len(place) - 1)
     return named(place[:cut]), named(place[cut:])
 
@@ -190,7 +190,7 @@ def edited(content: str, fields: Mapping[str, str], file: Path = Path(CASE_FILE)
 def changed(content: str, fields: Mapping[str, str]) -> tuple[dict[str, Any], tuple[str, ...]]:
     """The tables of a case file with other values, and what was converted; fields and errors as `edited`."""
     data = tomllib.loads(content)
-    tables, converted = copy.deepcopy(data), list[str]()
+    tables, converted = copy.deepcopy(data), _Conversions()
     there = {named(place): (place, value) for place, value in leaves((), data)}
     on = [name[3:] for name in fields if name.startswith("on.")]
     more = missing(data, None, content) if on else {}
@@ -215,13 +215,31 @@ def changed(content: str, fields: Mapping[str, str]) -> tuple[dict[str, Any], tu
         after = _value(name, text, before)
         if way is not None and (way.factor != 1.0 or way.key != place[-1]):
             after = _scaled(after, way.factor)
-            converted.append(f"{named((*place[:-1], way.key))} = {toml_value(after)} ({text.strip()} {way.unit})")
+            converted.append((*place[:-1], way.key), f"= {toml_value(after)} ({text.strip()} {way.unit})")
             _drop(tables, place)
             place = (*place[:-1], way.key)
         elif kind == "v" and after == before:
             continue
         _put(tables, place, after)
-    return tables, tuple(converted)
+    return tables, converted.lines()
+
+
+class _Conversions:
+    """Values that stand in the file otherwise than they were typed, those of several entries of a list together."""
+
+    def __init__(self) -> None:
+        self._places: dict[tuple[str, str], list[Place]] = {}
+
+    def append(self, place: Place, what: str) -> None:
+        """Adds one: its place, and what became of it."""
+        self._places.setdefault((re.sub(r"\[\d+\]", "[..]", named(place)), what), []).append(place)
+
+    def lines(self) -> tuple[str, ...]:
+        """A line for each, of several that are alike one with the number of them."""
+        return tuple(
+            f"{named(places[0])} {what}" if len(places) == 1 else f"{len(places)} x {name} {what}"
+            for (name, what), places in self._places.items()
+        )
 
 
 def write_motion_box(file: Path, box: Mapping[str, Any]) -> None:

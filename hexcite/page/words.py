@@ -6,14 +6,14 @@ from typing import Any
 
 from markupsafe import Markup, escape
 
+from cases.base.phrases import QUOTED, Phrase
 from cases.schema import NO_TITLE
 from hexcite.page.refusals import Refusal
 from hexcite.page.values import Entry, Section
 from hexcite.texts import Language, text
 from hexcite.texts import answers as german
-from hexcite.texts.by_code import parameter, sentence
+from hexcite.texts.by_code import limit, parameter, place_words, sentence
 from hexcite.texts.case_keys import KEYS, NOUNS, TABLES
-from identification.limits.limit import Limit
 from identification.recording.formats.reasons import Why
 from identification.texts import parameter_words
 
@@ -32,6 +32,8 @@ class Words:
         """A sentence of the command line, which is English."""
         if self._own or not str(sentence) or isinstance(sentence, Markup):  # which is ours already
             return escape(sentence)
+        if isinstance(sentence, Phrase) and sentence.code != QUOTED:
+            return self.clause(sentence.to_json(), str(sentence))
         return Markup('<q lang="en">{}</q>').format(sentence)
 
     def all_quoted(self, sentences: Iterable[object]) -> Markup:
@@ -60,13 +62,7 @@ class Words:
         """A limit by its name, with the strut, joint or body that comes closest."""
         if self._own:
             return f"{name} ({place})" if place else name
-        try:
-            limit = Limit.named(name)
-        except ValueError:
-            return name
-        words = german.LIMITS[str(limit.kind)] + (f" {limit.box}" if limit.box else "")
-        words += "" if limit.move is None else f", {german.LIMITS[str(limit.move)]}"
-        return f"{words} ({self.place(place)})" if place else words
+        return limit(name, place)
 
     def limit_at(self, name: str, at: str) -> str:
         """A limit as an answer has it: its name, and its name with a place."""
@@ -79,8 +75,7 @@ class Words:
 
     def place(self, place: str) -> str:
         """A strut, joint or sensor with its number, or the name of a body."""
-        first, blank, rest = place.partition(" ")
-        return place if self._own else f"{german.PLACES.get(first, first)}{blank}{rest}"
+        return place if self._own else place_words(place)
 
     def unit(self, unit: str) -> str:
         """A unit beside a value at home, where shares of what is at home are shares."""

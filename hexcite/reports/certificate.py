@@ -26,6 +26,7 @@ from cases.basis import content_of
 from cases.certificate import CertificateOf
 from hexcite.texts import LANGUAGES, Language, answers, text
 from hexcite.texts.by_code import parameter, plain
+from hexcite.texts.certificate import WEIGHTS
 from identification.estimation.fit import COVERAGE_FACTOR
 from identification.recording.record import RunOrigin
 from identification.results.result import Result
@@ -338,8 +339,9 @@ def _pages(stated: Mapping[str, Any], title: str) -> Iterator[Any]:
     known = [say("known", name=name, value=value) for name, value in method["known"].items()]
     known += [say("prior", name=name) for name in method["priors"]]
     of = say("of_standstills" if method["standstills"] else "of_samples")
-    figures = {key: method[key] for key in ("model", "weights", "samples", "rank", "condition", "s0")}
-    sheet.paragraph(say("by", of=of, more="".join(f"; {each}" for each in known), **figures))
+    figures = {key: method[key] for key in ("model", "samples", "rank", "condition", "s0")}
+    weights = say(f"weights_{method['weights']}") if method["weights"] in WEIGHTS else method["weights"]
+    sheet.paragraph(say("by", of=of, weights=weights, more="".join(f"; {each}" for each in known), **figures))
     sheet.heading(say("parameters", k=stated["coverage_factor"]))
     ends = (LEFT, LEFT + 0.55, LEFT + 0.7)
     heads = (text("parameter", language), text("value", language), "U")
@@ -371,8 +373,9 @@ def _pages(stated: Mapping[str, Any], title: str) -> Iterator[Any]:
         words = [words_of[check["passed"]], judged, f"{check['value']:.3g}", limit, check["unit"]]
         first = LEFT + (0.07 if english else 0.15)
         sheet.put(list(zip((LEFT, first, LEFT + 0.57, LEFT + 0.65, LEFT + 0.79), words, strict=True)))
-    for reason in verdict["not_judged"]:
-        sheet.paragraph(say("not_judged", reason=reason if english else f"“{reason}”"))
+    phrases = verdict.get("not_judged_phrases") or [None] * len(verdict["not_judged"])  # earlier ones have none
+    for reason, entries in zip(verdict["not_judged"], phrases, strict=True):
+        sheet.paragraph(say("not_judged", reason=reason if english else plain(entries, reason)))
     if stated["warnings"]:
         sheet.heading(say("warnings"))
         for warning, phrase in zip(stated["warnings"], stated["phrases"], strict=True):

@@ -24,16 +24,20 @@ class Kept(NamedTuple):
 
     parts: tuple[Bodies, ...]  # all parts of a chain, the tool of a machine with struts
     boxes: tuple[str, ...]  # names of `keep_out`
+    may_touch: tuple[tuple[str, str], ...] = ()  # pairs of bodies that are not kept apart
 
     def to_json(self) -> dict[str, Any]:
-        """Parts and boxes."""
-        return {"parts": [part.to_json() for part in self.parts], "boxes": list(self.boxes)}
+        """Parts, boxes, and pairs that may touch."""
+        pairs = [list(pair) for pair in self.may_touch]
+        return {"parts": [part.to_json() for part in self.parts], "boxes": list(self.boxes), "may_touch": pairs}
 
     def __repr__(self) -> str:
         """A line, with what has no body."""
         shown = [f"{part.part}: {_listed(part.bodies)}" for part in self.parts if part.bodies]
         bare = [part.part for part in self.parts if not part.bodies and part.part != SURROUNDINGS]
         lines = [f"kept apart: {'; '.join(shown) or 'no bodies'}; boxes: {', '.join(self.boxes) or 'none'}"]
+        if self.may_touch:
+            lines.append(f"may touch: {'; '.join(' and '.join(pair) for pair in self.may_touch)}")
         if bare:
             lines.append(f"without a body, so that nothing keeps it clear: {', '.join(bare)}")
         if any(shape_of(body) == HULL for part in self.parts for body in part.bodies):
@@ -57,7 +61,7 @@ def _listed(bodies: Sequence[Tool]) -> str:
 def kept_apart(case: Case) -> Kept | None:
     """The bodies and boxes of a case; None where it describes no machine."""
     if case.chain is not None:
-        return Kept(tuple(_of_chain(case)), tuple(box.name for box in case.chain.keep_out))
+        return Kept(tuple(_of_chain(case)), tuple(box.name for box in case.chain.keep_out), case.chain.may_touch)
     if case.hexapod is None or case.workspace is None:
         return None
     space = case.workspace

@@ -7,6 +7,7 @@ from markupsafe import Markup, escape
 
 from cases.base.phrases import QUOTED
 from hexcite.texts import answers, sentences
+from identification.limits.limit import NAMED, Limit
 from identification.texts import PARAMETER, parameter_words
 
 
@@ -14,6 +15,29 @@ def parameter(name: str) -> str:
     """A parameter in words with its letter."""
     words = answers.PARAMETERS.get(name)
     return parameter_words(name) if words is None else f"{words} ({name})"
+
+
+def limit(name: str, place: str = "") -> str:
+    """A limit by its name, with the strut, joint or body that comes closest."""
+    try:
+        limited = Limit.named(name)
+    except ValueError:
+        return name
+    words = answers.LIMITS[str(limited.kind)] + (f" {limited.box}" if limited.box else "")
+    words += "" if limited.move is None else f", {answers.LIMITS[str(limited.move)]}"
+    return f"{words} ({place_words(place)})" if place else words
+
+
+def limit_of(at: str) -> str:
+    """A limit as sentences have it: a name, with a place in brackets or without."""
+    name, bracket, place = at.partition(" (")
+    return limit(name, place[:-1]) if bracket else limit(at)
+
+
+def place_words(place: str) -> str:
+    """A strut, joint or sensor with its number, or the name of a body."""
+    first, blank, rest = place.partition(" ")
+    return f"{answers.PLACES.get(first, first)}{blank}{rest}"
 
 
 def sentence(value: object, quoted: Callable[[object], Markup]) -> Markup | None:
@@ -33,6 +57,8 @@ def sentence(value: object, quoted: Callable[[object], Markup]) -> Markup | None
         return None if None in parts else Markup(sentences.SIGNS[code]).join(each for each in parts if each)
     if code == PARAMETER:
         return escape(parameter(str(values.get("name"))))
+    if code == NAMED:
+        return escape(limit_of(str(values.get("name"))))
     if code == QUOTED:
         return quoted(values.get("text", ""))
     words = sentences.SENTENCES.get(code)

@@ -318,6 +318,10 @@ KEYS: dict[str, str] = {
         "Zeilen je Sekunde der Aufzeichnungen, oder Mittel aus so vielen: worauf vorhergesagte "
         "Standardabweichungen bauen."
     ),
+    "Chain.may_touch": (
+        'Paare von Körpern mit ihren Namen, die nicht auseinandergehalten werden: `[["forearm", "hand"]]`. Die eines '
+        "Gliedes oder zweier, die ein Gelenk verbindet, brauchen nicht genannt zu werden."
+    ),
     "Joint.name": "Name des Gelenks wie in ROS; Meldungen nennen ihn.",
     "Joint.kind": "Dreht zwischen Enden (revolute), dreht endlos (continuous) oder schiebt (prismatic).",
     "Joint.axis": "Achse im eigenen Koordinatensystem des Gelenks, beliebig lang.",

@@ -19,6 +19,10 @@ TEXTS: dict[str, tuple[str, str]] = {
     "c_conditions": ("Conditions", "Bedingungen"),
     "c_program": ("Program", "Programm"),
     "c_method": ("Method", "Verfahren"),
+    "c_weights_equal": ("equal", "gleich"),
+    "c_weights_per_channel": ("per_channel", "je Kanal"),
+    "c_weights_per_unit": ("per_unit", "je Einheit"),
+    "c_weights_stated": ("stated", "nach dem angegebenen Rauschen"),
     "c_of_standstills": ("averaged standstills", "gemittelten Stillständen"),
     "c_of_samples": ("samples of a motion", "Abtastungen einer Bewegung"),
     "c_known": ("{name} = {value:g} known", "{name} = {value:g} bekannt"),
@@ -54,3 +58,6 @@ TEXTS: dict[str, tuple[str, str]] = {
     ),
     "c_page": ("page {k} of {count}", "Seite {k} von {count}"),
 }
+
+WEIGHTS = frozenset(key.removeprefix("c_weights_") for key in TEXTS if key.startswith("c_weights_"))
+"""Weights of the fit that have words."""

@@ -28,6 +28,7 @@ TEXTS: dict[str, tuple[str, str]] = {
     "virtual": ("the built-in virtual controller", "eingebaute virtuelle Steuerung"),
     "run_on": ("Rehearse on {what}", "Proben auf: {what}"),
     "cannot_run": ("It cannot be rehearsed; the case lacks: {what}", "Proben geht nicht; es fehlt: {what}"),
+    "state_simulation": ("State what is simulated", "Angeben, was simuliert wird"),
     "no_program": ("Write a program first.", "Zuerst ein Programm schreiben."),
     "not_in_case": ("The case does not have them yet.", "Die Maschine hat sie noch nicht."),
     "unit_forces": ("forces", "Kräfte"),

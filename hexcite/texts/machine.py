@@ -11,6 +11,7 @@ TEXTS: dict[str, tuple[str, str]] = {
     "kept_apart": ("Kept apart:", "Auseinandergehalten:"),
     "boxes": ("Boxes that nothing enters:", "Kästen, in die nichts gerät:"),
     "no_bodies": ("none", "keine"),
+    "may_touch": ("May touch:", "Dürfen sich berühren:"),
     "bare_parts": (
         "Without a body, so that nothing keeps them clear:",
         "Ohne Körper, sodass nichts sie fernhält:",
@@ -41,6 +42,30 @@ TEXTS: dict[str, tuple[str, str]] = {
         "Link of the URDF that carries the sensor, such as tool0",
         "Glied der URDF, das den Sensor trägt, etwa tool0",
     ),
+    "sensor_link": ("Link whose frame is the sensor's", "Glied, dessen Achsen die des Sensors sind"),
+    "sensor_same": ("the same link", "dasselbe Glied"),
+    "keep_bodies": (
+        "Keep links and tool apart, by the collision bodies of the file",
+        "Glieder und Werkzeug auseinanderhalten, nach den Kollisionskörpern der Datei",
+    ),
+    "joints_title": ("Joints: home and limits of motion", "Gelenke: Grundstellung und Grenzen der Bewegung"),
+    "joints_note": (
+        "Home is where programs begin and end. Ranges are relative to it; give what a motion may use of each joint.",
+        "In der Grundstellung beginnen und enden Programme. Bereiche zählen von ihr aus; anzugeben ist, was eine "
+        "Bewegung von jedem Gelenk nutzen darf.",
+    ),
+    "joints_state": (
+        "State these {count} values too: now they are proposals, and typing one states all of them",
+        "Auch diese {count} Werte angeben: Noch sind es Vorschläge; wer einen eingibt, gibt alle an",
+    ),
+    "joint": ("joint", "Gelenk"),
+    "all_joints": ("all joints", "alle Gelenke"),
+    "of_all_joints": ("{what} of all joints", "{what} aller Gelenke"),
+    "column_home": ("home", "Grundstellung"),
+    "column_position": ("range", "Bereich"),
+    "column_velocity": ("velocity", "Geschwindigkeit"),
+    "column_acceleration": ("acceleration", "Beschleunigung"),
+    "column_jerk": ("jerk", "Ruck"),
     "make": ("Make it", "Anlegen"),
     "setup": ("Setup", "Aufbau"),
     "problem": ("This case cannot be read", "Diese Maschine ist nicht lesbar"),

@@ -19,6 +19,10 @@ TEXTS: dict[str, tuple[str, str]] = {
         "LinuxCNC: compare with the INI file of the machine",
         "LinuxCNC: mit der INI-Datei der Maschine vergleichen",
     ),
+    "ini_run": (
+        "For LinuxCNC: the INI file of the machine, whose planner and limits are compared",
+        "Für LinuxCNC: die INI-Datei der Maschine, mit deren Planer und Grenzen verglichen wird",
+    ),
     "ini_none": ("not compared", "nicht verglichen"),
     "ini_bring": ("Bring an INI file", "Eine INI-Datei bringen"),
     "speed": ("Speed", "Tempo"),

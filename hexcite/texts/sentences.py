@@ -1,5 +1,7 @@
 """German for sentences that commands make of codes and values: causes, remedies and findings, by code."""
 
+from hexcite.texts.errors import ERRORS, READERS
+
 CAUSES = {
     "cause": "{words}: Dann sind die Residuen {smaller} ({newtons} N, wo Rauschen {noise} N macht); {remedies}",
     "small": "klein",
@@ -213,7 +215,7 @@ FINDINGS = {
 }
 """Findings about a run and its evaluation."""
 
-SENTENCES = FINDINGS | PROGRAMS | CAUSES | CHANNELS | MOTION | MACHINE
+SENTENCES = FINDINGS | PROGRAMS | CAUSES | CHANNELS | MOTION | MACHINE | ERRORS | READERS
 """Code -> German, with the places of the English text."""
 
 SIGNS = {"or": " oder ", "and": ", und ", "comma": ", ", "semicolon": "; "}

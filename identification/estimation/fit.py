@@ -13,6 +13,7 @@ from scipy.linalg import solve_triangular
 from scipy.special import stdtrit
 
 from cases.base.errors import Code, IdentificationError
+from cases.base.phrases import phrase
 from cases.base.units import Array, as_html
 from cases.sensors import PoseField
 from identification.finding import Finding
@@ -127,8 +128,14 @@ def compress(regression: Regression, weights: Array) -> tuple[Array, Array, floa
     samples, sensors, unknowns = regression.regressors.shape
     if samples * sensors <= unknowns:
         raise IdentificationError(
-            problem=f"{samples} samples give {samples * sensors} forces for {unknowns} unknowns",
-            remedy="record more or choose a model with fewer parameters",
+            problem=phrase(
+                "few_forces",
+                "{samples} samples give {forces} forces for {unknowns} unknowns",
+                samples=samples,
+                forces=samples * sensors,
+                unknowns=unknowns,
+            ),
+            remedy=phrase("more_or_smaller", "record more or choose a model with fewer parameters"),
             code=Code.TOO_FEW,
         )
     r = joint_triangle(regression.regressors, regression.forces, np.sqrt(weights))
@@ -168,8 +175,14 @@ def determined(root: Array, names: Sequence[str], rows: int, nuisance: int = 0) 
         share = np.abs(directions[rank:]).max(axis=0)
         hidden = [name for name, s in zip(names, share, strict=False) if s > 1e-3]
         raise IdentificationError(
-            problem=f"rank {rank} of {count}: {', '.join(hidden)} not determined by this run",
-            remedy="excite them (plan a motion or more poses) or choose a model without them",
+            problem=phrase(
+                "not_determined",
+                "rank {rank} of {count}: {names} not determined by this run",
+                rank=rank,
+                count=count,
+                names=", ".join(hidden),
+            ),
+            remedy=phrase("excite_them", "excite them (plan a motion or more poses) or choose a model without them"),
             code=Code.NO_EXCITATION,
         )
     return rank, float(singular[0] / singular[-1])
@@ -211,8 +224,14 @@ def degrees_of_freedom(rows: int, used: float, filtered: Filtered) -> float:
     independent = rows * filtered.gain * filtered.stride
     if independent <= used:
         raise IdentificationError(
-            problem=f"{rows} forces, {independent:.0f} of them independent, for {used:.0f} unknowns",
-            remedy="record longer or raise filter_cutoff_Hz",
+            problem=phrase(
+                "few_independent",
+                "{rows} forces, {independent} of them independent, for {unknowns} unknowns",
+                rows=rows,
+                independent=f"{independent:.0f}",
+                unknowns=f"{used:.0f}",
+            ),
+            remedy=phrase("longer_or_cutoff", "record longer or raise filter_cutoff_Hz"),
             code=Code.TOO_FEW,
         )
     return independent - used
@@ -239,8 +258,10 @@ def gauss_markov(regression: Regression, weights: Array) -> Fit:
     unseen = np.flatnonzero(remainders <= rows * np.finfo(float).eps * np.linalg.norm(root, axis=0))
     if len(unseen):
         raise IdentificationError(
-            problem=f"{names[unseen[0]]} is not determined: the forces do not change",
-            remedy="check the channels",
+            problem=phrase(
+                "forces_constant", "{name} is not determined: the forces do not change", name=names[unseen[0]]
+            ),
+            remedy=phrase("check_channels", "check the channels"),
             code=Code.NO_EXCITATION,
         )
     half = inverse_root(root)
@@ -257,7 +278,12 @@ def require_alive(forces: Array) -> None:
     stuck = np.flatnonzero(np.ptp(forces, axis=0) == 0.0)
     if len(stuck):
         raise IdentificationError(
-            problem=f"channel {stuck[0] + 1} reads {forces[0, stuck[0]]:g} at every sample",
-            remedy="check its cable and amplifier",
+            problem=phrase(
+                "channel_stuck",
+                "channel {number} reads {value} at every sample",
+                number=stuck[0] + 1,
+                value=f"{forces[0, stuck[0]]:g}",
+            ),
+            remedy=phrase("check_cable", "check its cable and amplifier"),
             code=Code.NO_EXCITATION,
         )

@@ -14,6 +14,7 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from scipy.special import chdtri, ndtri
 
 from cases.base.errors import Code, IdentificationError
+from cases.base.phrases import phrase
 from cases.base.units import Array, Flags
 from identification.estimation.estimators import EACH, huber
 from identification.estimation.fit import Regression
@@ -141,10 +142,17 @@ def _require_free(recording: Recording, share: float, contacts: Sequence[Contact
     """Raises IdentificationError where contacts take too large a share of a run."""
     if share > MOST_TOUCHED:
         raise IdentificationError(
-            problem=f"the forces leave the model in {100 * share:.0f} % of the samples, as in contact "
-            f"({contact_sentence(recording, contacts[0])})",
-            remedy="an identification run must be free: check columns, drives, "
-            "model (6 to 9 in motion) and the case's dimensions, or record again",
+            problem=phrase(
+                "contact",
+                "the forces leave the model in {share} % of the samples, as in contact ({where})",
+                share=f"{100 * share:.0f}",
+                where=contact_sentence(recording, contacts[0]),
+            ),
+            remedy=phrase(
+                "free_run",
+                "an identification run must be free: check columns, drives, model (6 to 9 in motion) and the "
+                "case's dimensions, or record again",
+            ),
             code=Code.MISFIT,
         ).in_doubt()
 

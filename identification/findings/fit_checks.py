@@ -155,10 +155,14 @@ def _other_mass(mass: float, case: Case) -> list[Finding]:
     if low < mass / nominal < high or low < nominal / max(mass, GRAM) < high:
         unit = "kN" if mass < nominal else "mN"
         raise IdentificationError(
-            problem=f"the mass comes out as {mass:.4g} kg where nominal.mass_kg makes {nominal:g}: forces "
-            "seem to be "
-            f"in {unit}",
-            remedy=f"set recording.units.forces = '{unit}' in the case",
+            problem=phrase(
+                "forces_in_unit",
+                "the mass comes out as {mass} kg where nominal.mass_kg makes {nominal}: forces seem to be in {unit}",
+                mass=f"{mass:.4g}",
+                nominal=f"{nominal:g}",
+                unit=unit,
+            ),
+            remedy=phrase("set_forces_unit", "set recording.units.forces = '{unit}' in the case", unit=unit),
             code=Code.UNIT,
         )
     expected = min(masses, key=lambda body_mass: abs(mass - body_mass))

@@ -233,7 +233,12 @@ def body_clearances(t: Array, frames: Frames, chain: Chain) -> Iterable[Quantity
             columns = [_from_box(body, box) for body in moving]
             limit = Limit(LimitKind.DISTANCE_FROM_BOX, box.name)
             yield Quantity.clear(limit, tuple(body.name for body in moving), np.column_stack(columns), box.vicinity)
-    pairs = [(a, b) for k, a in enumerate(bodies) for b in bodies[k + 1 :] if abs(a.link - b.link) > 1]
+    pairs = [
+        (a, b)
+        for k, a in enumerate(bodies)
+        for b in bodies[k + 1 :]
+        if chain.keeps_apart(a.link, a.name, b.link, b.name)
+    ]
     if pairs:
         labels, reach = (
             tuple(f"{a.name}, {b.name}" for a, b in pairs),

@@ -8,7 +8,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from cases.base.phrases import NOTHING, Phrase, phrase
 from cases.base.units import DEG, MM, Array
+
+NAMED = "limit"
+"""Code of a limit's name, with its strut, joint or body in brackets."""
 
 # of every limit that motions leave unused: for the rounding of program words, the encoders' view of the motion, and
 # what happens between the instants at which it is looked at
@@ -219,13 +223,15 @@ class LimitCheck:
         """Whether the limit is satisfied, as far as the motion itself is responsible for it."""
         return not self.binding or self.ratio <= 1.0 + TOLERANCE
 
-    def sentence(self, timed: bool = True) -> str:
+    def sentence(self, timed: bool = True) -> Phrase:
         """One phrase with value and limit, and the time where it matters."""
         digits = next(d for d in range(4, 18) if f"{self.worst:.{d}g}" != f"{self.limit:.{d}g}" or d == 17)
-        time_text = f" at {self.time:.3f} s" if timed else ""
+        at = phrase("at_time", " at {time} s", time=f"{self.time:.3f}") if timed else NOTHING
+        values = {"limit": phrase(NAMED, "{name}", name=self.name), "worst": f"{self.worst:.{digits}g}"}
+        values |= {"unit": self.unit, "at": at, "bound": f"{self.limit:.4g}"}
         if self.kind.least:
-            return f"{self.name} falls to {self.worst:.{digits}g} {self.unit}{time_text}, at least {self.limit:.4g}"
-        return f"{self.name} reaches {self.worst:.{digits}g} {self.unit}{time_text}, limit {self.limit:.4g}"
+            return phrase("limit_falls", "{limit} falls to {worst} {unit}{at}, at least {bound}", **values)
+        return phrase("limit_reaches", "{limit} reaches {worst} {unit}{at}, limit {bound}", **values)
 
     def to_json(self) -> dict[str, Any]:
         """The object that `LimitReport.to_json` holds under the limit's name."""

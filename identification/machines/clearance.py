@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
+from cases.base.convex import separation
 from cases.base.units import Array
 from cases.chain import Chain
 from cases.machine import Tool
@@ -47,30 +48,34 @@ def clearance_shares(chain: Chain, q: ca.SX, middle: Array, frames: Sequence[tup
     still, last = (ca.SX(3, 1), ca.SX.eye(3)), len(chain.joints)
     moved = zip(range(1, last + 1), frames, (joint.bodies for joint in chain.joints), strict=False)
     places = ((0, still, chain.base), *moved, (last, frames[-1], chain.tool))
-    bodies = [
-        (link, _balls(frame, body), body.radius, body.corners_mm is not None)
-        for link, frame, own in places
-        for body in own
-    ]
-    distances, around = [], []
-    for k, (link, centres, radius, hull) in enumerate(bodies):
+    bodies = [(link, body, _balls(frame, body)) for link, frame, own in places for body in own]
+    placed = ca.Function("placed", [q], [_points(frame, body) for _, frame, own in places for body in own])
+    corners = [points.full().T for points in placed.call([ca.DM(middle)])]
+    distances, around, exact = [], [], []
+    for k, (link, body, centres) in enumerate(bodies):
         if link:
             distances += [
-                _least([distance_from_box(c, box.corners, BALL_ROUNDING) for c in centres], radius)
+                _least([distance_from_box(c, box.corners, BALL_ROUNDING) for c in centres], body.radius)
                 for box in chain.keep_out
             ]
-            around += [hull] * len(chain.keep_out)
-        for other_link, others, other_radius, other_hull in bodies[k + 1 :]:
-            if abs(other_link - link) > 1:
+            around += [_hull(body)] * len(chain.keep_out)
+            exact += [0.0] * len(chain.keep_out)
+        for n, (other_link, other, others) in enumerate(bodies[k + 1 :], k + 1):
+            if chain.keeps_apart(link, body.name, other_link, other.name):
                 gaps = [ca.norm_2(a - b) for a in centres for b in others]
-                distances.append(_least(gaps, radius + other_radius))
-                around.append(hull or other_hull)
+                distances.append(_least(gaps, body.radius + other.radius))
+                around.append(_hull(body) or _hull(other))
+                separated = float(separation(corners[k][None], corners[n][None])[0]) if around[-1] else 0.0
+                exact.append(separated - body.beyond - other.beyond)
     if not distances:
         return []
     clearances = ca.Function("distances", [q], [ca.vertcat(*distances)])(middle).full()[:, 0]
     margins = np.clip(clearances / 2, 0.0, BALL_CLEARANCE)
-    # Capsules around convex bodies may overlap where these are apart: the search then keeps them from coming closer.
-    margins = np.where(np.array(around) & (clearances < 0.0), clearances, margins)
+    # Capsules around convex bodies may overlap where these are apart: the search then keeps them from coming closer
+    # than the bodies themselves may, as if both distances changed alike.
+    closer = np.maximum(exact, 0.0)
+    allowed = clearances - closer + np.minimum(closer / 2, BALL_CLEARANCE)
+    margins = np.where(np.array(around) & (clearances < 2 * BALL_CLEARANCE), np.minimum(allowed, margins), margins)
     return [
         (LimitKind.DISTANCE_FROM_BOX, 0, ca.exp((k - distance) / VICINITY))
         for k, distance in zip(margins, distances, strict=True)
@@ -83,6 +88,16 @@ def _balls(frame: tuple[ca.SX, ca.SX], body: Tool) -> list[ca.SX]:
     length, radius = float(np.linalg.norm(high - low)), body.radius
     count = int(np.clip(np.ceil(2 * length / max(radius, 1e-3)) + 1, 2, MOST_BALLS))
     return [origin + turn @ ca.DM(low + s * (high - low)) for s in np.linspace(0.0, 1.0, count)]
+
+
+def _points(frame: tuple[ca.SX, ca.SX], body: Tool) -> ca.SX:
+    """Points whose hull, larger by `body.beyond`, is a body, in {B}, shape (3, k) [m]."""
+    origin, turn = frame
+    return ca.horzcat(*(origin + turn @ ca.DM(point) for point in body.points))
+
+
+def _hull(body: Tool) -> bool:
+    return body.corners_mm is not None
 
 
 def _least(distances: list[ca.SX], radius: float) -> ca.SX:

@@ -7,13 +7,14 @@ import numpy as np
 from pydantic import BaseModel, NonNegativeFloat, NonNegativeInt, ValidationError
 
 from cases.base.errors import Code, FileProblem, HexciteError
+from cases.base.phrases import phrase
 from cases.base.text_formats import json_text
 from cases.base.units import Array
 from cases.basis import recording_basis
 from cases.schema import Case
 
 SCHEMA_VERSION = 1
-AGAIN = "run the program again"
+AGAIN = phrase("run_again", "run the program again")
 
 
 class Entries(BaseModel, strict=True, frozen=True, allow_inf_nan=False, extra="allow"):

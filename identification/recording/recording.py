@@ -22,6 +22,7 @@ from cases.base.errors import Code, FileProblem, HexciteError, RecordingError, o
 from cases.base.file_reading import read_json
 from cases.base.folder_kinds import RUN
 from cases.base.output_places import check_folder
+from cases.base.phrases import phrase
 from cases.base.renamed import renamed
 from cases.base.text_formats import json_text
 from cases.base.units import Array, Indices, as_html
@@ -267,7 +268,9 @@ def record_of(path: Path) -> RunRecord | None:
         return None
     record = read_json(file, "hexcite run")
     if record.pop(CONTENT, None) not in (None, content_of(record)):  # version 0.2 stated none
-        raise FileProblem(place=file, problem="was changed by hand", remedy=AGAIN, code=Code.CHANGED)
+        raise FileProblem(
+            place=file, problem=phrase("recording_changed", "was changed by hand"), remedy=AGAIN, code=Code.CHANGED
+        )
     return _record(record, file) if record else None
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from cases.base.errors import CaseError, Code, HexciteError, IdentificationError, choice
+from cases.base.phrases import phrase
 from cases.base.units import DEG, MM, Array, as_html
 from cases.schema import Case
 from cases.tolerances import kind_of
@@ -262,8 +263,8 @@ def body_alone(model: Model, source: str) -> tuple[Model, list[int]]:
     if MASS not in model.blocks:
         raise IdentificationError(
             place=source,
-            problem="has offsets alone, no body to state in a frame",
-            remedy="identify a moving run",
+            problem=phrase("offsets_alone", "has offsets alone, no body to state in a frame"),
+            remedy=phrase("identify_moving", "identify a moving run"),
             code=Code.NO_EXCITATION,
         )
     if model.struts is not None and model.struts.sensors.at == "drive":

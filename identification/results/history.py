@@ -15,6 +15,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from cases.base.errors import Code, FileProblem, HexciteError
+from cases.base.phrases import phrase
 from cases.base.units import Array
 from identification.model.parameters import physical_form
 from identification.results.result import PROMINENT, Result
@@ -247,8 +248,8 @@ def _loaded(paths: Sequence[Path]) -> tuple[list[Result], list[str]]:
         if not result_files:
             raise FileProblem(
                 place=path,
-                problem="holds no result",
-                remedy="name folders of hexcite identify, or what holds such",
+                problem=phrase("no_result_there", "holds no result"),
+                remedy=phrase("name_results", "name folders of hexcite identify, or what holds such"),
                 code=Code.MISSING,
             )
         files |= dict.fromkeys(file.resolve() for file in result_files)

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.special import chdtri
 
 from cases.base.errors import Code, IdentificationError
+from cases.base.phrases import phrase
 from cases.base.units import Array, as_html
 from cases.schema import Case
 from cases.tolerances import BOUNDS
@@ -239,8 +240,8 @@ def require_two(before: Result, after: Result) -> None:
     if before.source == after.source or (before.recordings and before.recordings == after.recordings):
         raise IdentificationError(
             place=after.source,
-            problem=f"is of the same recording as {before.source}",
-            remedy="name the result of a run without the payload, then of one with it",
+            problem=phrase("same_recording", "is of the same recording as {other}", other=before.source),
+            remedy=phrase("before_then_after", "name the result of a run without the payload, then of one with it"),
             code=Code.OTHER_SOURCE,
         )
 
@@ -251,8 +252,14 @@ def _about(before: Result, after: Result, mass: float, variance: float) -> list[
     if not abs(mass) > 3.0 * std:
         raise IdentificationError(
             place=after.source,
-            problem=f"mass differs from {before.source} by {mass:.4g} +- {std:.2g} kg, not by a payload",
-            remedy="name the results without and with payload, in this order",
+            problem=phrase(
+                "no_payload",
+                "mass differs from {other} by {mass} +- {std} kg, not by a payload",
+                other=before.source,
+                mass=f"{mass:.4g}",
+                std=f"{std:.2g}",
+            ),
+            remedy=phrase("without_then_with", "name the results without and with payload, in this order"),
             code=Code.MISFIT,
         )
     findings = []

@@ -15,6 +15,7 @@ from scipy.linalg import block_diag
 from scipy.special import chdtrc
 
 from cases.base.errors import Code, FileProblem, HexciteError, option
+from cases.base.phrases import phrase
 from cases.base.provenance import provenance
 from cases.base.units import Array
 from identification.estimation.covariances import Free, larger_of
@@ -47,8 +48,8 @@ def pool(results: Sequence[Result]) -> Result:
     if len(results) < 2:
         raise HexciteError(
             place="pool",
-            problem=f"{len(results)} result",
-            remedy="name two results or more of the same machine and load",
+            problem=phrase("one_result", "{count} result", count=len(results)),
+            remedy=phrase("two_results", "name two results or more of the same machine and load"),
             code=Code.TOO_FEW,
         )
     require_alike(results)
@@ -122,16 +123,20 @@ def require_alike(results: Sequence[Result]) -> None:
         if result.record.priors:
             raise FileProblem(
                 place=result.source,
-                problem=f"counts a prior of {next(iter(result.record.priors))}, which a mean would count again",
-                remedy=f"identify without {option('priors', 'prior')}",
+                problem=phrase(
+                    "counts_prior",
+                    "counts a prior of {name}, which a mean would count again",
+                    name=next(iter(result.record.priors)),
+                ),
+                remedy=phrase("without_prior", "identify without {prior}", prior=option("priors", "prior")),
                 code=Code.CONTRADICTION,
             )
     for one, other in combinations(results, 2):
         if one.recordings & other.recordings:
             raise FileProblem(
                 place=other.source,
-                problem=f"is of the same recording as {one.source}",
-                remedy="name each run once",
+                problem=phrase("same_recording", "is of the same recording as {other}", other=one.source),
+                remedy=phrase("each_once", "name each run once"),
                 code=Code.OTHER_SOURCE,
             )
     for result in rest:
@@ -166,16 +171,28 @@ def require_alike(results: Sequence[Result]) -> None:
         if result.mounted != first.mounted:
             raise FileProblem(
                 place=result.source,
-                problem=f"a payload of {result.mounted:.4g} kg was mounted, {first.mounted:.4g} kg with {first.source}",
-                remedy="pool runs of the same load; hexcite payload compares two loads",
+                problem=phrase(
+                    "other_payload",
+                    "a payload of {mounted} kg was mounted, {first} kg with {source}",
+                    mounted=f"{result.mounted:.4g}",
+                    first=f"{first.mounted:.4g}",
+                    source=first.source,
+                ),
+                remedy=phrase("same_load", "pool runs of the same load; hexcite payload compares two loads"),
                 code=Code.OTHER_SOURCE,
             )
         if (base.delay_s is None) != (record.delay_s is None):
             kinds = ["standstills" if of.delay_s is None else "a motion" for of in (record, base)]
             raise FileProblem(
                 place=result.source,
-                problem=f"is of {kinds[0]}, {first.source} of {kinds[1]}",
-                remedy="pool runs of one kind",
+                problem=phrase(
+                    "other_kind",
+                    "is of {kind}, {source} of {other}",
+                    kind=kinds[0],
+                    source=first.source,
+                    other=kinds[1],
+                ),
+                remedy=phrase("one_kind", "pool runs of one kind"),
                 code=Code.OTHER_SOURCE,
             )
 

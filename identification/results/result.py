@@ -16,6 +16,7 @@ from cases.base.errors import Code, FileProblem, HexciteError
 from cases.base.file_reading import read_json
 from cases.base.folder_kinds import RESULT
 from cases.base.output_places import check_folder
+from cases.base.phrases import phrase
 from cases.base.provenance import sha256_of
 from cases.base.text_formats import json_text
 from cases.base.units import Array, as_html
@@ -46,7 +47,7 @@ from identification.texts import (
 )
 
 PROMINENT = ("m", "xC", "yC", "zC")  # shown first
-AGAIN = "identify again"
+AGAIN = phrase("identify_again", "identify again")
 ALIKE = 1e-9  # of numbers that are computed anew: another computer rounds otherwise
 
 
@@ -476,7 +477,9 @@ def _read(path: Path) -> tuple[Path, ResultEntries]:
             code=Code.VERSION,
         )
     if data.pop(CONTENT, None) not in (None, content_of(data)):  # version 0.2 stated none
-        raise FileProblem(place=file, problem="was changed by hand", remedy=AGAIN, code=Code.CHANGED)
+        raise FileProblem(
+            place=file, problem=phrase("result_changed", "was changed by hand"), remedy=AGAIN, code=Code.CHANGED
+        )
     try:
         return file, ResultEntries.model_validate_json(json_text(of_version_0_2(data)))
     except ValidationError as error:

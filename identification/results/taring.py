@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases.base.errors import Code, IdentificationError
+from cases.base.phrases import phrase
 from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.force_noise import products
@@ -64,8 +65,8 @@ def tare(recording: Recording, result: Result) -> Result:
     if count < 2:
         raise IdentificationError(
             place=recording.source,
-            problem=f"{count} sample",
-            remedy="a tare needs a standstill of two or more",
+            problem=phrase("one_sample", "{count} sample", count=count),
+            remedy=phrase("tare_needs", "a tare needs a standstill of two or more"),
             code=Code.TOO_FEW,
         )
     _require_still(recording, case)
@@ -110,8 +111,16 @@ def _require_still(recording: Recording, case: Case) -> None:
         most = (STILL + NOISY * noise) * 1e3
         raise IdentificationError(
             place=recording.source,
-            problem=f"{drives} move by {travel * 1e3:.3g} {unit}, at most {most:.3g} {unit} in a standstill",
-            remedy="cut the motion off",
+            problem=phrase(
+                "moves_in_tare",
+                "{drives} move by {travel} {unit}, at most {most} {unit_2} in a standstill",
+                drives=drives,
+                travel=f"{travel * 1000.0:.3g}",
+                unit=unit,
+                most=f"{most:.3g}",
+                unit_2=unit,
+            ),
+            remedy=phrase("cut_motion", "cut the motion off"),
             code=Code.MISFIT,
         )
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from cases.acceptance import Acceptance, LargestDeviations, Reference
 from cases.base.errors import Code, HexciteError
+from cases.base.phrases import enumerated, phrase, said
 from cases.base.units import MM, as_html
 from cases.schema import Case
 from identification.estimation.fit import Value
@@ -82,6 +83,7 @@ class Verdict(NamedTuple):
             "passed": self.passed,
             "checks": [check.to_json() for check in self.checks],
             "not_judged": list(self.unjudged),
+            "not_judged_phrases": [said(reason).to_json() for reason in self.unjudged],
         }
 
     def __repr__(self) -> str:
@@ -123,8 +125,8 @@ def accept(result: Result, case: Case | None = None) -> Verdict:
     if not checks:
         raise HexciteError(
             place=result.source,
-            problem=f"cannot be judged: {'; '.join(unjudged)}",
-            remedy="state limits in [accept]",
+            problem=phrase("not_judged", "cannot be judged: {why}", why=enumerated("semicolon", unjudged)),
+            remedy=phrase("state_accept", "state limits in [accept]"),
             code=Code.MISSING,
         )
     return Verdict(checks, unjudged)
@@ -138,10 +140,14 @@ def _warnings(result: Result) -> Iterator[Check | str]:
 def _noise(result: Result, limits: Acceptance) -> Iterator[Check | str]:
     noise = result.record.channel_noise
     if noise is None or noise.get("stated") is None:
-        why = "it was identified before results kept it" if noise is None else "sensors.force_noise_N states none"
+        why = (
+            phrase("noise_not_kept", "it was identified before results kept it")
+            if noise is None
+            else phrase("noise_not_stated", "sensors.force_noise_N states none")
+        )
         if noise is None and result.record.pooled is not None:
-            why = "a run of the mean was identified before results kept it"
-        yield f"noise: {why}"
+            why = phrase("noise_of_a_run_not_kept", "a run of the mean was identified before results kept it")
+        yield phrase("noise_not_judged", "noise: {why}", why=why)
         return
     ratios = np.array(noise["measured"], dtype=float) / np.array(noise["stated"], dtype=float)
     worst = int(np.argmax(ratios))
@@ -152,9 +158,12 @@ def _noise(result: Result, limits: Acceptance) -> Iterator[Check | str]:
 def _mass(result: Result, case: Case, limits: Acceptance) -> Iterator[Check | str]:
     mass = result.parameters.get("m")
     if mass is None or case.nominal is None:
-        yield f"mass: {'the model has none' if mass is None else '[nominal] states none'}"
+        if mass is None:
+            yield phrase("no_mass_in_model", "mass: the model has none")
+        else:
+            yield phrase("no_nominal_mass", "mass: [nominal] states none")
     elif result.mounted:
-        yield "mass: a payload was mounted, [nominal] is the machine without it"
+        yield phrase("payload_was_mounted", "mass: a payload was mounted, [nominal] is the machine without it")
     else:
         off = 100.0 * abs(mass.value / case.nominal.mass_kg - 1.0)
         yield Check("mass, difference from nominal", off, limits.mass_percent, "%", code="mass")
@@ -164,7 +173,7 @@ def _run(result: Result, limits: Acceptance) -> Iterator[Check | str]:
     quantities = {key: value for finding in result.findings for key, value in finding.quantity.items()}
     figures: Mapping[str, Any] | None = quantities.get("as_planned")
     if figures is None:
-        yield "the run beside its plan: identify with --plan"
+        yield phrase("no_plan_beside", "the run beside its plan: identify with {plan}", plan="--plan")
     else:
         share = 100.0 * float(figures["share_of_path"])
         yield Check("the plan's path in the run", share, limits.path_percent, "%", least=True, code="path")
@@ -174,7 +183,7 @@ def _run(result: Result, limits: Acceptance) -> Iterator[Check | str]:
     if limits.path_error_mm is not None:
         error = None if result.record.run is None else result.record.run.path_error_mm
         if error is None:
-            yield "path error: the recording does not say it"
+            yield phrase("path_error_unknown", "path error: the recording does not say it")
         else:
             yield Check("path error", float(error), limits.path_error_mm, "mm", code="path_error")
 
@@ -186,7 +195,7 @@ def _deviations(result: Result, largest: LargestDeviations) -> Iterator[Check | 
             continue
         of = {n: p.reported / scale for n, p in result.parameters.items() if of_kind(n, p.unit)}
         if not of:
-            yield f"deviations.{key}: the model has no such parameter"
+            yield phrase("no_such_deviation", "deviations.{key}: the model has no such parameter", key=key)
             continue
         worst = max(of, key=lambda name: of[name])
         yield Check(f"deviation of {parameter_words(worst)}", of[worst], limit, unit, code="deviation", of=worst)
@@ -202,7 +211,7 @@ def of_reference(parameters: Mapping[str, Value], reference: Reference) -> Itera
         stated |= {name: (value * MM, reference.centre_of_gravity_U_mm * MM) for name, value in values}
     for name, (value, expanded) in stated.items():
         if name not in parameters:
-            yield f"reference of {name}: it is not determined here"
+            yield phrase("reference_unknown", "reference of {name}: it is not determined here", name=name)
         else:
             of = parameters[name]
             yield Check(f"E_n of {parameter_words(name)}", en(of, value, expanded), 1.0, "", code="reference", of=name)

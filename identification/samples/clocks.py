@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from cases.base.errors import Code, RecordingError
+from cases.base.phrases import phrase
 from cases.base.units import Array, Flags, Indices
 from cases.schema import Case
 from identification.recording.formats.table import Channel, Stream
@@ -38,8 +39,8 @@ def at_the_motion(recording: Recording, motion: Stream, interval: float, step: f
     if len(inside) < 3:
         raise RecordingError(
             place=recording.source,
-            problem="its forces cover less than 3 samples of the motion",
-            remedy="record together",
+            problem=phrase("forces_apart", "its forces cover less than 3 samples of the motion"),
+            remedy=phrase("record_together", "record together"),
             code=Code.TOO_FEW,
         )
     means = interval_means(t, forces, motion.t[inside], interval)

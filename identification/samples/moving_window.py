@@ -79,8 +79,12 @@ def _released(recording: Recording) -> Stream | None:
         if between is not None:
             raise RecordingError(
                 place=f"{recording.source}, {recording.lines.place(int(cuts[0]))}",
-                problem=f"positions of drives are held for {between[0]} rows each, and a gap breaks their rhythm",
-                remedy="cut the run there, or export drives and forces as files of their own",
+                problem=phrase(
+                    "drives_held",
+                    "positions of drives are held for {rows} rows each, and a gap breaks their rhythm",
+                    rows=between[0],
+                ),
+                remedy=phrase("cut_or_apart", "cut the run there, or export drives and forces as files of their own"),
                 code=Code.CLOCK,
             )
         return None
@@ -121,8 +125,11 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
     if recording.drives is None:
         raise RecordingError(
             place=recording.source,
-            problem="has a clock and rotation matrices",
-            remedy="moving runs are evaluated from drives only, remove t_s if each row is an averaged standstill",
+            problem=phrase("clock_and_matrices", "has a clock and rotation matrices"),
+            remedy=phrase(
+                "moving_from_drives",
+                "moving runs are evaluated from drives only, remove t_s if each row is an averaged standstill",
+            ),
             code=Code.MISSING,
         )
     low_pass = checked_filter(recording, case)
@@ -145,9 +152,14 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
     if len(rows) < 2:
         raise IdentificationError(
             place=recording.source,
-            problem=f"{len(window)} samples of motion are {len(rows)} independent ones behind a "
-            f"{low_pass.cutoff:g} Hz filter",
-            remedy="record longer",
+            problem=phrase(
+                "few_behind_filter",
+                "{count} samples of motion are {independent} independent ones behind a {cutoff} Hz filter",
+                count=len(window),
+                independent=len(rows),
+                cutoff=f"{low_pass.cutoff:g}",
+            ),
+            remedy=phrase("record_longer", "record longer"),
             code=Code.TOO_FEW,
         )
     t, recorded, forces = signals_at(recording, low_pass, rows)
@@ -180,15 +192,15 @@ def checked_filter(recording: Recording, case: Case) -> Filter:
     if cutoff is None:
         raise RecordingError(
             place=recording.source,
-            problem="a moving run needs a filter",
-            remedy="set recording.filter_cutoff_Hz in the case",
+            problem=phrase("filter_needed", "a moving run needs a filter"),
+            remedy=phrase("state_cutoff", "set recording.filter_cutoff_Hz in the case"),
             code=Code.MISSING,
         )
     if len(recording.forces) < 2:
         raise RecordingError(
             place=recording.source,
-            problem=f"{len(recording.forces)} sample is not a run",
-            remedy="record longer",
+            problem=phrase("not_a_run", "{count} sample is not a run", count=len(recording.forces)),
+            remedy=phrase("record_longer", "record longer"),
             code=Code.TOO_FEW,
         )
     step = recording.step
@@ -201,8 +213,15 @@ def checked_filter(recording: Recording, case: Case) -> Filter:
     if not cutoff <= 0.2 / step * (1.0 + 1e-3):  # what the message allows is taken, however stamps say the step
         raise RecordingError(
             place=recording.source,
-            problem=f"filter_cutoff_Hz = {cutoff:g} is too high for {1 / step:.4g} samples a second",
-            remedy=f"at most {0.2 / step:.4g}{_other_clock(step, cutoff)}",
+            problem=phrase(
+                "cutoff_too_high",
+                "filter_cutoff_Hz = {cutoff} is too high for {rate} samples a second",
+                cutoff=f"{cutoff:g}",
+                rate=f"{1 / step:.4g}",
+            ),
+            remedy=phrase(
+                "at_most", "at most {most}{other}", most=f"{0.2 / step:.4g}", other=_other_clock(step, cutoff)
+            ),
             code=Code.CLOCK,
         ).in_doubt()
     return Filter(cutoff, step, MOST_DELAY)
@@ -248,10 +267,15 @@ def about_left_out(source: str, share: float, low_pass: Filter) -> tuple[Finding
     if share > MOST_LEFT_OUT:
         raise RecordingError(
             place=source,
-            problem=f"damage, with the filter's reach of {reach:.3g} s on either side, takes "
-            f"{100 * share:.3g} % of the "
-            f"motion, at most {100 * MOST_LEFT_OUT:g} % may be left out",
-            remedy="record again",
+            problem=phrase(
+                "too_much_damage",
+                "damage, with the filter's reach of {reach} s on either side, takes {share} % of the motion, at "
+                "most {most} % may be left out",
+                reach=f"{reach:.3g}",
+                share=f"{100 * share:.3g}",
+                most=f"{100 * MOST_LEFT_OUT:g}",
+            ),
+            remedy=phrase("record_again", "record again"),
             code=Code.DAMAGED,
         )
     if share <= 0.0:
@@ -272,8 +296,12 @@ def require_position(recording: Recording, model: Model) -> None:
     if model.needs_position and recording.drives is None:
         raise IdentificationError(
             place=recording.source,
-            problem=f"model {model.number} needs the platform's position, the recording has orientations only",
-            remedy="choose model 0 or 6, or record the drives (struts, joints)",
+            problem=phrase(
+                "position_needed",
+                "model {model} needs the platform's position, the recording has orientations only",
+                model=model.number,
+            ),
+            remedy=phrase("other_model_or_drives", "choose model 0 or 6, or record the drives (struts, joints)"),
             code=Code.NOT_SUPPORTED,
         )
 
@@ -288,16 +316,19 @@ def _window(recording: Recording, low_pass: Filter, drives: str, unit: str) -> t
         rows = np.flatnonzero(recording.trigger[margin:-margin])
         if not len(rows):
             on = float(recording.trigger.sum()) * recording.step
-            problem = "is never 1"
+            problem = phrase("trigger_never", "is never 1")
             if on > 0.0:
-                problem = (
-                    f"is on for {on:.2g} s only, all of it within {margin * recording.step:.2g} s of an end, where the "
-                    "filter does not reach, as pulses are and a switch that is off in motion"
+                problem = phrase(
+                    "trigger_at_ends",
+                    "is on for {on} s only, all of it within {reach} s of an end, where the filter does not reach, as "
+                    "pulses are and a switch that is off in motion",
+                    on=f"{on:.2g}",
+                    reach=f"{margin * recording.step:.2g}",
                 )
             raise RecordingError(
                 place=f"{recording.source}, trigger",
                 problem=problem,
-                remedy="record with the trigger on during the motion, or leave it out",
+                remedy=phrase("trigger_or_none", "record with the trigger on during the motion, or leave it out"),
                 code=Code.TRIGGER,
             )
     else:
@@ -321,9 +352,16 @@ def _window(recording: Recording, low_pass: Filter, drives: str, unit: str) -> t
     if travel < least_travel:
         raise IdentificationError(
             place=recording.source,
-            problem=f"the pose is constant ({drives} move by {travel * 1e3:.3g} {unit}, at least "
-            f"{least_travel * 1e3:.3g} {unit} are needed)",
-            remedy="record the excitation, or remove t_s from averaged standstills",
+            problem=phrase(
+                "pose_constant",
+                "the pose is constant ({drives} move by {travel} {unit}, at least {least} {unit_2} are needed)",
+                drives=drives,
+                travel=f"{travel * 1000.0:.3g}",
+                unit=unit,
+                least=f"{least_travel * 1000.0:.3g}",
+                unit_2=unit,
+            ),
+            remedy=phrase("record_excitation", "record the excitation, or remove t_s from averaged standstills"),
             code=Code.NO_EXCITATION,
         ).in_doubt()
     return rows, warnings

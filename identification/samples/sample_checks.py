@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases.base.errors import Code, RecordingError
-from cases.base.phrases import phrase
+from cases.base.phrases import NOTHING, Phrase, phrase
 from cases.base.units import MM, Array, Flags, Indices
 from cases.machine import MotionLimits
 from cases.recording_format import CLOCK
@@ -83,18 +83,28 @@ def scan(recording: Recording, case: Case) -> CleanRun:
         if problems:  # one finding for all that err alike, in full for the one with the most rows
             number, text, _ = max(problems, key=lambda problem: int(problem[2].sum()))
             others = ", ".join(str(k) for k, *_ in problems if k != number)
+            names = {"thing": phrase("a_channel", "channel") if thing == "channel" else phrase("a_strut", "strut")}
+            also = phrase("also_others", " (likewise {thing} {others})", others=others, **names) if others else NOTHING
             rows = np.any([rows for *_, rows in problems], axis=0)
-            sentence = f"{thing} {number} {text}{f' (likewise {thing} {others})' if others else ''}; left out"
+            sentence = phrase(
+                "damaged", "{thing} {number} {what}{also}; left out", number=number, what=text, also=also, **names
+            )
             findings.append(warning(Kind.DAMAGE, sentence, places(recording.lines, rows)))
             bad |= rows
     findings += _outside(recording, case)
     if bad.mean() > MOST_BAD:
         raise RecordingError(
             place=recording.source,
-            problem=f"{100 * bad.mean():.0f} % of the samples are unusable, at most {100 * MOST_BAD:.0f} "
-            "% may "
-            f"be: {next(f for f in findings if f.kind is Kind.DAMAGE)}",
-            remedy="mend the sensor and record again, or name the case of the machine that was recorded",
+            problem=phrase(
+                "mostly_damaged",
+                "{share} % of the samples are unusable, at most {most} % may be: {damage}",
+                share=f"{100 * bad.mean():.0f}",
+                most=f"{100 * MOST_BAD:.0f}",
+                damage=next(f for f in findings if f.kind is Kind.DAMAGE),
+            ),
+            remedy=phrase(
+                "mend_sensor", "mend the sensor and record again, or name the case of the machine that was recorded"
+            ),
             code=Code.DAMAGED,
         ).in_doubt()
     return CleanRun(replace(recording, missing=bad), tuple(findings))
@@ -126,18 +136,28 @@ def missing_values(stream: Stream) -> list[Finding]:
         )
     if inserted.any():
         before = np.r_[inserted[1:] & ~inserted[:-1], False]
-        sentence = f"{_behind(stream.lines, before, int(inserted.sum()))}; bridged from their neighbours"
+        sentence = phrase(
+            "lost_bridged",
+            "{behind}; bridged from their neighbours",
+            behind=_behind(stream.lines, before, int(inserted.sum())),
+        )
         findings.append(warning(Kind.DAMAGE, sentence))
     gaps = lost_samples(stream.t)
     if gaps.any():
-        sentence = f"{_behind(stream.lines, gaps > 0, int(gaps.sum()))}; no filter reaches across"
+        sentence = phrase(
+            "lost_gap", "{behind}; no filter reaches across", behind=_behind(stream.lines, gaps > 0, int(gaps.sum()))
+        )
         findings.append(warning(Kind.DAMAGE, sentence))
     return findings
 
 
-def _behind(lines: Lines, rows: Flags, count: int) -> str:
+def _behind(lines: Lines, rows: Flags, count: int) -> Phrase:
     """What to say of rows behind which samples are missing, and of how many are in all."""
-    return f"behind {places(lines, rows)}: {count} {'samples are' if count > 1 else 'sample is'} missing"
+    if count == 1:
+        return phrase("one_lost_behind", "behind {places}: 1 sample is missing", places=places(lines, rows))
+    return phrase(
+        "lost_behind", "behind {places}: {count} samples are missing", places=places(lines, rows), count=count
+    )
 
 
 def _clipped(recording: Recording, case: Case) -> Iterator[Problem]:
@@ -145,7 +165,7 @@ def _clipped(recording: Recording, case: Case) -> Iterator[Problem]:
     most = case.sensors.range_N
     for k in range(3 if case.sensor_frame.has_moments else 6):
         if most is not None and (rows := at_full_range(recording.forces[:, k], most)).any():
-            yield k + 1, f"is at the end of its range of {most:g} N", rows
+            yield k + 1, phrase("at_full_range", "is at the end of its range of {most} N", most=f"{most:g}"), rows
 
 
 def at_full_range(force: Array, most: float) -> Flags:
@@ -188,7 +208,8 @@ def _silent(recording: Recording) -> Iterator[Problem]:
             if others > (DIGITS * digit if np.isfinite(digit) else 0.0) and moves.mean() > 0.5:
                 rows[span] = True
         if rows.any():
-            yield k + 1, f"is stuck at {recording.forces[np.argmax(rows), k]:g} while the machine moves", rows
+            value = f"{recording.forces[np.argmax(rows), k]:g}"
+            yield k + 1, phrase("stuck_in_motion", "is stuck at {value} while the machine moves", value=value), rows
 
 
 def _jumping(recording: Recording, case: Case) -> Iterator[Problem]:
@@ -209,7 +230,9 @@ def _jumping(recording: Recording, case: Case) -> Iterator[Problem]:
         leaps = leaps[jumps[leaps] > LONELY * _around(jumps, leaps)]
         if usual > 0.0 and len(leaps):
             unit = "N m" if case.sensor_frame.has_moments and k > 2 else "N"
-            text = f"jumps by up to {jumps[leaps].max():.4g} {unit} for single samples"
+            text = phrase(
+                "jumps", "jumps by up to {most} {unit} for single samples", most=f"{jumps[leaps].max():.4g}", unit=unit
+            )
             yield k + 1, text, _at(leaps + 1, len(force))
 
 
@@ -229,8 +252,13 @@ def _leaping(recording: Recording, case: Case) -> Iterator[Problem]:
             jumps[row[(row >= 0) & (row < len(jumps))]] = 0.0
         leaps = _peaks(jumps, most)
         if len(leaps):
-            text = f"jumps by up to {jumps.max() / MM:.4g} mm between samples {step * 1e3:.3g} ms apart, which its "
-            text += f"limit of {limits.strut_velocity_m_s:g} m/s forbids"
+            text = phrase(
+                "strut_jumps",
+                "jumps by up to {most} mm between samples {step} ms apart, which its limit of {limit} m/s forbids",
+                most=f"{jumps.max() / MM:.4g}",
+                step=f"{step * 1e3:.3g}",
+                limit=f"{limits.strut_velocity_m_s:g}",
+            )
             yield k + 1, text, _at(leaps + 1, len(recording.forces))
 
 
@@ -306,9 +334,17 @@ def _outside(recording: Recording, case: Case) -> list[Finding]:
     beyond = np.maximum(low - recording.drives, recording.drives - high)
     row, worst = np.unravel_index(int(beyond.argmax()), beyond.shape)
     others = int((beyond > 0.0).any(axis=0).sum()) - 1
-    also = f" (and {others} others)" if others else ""
-    text = f"strut {worst + 1} of {recording.drives[row, worst] / MM:.6g} mm{also} is outside the workspace of "
-    text += f"{low / MM:g} to {high / MM:g} mm; check offset and order of the struts, or workspace.strut_length_mm"
+    also = phrase("and_others", " (and {count} others)", count=others) if others else NOTHING
+    text = phrase(
+        "strut_outside",
+        "strut {number} of {length} mm{also} is outside the workspace of {low} to {high} mm; check offset and order of "
+        "the struts, or workspace.strut_length_mm",
+        number=worst + 1,
+        length=f"{recording.drives[row, worst] / MM:.6g}",
+        also=also,
+        low=f"{low / MM:g}",
+        high=f"{high / MM:g}",
+    )
     return [warning(Kind.CASE, text, places(recording.lines, (beyond > 0.0).any(axis=1)))]
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from cases.base.errors import Code, IdentificationError
+from cases.base.phrases import phrase
 from cases.base.units import Array, Flags, Indices
 from cases.sensors import Sensors
 from identification.estimation.estimators import (
@@ -382,8 +383,12 @@ def _converged(
         delay = float(np.clip(delay + step, -MOST_DELAY, MOST_DELAY))
     if abs(delay) >= MOST_DELAY:
         raise IdentificationError(
-            problem=f"no delay up to {MOST_DELAY * 1e3:.0f} ms brings forces and motion together",
-            remedy="record them in one run, with one clock",
+            problem=phrase(
+                "no_delay",
+                "no delay up to {most} ms brings forces and motion together",
+                most=f"{MOST_DELAY * 1000.0:.0f}",
+            ),
+            remedy=phrase("record_one_clock", "record them in one run, with one clock"),
             code=Code.NO_CONVERGENCE,
         ).in_doubt()
     assert regression is not None
@@ -406,8 +411,13 @@ def require_sense(model: Model, fit: Fit) -> None:
     value, std = float(fit.values[mass]), float(np.sqrt(fit.covariance[mass, mass]))
     if std > 0.0 and value < -3.0 * std:
         error = IdentificationError(
-            problem=f"the mass comes out as {value:.4g} +- {std:.2g} kg",
-            remedy="check the sign of the forces, sensor_frame.transducer.sense and gravity_m_s2 of the case",
+            problem=phrase(
+                "negative_mass", "the mass comes out as {mass} +- {std} kg", mass=f"{value:.4g}", std=f"{std:.2g}"
+            ),
+            remedy=phrase(
+                "check_signs",
+                "check the sign of the forces, sensor_frame.transducer.sense and gravity_m_s2 of the case",
+            ),
             code=Code.MISFIT,
         )
         error.quantity = "m"

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from cases.base.errors import Code, RecordingError
+from cases.base.phrases import phrase
 from cases.base.units import DEG, MM, Array, Flags
 from cases.schema import Case
 from identification.finding import Kind, note
@@ -59,8 +60,12 @@ def find_standstills(recording: Recording, settle: float) -> list[slice]:
             if moving[w].mean() > 0.5:
                 raise RecordingError(
                     place=f"{recording.source}, {recording.lines.place(w.start)}",
-                    problem=f"the machine moves while the trigger is on (standstill {k})",
-                    remedy="this is not a measurement at poses, identify it as a motion",
+                    problem=phrase(
+                        "moves_in_standstill",
+                        "the machine moves while the trigger is on (standstill {number})",
+                        number=k,
+                    ),
+                    remedy=phrase("not_at_poses", "this is not a measurement at poses, identify it as a motion"),
                     code=Code.TRIGGER,
                 )
     else:
@@ -71,8 +76,13 @@ def find_standstills(recording: Recording, settle: float) -> list[slice]:
     if len(windows) < 2:
         raise RecordingError(
             place=recording.source,
-            problem=f"{len(windows)} standstills of at least {SHORTEST:g} s",
-            remedy="record a program of hexcite poses, or identify the run as a motion",
+            problem=phrase(
+                "few_standstills",
+                "{count} standstills of at least {least} s",
+                count=len(windows),
+                least=f"{SHORTEST:g}",
+            ),
+            remedy=phrase("record_poses", "record a program of hexcite poses, or identify the run as a motion"),
             code=Code.TOO_FEW,
         )
     return windows
@@ -96,9 +106,13 @@ def average(recording: Recording, windows: Sequence[slice]) -> Recording:
         if len(measured) < BATCHES:
             raise RecordingError(
                 place=f"{recording.source}, {recording.lines.place(w.start)}",
-                problem=f"the standstill that begins here has {len(measured)} samples with all values, "
-                f"{BATCHES} are needed",
-                remedy="record again",
+                problem=phrase(
+                    "short_standstill",
+                    "the standstill that begins here has {count} samples with all values, {needed} are needed",
+                    count=len(measured),
+                    needed=BATCHES,
+                ),
+                remedy=phrase("record_again", "record again"),
                 code=Code.TOO_FEW,
             )
     forces = np.array([recording.forces[r].mean(axis=0) for r in rows])
@@ -153,7 +167,12 @@ def among(averages: Recording, case: Case, expected: Array) -> Recording | None:
     missing = None if averages.missing is None else averages.missing[rows]
     finding = note(
         Kind.WINDOW,
-        f"{len(rows)} of {len(poses)} standstills are evaluated, those at the poses of the plan",
+        phrase(
+            "standstills_of_plan",
+            "{count} of {all} standstills are evaluated, those at the poses of the plan",
+            count=len(rows),
+            all=len(poses),
+        ),
         evaluated_standstills={"evaluated": len(rows), "of": len(poses)},
     )
     return replace(

@@ -13,6 +13,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from cases.base.errors import Code, IdentificationError, RecordingError
+from cases.base.phrases import phrase
 from cases.base.units import Array, Flags
 from cases.schema import Case
 from identification.estimation.fit import Robust
@@ -140,8 +141,13 @@ def wrist_run(
     if turning is None or accelerometer is None or turning.rotations is None or accelerometer.specific_forces is None:
         raise RecordingError(
             place=recording.source,
-            problem="a moving run without positions of drives needs rotation matrices and an accelerometer",
-            remedy="add the file that has them, or remove t_s if each row is an averaged standstill",
+            problem=phrase(
+                "accelerometer_needed",
+                "a moving run without positions of drives needs rotation matrices and an accelerometer",
+            ),
+            remedy=phrase(
+                "add_file", "add the file that has them, or remove t_s if each row is an averaged standstill"
+            ),
             code=Code.MISSING,
         )
     if model.needs_position or MASS not in model.blocks:
@@ -153,8 +159,8 @@ def wrist_run(
     cutoff = case.recording.filter_cutoff_Hz if cutoff is None else cutoff
     if cutoff is None:
         raise RecordingError(
-            problem="a moving run needs a filter",
-            remedy="set recording.filter_cutoff_Hz in the case",
+            problem=phrase("filter_needed", "a moving run needs a filter"),
+            remedy=phrase("state_cutoff", "set recording.filter_cutoff_Hz in the case"),
             code=Code.MISSING,
         )
     quaternions = Rotation.from_matrix(turning.rotations).as_quat()
@@ -174,8 +180,8 @@ def wrist_run(
     moving = np.flatnonzero(speed > TURNING)
     if not len(moving):
         raise IdentificationError(
-            problem="the sensor does not turn",
-            remedy="record a motion, or remove t_s from averaged standstills",
+            problem=phrase("does_not_turn", "the sensor does not turn"),
+            remedy=phrase("record_motion", "record a motion, or remove t_s from averaged standstills"),
             code=Code.NO_EXCITATION,
         )
     first, last = max(quaternion.x[0], specific.x[0]), min(quaternion.x[-1], specific.x[-1])
@@ -189,8 +195,8 @@ def wrist_run(
     samples = rows[:: low_pass.stride]
     if len(samples) < LEAST_ROWS:
         raise RecordingError(
-            problem="the streams overlap for too short a time behind the filter",
-            remedy="record longer",
+            problem=phrase("short_overlap", "the streams overlap for too short a time behind the filter"),
+            remedy=phrase("record_longer", "record longer"),
             code=Code.TOO_FEW,
         )
     quiet = _quiet(turning, accelerometer, cutoff, model)
@@ -276,8 +282,8 @@ def _equal_steps(stream: Stream) -> tuple[Array, float]:
     if stream.t is None or len(stream.t) < LEAST_ROWS:
         raise RecordingError(
             place=stream.source,
-            problem="has too few samples with time stamps for a moving run",
-            remedy="record longer",
+            problem=phrase("few_stamps", "has too few samples with time stamps for a moving run"),
+            remedy=phrase("record_longer", "record longer"),
             code=Code.TOO_FEW,
         )
     return stream.t, stream.step

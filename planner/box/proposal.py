@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from cases.base.errors import CaseError, Code
+from cases.base.phrases import phrase
 from cases.machine import POSE
 from cases.schema import Case
 from cases.tables import own_units
@@ -64,8 +65,8 @@ def proposed_box(case: Case, seed: int = 0) -> ProposedBox:
         raise CaseError(
             file=case.origin,
             key="limits.motion",
-            problem="home is out of reach, or at its edge",
-            remedy="move home",
+            problem=phrase("home_unreachable", "home is out of reach, or at its edge"),
+            remedy=phrase("move_home", "move home"),
             code=Code.INFEASIBLE,
         )
     whole = fits(stated)

@@ -10,6 +10,7 @@ import numpy as np
 from cases.base.doors import checks_arguments
 from cases.base.errors import CaseError, Code, HexciteError, choice, option
 from cases.base.options import documented
+from cases.base.phrases import phrase
 from cases.controller import ControllerName
 from cases.readiness import other_machine
 from cases.schema import Case
@@ -71,7 +72,11 @@ class FamilySettings:
         """Raises HexciteError where a motion cannot last so long [s]."""
         if not duration > 0.0:
             raise HexciteError(
-                problem=f"duration {duration:g} s is not positive", remedy="choose about 12 s", code=Code.OUT_OF_RANGE
+                problem=phrase(
+                    "duration_not_positive", "duration {duration} s is not positive", duration=f"{duration:g}"
+                ),
+                remedy=phrase("choose_12", "choose about 12 s"),
+                code=Code.OUT_OF_RANGE,
             )
 
     def require_plannable(self, case: Case, duration: float) -> None:
@@ -335,12 +340,21 @@ class PointToPoint(MoveOptions, FamilySettings):
         if steps and self.without is None:
             named = "" if self.controller else f' (controller.plan_for = "{controller}")'
             raise HexciteError(
-                problem=f"limits.motion of case {case.name} states jerk, which {controller}{named} does not "
-                "limit: no program "
-                "can keep it there",
-                remedy=f"plan with {option('without')} jerk if the machine bears steps of acceleration, or "
-                "with "
-                f"{option('controller', 'for')} virtual, whose motion keeps it on controllers that limit jerk",
+                problem=phrase(
+                    "jerk_not_limited",
+                    "limits.motion of case {case} states jerk, which {controller}{named} does not limit: no "
+                    "program can keep it there",
+                    case=case.name,
+                    controller=controller,
+                    named=named,
+                ),
+                remedy=phrase(
+                    "without_jerk",
+                    "plan with {without} jerk if the machine bears steps of acceleration, or with {to} virtual, "
+                    "whose motion keeps it on controllers that limit jerk",
+                    without=option("without"),
+                    to=option("controller", "for"),
+                ),
                 code=Code.NOT_SUPPORTED,
             )
         if self.without is not None and not steps:
@@ -390,8 +404,10 @@ class Spline(SplineOptions, FamilySettings):
         """Raises HexciteError where the duration has no room for the fewest knots."""
         if not duration >= SHORTEST:
             raise HexciteError(
-                problem=f"duration {duration:g} s is too short for a spline",
-                remedy=f"choose at least {SHORTEST:g} s",
+                problem=phrase(
+                    "short_for_spline", "duration {duration} s is too short for a spline", duration=f"{duration:g}"
+                ),
+                remedy=phrase("choose_at_least", "choose at least {least} s", least=f"{SHORTEST:g}"),
                 code=Code.OUT_OF_RANGE,
             )
 

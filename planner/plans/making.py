@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases.base.errors import Code, HexciteError, IdentificationError, InfeasiblePlan, Interrupted, choice
+from cases.base.phrases import phrase
 from cases.base.units import Array
 from cases.schema import Case
 from identification.limits.limit import UNUSED_SHARE, LimitKind
@@ -285,7 +286,9 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
     if not result.limits.kept:
         worst = result.limits.violations[0]
         raise InfeasiblePlan(
-            problem=f"no feasible motion: {worst.sentence()}", remedy=remedy(worst, case), code=Code.INFEASIBLE
+            problem=phrase("no_motion", "no feasible motion: {limit}", limit=worst.sentence()),
+            remedy=remedy(worst, case),
+            code=Code.INFEASIBLE,
         )
     try:
         return rated_plan(request, case, result, seconds)

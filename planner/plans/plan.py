@@ -14,6 +14,7 @@ from cases.base.errors import Code, FileProblem, HexciteError
 from cases.base.file_reading import read_json
 from cases.base.folder_kinds import PLAN
 from cases.base.output_places import check_folder
+from cases.base.phrases import phrase
 from cases.base.text_formats import json_text
 from cases.base.units import DEG, MM, as_html
 from cases.basis import COMPUTED_FROM, CONTENT, case_of, content_of, plan_basis, require_unchanged
@@ -220,7 +221,7 @@ class Plan:
                     code=Code.OTHER_SOURCE,
                 )
         now = plan_basis(case_of_plan, entries.payload, of_poses)
-        remarks = require_unchanged(file, data, now, case_of_plan, stale, "plan again")
+        remarks = require_unchanged(file, data, now, case_of_plan, stale, phrase("plan_again", "plan again"))
         with refusing(file):
             request = PoseRequest.of_json(data) if of_poses else Request.of_json(data)
             worth = TypeAdapter[PoseWorth | Worth](PoseWorth if of_poses else Worth).validate_python(data)
@@ -234,7 +235,12 @@ class Plan:
                 Path(folder), fingerprint_of(file.read_bytes()), remarks, entries.gain,
             )  # fmt: skip
         if entries.content != content_of(data):
-            raise FileProblem(place=file, problem="was changed by hand", remedy="plan again", code=Code.CHANGED)
+            raise FileProblem(
+                place=file,
+                problem=phrase("plan_changed", "was changed by hand"),
+                remedy=phrase("plan_again", "plan again"),
+                code=Code.CHANGED,
+            )
         return plan
 
     def to_json(self) -> dict[str, Any]:

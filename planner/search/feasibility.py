@@ -5,6 +5,7 @@ from itertools import count
 import numpy as np
 
 from cases.base.errors import Code, IdentificationError, InfeasiblePlan
+from cases.base.phrases import Phrase, phrase
 from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.criteria import box_middle, information, singular_values, uniform_states
@@ -44,8 +45,8 @@ def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> tup
         if share <= SMALLEST:
             worst = max(report.checks, key=lambda c: c.ratio)
             raise InfeasiblePlan(
-                problem=f"no feasible motion: {worst.sentence()}",
-                remedy=f"{remedy(worst, case)} or move home",
+                problem=phrase("no_motion", "no feasible motion: {limit}", limit=worst.sentence()),
+                remedy=phrase("or_home", "{remedy} or move home", remedy=remedy(worst, case)),
                 code=Code.INFEASIBLE,
             )
         outside = share, over
@@ -85,23 +86,38 @@ def _key(kind: LimitKind, of_pose: bool) -> str:
     return several.get(kind, f"{_BOX if kind.kinetic else 'workspace'}.{kind.replace(' ', '_')}_{unit}")
 
 
-def remedy(check: LimitCheck, case: Case) -> str:
+def remedy(check: LimitCheck, case: Case) -> Phrase:
     """The remedy where a limit of a case allows no motion."""
     match check.kind:
         case LimitKind.DISTANCE_FROM_BOX:
-            return f"make that box of {'workspace' if machine_of(case).of_pose else 'machine.chain'}.keep_out smaller"
+            table = "workspace" if machine_of(case).of_pose else "machine.chain"
+            return phrase("smaller_box", "make that box of {table}.keep_out smaller", table=table)
         case LimitKind.DISTANCE_BETWEEN_LINKS:
-            return f"narrow position_deg of {_JOINTS}, correct the bodies in machine.chain"
+            return phrase(
+                "narrow_joints",
+                "narrow position_deg of {joints}, correct the bodies in machine.chain or name them in its may_touch",
+                joints=_JOINTS,
+            )
         case LimitKind.JOINT_TORQUE:
-            return f"lower the accelerations of {_JOINTS}, correct torque_Nm or nominal"
+            return phrase(
+                "lower_accelerations",
+                "lower the accelerations of {joints}, correct {effort} or nominal",
+                joints=_JOINTS,
+                effort="torque_Nm",
+            )
         case LimitKind.JOINT_FORCE:
-            return f"lower the accelerations of {_JOINTS}, correct force_N or nominal"
+            return phrase(
+                "lower_accelerations",
+                "lower the accelerations of {joints}, correct {effort} or nominal",
+                joints=_JOINTS,
+                effort="force_N",
+            )
         case LimitKind.SENSOR_FORCE | LimitKind.SENSOR_MOMENT:
-            return "take weights out of [payloads], correct sensors.range_N or range_Nm"
+            return phrase("less_weight", "take weights out of [payloads], correct sensors.range_N or range_Nm")
         case LimitKind.SINGULARITY:
-            return f"narrow the poses of {_BOX}"
+            return phrase("narrow_poses", "narrow the poses of {box}", box=_BOX)
         case kind:
-            return f"widen {_key(kind, machine_of(case).of_pose)}"
+            return phrase("widen", "widen {key}", key=_key(kind, machine_of(case).of_pose))
 
 
 def require_rest(case: Case) -> None:
@@ -114,8 +130,8 @@ def require_rest(case: Case) -> None:
     if not report.kept:
         worst = report.violations[0]
         raise InfeasiblePlan(
-            problem=f"no feasible motion: {worst.sentence(timed=False)}",
-            remedy=f"{remedy(worst, case)} or move home",
+            problem=phrase("no_motion", "no feasible motion: {limit}", limit=worst.sentence(timed=False)),
+            remedy=phrase("or_home", "{remedy} or move home", remedy=remedy(worst, case)),
             code=Code.INFEASIBLE,
         )
 

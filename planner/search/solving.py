@@ -12,6 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from cases.base.errors import Code, HexciteError, IdentificationError, InfeasiblePlan, option
+from cases.base.phrases import phrase
 from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.criteria import Criterion, reference_scaling, singular_values
@@ -130,8 +131,12 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
             after, (inside, share) = value, candidate
     if inside is None or not np.isfinite(after):
         raise InfeasiblePlan(
-            problem=f"start {task.seed} found no motion inside the limits that determines all parameters of model "
-            f"{task.model}",
+            problem=phrase(
+                "no_start",
+                "start {seed} found no motion inside the limits that determines all parameters of model {model}",
+                seed=task.seed,
+                model=task.model,
+            ),
             remedy=f"widen [limits.motion], allow a longer {option('duration')} or choose a smaller {option('model')}"
             + (
                 ""

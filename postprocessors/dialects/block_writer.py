@@ -12,6 +12,7 @@ from typing import ClassVar
 import numpy as np
 
 from cases.base.errors import Code, HexciteError, option
+from cases.base.phrases import phrase
 from cases.base.units import DEG, MINUTE, MM
 from cases.chain import Box
 from cases.schema import Case
@@ -310,8 +311,10 @@ class BlockWriter(ABC):
                 return [self.trigger(block.on, isinstance(following, MOTION))]
             case CircularMove() | TimedPath() if self.own_axes:
                 raise HexciteError(
-                    problem=f"{self.name} {self.no_paths}",
-                    remedy=f"plan with {option('family PointToPoint', 'family ptp')}",
+                    problem=phrase("no_paths", "{name} {why}", name=self.name, why=self.no_paths),
+                    remedy=phrase(
+                        "plan_moves", "plan with {family}", family=option("family PointToPoint", "family ptp")
+                    ),
                     code=Code.NOT_SUPPORTED,
                 )
             case CircularMove():

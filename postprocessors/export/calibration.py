@@ -10,6 +10,7 @@ import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from cases.base.errors import WITH_OUTPUT, Code, FileProblem, option
+from cases.base.phrases import phrase
 from cases.base.text_formats import json_text
 from cases.schema import Case
 from identification.results.payload import Payload
@@ -28,8 +29,8 @@ def require_exportable(result: Carried, force: bool = False) -> None:
     elif not result.values[0] > 0.0:
         raise FileProblem(
             place=result.source,
-            problem=f"mass {result.values[0]:.4g} kg is not positive",
-            remedy="identify from another run",
+            problem=phrase("mass_negative", "mass {mass} kg is not positive", mass=f"{result.values[0]:.4g}"),
+            remedy=phrase("another_run", "identify from another run"),
             code=Code.MISFIT,
         )
     else:
@@ -40,7 +41,10 @@ def require_exportable(result: Carried, force: bool = False) -> None:
             f"mend that and identify again, or export with {option('force')}, which writes the warning into the file"
         )
         raise FileProblem(
-            place=result.source, problem=f"carries a warning{more}: {doubts[0]}", remedy=remedy, code=Code.MISFIT
+            place=result.source,
+            problem=phrase("carries_warning", "carries a warning{more}: {warning}", more=more, warning=doubts[0]),
+            remedy=remedy,
+            code=Code.MISFIT,
         )
 
 
@@ -51,7 +55,7 @@ def require_added(payload: Payload) -> None:
         remedy = "name the results without and with payload, in this order"
         raise FileProblem(
             place=payload.source,
-            problem=f"the payload's mass {mass:.4g} kg is not positive",
+            problem=phrase("payload_negative", "the payload's mass {mass} kg is not positive", mass=f"{mass:.4g}"),
             remedy=remedy,
             code=Code.MISFIT,
         )

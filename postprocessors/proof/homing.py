@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from cases.base.errors import Code, HexciteError
+from cases.base.phrases import phrase
 from cases.base.units import DEG, MM
 from identification.limits.limit import Limit, LimitCheck, LimitKind, OwnMove, Status
 from identification.limits.proof import limited_machine, prove
@@ -73,8 +74,8 @@ def planned_excitation(reading: Reading, guarantees: Guarantees) -> Trajectory:
     if not excited:
         raise HexciteError(
             place=reading.file,
-            problem="nothing moves with the trigger on",
-            remedy="write it with hexcite post",
+            problem=phrase("nothing_triggered", "nothing moves with the trigger on"),
+            remedy=phrase("write_by_post", "write it with hexcite post"),
             code=Code.TRIGGER,
         )
     return excited[0] if len(excited) == 1 else Joined(tuple(excited))

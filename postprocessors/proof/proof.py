@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from cases.base.errors import Code, NotProven, ProgramError, Violation, choice, option
-from cases.base.phrases import phrase
+from cases.base.phrases import Phrase, enumerated, phrase
 from cases.base.units import DEG, MM
 from cases.chain import Box
-from identification.limits.limit import KINETIC, LimitCheck, LimitKind, LimitReport, Status, worst_of
+from identification.limits.limit import KINETIC, NAMED, LimitCheck, LimitKind, LimitReport, Status, worst_of
 from identification.motion.motion import Array
 from postprocessors.proof.guarantees import Guarantees, WayToFirst
 from postprocessors.proof.judging import judge, require_timing
@@ -99,26 +99,33 @@ class ProgramProof:
         open_ = [name for name in self.relies_on if name not in names]
         if open_:
             exceeded = [words for name, words in self._exceeded.items() if name in open_]
-            problem = f"{self.controller} does not enforce {', '.join(open_)} in this motion, and nothing else does"
+            problem = "{controller} does not enforce {limits} in this motion, and nothing else does; {predicted}"
             predicted = (
-                f"EXCEEDED, as predicted: {', '.join(exceeded)}" if exceeded else "none is predicted to be exceeded"
+                phrase("exceeded_as_predicted", "EXCEEDED, as predicted: {limits}", limits=", ".join(exceeded))
+                if exceeded
+                else phrase("none_exceeded", "none is predicted to be exceeded")
             )
-            remedy = (
-                f"{option('accept')} {','.join(name.replace(' ', '-') for name in open_)} if the machine can bear it"
-            )
+            accept = f"{option('accept')} {','.join(name.replace(' ', '-') for name in open_)}"
+            limits = enumerated("comma", [phrase(NAMED, "{name}", name=name) for name in open_])
             raise ProgramError(
                 file=self.file,
-                problem=f"{problem}; {predicted}",
-                remedy=f"{self._planned(open_)}{remedy}",
+                problem=phrase(
+                    "nobody_enforces", problem, controller=self.controller, limits=limits, predicted=predicted
+                ),
+                remedy=self._planned(open_, accept),
                 code=Code.NOT_PROVEN,
             )
 
-    def _planned(self, families: Collection[LimitKind]) -> str:
+    def _planned(self, families: Collection[LimitKind], accept: str) -> Phrase:
         """The remedy that needs no `--accept`: a plan that leaves the jerk out, or none where that is not enough."""
-        return (
-            f"plan moves or poses with {option('without')} jerk for it, or write this one with "
-            if LimitKind.JERK in families
-            else "write it with "
+        if LimitKind.JERK not in families:
+            return phrase("write_with", "write it with {accept} if the machine can bear it", accept=accept)
+        return phrase(
+            "plan_without_jerk",
+            "plan moves or poses with {without} jerk for it, or write this one with {accept} if the machine can bear "
+            "it",
+            without=option("without"),
+            accept=accept,
         )
 
     def require(self) -> None:
@@ -129,7 +136,9 @@ class ProgramProof:
             raise NotProven(
                 file=self.file,
                 violations=self.exceeded,
-                remedy="slow down or change the move" if faster else "change the move",
+                remedy=phrase("slow_down", "slow down or change the move")
+                if faster
+                else phrase("change_move", "change the move"),
             )
 
     def lines_to_json(self) -> list[dict[str, Any]]:
@@ -154,7 +163,10 @@ def prove_program(reading: Reading, guarantees: Guarantees) -> ProgramProof:
     """
     if not any(isinstance(part, Timed | Untimed) for part in reading.stretches):
         raise ProgramError(
-            file=reading.file, problem="contains no motion", remedy="is this the right file?", code=Code.WRONG_KIND
+            file=reading.file,
+            problem=phrase("no_motion_in_program", "contains no motion"),
+            remedy=phrase("right_file", "is this the right file?"),
+            code=Code.WRONG_KIND,
         )
     clock, excitation = 0.0, 0.0
     reports: list[LimitReport] = []

@@ -416,3 +416,25 @@ def test_a_file_with_pieces_put_elsewhere_is_read_or_refused_in_one_line(
         for joint, _ in joints:
             assert np.isclose(np.linalg.norm(joint.axis), 1.0)
             assert np.isfinite([*joint.origin, *joint.rpy]).all()
+
+
+def test_what_is_fixed_behind_the_sensor_is_its_load(tmp_path: Path) -> None:
+    """A plate of 1 kg, 20 mm before the sensor's link and turned by 90 degrees about z, and the link's own 5 kg."""
+    plate = '<link name="plate"><inertial><origin xyz="0.01 0 0.03"/><mass value="1"/>'
+    plate += '<inertia ixx="0.002" iyy="0.001" izz="0.002"/>'
+    plate += '</inertial><collision><geometry><box size="0.1 0.02 0.04"/></geometry></collision></link>'
+    plate += '<joint name="m" type="fixed"><origin xyz="0 0 0.02" rpy="0 0 1.5707963267948966"/>'
+    plate += '<parent link="tool0"/><child link="plate"/></joint></robot>'
+    tool0 = '<link name="tool0"><inertial><mass value="5"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>'
+    found = arm(tmp_path, ("</robot>", plate), ('<link name="tool0"/>', tool0))
+    assert found.load_links == ("plate",)
+    assert found.load.mass_kg == pytest.approx(1.0)
+    np.testing.assert_allclose(found.load.centre_of_gravity_mm, [0.0, 10.0, 50.0], atol=1e-9)
+    np.testing.assert_allclose(np.diag(found.load.inertia), [0.001, 0.002, 0.002], atol=1e-12)
+    np.testing.assert_allclose(np.ptp(found.tool[0].corners_mm, axis=0), [20.0, 100.0, 40.0], atol=0.02)
+    text = ur10().replace("</robot>", plate).replace('<link name="tool0"/>', tool0)
+    file = new_arm("arm", file_with(tmp_path, text), "tool0", tmp_path / "arm", bodies=True)
+    file.write_text(filled_in(file.read_text(), HOMES["ur10"]))
+    case = load_case(str(file))
+    assert case.nominal.mass_kg == pytest.approx(1.0)
+    assert [body.name for body in case.chain.tool] == ["plate"]

@@ -12,6 +12,7 @@ from hexcite.page import forms, reading
 from hexcite.page.actions.common import Action, Context, job_of, recording_of, result_of
 from hexcite.page.forms import Fields, chosen, field
 from hexcite.page.jobs import Job
+from hexcite.page.machine_inis import ini_of
 from hexcite.page.refusals import Unfit
 from hexcite.page.stages import Workspace
 
@@ -23,7 +24,8 @@ def _rehearse(context: Context, there: Workspace, fields: Fields) -> Job:
     output = context.free(f"{Path(program).stem}-recording")
     goto = f"{context.address}/data?recording={quote(output)}"
     on = chosen(fields, "on", ("virtual", "linuxcnc"), "virtual")
-    command = forms.run(context.machine, program, on, output)
+    ini = ini_of(context.root, field(fields, "ini")) if on == "linuxcnc" else ""
+    command = forms.run(context.machine, program, on, output, ini)
     return job_of(context, "data", command, output=output, goto=goto)
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from urllib.parse import quote
 
 from cases.tables import built_in_cases
-from hexcite.page import forms, values
+from hexcite.page import forms, joint_table, values
 from hexcite.page.actions.common import Action, Context, job_of
 from hexcite.page.forms import Fields, chosen, field
 from hexcite.page.jobs import Job
@@ -37,8 +37,9 @@ def new(root: Path, fields: Fields) -> Job:
     urdf, like = field(fields, "urdf"), field(fields, "like")
     if urdf:
         chosen(fields, "urdf", [file.name for file in root.glob("*.urdf")])
-        flange = [f"--flange={field(fields, 'flange')}"] if field(fields, "flange") else []
-        command = ["case", "new", name, "--urdf", forms.place(urdf), *flange]
+        links = [f"--{key}={field(fields, key)}" for key in ("flange", "sensor") if field(fields, key)]
+        bodies = ["--bodies"] if field(fields, "bodies") else []
+        command = ["case", "new", name, "--urdf", forms.place(urdf), *links, *bodies]
     else:
         chosen(fields, "like", built_in_cases())
         command = ["case", "new", name, "--like", like]
@@ -74,7 +75,8 @@ def save(context: Context, fields: Fields) -> Saved:
 
 def given_values(fields: Fields) -> dict[str, str]:
     """What a form says of values, by the names of its fields."""
-    return {name: field(fields, name) for name in fields if name.partition(".")[0] in ("v", "u", "w", "on")}
+    given = {name: field(fields, name) for name in fields if name.partition(".")[0] in ("v", "u", "w", "on")}
+    return joint_table.spread(given)
 
 
 ACTIONS: Mapping[str, Action] = {

@@ -7,8 +7,7 @@ from hexcite.page import forms
 from hexcite.page.actions.common import Action, Context, job_of
 from hexcite.page.forms import Fields, chosen, field
 from hexcite.page.jobs import Job
-from hexcite.page.machine_inis import includes_beyond, inis
-from hexcite.page.refusals import Unfit
+from hexcite.page.machine_inis import ini_of
 from hexcite.page.stages import FORMS, Workspace
 
 
@@ -23,9 +22,7 @@ def _program(context: Context, there: Workspace, fields: Fields) -> Job:
     output = context.free(f"{plan}{slow}", suffix)
     query = f"?plan={quote(plan)}"
     goto = f"{context.address}/program?plan={quote(plan)}&program={quote(output)}"
-    ini = chosen(fields, "ini", ["", *inis(context.root)], "") if dialect == "linuxcnc" else ""
-    if ini and includes_beyond(context.root, ini):
-        raise Unfit("ini_includes", name=ini)
+    ini = ini_of(context.root, field(fields, "ini")) if dialect == "linuxcnc" else ""
     command = forms.post(fields, plan, dialect, output, ini)
     return job_of(context, "program", command, output=output, about=plan, query=query, goto=goto)
 

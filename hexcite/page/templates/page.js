@@ -221,7 +221,10 @@ if (form) {
   }
   form.addEventListener("input", (event) => { // what is typed for a key that is not there switches it on
     const name = event.target.name ?? "";
-    if (name.startsWith("w.")) form.elements["on." + name.slice(2)].checked = true;
+    const column = event.target.dataset?.column;
+    for (const each of column ? form.querySelectorAll(`[data-of="${column}"]`) : []) each.value = event.target.value;
+    const on = form.elements["on." + name.slice(2)] ?? form.elements["on.joints"];
+    if (on && (name.startsWith("w.") || (column && form.querySelector(`.proposed[data-of="${column}"]`)))) on.checked = true;
     for (const mover of movers.filter((each) => fieldOf(each.dataset.field) === event.target)) {
       const value = numbersIn(event.target.value)[Math.max(0, Number(mover.dataset.item ?? 0))];
       if (Number.isFinite(value) && document.activeElement !== mover) mover.value = String(value);

@@ -1,6 +1,6 @@
 """What each stage shows: plain values for its template, read from the folders."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -34,25 +34,30 @@ def stage(context: Context, name: str, query: Mapping[str, str], language: Langu
 
 
 LATE = (
-    "hexcite.page.actions.table",
+    "hexcite.page.actions.table", "hexcite.reports.plan", "planner.plans.plan",
     "identification.results.frames", "postprocessors.export.targets", "postprocessors.controllers.linuxcnc.session",
     "postprocessors.program",
 )  # fmt: skip
 """Modules that stages import when they are asked for."""
 
 
-def warm_up() -> None:
-    """Imports and reads what stages take long for when they first need it."""
+def warm_up() -> Iterator[None]:
+    """Imports and reads what stages take long for when they first need it, a little at each step."""
+    for name in STAGES:
+        import_module(f"{__name__}.{name}")
+        yield
     from hexcite.page import values
     from hexcite.page.views import machine
     from hexcite.reports.page import space_page
 
-    for name in (*(f"{__name__}.{stage}" for stage in STAGES), *LATE):
-        import_module(name)
-    space_page()
     for each in built_in():
         values.sections(each.file.read_text(encoding="utf-8"), each.case)
         machine.drawn(each.case, {})
+        yield
+    space_page()
+    for name in LATE:
+        yield
+        import_module(name)
 
 
 def job(job: Job, language: Language) -> dict[str, Any]:

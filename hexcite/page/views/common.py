@@ -10,7 +10,6 @@ from cases.base.text_formats import toml_value
 from cases.editing import placed
 from hexcite.page.stages import Made
 from hexcite.page.words import Words
-from identification.estimation.fit import COVERAGE_FACTOR
 from identification.texts import legible, std_text, value_text
 
 BOUND = 0.99  # share from which a limit is used to its end
@@ -79,6 +78,8 @@ def parameter(words: Words, name: str, value: Mapping[str, Any]) -> tuple[str, s
     if not math.isfinite(std) or std <= 0.0:
         return words.parameter(name), f"{float(value['value']) * scale:.6g}", "", "", unit
     digits = value_text(float(value["value"]) * scale, std * scale)
+    from identification.estimation.fit import COVERAGE_FACTOR  # with scipy, which a first paint does not wait for
+
     expanded = std_text(COVERAGE_FACTOR * std * scale)
     return words.parameter(name), digits, std_text(std * scale), expanded, unit
 

@@ -6,7 +6,9 @@ from typing import Any
 from hexcite.page import reading
 from hexcite.page.actions.common import Context
 from hexcite.page.actions.data import remedies_of
+from hexcite.page.forms import ini_in
 from hexcite.page.jobs import Job
+from hexcite.page.machine_inis import inis
 from hexcite.page.stages import RECORDINGS, Machine, Recording, Workspace
 from hexcite.page.views.common import Query, chosen, remedies
 
@@ -26,7 +28,10 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "chosen": recording,
         "programs": there.programs,
         "kinds": ", ".join(sorted(RECORDINGS)),
-        "controllers": ("virtual",) if linuxcnc_missing() is not None else ("virtual", "linuxcnc"),
+        "controllers": ("virtual", "linuxcnc")
+        if "linuxcnc" in context.machine.dialects and linuxcnc_missing() is None
+        else ("virtual",),
+        **_inis(context, there),
         "cannot_run": context.machine.lacks("run"),
         "looked": answer,
         "remedies": remedies(stated),
@@ -34,6 +39,13 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "reading": reading,
         "picture": picture if answer is not None and (context.root / picture).is_file() else "",
     }
+
+
+def _inis(context: Context, there: Workspace) -> dict[str, Any]:
+    """INI files that a rehearsal on LinuxCNC may be compared with, and that which the newest program was."""
+    written = [context.jobs.latest(context.machine.key, "post", program.plan) for program in there.programs[:1]]
+    used = next((ini_in(job.command) for job in written if job is not None), "")
+    return {"inis": inis(context.root), "ini": used}
 
 
 def _since(looked: Job, machine: Machine) -> bool:

@@ -13,7 +13,7 @@ from cases.base.errors import HexciteError
 from cases.schema import Case
 from cases.tables import tables_of
 from cases.urdf import TOOL0, read_links
-from hexcite.page import drawing, values
+from hexcite.page import drawing, joint_table, values
 from hexcite.page.actions.common import Context
 from hexcite.page.actions.machine import given_values
 from hexcite.page.forms import Fields
@@ -23,6 +23,8 @@ from hexcite.page.stages import Machine, Workspace, case_key, case_of
 from hexcite.page.views.common import Query
 from hexcite.reports.page import script_json
 
+_SENSOR = re.compile(r"(?:^|_)(?:fts?\d*|force|torque|wrench|sensor)(?:_|\d|$)")  # names of a sensor's link
+
 
 def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     """What the stage Machine shows of a machine, for its template."""
@@ -30,12 +32,14 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     content = machine.file.read_text(encoding="utf-8", errors="replace")
     check = context.jobs.latest(machine.key, "case", "check")
     sections = _sections(content, *case_key(machine))
+    joints, others = joint_table.cut_out(sections)
     data = _tables(content)
     chain = chain_in(data)
     return {
         "saved": query.get("saved") == "1",
         "digest": values.digest(content),
-        "sections": sections,
+        "sections": others,
+        "joint_table": joints,
         "given": {},
         **_lacking(machine, sections),
         "checked": check.answer if check is not None else None,
@@ -50,10 +54,13 @@ def _lacking(machine: Machine, sections: Sequence[values.Section]) -> dict[str, 
     """Keys that the stage Plan misses in a case of one's own, and where they can be stated on the page."""
     lacks = machine.lacks("plan") if machine.own else ()
     names = [section.name for section in sections]
+    jointed = any(name.startswith("machine.chain.joints") for name in names)
 
     def nearest(key: str) -> str:
         """The table of a key, else the first one inside or around it."""
         table = key.rpartition(".")[0]
+        if key.startswith(("machine.chain.joints.", "limits.motion")) and jointed:
+            return joint_table.NAME
         inside = [name for name in names if name == key or name.startswith((f"{key}.", f"{key}[", f"{table}["))]
         around = sorted((name for name in names if name and f"{table}.".startswith(f"{name}.")), key=len)
         return next(iter([*inside, *around[::-1]]), "")
@@ -124,6 +131,7 @@ def urdf(file: Path) -> dict[str, Any]:
         "problem": "",
         "links": sorted(links, key=lambda link: -link.moved_by),
         "flange": (tools or moved)[-1].name,
+        "sensor": next((link.name for link in moved if _SENSOR.search(link.name.lower())), ""),
         "proposed": stem if stem[:1].isalpha() else f"robot_{stem}".rstrip("_"),
         "scene": Markup(script_json(scene_of_links(links).to_json())),
     }

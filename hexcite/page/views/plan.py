@@ -13,9 +13,7 @@ from hexcite.page.stages import Made, Workspace, workspace
 from hexcite.page.views.common import Query, chosen_plan, limits
 from hexcite.page.words import Words
 from hexcite.reports.page import script_json
-from hexcite.reports.plan import scene_of
 from identification.texts import legible, std_text
-from planner.plans.plan import Plan
 
 
 def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
@@ -36,7 +34,7 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "chosen": plan,
         "facts": None if plan is None else _facts(plan),
         "plans": [(p, _facts(p)) for p in there.plans],
-        "predicted": _predicted(context.words, [plan, *others]) if plan is not None else None,
+        "predicted": None if plan is None else _predicted(context, [plan, *others]),
         "limits": limits(context.words, plan.record.get("limits", {})) if plan is not None else [],
     }
 
@@ -49,7 +47,7 @@ def _facts(plan: Made) -> dict[str, Any]:
         "seconds": f"{record['duration_s']:.3g}" if isinstance(record.get("duration_s"), int | float) else "",
         "efficiency": f"{efficiency:.3f}" if isinstance(efficiency, float) else "",
         "interrupted": bool(record.get("interrupted")),
-        "mass": f"{_deviation('m', record.get('predicted_std', {}).get('m'))} {legible('kg')[1]}",
+        "mass": f"{_deviation('kg', record.get('predicted_std', {}).get('m'))} {legible('kg')[1]}",
         "notes": [str(note) for note in record.get("notes", ()) if isinstance(note, str)][:6],
     }
 
@@ -65,28 +63,36 @@ def _kinds(plans: Sequence[Made], plan: Made | None) -> list[tuple[str, str]]:
     return rows
 
 
-def _unit(name: str) -> str:
-    """The SI unit of a physical parameter, by its letters."""
+OFFSET = "f_q0_"  # of a parameter, with the number of its channel behind
+
+
+def _unit(name: str, moments: bool = False) -> str:
+    """The SI unit of a physical parameter, by its letters; `moments`: whether channels 4 to 6 are moments."""
     if name == "m":
         return "kg"
     if name in ("xC", "yC", "zC"):
         return "m"
+    if name.startswith(OFFSET):
+        return "N m" if moments and int(name.removeprefix(OFFSET)) > 3 else "N"
     return "kg m^2" if name.startswith("IC") else ""
 
 
-def _deviation(name: str, value: object) -> str:
+def _deviation(unit: str, value: object) -> str:
     if not isinstance(value, int | float) or not math.isfinite(value):
         return "–"
-    return std_text(value * legible(_unit(name))[0])
+    return std_text(value * legible(unit)[0])
 
 
-def _predicted(words: Words, plans: Sequence[Made]) -> dict[str, Any]:
+def _predicted(context: Context, plans: Sequence[Made]) -> dict[str, Any]:
     """Predicted deviations of plans side by side, a row a parameter."""
+    case = context.machine.case
+    moments = case is not None and case.sensor_frame.has_moments
     stds = [plan.record.get("predicted_std") or {} for plan in plans]
     names = list(dict.fromkeys(name for std in stds for name in std))
+    units = {name: _unit(name, moments) for name in names}
     rows = [
-        (words.parameter(name), legible(_unit(name))[1], [_deviation(name, std.get(name)) for std in stds])
-        for name in names
+        (context.words.parameter(name), legible(unit)[1], [_deviation(unit, std.get(name)) for std in stds])
+        for name, unit in units.items()
     ]
     return {"heads": [plan.name for plan in plans], "rows": rows}
 
@@ -104,6 +110,9 @@ def scene(context: Context, name: str) -> str | None:
 
 @lru_cache(8)
 def _scene(words: Words, folder: str, fingerprint: str, source: str, case_hash: str) -> str | None:
+    from hexcite.reports.plan import scene_of  # these two with what plans and fits, which the stage does without
+    from planner.plans.plan import Plan
+
     try:
         case = load_case(source)
         entries = scene_of(Plan.load(folder, case, stale=True)).to_json()

@@ -8,11 +8,12 @@ from markupsafe import Markup, escape
 
 from hexcite.page.actions.common import Context
 from hexcite.page.how_to_record import Recipe, recipe
+from hexcite.page.jobs import Job
 from hexcite.page.machine_inis import inis
 from hexcite.page.stages import FORMS, Made, Program, Workspace
 from hexcite.page.views.common import BOUND, Query, beginning, chosen_plan, limits
 from hexcite.page.words import Words
-from identification.limits.limit import Limit, Status
+from identification.limits.limit import NAMED, Limit, Status
 
 
 def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
@@ -25,7 +26,7 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     refused = last is not None and last.state == "failed"
     exceeded = (last.answer or {}).get("violations", []) if refused and last is not None else []
     written = last.answer if last is not None and last.state == "done" else None
-    kinds = sorted(plan.record.get("limits", {})) if plan is not None else []
+    kinds = _answerable(last, plan) if refused and last is not None and plan is not None else []
     return {
         "plans": there.plans,
         "chosen": plan,
@@ -39,17 +40,33 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "inis": inis(context.root) if "linuxcnc" in context.machine.dialects else None,
         "ini": query.get("ini", ""),
         "forms": [form for dialect in context.machine.dialects for form in FORMS.get(dialect, ())],
-        "preferred": _preferred(plan, context) if plan is not None else "",
+        "preferred": _dialect_of(last) or (_preferred(plan, context) if plan is not None else ""),
         "recipe": _recipe(context, plan, program),
         "home": _home(context),
         "refused": refused,
         "exceeded": exceeded[:20],
-        "answerable": [(kind.replace(" ", "-"), context.words.limit(kind)) for kind in kinds] if refused else [],
+        "answerable": [(kind.replace(" ", "-"), context.words.limit(kind)) for kind in kinds],
         "written": written,
         "verdict": "" if written is None else verdict(context.words, written),
         "remarks": () if written is None else _remarks(context.words, written),
         "limits": [] if written is None else limits(context.words, written.get("limits", {})),
     }
+
+
+def _answerable(refused: Job, plan: Made) -> list[str]:
+    """Limits that one may answer for: those that a refusal names, else all of the plan's."""
+    phrases = refused.refused.get("phrases") if isinstance(refused.refused, Mapping) else None
+    problem = (phrases or {}).get("problem", {})
+    limits = problem.get("values", {}).get("limits", {}) if problem.get("code") == "nobody_enforces" else {}
+    parts = limits.get("values", {}).get("parts", [limits])
+    named = [str(part["values"]["name"]) for part in parts if part.get("code") == NAMED]
+    return named or sorted(plan.record.get("limits", {}))
+
+
+def _dialect_of(job: Job | None) -> str:
+    """The controller that a program was written for last; empty where there is none."""
+    command = () if job is None else job.command
+    return command[command.index("--dialect") + 1] if "--dialect" in command else ""
 
 
 def verdict(words: Words, answer: Mapping[str, Any]) -> Markup:

@@ -8,6 +8,7 @@ from typing import Any
 from markupsafe import Markup
 
 from cases.base.errors import HexciteError
+from cases.base.phrases import said
 from hexcite.page.actions.common import Context
 from hexcite.page.actions.data import remedies_of
 from hexcite.page.actions.result import REFERENCES
@@ -66,7 +67,12 @@ def _judged(context: Context, result: Made) -> dict[str, Any]:
     verdict = None if case is None else _verdict(context.root / result.name, result.fingerprint, *key)
     limits = {} if case is None or case.accept is None else case.accept.model_dump(exclude_unset=True)
     return {
-        "verdict": None if verdict is None else {"passed": verdict.passed, "unjudged": verdict.unjudged},
+        "verdict": None
+        if verdict is None
+        else {
+            "passed": verdict.passed,
+            "unjudged": [context.words.clause(said(u).to_json(), u) for u in verdict.unjudged],
+        },
         "checks": [] if verdict is None else [_check_row(context.words, check) for check in verdict.checks],
         "limits_stated": case is not None and case.accept is not None,
         "limits_form": [(key, _stated(limits, key)) for key in LIMITS],

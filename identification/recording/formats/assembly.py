@@ -12,6 +12,7 @@ from fractions import Fraction
 import numpy as np
 
 from cases.base.errors import Code, RecordingError
+from cases.base.phrases import phrase
 from cases.base.unit_names import LENGTHS
 from cases.base.units import MM, Array, Flags
 from cases.machine import POSE, turned
@@ -163,8 +164,12 @@ def _incomplete(table: ColumnTable, ours: str) -> RecordingError:
     """The error for a column that is missing beside others."""
     return RecordingError(
         place=table.source,
-        problem=f"column {table.form.file_name(ours)} is missing",
-        remedy=f"it has {listed(table.names)}: add it or map its name in [recording.columns] of the case",
+        problem=phrase("column_missing", "column {column} is missing", column=table.form.file_name(ours)),
+        remedy=phrase(
+            "add_or_map",
+            "it has {there}: add it or map its name in [recording.columns] of the case",
+            there=listed(table.names),
+        ),
         code=Code.MISSING,
     )
 
@@ -290,15 +295,15 @@ def _struts(table: ColumnTable, case: Case) -> tuple[Array | None, list[Finding]
     if struts is not None:
         raise RecordingError(
             place=table.source,
-            problem="has strut lengths and drive positions",
-            remedy="take one of them out of [recording.columns]",
+            problem=phrase("struts_and_drives", "has strut lengths and drive positions"),
+            remedy=phrase("take_one_out", "take one of them out of [recording.columns]"),
             code=Code.CONTRADICTION,
         )
     if (how := table.form.drives) is None:
         raise RecordingError(
             place=table.source,
-            problem="has drive positions",
-            remedy="say in [recording.drives] of the case how they move the struts",
+            problem=phrase("drives_alone", "has drive positions"),
+            remedy=phrase("say_how_drives", "say in [recording.drives] of the case how they move the struts"),
             code=Code.MISSING,
         )
     return np.array(how.sign) * drives[:, how.index] + how.offset, []

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
 from cases.base.errors import Code, RecordingError
+from cases.base.phrases import phrase
 from identification.recording.formats.foreign import require_text
 from identification.recording.formats.table import free_memory, require_file, unreadable
 
@@ -44,8 +45,8 @@ class Content:
         if not any(line.strip() for line in lines):
             raise RecordingError(
                 place=self.file,
-                problem="is empty, it has blank lines only",
-                remedy="record again",
+                problem=phrase("blank_lines", "is empty, it has blank lines only"),
+                remedy=phrase("record_again", "record again"),
                 code=Code.TOO_FEW,
             )
         if len(lines) > 1 and len(data) == LONGEST_LINE:
@@ -121,7 +122,10 @@ def _decoded(file: Path, stream: BinaryIO, encoding: str) -> Iterator[bytes]:
         yield decoder.decode(b"", final=True).encode()
     except UnicodeError:
         raise RecordingError(
-            place=file, problem="is damaged text in UTF-16", remedy="save it again, as UTF-8", code=Code.DAMAGED
+            place=file,
+            problem=phrase("damaged_utf16", "is damaged text in UTF-16"),
+            remedy=phrase("save_utf8", "save it again, as UTF-8"),
+            code=Code.DAMAGED,
         ) from None
 
 
@@ -132,11 +136,17 @@ def _decompressed(file: Path, stream: BinaryIO) -> Iterator[bytes]:
             yield from iter(lambda: packed.read(PART), b"")
     except EOFError:
         raise RecordingError(
-            place=file, problem="is a gzip file that is cut off", remedy="copy it again", code=Code.DAMAGED
+            place=file,
+            problem=phrase("gzip_cut", "is a gzip file that is cut off"),
+            remedy=phrase("copy_again", "copy it again"),
+            code=Code.DAMAGED,
         ) from None
     except (gzip.BadGzipFile, zlib.error):
         raise RecordingError(
-            place=file, problem="is a damaged gzip file", remedy="copy it again", code=Code.DAMAGED
+            place=file,
+            problem=phrase("gzip_damaged", "is a damaged gzip file"),
+            remedy=phrase("copy_again", "copy it again"),
+            code=Code.DAMAGED,
         ) from None
 
 

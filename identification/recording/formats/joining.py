@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from cases.base.errors import Code, RecordingError
+from cases.base.phrases import NOTHING, phrase
 from cases.base.units import Array, Flags
 from identification.finding import Finding, Kind, note, warning
 from identification.recording.formats.table import Channel, Stream
@@ -144,8 +145,8 @@ def _joined_by_trigger(reference: Stream, stream: Stream, stated: bool) -> tuple
     if reference.t is None or stream.t is None:
         raise RecordingError(
             place=pair,
-            problem="have a trigger each, and not both have a clock",
-            remedy="state recording.clock.period_ms",
+            problem=phrase("triggers_no_clocks", "have a trigger each, and not both have a clock"),
+            remedy=phrase("state_period", "state recording.clock.period_ms"),
             code=Code.TRIGGER,
         )
     ours, theirs = _edges(reference), _edges(stream)
@@ -162,24 +163,63 @@ def _joined_by_trigger(reference: Stream, stream: Stream, stated: bool) -> tuple
         )
     (fit,) = best
     resolution = float(np.max(ours.half) + np.max(theirs.half))
-    edges = f"{fit.edges} edge{'s' if fit.edges > 1 else ''} of the trigger"
+    edges = (
+        phrase("edges", "{count} edges of the trigger", count=fit.edges)
+        if fit.edges > 1
+        else phrase("one_edge", "1 edge of the trigger")
+    )
+    within = f"{1e3 * resolution:.2g}"
     if stated:
         if abs(fit.shift) <= resolution:
-            sentence = f"{pair}: {edges} agree with recording.clock.offset_s within {1e3 * resolution:.2g} ms"
+            sentence = phrase(
+                "clocks_as_stated",
+                "{pair}: {edges} agree with recording.clock.offset_s within {within} ms",
+                pair=pair,
+                edges=edges,
+                within=within,
+            )
             return replace(stream, trigger=None), note(Kind.CLOCK, sentence)
-        sentence = (
-            f"the clocks of {pair} differ by {fit.shift:.4f} s more than recording.clock.offset_s states, by {edges}"
+        sentence = phrase(
+            "clocks_not_as_stated",
+            "the clocks of {pair} differ by {shift} s more than recording.clock.offset_s states, by {edges}; "
+            "correct it "
+            "or leave it out",
+            pair=pair,
+            shift=f"{fit.shift:.4f}",
+            edges=edges,
         )
-        return replace(stream, trigger=None), warning(Kind.CLOCK, f"{sentence}; correct it or leave it out")
+        return replace(stream, trigger=None), warning(Kind.CLOCK, sentence)
     if abs(fit.shift) <= resolution and not fit.differs:
-        sentence = f"{pair} have one clock: {edges} agree within {1e3 * resolution:.2g} ms"
+        sentence = phrase(
+            "one_clock",
+            "{pair} have one clock: {edges} agree within {within} ms",
+            pair=pair,
+            edges=edges,
+            within=within,
+        )
         return replace(stream, trigger=None), note(Kind.CLOCK, sentence, clock_offset_s=0.0, clock_rate_ppm=0.0)
-    sentence = f"the clock of {stream.source} is joined with that of {reference.source} by {edges}: {fit.shift:+.4f} s"
+    rate = ways = NOTHING
     if np.isfinite(fit.rate_std):
-        words = "ppm" if fit.differs else "ppm, which is not significant and left out"
-        sentence += f", rate {1e6 * fit.rate:+.3g} +- {1e6 * fit.rate_std:.2g} {words}"
+        sizes = {"rate": f"{1e6 * fit.rate:+.3g}", "std": f"{1e6 * fit.rate_std:.2g}"}
+        rate = (
+            phrase("clock_rate", ", rate {rate} +- {std} ppm", **sizes)
+            if fit.differs
+            else phrase(
+                "clock_rate_left_out", ", rate {rate} +- {std} ppm, which is not significant and left out", **sizes
+            )
+        )
     if len(maps) > 1:
-        sentence += f"; it is the longest of {len(maps)} ways in which their edges fit"
+        ways = phrase("ways_to_fit", "; it is the longest of {count} ways in which their edges fit", count=len(maps))
+    sentence = phrase(
+        "clocks_joined",
+        "the clock of {file} is joined with that of {other} by {edges}: {shift} s{rate}{ways}",
+        file=stream.source,
+        other=reference.source,
+        edges=edges,
+        shift=f"{fit.shift:+.4f}",
+        rate=rate,
+        ways=ways,
+    )
     moved = replace(stream, t=fit.of(stream.t), trigger=None)
     quantity = {"clock_offset_s": fit.shift, "clock_rate_ppm": 1e6 * fit.rate if fit.differs else 0.0}
     return moved, note(Kind.CLOCK, sentence, **quantity)
@@ -216,7 +256,12 @@ def _require_overlap(streams: Sequence[Stream]) -> None:
     if start >= end:
         raise RecordingError(
             place=latest,
-            problem=f"starts {start - end:.6g} s after {early} ends",
-            remedy="give the files of one run, or state how their clocks differ in recording.clock.offset_s",
+            problem=phrase(
+                "starts_after", "starts {seconds} s after {other} ends", seconds=f"{start - end:.6g}", other=early
+            ),
+            remedy=phrase(
+                "one_run_or_offset",
+                "give the files of one run, or state how their clocks differ in recording.clock.offset_s",
+            ),
             code=Code.OTHER_SOURCE,
         )

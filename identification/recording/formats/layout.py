@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from cases.base.errors import Code, RecordingError
+from cases.base.phrases import phrase
 from cases.base.units import Array
 from cases.recording_format import CLOCK, TICKS, FileFormat
 from identification.recording.formats import dates
@@ -214,8 +215,8 @@ def _decoded(file: Path, raw: Sequence[bytes]) -> tuple[str, list[str]]:
             return encoding, lines
     raise RecordingError(
         place=file,
-        problem="is not text in UTF-8, UTF-16 with its mark, or cp1252",
-        remedy="save text of another encoding as UTF-8; export other files as CSV or Parquet",
+        problem=phrase("not_text", "is not text in UTF-8, UTF-16 with its mark, or cp1252"),
+        remedy=phrase("save_or_export", "save text of another encoding as UTF-8; export other files as CSV or Parquet"),
         code=Code.UNREADABLE,
     )
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cases.base.errors import Code, RecordingError
+from cases.base.phrases import phrase
 from cases.base.units import Array
 from cases.recording_format import CLOCK, TICKS, FileFormat
 from identification.recording.formats.table import ColumnTable, Lines, Stamps, require_room, shown, unreadable
@@ -29,7 +30,10 @@ def parquet_tables(file: Path, form: FileFormat) -> list[ColumnTable]:
                 raise RecordingError(place=file, problem=without(names, form), code=Code.MISSING)
             if not rows:
                 raise RecordingError(
-                    place=file, problem="has columns but no rows", remedy="record again", code=Code.TOO_FEW
+                    place=file,
+                    problem=phrase("no_rows", "has columns but no rows"),
+                    remedy=phrase("record_again", "record again"),
+                    code=Code.TOO_FEW,
                 )
             require_room(file, rows, len(chosen))
             table = parquet.read(columns=[*(names[k] for k in chosen.values()), *clock])

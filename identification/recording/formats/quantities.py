@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from cases.base.errors import Code, RecordingError
+from cases.base.phrases import NOTHING, phrase
 from cases.base.unit_names import is_share, is_unit
 from cases.base.units import Array
 from cases.recording_format import BAR_FORCES, CLOCK, COLUMNS, ROLE_OF, ROLE_UNITS, TICKS, WRENCH, Role
@@ -64,7 +65,14 @@ def with_units(table: ColumnTable, ranges: Array | None = None) -> ColumnTable:
     findings = [
         note(
             Kind.FORMAT,
-            f"{role} are read in {_symbols(columns)}, as the file says of {_labels(columns)}, {table.source}",
+            phrase(
+                "read_in_unit",
+                "{role} are read in {unit}, as the file says of {columns}, {file}",
+                role=role,
+                unit=_symbols(columns),
+                columns=_labels(columns),
+                file=table.source,
+            ),
         )
         for role, columns in by_label.items()
     ]
@@ -129,23 +137,61 @@ def _refusal(table: ColumnTable, unknown: Mapping[str, StatedUnit], ranges: Arra
     ours, stated = next(iter(unknown.items()))
     role, label = ROLE_OF[ours], table.form.file_name(ours)
     units = ROLE_UNITS[role]
-    others = f" (likewise {len(unknown) - 1} more)" if len(unknown) > 1 else ""
-    scale = f"recording.scale = {{ {ours} = .. }}, what a 1 of each channel is in {units.usual}"
-    remedy = f"state recording.units.{role}, one of {', '.join(units)}; or {scale}"
+    others = phrase("likewise", " (likewise {count} more)", count=len(unknown) - 1) if len(unknown) > 1 else NOTHING
+    scale = phrase(
+        "scale_of",
+        "recording.scale = {{ {ours} = .. }}, what a 1 of each channel is in {usual}",
+        ours=ours,
+        usual=units.usual,
+    )
+    remedy = phrase(
+        "state_unit",
+        "state recording.units.{role}, one of {units}; or {scale}",
+        role=role,
+        units=", ".join(units),
+        scale=scale,
+    )
     if is_count(stated.text):
-        problem = f"holds counts ({shown(stated.text)}), which have a unit by a factor only{others}"
-        remedy = f"state {scale}; where they are {role} already, recording.units.{role} = '{units.usual}'"
-    elif is_share(stated.text) and (keys := scale_of_shares([*unknown], ranges)) is not None:
-        problem = f"holds shares of a range ({shown(stated.text)}), which have a unit by that range only{others}"
-        remedy = f"state {keys}, " + (
-            "the range of each sensor over 100 (over 1 where numbers end at 1)"
-            if ranges is None
-            else "if 100 % is the range in [sensors]; else the range that the recorder has, over 100"
+        problem = phrase(
+            "counts",
+            "holds counts ({text}), which have a unit by a factor only{others}",
+            text=shown(stated.text),
+            others=others,
         )
+        remedy = phrase(
+            "state_scale",
+            "state {scale}; where they are {role} already, recording.units.{role} = '{usual}'",
+            scale=scale,
+            role=role,
+            usual=units.usual,
+        )
+    elif is_share(stated.text) and (keys := scale_of_shares([*unknown], ranges)) is not None:
+        problem = phrase(
+            "shares",
+            "holds shares of a range ({text}), which have a unit by that range only{others}",
+            text=shown(stated.text),
+            others=others,
+        )
+        range_words = (
+            phrase("over_100", "the range of each sensor over 100 (over 1 where numbers end at 1)")
+            if ranges is None
+            else phrase(
+                "range_of_sensors", "if 100 % is the range in [sensors]; else the range that the recorder has, over 100"
+            )
+        )
+        remedy = phrase("state_range", "state {keys}, {range}", keys=keys, range=range_words)
     elif stated.several:
-        problem = f"has units that differ, {shown(stated.text)}{others}"
+        problem = phrase(
+            "several_units", "has units that differ, {text}{others}", text=shown(stated.text), others=others
+        )
     else:
-        problem = f"{shown(stated.text)!r} is not a known unit of {role}{others}"
+        problem = phrase(
+            "unknown_unit",
+            "{text} is not a known unit of {role}{others}",
+            text=repr(shown(stated.text)),
+            role=role,
+            others=others,
+        )
     return RecordingError(place=f"{table.source}, {shown(label)}", problem=problem, remedy=remedy, code=Code.UNIT)
 
 

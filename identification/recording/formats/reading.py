@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from cases.base.errors import Code, RecordingError
+from cases.base.phrases import phrase
 from cases.base.units import Array
 from cases.machine import POSE
 from cases.orientation import ROTATION
@@ -231,8 +232,14 @@ def _require_whole(streams: Sequence[Stream], case: Case, names: Sequence[str]) 
     sources = ", ".join(dict.fromkeys(s.source for s in streams))
     if "forces" not in owner:
         raise RecordingError(
-            place=sources, problem=f"no forces: {without(names, form, case.sensor_frame.channels)}", code=Code.MISSING
+            place=sources,
+            problem=phrase("no_forces", "no forces: {none}", none=without(names, form, case.sensor_frame.channels)),
+            code=Code.MISSING,
         )
     if case.setup != "1a" and not {"drives", "poses", "rotations"} & owner.keys():
         columns = case.drive_columns if case.machine is not None else (*ROTATION, *POSE)
-        raise RecordingError(place=sources, problem=f"no pose: {without(names, form, columns)}", code=Code.MISSING)
+        raise RecordingError(
+            place=sources,
+            problem=phrase("no_pose", "no pose: {none}", none=without(names, form, columns)),
+            code=Code.MISSING,
+        )

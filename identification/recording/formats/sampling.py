@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from cases.base.phrases import NOTHING, phrase
 from cases.base.units import Array, Flags, Indices
 from identification.finding import Finding, Kind, note, warning
 from identification.recording.formats.clocks import GAP, Even, Unsteady, agrees, evened
@@ -37,11 +38,23 @@ def clocked(table: ColumnTable) -> ColumnTable:
         return table
     if table.form.format == "twincat-scope":  # its clocks are at different rates
         finding = note(
-            Kind.CLOCK, f"{_name(table)}: recording.clock.period_ms is not used, its clocks have their stamps"
+            Kind.CLOCK,
+            phrase(
+                "period_not_used",
+                "{file}: recording.clock.period_ms is not used, its clocks have their stamps",
+                file=_name(table),
+            ),
         )
         return replace(table, stamped=False, findings=(*table.findings, finding))
-    sentence = f"{_name(table)}: recording.clock.period_ms = {period * 1e3:.6g} counts, not its time stamps, which are "
-    finding = note(Kind.CLOCK, f"{sentence}{float(t[-1]) / (table.rows - 1) * 1e3:.4g} ms apart on average")
+    sentence = phrase(
+        "period_counts_apart",
+        "{file}: recording.clock.period_ms = {period} counts, not its time stamps, which are {apart} ms apart on "
+        "average",
+        file=_name(table),
+        period=f"{period * 1e3:.6g}",
+        apart=f"{float(t[-1]) / (table.rows - 1) * 1e3:.4g}",
+    )
+    finding = note(Kind.CLOCK, sentence)
     return replace(table, stamps=np.arange(table.rows), tick=period, stamped=False, findings=(*table.findings, finding))
 
 
@@ -54,8 +67,18 @@ def _without_repeats(table: ColumnTable) -> ColumnTable:
     if not len(at) or any(not np.array_equal(c[at], c[at - 1], equal_nan=True) for c in table.values.values()):
         return table
     values = {ours: column[~again] for ours, column in table.values.items()}
-    rows = f"{len(at)} rows repeat the one above them" if len(at) > 1 else "1 row repeats the one above it"
-    finding = note(Kind.CLOCK, f"{_name(table)}: {rows}, {table.lines.place(int(at[0]))} first; left out")
+    places = {"file": _name(table), "first": table.lines.place(int(at[0]))}
+    finding = note(
+        Kind.CLOCK,
+        phrase(
+            "rows_repeat",
+            "{file}: {count} rows repeat the one above them, {first} first; left out",
+            count=len(at),
+            **places,
+        )
+        if len(at) > 1
+        else phrase("row_repeats", "{file}: 1 row repeats the one above it, {first} first; left out", **places),
+    )
     remaining = {"stamps": table.stamps[~again], "lines": table.lines.without(at.tolist())}
     return replace(table, values=values, findings=(*table.findings, finding), **remaining)
 
@@ -93,24 +116,61 @@ def _about(stream: Stream, even: Even, taken: bool) -> list[Finding]:
     ms, name = 1e3, _name(stream)
     if even.written is not None:
         off = abs(even.written / even.step - 1.0)
-        counts = f"{name}: recording.clock.period_ms = {even.step * ms:.6g} counts, not its time stamps"
+        period = f"{even.step * ms:.6g}"
         if off < _OTHER_CLOCK:
-            return [note(Kind.CLOCK, f"{counts}; these say which samples were lost")]
-        sentence = f"{counts}, which are {even.written * ms:.6g} ms apart: accelerations differ by {200 * off:.2g} %; "
-        return [warning(Kind.CLOCK, f"{sentence}find out which of them is right")]
+            sentence = phrase(
+                "period_counts",
+                "{file}: recording.clock.period_ms = {period} counts, not its time stamps; these say which "
+                "samples were "
+                "lost",
+                file=name,
+                period=period,
+            )
+            return [note(Kind.CLOCK, sentence)]
+        sentence = phrase(
+            "period_contradicts",
+            "{file}: recording.clock.period_ms = {period} counts, not its time stamps, which are {apart} ms apart: "
+            "accelerations differ by {percent} %; find out which of them is right",
+            file=name,
+            period=period,
+            apart=f"{even.written * ms:.6g}",
+            percent=f"{200 * off:.2g}",
+        )
+        return [warning(Kind.CLOCK, sentence)]
     if not even.strays:
         return []
-    by = f"by {even.stray * ms:.3g} ms (rms), at most {even.most * ms:.3g} ms"
-    done = "the samples are taken to be at these"
+    done = phrase("taken_at_steps", "the samples are taken to be at these")
     if taken:
-        done = "the motion is smoother at the stamps, so that samples are interpolated between them"
-    sentence = f"{name}: time stamps stray from equal steps of {even.step * ms:.6g} ms {by}; {done}"
+        done = phrase(
+            "taken_at_stamps", "the motion is smoother at the stamps, so that samples are interpolated between them"
+        )
+    sentence = phrase(
+        "stamps_stray",
+        "{file}: time stamps stray from equal steps of {step} ms by {rms} ms (rms), at most {most} ms; {done}",
+        file=name,
+        step=f"{even.step * ms:.6g}",
+        rms=f"{even.stray * ms:.3g}",
+        most=f"{even.most * ms:.3g}",
+        done=done,
+    )
     stated = {"step_ms": even.step * ms, "rms_ms": even.stray * ms, "most_ms": even.most * ms}
     findings = [note(Kind.CLOCK, sentence, time_stamps=stated | {"step_deviation": even.deviation})]
     if even.deviation > _UNSURE:
-        hidden = "" if even.clear else ": single lost samples are not seen behind what stamps stray by"
-        sentence = f"{name}: the step of {even.step * ms:.4g} ms is uncertain by {100 * even.deviation:.2g} %{hidden}; "
-        findings.append(warning(Kind.CLOCK, f"{sentence}state recording.clock.period_ms if it is known"))
+        hidden = (
+            NOTHING
+            if even.clear
+            else phrase("lost_unseen", ": single lost samples are not seen behind what stamps stray by")
+        )
+        sentence = phrase(
+            "step_uncertain",
+            "{file}: the step of {step} ms is uncertain by {percent} %{hidden}; state recording.clock.period_ms if it "
+            "is known",
+            file=name,
+            step=f"{even.step * ms:.4g}",
+            percent=f"{100 * even.deviation:.2g}",
+            hidden=hidden,
+        )
+        findings.append(warning(Kind.CLOCK, sentence))
     return findings
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.base.errors import Code, RecordingError, printable
+from cases.base.phrases import phrase
 from cases.base.renamed import renamed
 from cases.base.units import Array, Flags
 from cases.recording_format import FileFormat
@@ -183,8 +184,8 @@ class Stream:
         if len(self.t) < 2:
             raise RecordingError(
                 place=self.source,
-                problem="has one row, which is not a motion",
-                remedy="record again",
+                problem=phrase("one_row", "has one row, which is not a motion"),
+                remedy=phrase("record_again", "record again"),
                 code=Code.TOO_FEW,
             )
         even = evened(self.t)
@@ -284,7 +285,12 @@ def require_file(file: Path) -> None:
             code=Code.UNREADABLE,
         )
     if about.st_size == 0:
-        raise RecordingError(place=file, problem="is empty", remedy="record again", code=Code.TOO_FEW)
+        raise RecordingError(
+            place=file,
+            problem=phrase("empty_file", "is empty"),
+            remedy=phrase("record_again", "record again"),
+            code=Code.TOO_FEW,
+        )
 
 
 MOST_MISSING = 0.3  # of a column's rows; one with more is sampled at another rate, or is broken
@@ -297,10 +303,18 @@ def require_room(file: Path, rows: int, columns: int, others: int = 0) -> None:
     if others + rows * columns > most:
         raise RecordingError(
             place=file,
-            problem=f"{others + rows * columns:,} numbers in this run take more than half of the free "
-            "memory to be evaluated "
-            f"({2e-09 * BYTES * most:.3g} GB)",
-            remedy=f"cut the run, at most {most // columns:,} rows of {columns} columns fit, or free memory",
+            problem=phrase(
+                "too_large_run",
+                "{count} numbers in this run take more than half of the free memory to be evaluated ({size} GB)",
+                count=f"{others + rows * columns:,}",
+                size=f"{2e-09 * BYTES * most:.3g}",
+            ),
+            remedy=phrase(
+                "cut_run",
+                "cut the run, at most {rows} rows of {columns} columns fit, or free memory",
+                rows=f"{most // columns:,}",
+                columns=columns,
+            ),
             code=Code.OUT_OF_RANGE,
         )
 

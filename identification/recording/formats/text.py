@@ -15,6 +15,7 @@ import pyarrow.compute as pc
 import pyarrow.csv as pacsv
 
 from cases.base.errors import Code, RecordingError
+from cases.base.phrases import Phrase, phrase
 from cases.recording_format import CLOCK, COLUMNS, TRIGGER, FileFormat
 from identification.recording.formats import dates
 from identification.recording.formats.content import PART, Block, Content, Section, blocks_of, lines_of
@@ -119,11 +120,16 @@ def select(file: Path, fields: Sequence[Field], form: FileFormat) -> dict[str, i
     return positions
 
 
-def without(names: Iterable[str], form: FileFormat, wanted: Sequence[str] = _TYPICAL) -> str:
+def without(names: Iterable[str], form: FileFormat, wanted: Sequence[str] = _TYPICAL) -> Phrase:
     """What to say of a file with columns of some names that has none of those, by our names, that are wanted."""
     columns = listed(map(form.file_name, wanted))
-    remedy = "name them so or map them in [recording.columns], or state separator and header in [recording] of the case"
-    return f"none of the columns {columns}; it has {listed(names)}: {remedy}, as hexcite look proposes"
+    return phrase(
+        "none_of_columns",
+        "none of the columns {columns}; it has {there}: name them so or map them in [recording.columns], or state "
+        "separator and header in [recording] of the case, as hexcite look proposes",
+        columns=columns,
+        there=listed(names),
+    )
 
 
 def tables(
@@ -152,8 +158,8 @@ def tables(
     if not wanted.positions:
         raise RecordingError(
             place=content.file,
-            problem="holds no columns of numbers",
-            remedy="export it again, one row a sample",
+            problem=phrase("no_numbers", "holds no columns of numbers"),
+            remedy=phrase("export_rows", "export it again, one row a sample"),
             code=Code.WRONG_KIND,
         )
     parts = [_section(content, section, layout, wanted) for section in layout.sections]
@@ -161,8 +167,8 @@ def tables(
     if not sum(counts):
         raise RecordingError(
             place=content.file,
-            problem="has a header but no rows",
-            remedy="record or export it again",
+            problem=phrase("header_only", "has a header but no rows"),
+            remedy=phrase("record_or_export", "record or export it again"),
             code=Code.TOO_FEW,
         )
     lines = _lines(content, layout, counts)
@@ -274,7 +280,10 @@ def _stamps(
             )
         place = f"{place}, {shown(layout.label(position))}"
         raise RecordingError(
-            place=place, problem="is empty where a time stamp is needed", remedy="remove the row", code=Code.CLOCK
+            place=place,
+            problem=phrase("no_stamp", "is empty where a time stamp is needed"),
+            remedy=phrase("remove_row", "remove the row"),
+            code=Code.CLOCK,
         )
     column = column.slice(0, count)
     if pa.types.is_string(column.type):
@@ -496,8 +505,8 @@ def _rewritten(file: Path, block: Block, layout: Layout, wanted: _Wanted, last: 
         if not line.rstrip(b"\r").strip(b"\0"):
             raise RecordingError(
                 place=place,
-                problem="is binary zero, as after a crash while recording",
-                remedy="cut the file off there",
+                problem=phrase("binary_zero", "is binary zero, as after a crash while recording"),
+                remedy=phrase("cut_file_there", "cut the file off there"),
                 code=Code.DAMAGED,
             )
         try:
@@ -511,7 +520,12 @@ def _rewritten(file: Path, block: Block, layout: Layout, wanted: _Wanted, last: 
             if number == last and len(fields) < width and not data.endswith(b"\n"):
                 remedy = "the file is cut off in its last line: remove that line"
             raise RecordingError(
-                place=place, problem=f"expected {width} columns, got {len(fields)}", remedy=remedy, code=Code.DAMAGED
+                place=place,
+                problem=phrase(
+                    "other_width", "expected {expected} columns, got {got}", expected=width, got=len(fields)
+                ),
+                remedy=remedy,
+                code=Code.DAMAGED,
             )
         row = []
         for k in wanted.positions:

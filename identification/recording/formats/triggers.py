@@ -3,6 +3,7 @@
 import numpy as np
 
 from cases.base.errors import Code, RecordingError
+from cases.base.phrases import phrase
 from cases.base.units import Array, Flags
 from cases.recording_format import TRIGGER
 from identification.finding import Finding, Kind, note
@@ -30,12 +31,25 @@ def trigger_of(table: ColumnTable) -> tuple[Flags | None, list[Finding]]:
         values = (values.astype(np.int64) >> bit & 1).astype(float)
     elif (changing := _changing_bit(values)) is not None:
         findings = [
-            note(Kind.WINDOW, f"the trigger is bit {changing} of {table.form.file_name(TRIGGER)}, which alone changes")
+            note(
+                Kind.WINDOW,
+                phrase(
+                    "trigger_bit",
+                    "the trigger is bit {bit} of {column}, which alone changes",
+                    bit=changing,
+                    column=table.form.file_name(TRIGGER),
+                ),
+            )
         ]
         values = (values.astype(np.int64) >> changing & 1).astype(float)
     if _never_switches(values):
         level = float(np.median(values))
-        return None, [note(Kind.WINDOW, f"the trigger never switches, it is {level:.6g} all along: it marks nothing")]
+        sentence = phrase(
+            "trigger_constant",
+            "the trigger never switches, it is {level} all along: it marks nothing",
+            level=f"{level:.6g}",
+        )
+        return None, [note(Kind.WINDOW, sentence)]
     flags = switched(values)
     if flags is None:
         off = np.minimum(np.abs(values), np.abs(values - values.max()))  # 0 and the largest are the levels of a switch
@@ -49,7 +63,7 @@ def trigger_of(table: ColumnTable) -> tuple[Flags | None, list[Finding]]:
             )
         raise RecordingError(
             place=table.place(row, TRIGGER),
-            problem=f"{values[row].item()} is not a level of a switch",
+            problem=phrase("not_a_switch", "{value} is not a level of a switch", value=values[row].item()),
             remedy=remedy,
             code=Code.TRIGGER,
         )

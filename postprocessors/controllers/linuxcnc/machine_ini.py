@@ -9,6 +9,7 @@ import numpy as np
 
 from cases.base.errors import Code, FileProblem, choice
 from cases.base.file_reading import read_whole
+from cases.base.phrases import phrase
 from cases.schema import Case
 from postprocessors.controllers.linuxcnc.configuration import PURPOSE, AxisLayout
 from postprocessors.dialects.linuxcnc.promises import acceleration_headroom, path_jerk
@@ -76,8 +77,10 @@ def _number(entries: Entries, section: str, key: str) -> tuple[float, str] | Non
     except ValueError:
         raise FileProblem(
             place=place,
-            problem=f"[{section}]{key} = {text!r} is not a number",
-            remedy="correct it; a comment needs a line of its own there",
+            problem=phrase(
+                "ini_no_number", "[{section}]{key} = {text} is not a number", section=section, key=key, text=f"{text!r}"
+            ),
+            remedy=phrase("ini_comment", "correct it; a comment needs a line of its own there"),
             code=Code.SYNTAX,
         ) from None
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cases.base.errors import Code, HexciteError, option
+from cases.base.phrases import phrase
 from cases.schema import Case
 from postprocessors.controllers.executed_run import ControllerLog
 from postprocessors.controllers.linuxcnc import configuration, timing
@@ -70,9 +71,13 @@ def require_planner(case: Case, version: tuple[int, int]) -> None:
     if path_jerk(case) is not None and version < LIMITS_JERK:
         raise HexciteError(
             place=f"case {case.name}, controller.linuxcnc.planner",
-            problem=f"LinuxCNC {'.'.join(map(str, version))} here has no planner with limited jerk (s_curve, since "
-            f"{'.'.join(map(str, LIMITS_JERK))})",
-            remedy=f"run with {option('on')} virtual",
+            problem=phrase(
+                "linuxcnc_old",
+                "LinuxCNC {version} here has no planner with limited jerk (s_curve, since {since})",
+                version=".".join(map(str, version)),
+                since=".".join(map(str, LIMITS_JERK)),
+            ),
+            remedy=phrase("on_virtual", "run with {on} virtual", on=option("on")),
             code=Code.NOT_INSTALLED,
         )
 

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from cases.base.errors import Code, HexciteError, option
+from cases.base.phrases import phrase
 from cases.base.units import DEG
 from cases.chain import Chain
 from cases.controller import UrScript
@@ -70,10 +71,14 @@ def _statements(program: Blocks, chain: Chain, output: int, crawl: tuple[float, 
                 yield f"set_standard_digital_out({output}, {block.on})"
             case _:
                 raise HexciteError(
-                    problem="URScript programs are made of moves from rest to rest, for what servoj makes of a "
-                    "path cannot be "
-                    "proven",
-                    remedy=f"plan with {option('family PointToPoint', 'family ptp')}",
+                    problem=phrase(
+                        "urscript_moves",
+                        "URScript programs are made of moves from rest to rest, for what servoj makes of a path "
+                        "cannot be proven",
+                    ),
+                    remedy=phrase(
+                        "plan_moves", "plan with {family}", family=option("family PointToPoint", "family ptp")
+                    ),
                     code=Code.NOT_SUPPORTED,
                 )
 

@@ -51,3 +51,24 @@ def test_what_stages_import_is_not_waited_for_before_the_first_page() -> None:
     code = "import sys, hexcite.page.server; print(*({'casadi', 'matplotlib', 'scipy'} & sys.modules.keys()))"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.split() == []
+
+
+COLD = """
+import sys
+from pathlib import Path
+from hexcite.page import views
+from hexcite.page.actions.common import Context
+from hexcite.page.jobs import Jobs
+from hexcite.page.stages import machine_of
+
+root = Path(sys.argv[1])
+for stage in ("machine", "plan", "program"):
+    views.stage(Context(root, machine_of(root, "hexapod"), Jobs(root)), stage, {}, "en")
+print(*({"casadi", "matplotlib", "scipy.linalg", "scipy.optimize"} & sys.modules.keys()))
+"""
+
+
+def test_first_stages_load_nothing_that_plans_or_fits(tmp_path: Path):
+    """They are painted at once; what they take from such libraries would be a second of processor time."""
+    run = subprocess.run([sys.executable, "-c", COLD, str(tmp_path)], capture_output=True, text=True, check=True)
+    assert run.stdout.split() == []

@@ -1,5 +1,6 @@
 """Values of a case are changed by a form, one by one, and everything else of the file stays."""
 
+import re
 import tomllib
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from cases.readiness import readiness
 from cases.scaffold import new_arm, new_case
 from cases.schema import load_case
 from hexcite.page import values
+from hexcite.page.joint_table import cut_out, spread
 from hexcite.page.refusals import Refused
 from hexcite.page.values import digest, edited, sections
 
@@ -197,3 +199,57 @@ def test_a_proposed_box_is_written(file: Path):
     assert load_case(str(file)).limits.motion.x_mm == (-100.0, 120.0)
     with pytest.raises(Refused):
         values.write_motion_box(file, {"x_mm": [50, 120]})  # home is not in it
+
+
+def test_an_arm_is_completed_in_one_table(client: TestClient, root: Path):
+    """One value typed states all of the table; units and values of all joints at once."""
+    (root / "two.urdf").write_text(ARM)
+    file = new_arm("arm", root / "two.urdf", "tool0", root / "arm")
+    table, others = cut_out(sections(file.read_text(), None))
+    assert table is not None
+    assert [row.name for row in table.rows] == ["first", "second"]
+    assert table.missing == 10
+    assert not any("home" in entry.name for section in others for entry in section.more)
+    page = client.get("/m/+arm/machine").text
+    names = re.findall(r'name="([vw][.][^"]+)"', page)
+    assert len(names) == len({*names})  # each value has one field
+    fields = {"digest": digest(file.read_text()), "on.joints": "1", "u.joints.velocity": "velocity_deg_s:rad/s"}
+    for row in table.rows:
+        assert row.hidden is not None
+        fields[f"w.{row.hidden.entry.name}"] = row.name
+        for column, cell in row.cells.items():
+            fields[f"w.{cell.entry.name}"] = "1.5" if column == "velocity" else cell.entry.text
+    answer = client.post("/m/+arm/do/save", data=fields)
+    assert answer.status_code == 303, answer.text
+    assert "2+x+limits.motion.joints" in answer.headers["location"].replace("%20", "+")
+    case = load_case(str(file))
+    assert case.limits is not None
+    assert case.limits.motion.rate == pytest.approx([1.5, 1.5])
+    table, _ = cut_out(sections(file.read_text(), case))
+    assert table is not None
+    assert table.missing == 0
+    page = client.get("/m/+arm/machine").text
+    assert 'name="on.joints"' not in page
+    assert case.chain is not None
+    assert [joint.home_deg for joint in case.chain.joints] == [0.0, 0.0]
+
+
+def test_what_is_not_stated_of_joints_stays_so_until_it_is_switched_on(root: Path):
+    (root / "two.urdf").write_text(ARM)
+    content = new_arm("arm", root / "two.urdf", "tool0", root / "arm").read_text()
+    table, _ = cut_out(sections(content, None))
+    assert table is not None
+    proposed = {f"w.{cell.entry.name}": cell.entry.text for row in table.rows for cell in row.cells.values()}
+    assert edited(content, spread(proposed)).text == content
+
+
+def test_the_simulated_body_that_is_proposed_is_the_nominal_one(root: Path):
+    (root / "two.urdf").write_text(ARM)
+    content = new_arm("arm", root / "two.urdf", "tool0", root / "arm").read_text()
+    body = (
+        "mass_kg = 1.25\ncentre_of_gravity_mm = [1.0, 2.0, 30.0]\ninertia_kg_m2 = [0.01, 0.0, 0.0, 0.01, 0.0, 0.01]\n"
+    )
+    entries = [entry for section in sections(f"{content}\n[nominal]\n{body}", None) for entry in section.more]
+    proposed = {entry.name: entry.text for entry in entries}
+    assert proposed["simulation.parameters.body.mass_kg"] == "1.25"
+    assert proposed["simulation.parameters.body.centre_of_gravity_mm"] == "[1.0, 2.0, 30.0]"

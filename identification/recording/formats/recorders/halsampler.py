@@ -9,6 +9,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 from cases.base.errors import Code, RecordingError
+from cases.base.phrases import phrase
 from cases.recording_format import CLOCK, COLUMNS, FileFormat
 from identification.recording.formats import text
 from identification.recording.formats.content import Content, blocks_of, section_of
@@ -84,8 +85,10 @@ def tables(
             if lost:  # one at the top is not a loss
                 raise RecordingError(
                     place=f"{content.file}, line {lost[-1]}",
-                    problem="LinuxCNC lost samples here and does not say how many",
-                    remedy="record with halsampler -t and a longer queue (depth of the sampler)",
+                    problem=phrase("linuxcnc_lost", "LinuxCNC lost samples here and does not say how many"),
+                    remedy=phrase(
+                        "longer_queue", "record with halsampler -t and a longer queue (depth of the sampler)"
+                    ),
                     code=Code.DAMAGED,
                 )
     for table in text.tables(content, layout, chosen, switches):

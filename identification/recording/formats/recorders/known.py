@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from cases.base.errors import Code, RecordingError
+from cases.base.phrases import phrase
 from cases.recording_format import CLOCK, TRIGGER, WRENCH, FileFormat, FormatName
 from identification.recording.formats import text
 from identification.recording.formats.content import Content, content_of
@@ -62,8 +63,8 @@ def read(file: Path, form: FileFormat) -> Iterator[ColumnTable]:
             place = f"{file}, line {layout.names_row}"
             raise RecordingError(
                 place=place,
-                problem="holds numbers where names should be",
-                remedy="list names in recording.column_names, as hexcite look does",
+                problem=phrase("numbers_for_names", "holds numbers where names should be"),
+                remedy=phrase("list_names", "list names in recording.column_names, as hexcite look does"),
                 code=Code.WRONG_KIND,
             )
         raise RecordingError(place=file, problem=without(layout.names, layout.form), code=Code.MISSING)

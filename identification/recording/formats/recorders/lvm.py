@@ -11,6 +11,7 @@ from datetime import datetime
 from fractions import Fraction
 
 from cases.base.errors import Code, RecordingError
+from cases.base.phrases import phrase
 from cases.recording_format import FileFormat
 from identification.recording.formats.content import Content, Section
 from identification.recording.formats.text import Field, Layout
@@ -44,8 +45,8 @@ def layout(content: Content, head: Sequence[bytes], form: FileFormat) -> Layout:
         place = f"{content.file}, line {other.names_row}"
         raise RecordingError(
             place=place,
-            problem="names other channels than the segment above",
-            remedy="give each segment as a file of its own",
+            problem=phrase("lvm_other_channels", "names other channels than the segment above"),
+            remedy=phrase("lvm_segments", "give each segment as a file of its own"),
             code=Code.WRONG_KIND,
         )
     general = {row[0]: row[1] for line in head for row in [_words(line, separator)] if len(row) > 1}

@@ -11,6 +11,7 @@ import re
 from collections.abc import Sequence
 
 from cases.base.errors import Code, RecordingError
+from cases.base.phrases import phrase
 from cases.recording_format import TICKS, FileFormat
 from identification.recording.formats.content import Content, section_of
 from identification.recording.formats.recorders.plain import SAMPLE
@@ -42,10 +43,12 @@ def layout(content: Content, head: Sequence[bytes], form: FileFormat) -> Layout:
     if first is None:
         raise RecordingError(
             place=content.file,
-            problem="has no two lines that start with Name and a separator, and rows of numbers below, "
-            "as exports of TwinCAT "
-            "Scope have",
-            remedy="export it as CSV with its header, or set recording.format in the case",
+            problem=phrase(
+                "not_scope",
+                "has no two lines that start with Name and a separator, and rows of numbers below, as exports of "
+                "TwinCAT Scope have",
+            ),
+            remedy=phrase("export_scope", "export it as CSV with its header, or set recording.format in the case"),
             code=Code.WRONG_KIND,
         )
     rows = [split(line, separator) for line in lines[first : first + SAMPLE]]

@@ -14,6 +14,7 @@ from xml.parsers import expat
 import numpy as np
 
 from cases.base.errors import Code, RecordingError
+from cases.base.phrases import phrase
 from cases.recording_format import CLOCK, FileFormat
 from identification.recording.formats.content import PART, Content
 from identification.recording.formats.recorders import plain
@@ -93,8 +94,8 @@ def session_tables(
     if not times:
         raise RecordingError(
             place=content.file,
-            problem="has signals but no records",
-            remedy="save the trace again with its measured values",
+            problem=phrase("trace_no_records", "has signals but no records"),
+            remedy=phrase("trace_again", "save the trace again with its measured values"),
             code=Code.TOO_FEW,
         )
     values = {ours: np.array(column) for ours, column in columns.items()}
@@ -137,8 +138,8 @@ def _elements(content: Content) -> Iterator[tuple[str, dict[str, str]]]:
         cause = shown(str(error).partition(":")[0], 80)
         raise RecordingError(
             place=f"{content.file}, line {parser.CurrentLineNumber}",
-            problem=f"is damaged XML ({cause})",
-            remedy="save the trace again",
+            problem=phrase("trace_damaged", "is damaged XML ({cause})", cause=cause),
+            remedy=phrase("trace_save_again", "save the trace again"),
             code=Code.DAMAGED,
         ) from None
 

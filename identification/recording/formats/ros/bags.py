@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from cases.base.errors import Code, RecordingError
+from cases.base.phrases import phrase
 from cases.recording_format import CLOCK, WRENCH, Clock, FileFormat
 from cases.schema import Case
 from identification.recording.formats.ros.frames import require_frame
@@ -102,8 +103,8 @@ def opened(bag: Path) -> "Iterator[AnyReader]":
     except ModuleNotFoundError:
         raise RecordingError(
             place=bag,
-            problem="is a ROS bag, which rosbags reads",
-            remedy="pip install 'hexcite[ros]'",
+            problem=phrase("rosbags_needed", "is a ROS bag, which rosbags reads"),
+            remedy=phrase("install_ros", "pip install 'hexcite[ros]'"),
             code=Code.NOT_INSTALLED,
         ) from None
     import sqlite3
@@ -119,8 +120,8 @@ def opened(bag: Path) -> "Iterator[AnyReader]":
         reason = shown(" ".join(str(error).split()) or type(error).__name__, 120)
         raise RecordingError(
             place=bag,
-            problem=f"is a damaged bag ({reason})",
-            remedy="copy it again, or run ros2 bag reindex",
+            problem=phrase("bag_damaged", "is a damaged bag ({reason})", reason=reason),
+            remedy=phrase("copy_or_reindex", "copy it again, or run ros2 bag reindex"),
             code=Code.DAMAGED,
         ) from error
 
@@ -140,8 +141,8 @@ def topic_of(bag: Path, reader: "AnyReader", what: Topic, stated: str | None) ->
         every = listed(sorted({f"{c.topic} ({c.msgtype.rpartition('/')[2]})" for c in reader.connections}))
         raise RecordingError(
             place=bag,
-            problem=f"has no messages {kind}; its topics are {every}",
-            remedy="record such a topic too",
+            problem=phrase("no_messages", "has no messages {kind}; its topics are {topics}", kind=kind, topics=every),
+            remedy=phrase("record_topic", "record such a topic too"),
             code=Code.MISSING,
         )
     reason = f"has no topic {stated} of {kind}" if stated else f"has several topics of {kind}: {listed(possible)}"
