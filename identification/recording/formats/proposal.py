@@ -4,7 +4,6 @@ What the case states counts before what names say, and names before what values 
 sentence.
 """
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import permutations
@@ -14,8 +13,7 @@ import numpy as np
 
 from cases.base.errors import printable
 from cases.base.unit_names import is_share
-from cases.base.units import DEG, MM, Array
-from cases.chain import Joint
+from cases.base.units import Array
 from cases.orientation import ANGLES, CONVENTIONS, QUATERNION, ROLL_PITCH_YAW
 from cases.recording_format import (
     BAR_FORCES,
@@ -32,7 +30,6 @@ from cases.recording_format import (
     Role,
 )
 from cases.schema import Case
-from identification.recording.formats.assembly import lengths_of_struts
 from identification.recording.formats.layout import TextColumns
 from identification.recording.formats.names.families import words_of
 from identification.recording.formats.names.labels import StatedUnit, counted, stated_unit
@@ -43,20 +40,21 @@ from identification.recording.formats.reasons import NO_REASON, Reason, Why, bec
 from identification.recording.formats.stated_rates import stated_step
 from identification.recording.formats.table import listed
 from identification.recording.formats.triggers import changing_bits, switched
+from identification.recording.formats.units_by_values import (
+    FILETIMES,
+    MOST_RADIANS,
+    USUAL_RATE,
+    strut_unit,
+    units_of_motion,
+    units_of_values,
+)
 
 CUTOFF_HZ = 40.0  # of a proposal where the case states none
 LEAST_CUTOFF_HZ = 1.0  # below, nothing of an excitation is left
-USUAL_RATE = 1000.0  # what `recording.rate_Hz` has by default
-_RATES = (20.0, 50_000.0)  # rows per second that recorders have
 _OTHER_RATE = 0.05  # share by which the rate of the stamps differs from that of a header, from which on it is said
 _SLOW = 1.0  # rows per second below which a stated unit of stamps is taken for an error
 _CUTOFF_SHARE = 0.19  # of the rows per second; the reader takes a fifth at most
-_MOST_RADIANS = 6.5  # of joints; in degrees one of them is beyond that in any motion
-_MOST_METRES = 2.0  # of joints that slide; in millimetres one of them is beyond that in any motion
-_NEARER = 3.0  # times nearer to home, from which on one unit fits and the other does not
-_BEYOND = 1.0  # degrees or millimetres beyond the ends of a joint that a recording may have
 _RUNNING = 0.04  # share of the steps of a clock that go on, at least: others stand for many rows
-_TICKS = 1e17, 1e18  # stamps in ticks of 100 ns since the years 1 or 1601
 _EVEN_ROWS, _EVEN, _NEARLY = 20, 1.5, 0.95  # a clock without a name: least steps, times the usual one, share of them
 _ONWARD = 0.5  # sum of all steps over that of their sizes, at least: others begin anew again and again
 _LEAST_NANOSECONDS = 1e6  # in a column of nanoseconds that adds to seconds: a thousandth of a second
@@ -211,7 +209,7 @@ class _Draft:
         """What no name makes a clock, but rises evenly: ticks of 100 ns are one, other numbers may be one."""
         rising = [k for k in sorted({*self.numbers} - {*self.places.values()}) if _rises_evenly(self.numbers[k])]
         for k in rising:
-            if _TICKS[0] < self.numbers[k][0] < _TICKS[1]:
+            if FILETIMES[0] < self.numbers[k][0] < FILETIMES[1]:
                 self.places[CLOCK], self.reasons[CLOCK] = k, because(Why.TICKS)
                 return
         for k in rising:
@@ -266,7 +264,7 @@ class _Draft:
             return
         drives = [self.values(drive) for drive in DRIVES if drive in self.places]
         whole = STRUTS[0] not in self.places and len(drives) == len(DRIVES) and "drives" not in self.stated
-        if whole and _strut_unit(drives, self.case):
+        if whole and strut_unit(drives, self.case):
             for strut, drive in zip(STRUTS, DRIVES, strict=True):
                 self.places[strut] = self.places.pop(drive)
                 self.reasons[strut] = self.reasons.pop(drive).also(Why.ARE_LENGTHS)
@@ -296,7 +294,7 @@ class _Draft:
     def choose_units(self) -> None:
         """The unit of each column: as the case states, as its label does, as its values say, as our name has it."""
         values = {ours: self.numbers[k] for ours, k in self.places.items() if k in self.numbers}
-        by_values = dict(_units_of_values(values, self.case))
+        by_values = dict(units_of_values(values, self.case))
         stated_units, clock = self.stated.get("units", {}), self.stated.get("clock", {}).get("unit")
         for ours, k in self.places.items():
             role, usual = ROLE_OF.get(ours), _usual_unit(ours)
@@ -368,7 +366,7 @@ class _Draft:
 
     def _check_motion_units(self, values: Mapping[str, Array]) -> None:
         """Says where joints, in the unit that is stated, are where the machine does not come."""
-        for unit, columns, sure in _units_of_motion(values, self.case):
+        for unit, columns, sure in units_of_motion(values, self.case):
             if sure and not self.guessed.keys() & {*columns} and {self.units[ours] for ours in columns} != {unit}:
                 role = ROLE_OF[columns[0]]
                 self.doubts.append(
@@ -557,7 +555,7 @@ def rate_of(
 def _possible(convention: str, angles: Sequence[Array]) -> bool:
     """Whether three numbers, shapes (n,), can be an orientation of a convention, in degrees or in radians."""
     size = max(float(np.nanmax(np.abs(angle), initial=0.0)) for angle in angles)
-    half = np.pi if size <= _MOST_RADIANS else 180.0
+    half = np.pi if size <= MOST_RADIANS else 180.0
     if convention == "rotation vector":
         return bool(np.nanmax(np.linalg.norm(angles, axis=0), initial=0.0) <= 1.003 * half)
     if convention.startswith("zyz"):
@@ -573,64 +571,6 @@ def _usual_unit(ours: str) -> str:
 def _whole(values: Array) -> bool:
     numbers = values[np.isfinite(values)]
     return bool(len(numbers)) and bool(np.all(numbers == np.rint(numbers)))
-
-
-def _strut_unit(columns: Sequence[Array], case: Case | None) -> str | None:
-    """The unit in which six columns are strut lengths that the machine has; None: there is none."""
-    if case is None or case.hexapod is None:
-        return None
-    low, high = lengths_of_struts(case)
-    if not all(np.isfinite(column).any() for column in columns):
-        return None
-    least, most = min(map(np.nanmin, columns)), max(map(np.nanmax, columns))
-    inside = (u for u, factor in ROLE_UNITS[Role.STRUTS].items() if low <= least * factor and most * factor <= high)
-    return next(inside, None)
-
-
-def _units_of_values(values: Mapping[str, Array], case: Case | None) -> Iterator[tuple[str, str]]:
-    """Units of clock, struts and turning joints that fit their values."""
-    if CLOCK in values and len(clock := values[CLOCK]) > 1 and (step := float(np.median(np.diff(clock)))) > 0.0:
-        names = ("filetime",) if _TICKS[0] < clock[0] < _TICKS[1] else ("s", "ms", "us", "ns")
-        rates = {unit: 1.0 / (step * TICKS[unit]) for unit in names}
-        possible = [unit for unit, rate in rates.items() if _RATES[0] <= rate <= _RATES[1]]
-        if possible:
-            yield CLOCK, min(possible, key=lambda unit: abs(np.log(rates[unit] / USUAL_RATE)))
-    if STRUTS[0] in values and (length := _strut_unit([values[strut] for strut in STRUTS if strut in values], case)):
-        yield from ((strut, length) for strut in STRUTS)
-    for unit, columns, _ in _units_of_motion(values, case):
-        yield from ((ours, unit) for ours in columns)
-
-
-def _units_of_motion(values: Mapping[str, Array], case: Case | None) -> Iterator[tuple[str, tuple[str, ...], bool]]:
-    """Units other than the usual ones that fit joints or angles, their columns, and whether the usual one does not."""
-    chain = None if case is None else case.chain
-    for role, usual, other, most in (
-        (Role.JOINTS, DEG, ("rad", 1.0), _MOST_RADIANS),
-        (Role.DRIVES, MM, ("m", 1.0), _MOST_METRES),
-        (Role.ANGLES, DEG, ("rad", 1.0), _MOST_RADIANS),
-    ):
-        columns = tuple(ours for ours in values if ROLE_OF.get(ours) is role and np.isfinite(values[ours]).any())
-        if not columns or (role is Role.DRIVES and chain is None):
-            continue
-        small = max(float(np.nanmax(np.abs(values[ours]))) for ours in columns) <= most
-        joints = {} if chain is None else dict(zip(chain.columns, chain.joints, strict=True))
-        of_chain = [(joints[ours], values[ours]) for ours in columns if ours in joints]
-        fit = [all(_within(joint, v * factor) for joint, v in of_chain) for factor in (usual, other[1])]
-        placed = [(joint.home, float(np.nanmedian(v))) for joint, v in of_chain if math.isfinite(joint.home)]
-        far = [sum(abs(middle * factor - home) for home, middle in placed) for factor in (usual, other[1])]
-        nearer = len(of_chain) == len(columns) and far[1] < far[0] / _NEARER
-        sure = bool(of_chain) and fit[1] and (not fit[0] or nearer)
-        farther = bool(of_chain) and (not fit[1] or far[0] < far[1] / _NEARER)
-        if sure or (small and not farther):
-            yield other[0], columns, sure
-
-
-def _within(joint: Joint, positions: Array) -> bool:
-    """Whether positions, shape (n,) [m or rad], are within the ends of a joint, a little more apart."""
-    low, high = joint.position
-    return bool(
-        np.nanmin(positions) >= low - _BEYOND * joint.unit and np.nanmax(positions) <= high + _BEYOND * joint.unit
-    )
 
 
 def _stated_unit(ours: str, label: str, cell: str) -> StatedUnit | None:

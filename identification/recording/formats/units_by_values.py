@@ -1,0 +1,85 @@
+"""Units of clock, struts, joints and angles that fit the values of a file, on the machine that they are from."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from cases.base.units import DEG, MM, Array
+from cases.chain import Joint
+from cases.recording_format import (
+    CLOCK,
+    ROLE_OF,
+    ROLE_UNITS,
+    STRUTS,
+    TICKS,
+    Role,
+)
+from cases.schema import Case
+from identification.recording.formats.assembly import lengths_of_struts
+
+USUAL_RATE = 1000.0  # what `recording.rate_Hz` has by default
+RATES = (20.0, 50_000.0)  # rows per second that recorders have
+MOST_RADIANS = 6.5  # of joints; in degrees one of them is beyond that in any motion
+_MOST_METRES = 2.0  # of joints that slide; in millimetres one of them is beyond that in any motion
+_NEARER = 3.0  # times nearer to home, from which on one unit fits and the other does not
+_BEYOND = 1.0  # degrees or millimetres beyond the ends of a joint that a recording may have
+FILETIMES = 1e17, 1e18  # stamps in ticks of 100 ns since the years 1 or 1601
+
+
+def strut_unit(columns: Sequence[Array], case: Case | None) -> str | None:
+    """The unit in which six columns are strut lengths that the machine has; None: there is none."""
+    if case is None or case.hexapod is None:
+        return None
+    low, high = lengths_of_struts(case)
+    if not all(np.isfinite(column).any() for column in columns):
+        return None
+    least, most = min(map(np.nanmin, columns)), max(map(np.nanmax, columns))
+    inside = (u for u, factor in ROLE_UNITS[Role.STRUTS].items() if low <= least * factor and most * factor <= high)
+    return next(inside, None)
+
+
+def units_of_values(values: Mapping[str, Array], case: Case | None) -> Iterator[tuple[str, str]]:
+    """Units of clock, struts and turning joints that fit their values."""
+    if CLOCK in values and len(clock := values[CLOCK]) > 1 and (step := float(np.median(np.diff(clock)))) > 0.0:
+        names = ("filetime",) if FILETIMES[0] < clock[0] < FILETIMES[1] else ("s", "ms", "us", "ns")
+        rates = {unit: 1.0 / (step * TICKS[unit]) for unit in names}
+        possible = [unit for unit, rate in rates.items() if RATES[0] <= rate <= RATES[1]]
+        if possible:
+            yield CLOCK, min(possible, key=lambda unit: abs(np.log(rates[unit] / USUAL_RATE)))
+    if STRUTS[0] in values and (length := strut_unit([values[strut] for strut in STRUTS if strut in values], case)):
+        yield from ((strut, length) for strut in STRUTS)
+    for unit, columns, _ in units_of_motion(values, case):
+        yield from ((ours, unit) for ours in columns)
+
+
+def units_of_motion(values: Mapping[str, Array], case: Case | None) -> Iterator[tuple[str, tuple[str, ...], bool]]:
+    """Units other than the usual ones that fit joints or angles, their columns, and whether the usual one does not."""
+    chain = None if case is None else case.chain
+    for role, usual, other, most in (
+        (Role.JOINTS, DEG, ("rad", 1.0), MOST_RADIANS),
+        (Role.DRIVES, MM, ("m", 1.0), _MOST_METRES),
+        (Role.ANGLES, DEG, ("rad", 1.0), MOST_RADIANS),
+    ):
+        columns = tuple(ours for ours in values if ROLE_OF.get(ours) is role and np.isfinite(values[ours]).any())
+        if not columns or (role is Role.DRIVES and chain is None):
+            continue
+        small = max(float(np.nanmax(np.abs(values[ours]))) for ours in columns) <= most
+        joints = {} if chain is None else dict(zip(chain.columns, chain.joints, strict=True))
+        of_chain = [(joints[ours], values[ours]) for ours in columns if ours in joints]
+        fit = [all(_within(joint, v * factor) for joint, v in of_chain) for factor in (usual, other[1])]
+        placed = [(joint.home, float(np.nanmedian(v))) for joint, v in of_chain if math.isfinite(joint.home)]
+        far = [sum(abs(middle * factor - home) for home, middle in placed) for factor in (usual, other[1])]
+        nearer = len(of_chain) == len(columns) and far[1] < far[0] / _NEARER
+        sure = bool(of_chain) and fit[1] and (not fit[0] or nearer)
+        farther = bool(of_chain) and (not fit[1] or far[0] < far[1] / _NEARER)
+        if sure or (small and not farther):
+            yield other[0], columns, sure
+
+
+def _within(joint: Joint, positions: Array) -> bool:
+    """Whether positions, shape (n,) [m or rad], are within the ends of a joint, a little more apart."""
+    low, high = joint.position
+    return bool(
+        np.nanmin(positions) >= low - _BEYOND * joint.unit and np.nanmax(positions) <= high + _BEYOND * joint.unit
+    )
