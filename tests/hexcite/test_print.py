@@ -34,6 +34,15 @@ CUT = """() => {
         .filter((each) => each.checkVisibility() && !each.closest("svg") && !each.matches(".unseen, .hidden"));
     return seen.filter(cut).map((each) => each.outerHTML.slice(0, 120));
 }"""
+BROKEN = r"""() => {
+    const lines = (cell) => {
+        const range = document.createRange();
+        range.selectNodeContents(cell);
+        return new Set([...range.getClientRects()].map((box) => Math.round(box.top))).size;
+    };
+    return [...document.querySelectorAll("td")].filter((cell) => cell.checkVisibility() && lines(cell) > 1)
+        .map((cell) => cell.textContent.trim()).filter((text) => /^[-+\u2212]?[0-9.e+-]+$/.test(text));
+}"""
 CONTROLS = """() => [...document.querySelectorAll(
     "button, [type=file], :not(.checklist *)[type=checkbox], [type=radio], [type=range], iframe, .player,"
     + " .modebar, .plot.live")]
@@ -47,6 +56,7 @@ def require_whole(page: Page, name: str, heading: str) -> None:
         size = {"width": int((width - 2 * MARGIN) / 25.4 * 96), "height": int((height - 2 * MARGIN) / 25.4 * 96)}
         page.set_viewport_size(size)
         assert page.evaluate(CUT) == [], (name, paper)
+        assert page.evaluate(BROKEN) == [], (name, paper)
         assert page.evaluate(CONTROLS) == [], (name, paper)
         margin: Any = dict.fromkeys(("top", "bottom", "left", "right"), f"{MARGIN:g}mm")
         document = PdfReader(io.BytesIO(page.pdf(format=paper, margin=margin)))

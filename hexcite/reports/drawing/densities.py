@@ -103,7 +103,7 @@ def normal_chart(residuals: Residuals, channels: Sequence[str]) -> Chart:
         "Residuals in order over the quantiles of a normal distribution: a straight line where noise is normal, ends "
         "that bend away where there are gross errors or a part of the run that differs.",
         tuple(series),
-        Axis("quantile of a normal distribution [standard deviations]"),
+        Axis("normal quantile [standard deviations]"),
         Axis(f"residual [{unit_of(channels)}]"),
         height=300,
         half=True,
