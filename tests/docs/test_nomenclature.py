@@ -42,7 +42,7 @@ def test_types_of_both_walks_are_explained() -> None:
     lines = [line for walk in walks for line in walk.split("\n\n")[0].splitlines()[2:]]
     types = {name for line in lines for name in re.findall(r"`([A-Z]\w+)`", line.split("|")[4])}
     known = {path.rpartition(".")[2] for _, _, path in ROWS}
-    assert types - known == {"ColumnTable", "Planned"}  # of readers alone, and a plan beside its run
+    assert types - known == {"ColumnTable", "PlanComparison"}  # of readers alone, and a plan beside its run
     assert len(types & known) > 15
 
 
