@@ -69,10 +69,7 @@ DAMAGES: dict[str, tuple[bytes, str]] = {
     ),
     "after a blank line": (cell(4, "l2_mm", "9x0").replace(b"\n0.001", b"\n\n0.001"), r"line (6, l2_mm|3)"),
     "time backwards": (cell(6, "t_s", "0.0001"), r"line 7, t_s: 0.0001 is not later .*sort the rows"),
-    "trigger of another sign": (
-        cell(4, "trigger", "0").replace(b",1\n", b",-5\n"),
-        r"line 2, trigger: -5.0 is not a level",
-    ),
+    "trigger of both signs": (cell(4, "trigger", "-1"), r"line 5, trigger: -1.0 is not a level"),
     "trigger of three levels": (cell(4, "trigger", "0.5"), r"line 5, trigger: 0.5 is not a level of a switch; export"),
     "empty": (b"", r": is empty; record again"),
     "header only": (csv([NAMES]), r": has a header but no rows; record or export"),
