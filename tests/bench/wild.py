@@ -338,7 +338,7 @@ def answered(of: Command, folder: Path) -> Row:
     """Runs a command on files of the folder."""
     words = [str(folder / word) if (folder / word).exists() else word for word in of.arguments]
     words = [str(folder / words[k]) if k and words[k - 1] == "-o" else words[k] for k in range(len(words))]
-    answer: Answer = call(*words)
+    answer: Answer = call(*words, *(["--overwrite"] if words[0] == "look" else []))
     text = " / ".join((answer.err + answer.out).strip().splitlines())
     internal = "internal error" in answer.err or "Traceback" in answer.err
     fits = answer.code in of.codes and re.search(of.said, text) is not None
