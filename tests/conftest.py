@@ -3,7 +3,6 @@
 import os
 from collections import Counter
 from importlib import import_module
-from pathlib import Path
 
 # Small matrices: BLAS threads only wait for each other, all the more so when several tests run side by side.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -28,23 +27,11 @@ settings.load_profile("check")
 def pytest_configure(config: pytest.Config) -> None:
     if not config.option.markexpr:
         config.option.markexpr = "not slow"  # `pytest -m slow` runs the studies
-    every_other_worker = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")) % 2
-    if every_other_worker and len(config.args) == 1 and (folder := Path(config.args[0])).is_dir():
-        # From the other end: where there is no byte code yet, two workers make half of it each.
-        config.args[:] = [str(path) for path in sorted(folder.iterdir(), reverse=True) if _holds_tests(path)]
-
-
-def _holds_tests(path: Path) -> bool:
-    return (path.is_dir() and path.name[0] not in "_.") or (path.name.startswith("test_") and path.suffix == ".py")
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Of a test marked `first(n)`, `make test` runs the first n variants; CI and `make nightly` run the others too.
-
-    All workers have the tests in one order, that of their files.
-    """
-    items.sort(key=lambda item: item.path)
+    """Of a test marked `first(n)`, `make test` runs the first n variants; CI and `make nightly` run the others too."""
     variants = Counter[tuple[str, str]]()
     for item in items:
         if first := item.get_closest_marker("first"):
