@@ -145,7 +145,7 @@ def test_standstills_switch_the_trigger_at_each(name: str) -> None:
 @BOTH
 def test_paths_endless_axes_and_foreign_settings_are_one_line_each(name: str) -> None:
     language = dialect(name)
-    with pytest.raises(HexciteError, match="ptp") as caught:
+    with pytest.raises(HexciteError, match="from rest to rest") as caught:
         proven_program(polynomials_of(walk(CASE).parts), CASE, language, FILES[name], ())
     one_line(caught.value)
     endless = made(endless=True)
