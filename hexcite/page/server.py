@@ -321,7 +321,10 @@ class _Page:
         return JSONResponse({"name": name}) if name else JSONResponse({"error": "name"}, 409)
 
     def _panels(self, request: Request, jobs: list[Job]) -> list[dict[str, Any]]:
-        return [{"job": job, "html": self._panel(request, job)} for job in jobs]
+        """Panels of jobs as they are now: one that ends while its stage is drawn is not over there, whose answer is
+        not either, and the browser goes on following it.
+        """
+        return [{"job": job, "over": job.over, "html": self._panel(request, job)} for job in jobs]
 
     def _panel(self, request: Request, job: Job) -> Any:
         from markupsafe import Markup

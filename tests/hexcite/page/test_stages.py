@@ -5,6 +5,7 @@ import os
 import re
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 from starlette.testclient import TestClient
@@ -373,6 +374,31 @@ def test_a_program_for_ros_has_the_form_that_is_chosen(root: Path, client: TestC
     (root / "arm-plan-2-payload.json").write_text('{"parameters": {}}')
     found = workspace(root, machine).programs
     assert [(program.name, program.plan) for program in found] == [("arm-plan-2.json", "arm-plan-2")]
+
+
+def test_a_command_that_ends_while_its_stage_is_drawn_is_still_followed(
+    client: TestClient, monkeypatch: pytest.MonkeyPatch
+):
+    """Else the page would say that it is over, without its answer, until somebody reloads it."""
+    from hexcite.page import views
+
+    assert client.post("/m/hexapod/do/check", data={}).status_code == 303
+    original = views.stage
+
+    def slow(context: Context, *arguments: Any) -> dict[str, Any]:
+        values = original(context, *arguments)
+        for _ in range(600):
+            if all(job.over for job in context.jobs.of("hexapod", "machine")):
+                break
+            time.sleep(0.1)
+        return values
+
+    with monkeypatch.context() as patch:
+        patch.setattr(views, "stage", slow)
+        drawn = client.get("/m/hexapod/machine").text
+    answered = "of the motion box is within reach"
+    assert answered in drawn or re.search(r'data-job="\d+"(?! data-over)', drawn)
+    assert answered in client.get("/m/hexapod/machine").text
 
 
 def test_a_check_of_a_machine_is_shown_with_and_without_a_proposal(client: TestClient):
