@@ -10,7 +10,7 @@ and the same, and so are the last three. It need not end where it begins.
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import factorial
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from identification.motion.curves import PolynomialMotion
 from planner.families.family import Family, Layout, linear_rows
 from planner.families.plan_settings import SplineSettings
 from planner.families.states import linear_states
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 DEGREE = 3
 FEWEST, MOST = 20, 150  # intervals
@@ -63,15 +66,17 @@ class SplineFamily(Family):
         """Number of unknowns of each coordinate."""
         return self.intervals + DEGREE - 4
 
-    def _basis(self) -> "_Basis":
+    def _basis(self) -> "BSpline":
         """All basis functions, as one spline with matrix coefficients from unknowns."""
+        from scipy.interpolate import BSpline  # every command that reads a plan loads this module
+
         step = self.duration / self.intervals
         inner = np.arange(self.intervals + 1) * step
         knots = np.r_[[0.0] * DEGREE, inner, [self.duration] * DEGREE]
         spread = np.zeros((self.intervals + DEGREE, self.unknowns))
         spread[:3, 0] = spread[-3:, -1] = 1.0
         spread[3:-3, 1:-1] = np.eye(self.unknowns - 2)
-        return _Basis(knots, spread)
+        return BSpline(knots, spread, DEGREE)
 
     def _at(self, shares: tuple[float, ...]) -> Array:
         """Instants at shares of each interval."""
@@ -123,27 +128,3 @@ class SplineFamily(Family):
         taylor = np.array([basis(t, nu=order) @ values / factorial(order) for order, t in enumerate(places)])
         taylor[0] += self.middle
         return PolynomialMotion(taylor, np.full(self.intervals, step))
-
-
-@dataclass(frozen=True, slots=True)
-class _Basis:
-    """A cubic B-spline with coefficients of any number of columns; SciPy's takes longer to load than some starts."""
-
-    knots: Array  # those at the ends four times, shape (c + 4,)
-    coefficients: Array  # shape (c, q)
-
-    def __call__(self, t: Array, nu: int = 0) -> Array:
-        """Values, or derivatives of an order up to 3, shape (len(t), q): de Boor's algorithm."""
-        knots, coefficients, degree = self.knots, self.coefficients, DEGREE
-        for _ in range(nu):
-            widths = knots[degree + 1 : -1] - knots[1 : -degree - 1]
-            coefficients = degree * np.diff(coefficients, axis=0) / widths[:, None]
-            knots, degree = knots[1:-1], degree - 1
-        interval = np.clip(np.searchsorted(knots, t, "right") - 1, degree, len(coefficients) - 1)
-        values = [coefficients[interval - degree + k] for k in range(degree + 1)]
-        for level in range(degree):
-            for k in range(degree, level, -1):
-                low, high = knots[interval - degree + k], knots[interval + k - level]
-                share = ((t - low) / (high - low))[:, None]
-                values[k] = (1.0 - share) * values[k - 1] + share * values[k]
-        return np.asarray(values[degree])

@@ -79,13 +79,3 @@ def test_strut_velocities_peak_near_the_instants_at_which_they_are_constrained(
     peak = np.abs(np.gradient(lengths, motion.t, axis=0)).max() / hexapod_case.limits.motion.strut_velocity_m_s
     assert shares[constrained].max() > 0.9 * peak
     assert shares[::FINE].max() < shares[constrained].max()
-
-
-@pytest.mark.parametrize("order", range(4))
-def test_the_basis_is_that_of_scipy(order: int, family: SplineFamily):
-    from scipy.interpolate import BSpline
-
-    basis = family._basis()
-    instants = np.r_[np.linspace(0.0, family.duration, 300), family._at((0.0, 0.25))]
-    expected = BSpline(basis.knots, basis.coefficients, 3)(instants, nu=order)
-    assert basis(instants, order) == pytest.approx(expected, rel=1e-9, abs=1e-12 * np.abs(expected).max())
