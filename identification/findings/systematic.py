@@ -16,9 +16,9 @@ from cases.base.units import DEG, Array
 from cases.schema import Case
 from identification.estimation.alternatives import Effect, Unseen, effects_of, unseen
 from identification.finding import Finding, Kind, note, warning
-from identification.findings.alternatives import alternatives_of
 from identification.findings.clock import OddClock
 from identification.findings.drift import Drift, drift_of
+from identification.findings.effects import alternatives_of
 from identification.findings.left_out import LeftOut
 from identification.findings.noise_level import channel_words
 from identification.findings.remains import excerpt_of, free_basis, remainder_of
