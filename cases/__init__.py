@@ -6,14 +6,12 @@ from cases.base.doors import door
 
 if TYPE_CHECKING:
     from cases.base.errors import HexciteError as HexciteError
-    from cases.scaffold import new_arm as new_arm
     from cases.scaffold import new_case as new_case
     from cases.schema import Case as Case
     from cases.schema import load_case as load_case
 
 PUBLIC = {
     "HexciteError": "cases.base.errors",
-    "new_arm": "cases.scaffold",
     "new_case": "cases.scaffold",
     "Case": "cases.schema",
     "load_case": "cases.schema",

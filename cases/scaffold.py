@@ -6,7 +6,7 @@ import json
 import re
 import sys
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from itertools import pairwise
 from operator import attrgetter
@@ -24,7 +24,7 @@ from cases.bounds import Bounds
 from cases.schema import NO_TITLE, Case, load_case
 from cases.tables import CASE_FILE, Part, built_in_cases, find_case
 from cases.tolerances import TYPICAL, Tolerances
-from cases.urdf import read_urdf
+from cases.urdf import Arm
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
 
@@ -45,7 +45,7 @@ def new_case(name: str, like: str = "hexapod", folder: Path | str | None = None)
         CaseError: a name that a case cannot have, or no such built-in case.
         FileProblem: the folder holds a case, or cannot be written.
     """
-    file = _place(name, folder)
+    file = new_place(name, folder)
     case = load_case(like)
     lines = _comment(
         f"{name}: begun from the case {like}; every number is that case's until you replace it. Keys carry units. "
@@ -116,38 +116,24 @@ def _comment(text: str) -> list[str]:
     return textwrap.wrap(text, _WIDTH, initial_indent="# ", subsequent_indent="# ")
 
 
-def new_arm(
+def arm_text(
     name: str,
-    urdf: Path | str,
-    flange: str | None = None,
-    folder: Path | str | None = None,
-    sensor: str | None = None,
-    bodies: bool = False,
-) -> Path:
-    """Writes `folder/case.toml` with the chain of a URDF file; keys that no URDF has are there as comments.
-
-        hx.new_arm("arm", "robot.urdf", "tool0")
-
-    What is odd about the file stands in the case as comments too.
+    arm: Arm,
+    urdf: str,
+    flange: str | None,
+    sensor: str | None,
+    bodies: bool,
+    touching: Sequence[tuple[str, str]],
+) -> str:
+    """Text of the case of an arm; keys that no URDF has are there as comments, and so is what is odd about the file.
 
     Args:
+        urdf: name of its file.
         flange: link that carries the sensor.
-        folder: folder to make; named after the case unless given.
         sensor: link whose frame is the sensor's; that of the flange unless given.
-        bodies: whether bodies that cover the file's collision geometry are kept apart; else they are comments.
-
-    Raises:
-        CaseError: a name that a case cannot have; the URDF file is not sound or has no such link.
-        FileProblem: the folder holds a case, or cannot be written.
+        bodies: whether its bodies are kept apart; else they are comments.
+        touching: names of those that are not kept apart.
     """
-    return begin_arm(name, urdf, flange, folder, sensor, bodies)[0]
-
-
-def begin_arm(
-    name: str, urdf: Path | str, flange: str | None, folder: Path | str | None, sensor: str | None, bodies: bool
-) -> tuple[Path, tuple[str, ...]]:
-    """As `new_arm`: the case file, and what is odd about the URDF file, each in a sentence."""
-    file = _place(name, folder)
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     templates = Environment(
@@ -162,22 +148,15 @@ def begin_arm(
     templates.filters["bodies"] = lambda bodies: toml_value(
         [json.loads(b.model_dump_json(exclude_unset=True)) for b in bodies]
     )
-    arm = read_urdf(Path(urdf), flange, sensor)
-    from cases.always_touching import always_touching
-
-    moved = [joint for joint, _ in arm.joints]
-    touching = always_touching(moved, arm.sensor, arm.standing, arm.bodies, arm.tool) if bodies else ()
-    text = templates.get_template("arm.toml.jinja").render(
+    return templates.get_template("arm.toml.jinja").render(
         arm._asdict(),
         name=name,
-        urdf=Path(urdf).name,
+        urdf=urdf,
         flange_link=flange,
         sensor_link=sensor or flange,
         keep_apart=bodies,
         touching=[list(pair) for pair in touching],
     )
-    write_text(file, text)
-    return file, arm.notes
 
 
 def _keys(table: Part) -> str:
@@ -187,7 +166,7 @@ def _keys(table: Part) -> str:
     return "\n".join(f"{key} = {toml_value(stated[key])}" for key in sorted(stated, key=lambda key: key != "name"))
 
 
-def _place(name: str, folder: Path | str | None) -> Path:
+def new_place(name: str, folder: Path | str | None) -> Path:
     """The case file to write; raises CaseError for a name that no case can have, FileProblem where it exists."""
     if not _NAME.fullmatch(name):
         raise CaseError(

@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     from cases import Case as Case
     from cases import HexciteError as HexciteError
     from cases import load_case as load_case
-    from cases import new_arm as new_arm
     from cases import new_case as new_case
     from hexcite._check_case import check_case as check_case
     from hexcite._demo import demo as demo
     from hexcite._identifiability import identifiability as identifiability
+    from hexcite._new_arm import new_arm as new_arm
     from hexcite._run import run as run
     from hexcite._version import __version__ as __version__
     from hexcite._write import check as check
@@ -83,11 +83,11 @@ PUBLIC = {
     "Case": "cases",
     "HexciteError": "cases",
     "load_case": "cases",
-    "new_arm": "cases",
     "new_case": "cases",
     "check_case": "hexcite._check_case",
     "demo": "hexcite._demo",
     "identifiability": "hexcite._identifiability",
+    "new_arm": "hexcite._new_arm",
     "run": "hexcite._run",
     "__version__": "hexcite._version",
     "check": "hexcite._write",

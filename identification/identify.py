@@ -22,13 +22,12 @@ from cases.basis import changes_since, recording_basis, result_basis
 from cases.schema import Case
 from identification.estimation.bounded import bounded
 from identification.estimation.estimators import Method
-from identification.estimation.fit import require_alive
 from identification.finding import Finding, Kind, changed_cases, note, sentences, warning
 from identification.findings.as_planned import as_planned
 from identification.findings.causes.answer import Answer, answer
 from identification.findings.causes.deviations import Evaluate
 from identification.findings.clock import clock_findings, odd_clock
-from identification.findings.contact import Contact, contact_findings, free_of_contact, touched
+from identification.findings.contact import contact_findings
 from identification.findings.drift import drift_findings, drift_of
 from identification.findings.fit_checks import fit_findings
 from identification.findings.known_body import (
@@ -38,13 +37,12 @@ from identification.findings.known_body import (
     with_bounds,
 )
 from identification.findings.noise_level import doubtful, louder_than_stated, noise_of_channels, stated_noise
-from identification.findings.off_case import without
 from identification.findings.plan_comparison import ANOTHER, Planned, closest
 from identification.findings.structural_mode import mode_findings
 from identification.findings.systematic import allowed_for, noisy_drives, not_shown, systematic_findings, systematic_of
-from identification.findings.told import Told, findings_of, told_by
 from identification.findings.tolerances import budget_findings
-from identification.model.blocks import INERTIA, RIGID
+from identification.fitting import fitted_run, fitted_with_sizes
+from identification.model.blocks import RIGID
 from identification.model.model import Model, full_model, identification_model
 from identification.options import MODEL, PLAN, POSES, AverageStandstills
 from identification.recording.formats.reading import files_of
@@ -52,12 +50,13 @@ from identification.recording.record import RunRecord
 from identification.recording.recording import Recording
 from identification.results.estimate import Estimate, entries_of, estimate_of
 from identification.results.result import Result
-from identification.samples.moving_window import delimited, moving_run, on_one_clock, stands_only
-from identification.samples.sample_checks import CleanRun, scan
-from identification.samples.samples import GAUSS_MARKOV, Fitted, Samples, fit_samples
-from identification.samples.standstills import among, average, find_standstills, match, standstills
+from identification.samples.clocks import on_one_clock
+from identification.samples.making import evaluated_samples
+from identification.samples.moving_window import delimited, stands_only
+from identification.samples.sample_checks import scan
+from identification.samples.samples import GAUSS_MARKOV, Fitted, Samples
+from identification.samples.standstills import among, average, find_standstills, match
 from identification.samples.treatment import Treatment
-from identification.samples.wrist import narrow_run, widest_band, wrist_run
 
 
 @documented()
@@ -377,105 +376,6 @@ def samples_of(recording: Recording, case: Case, model: Model) -> Samples:
     """
     run, _ = standing_of(on_one_clock(recording, case), case)
     return evaluated_samples(scan(run, case), case, model)
-
-
-def evaluated_samples(clean: CleanRun, case: Case, model: Model, treatment: Treatment | None = None) -> Samples:
-    """The samples of a run, ready to be evaluated."""
-    recording = clean.recording
-    if treatment is not None:
-        return treatment.run(recording, case, model)
-    if recording.t is None or case.setup == "1a":
-        return standstills(recording, case, model)
-    if recording.drives is None:
-        run = wrist_run(recording, case, model)
-        wide = wrist_run(recording, case, model, widest_band(recording, *recording.others), run.filter.cutoff)
-        return replace(run, wide=wide, narrow=narrow_run(recording, case, model))
-    return moving_run(recording, case, model)
-
-
-class FittedRun(NamedTuple):
-    """A fit, with what was seen on the way to it."""
-
-    clean: CleanRun
-    fitted: Fitted
-    contacts: tuple[Contact, ...]
-
-
-def fitted_run(
-    recording: Recording, case: Case, model: Model, method: Method, treatment: Treatment | None = None
-) -> FittedRun:
-    """The fit of a model to a recording; errors as of `identify`."""
-    if len(recording.forces) > 1:
-        require_alive(recording.forces)
-    moves = recording.t is not None and case.setup != "1a"
-    if not moves and {p.name for p in INERTIA.parameters} & {*method.selection(model).names}:
-        raise IdentificationError(
-            place=recording.source,
-            problem=phrase(
-                "inertia_at_rest", "model {model} contains inertia, which standstills cannot excite", model=model.number
-            ),
-            remedy=phrase("model_to_5", "choose a model from 0 to 5, or record a motion"),
-            code=Code.NO_EXCITATION,
-        )
-    clean = scan(recording, case)
-    plain = Method(weights=method.weights_for(case.sensors))
-    samples = evaluated_samples(clean, case, model, treatment)
-    delay = None if samples.wide is None else fit_samples(samples.wide, plain, case.sensors).delay
-    fitted, contacts = free_of_contact(clean.recording, fit_samples(samples, method, case.sensors, fixed_delay=delay))
-    if contacts and samples.wide is not None:
-        delay = fit_samples(samples.wide.without(touched(samples.wide.t, contacts)), plain, case.sensors).delay
-        fitted = fit_samples(fitted.samples, method, case.sensors, fixed_delay=delay)
-    return FittedRun(clean, refined(fitted), contacts)
-
-
-def refined(fitted: Fitted) -> Fitted:
-    """The fit with what else the samples show to be worth an estimate."""
-    method = fitted.method
-    if method.priors:
-        return fitted
-    rich = fitted.samples.refined(fitted.fit, method.selection(fitted.samples.model).basis, fitted.w, fitted.at)
-    return fitted if rich is fitted.samples else fitted.again(rich)
-
-
-class Joint(NamedTuple):
-    """A fit, and what the run tells of sizes that its case tolerates, where these were estimated beside it."""
-
-    run: FittedRun
-    case: Case  # with which it was evaluated
-    told: Told | None
-    findings: tuple[Finding, ...]
-
-
-def fitted_with_sizes(
-    recording: Recording, case: Case, method: Method, number: int, treatment: Treatment | None = None
-) -> Joint:
-    """The fit of a model, by its number, with what the run tells of tolerated sizes; errors as of `identify`.
-
-    By least squares alone where that is as good. Else the run is evaluated with the case of a machine that is off by
-    the most probable sizes, until these settle.
-    """
-    plain = fitted_run(recording, case, identification_model(case, number), method, treatment)
-    sizes = told_by(plain.fitted, case)
-    if sizes is None or not sizes.worth(len(plain.fitted.samples.model.names)):
-        return Joint(plain, case, None, ())
-    for _ in range(ROUNDS_OF_SIZES):
-        try:
-            run, edited = without(recording, case, sizes.by_key)
-            joint = fitted_run(run, edited, identification_model(edited, number), method, treatment)
-            sizes = told_by(joint.fitted, edited, sizes.sizes)
-        except (IdentificationError, RecordingError):  # sizes that no machine has, found in a run that follows no model
-            break
-        if sizes is None:
-            break
-        if sizes.settled:
-            findings = tuple(findings_of(sizes, case, joint.fitted))
-            joint = joint._replace(fitted=sizes.allowed_for(joint.fitted))
-            return Joint(joint, edited, sizes, findings)
-    sentence = "what the residuals show of the sizes in [tolerances] did not settle: they are not estimated beside"
-    return Joint(plain, case, None, (note(Kind.CASE, f"{sentence} the parameters"),))
-
-
-ROUNDS_OF_SIZES = 6
 
 
 def _estimated(

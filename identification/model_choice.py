@@ -19,13 +19,15 @@ from cases.base.units import Array, as_html
 from cases.schema import Case
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Value, column_scale, triangle
-from identification.identify import FittedRun, default_model, evaluated_samples, fitted_run, refined, standing_of
+from identification.fitting import FittedRun, fitted_run, refined
+from identification.identify import default_model, standing_of
 from identification.model.model import Model
 from identification.options import POSES, AverageStandstills
 from identification.recording.recording import Recording
 from identification.results.estimate import estimate_of
 from identification.results.identifiability import models_of
-from identification.samples.moving_window import on_one_clock
+from identification.samples.clocks import on_one_clock
+from identification.samples.making import evaluated_samples
 from identification.samples.samples import GAUSS_MARKOV, Fitted, fit_samples
 from identification.texts import aligned, legible, parameter_words, std_text, value_text
 

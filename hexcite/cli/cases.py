@@ -96,7 +96,7 @@ def new(
     if urdf is None:
         file, notes = hx.new_case(name, like or "hexapod", output), tuple[str, ...]()
     else:
-        from cases.scaffold import begin_arm
+        from hexcite._new_arm import begin_arm
 
         file, notes = begin_arm(name, urdf, flange, output, sensor, bodies)
     fill = "fill it in from top to bottom with your machine's values"

@@ -16,7 +16,8 @@ from identification.recording.formats.proposal import stated_of
 from identification.recording.formats.quantities import CONTRADICTED, contradiction
 from identification.recording.formats.reading import read_tables
 from identification.recording.recording import Recording, read
-from identification.samples.moving_window import checked_filter, on_one_clock
+from identification.samples.clocks import on_one_clock
+from identification.samples.moving_window import checked_filter
 from identification.samples.sample_checks import scan
 
 MOST_FITTED = 200_000

@@ -9,7 +9,6 @@ proof, which has its own distances, finds what remains beyond it, and the motion
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -20,9 +19,6 @@ from cases.chain import Chain
 from cases.machine import Tool
 from identification.limits.limit import LimitKind
 from identification.machines.machine import Share
-
-if TYPE_CHECKING:
-    pass
 
 ROUNDING = 0.003  # [m] by about which corners of boxes are rounded
 MOST_BALLS = 20  # largest number of balls of a body
@@ -45,12 +41,10 @@ def clearance_shares(chain: Chain, q: ca.SX, middle: Array, frames: Sequence[tup
         middle: middle of the motion box, shape (n,) [rad or m].
         frames: origin and R in {B} of the moved frame of each joint, then of the sensor's.
     """
-    still, last = (ca.SX(3, 1), ca.SX.eye(3)), len(chain.joints)
-    moved = zip(range(1, last + 1), frames, (joint.bodies for joint in chain.joints), strict=False)
-    places = ((0, still, chain.base), *moved, (last, frames[-1], chain.tool))
-    bodies = [(link, body, _balls(frame, body)) for link, frame, own in places for body in own]
-    placed = ca.Function("placed", [q], [_points(frame, body) for _, frame, own in places for body in own])
-    corners = [points.full().T for points in placed.call([ca.DM(middle)])]
+    placed = bodies_of(chain, frames)
+    bodies = [(link, body, _balls(frame, body)) for link, frame, body in placed]
+    hulls = ca.Function("hulls", [q], [points_of(frame, body) for _, frame, body in placed])
+    corners = [points.full().T for points in hulls.call([ca.DM(middle)])]
     distances, around, exact = [], [], []
     for k, (link, body, centres) in enumerate(bodies):
         if link:
@@ -82,6 +76,18 @@ def clearance_shares(chain: Chain, q: ca.SX, middle: Array, frames: Sequence[tup
     ]
 
 
+def bodies_of(chain: Chain, frames: Sequence[tuple[ca.SX, ca.SX]]) -> list[tuple[int, tuple[ca.SX, ca.SX], Tool]]:
+    """Bodies of a chain, each with the number of its link, 0 of what stands, and with the link's origin and R in {B}.
+
+    Args:
+        frames: origin and R in {B} of the moved frame of each joint, then of the sensor's.
+    """
+    still, last = (ca.SX(3, 1), ca.SX.eye(3)), len(chain.joints)
+    moved = zip(range(1, last + 1), frames, (joint.bodies for joint in chain.joints), strict=False)
+    links = ((0, still, chain.base), *moved, (last, frames[-1], chain.tool))
+    return [(link, frame, body) for link, frame, bodies in links for body in bodies]
+
+
 def _balls(frame: tuple[ca.SX, ca.SX], body: Tool) -> list[ca.SX]:
     """Centres of balls along the axis of a body."""
     (origin, turn), (low, high) = frame, body.axis
@@ -90,7 +96,7 @@ def _balls(frame: tuple[ca.SX, ca.SX], body: Tool) -> list[ca.SX]:
     return [origin + turn @ ca.DM(low + s * (high - low)) for s in np.linspace(0.0, 1.0, count)]
 
 
-def _points(frame: tuple[ca.SX, ca.SX], body: Tool) -> ca.SX:
+def points_of(frame: tuple[ca.SX, ca.SX], body: Tool) -> ca.SX:
     """Points whose hull, larger by `body.beyond`, is a body, in {B}, shape (3, k) [m]."""
     origin, turn = frame
     return ca.horzcat(*(origin + turn @ ca.DM(point) for point in body.points))

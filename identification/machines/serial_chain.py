@@ -64,9 +64,14 @@ class SerialChain:
         *_, last = self._links(q, rates, accelerations)
         return last.p, last.turn, ca.vertcat(last.v, last.omega), ca.vertcat(last.a, last.alpha)
 
+    def frames(self, q: ca.SX) -> list[tuple[ca.SX, ca.SX]]:
+        """Origin and R in {B} of the moved frame of each joint, then of {P}."""
+        still = ca.SX(self.count, 1)
+        return [(frame.p, frame.turn) for frame in self._links(q, still, still)]
+
     def shares(self, case: Case, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:
         """Clearances, and torques with each number of weights as shares of 80 % of what the drives can do."""
-        frames = [(frame.p, frame.turn) for frame in self._links(q, rates, accelerations)]
+        frames = self.frames(q)
         middle = self.chain.home + case.need_chain("planning")[1].coordinates.mean(axis=0)
         distances = clearance_shares(self.chain, q, middle, frames)
         if not self.chain.limits_effort:

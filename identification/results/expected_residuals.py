@@ -17,8 +17,9 @@ from identification.recording.recording import Recording
 from identification.results.expected_errors import Errors, effects_in, errors_of, stated_sizes, turns_in
 from identification.results.frames import Place, mounting_by
 from identification.results.result import Result
+from identification.samples.clocks import on_one_clock
 from identification.samples.moving import Run
-from identification.samples.moving_window import moving_run, on_one_clock
+from identification.samples.moving_window import moving_run
 from identification.samples.sample_checks import unmeasured
 from identification.samples.samples import MotionOfSamples
 from identification.samples.standstills import standstills

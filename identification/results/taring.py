@@ -21,7 +21,8 @@ from identification.results.budgets import budget_rows
 from identification.results.estimate import entries_of_parameters, physical_values, rows_of
 from identification.results.expected_errors import effects_in, errors_of, random_of
 from identification.results.result import Result
-from identification.samples.moving_window import NOISY, on_one_clock
+from identification.samples.clocks import on_one_clock
+from identification.samples.moving_window import NOISY
 from identification.samples.samples import Standstills
 from identification.samples.standstills import standstills
 from identification.signals import white_noise

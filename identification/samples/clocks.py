@@ -16,6 +16,7 @@ from cases.base.errors import Code, RecordingError
 from cases.base.phrases import phrase
 from cases.base.units import Array, Flags, Indices
 from cases.schema import Case
+from identification.machines.hexapod import Hexapod
 from identification.recording.formats.table import Channel, Stream
 from identification.recording.recording import Recording
 from identification.samples.sample_checks import at_full_range
@@ -23,9 +24,85 @@ from identification.samples.sample_checks import at_full_range
 GAP = 1.6  # usual steps of the forces without a sample, which an average would hide
 SLACK = 0.1  # steps by which a gap may be longer: one lost sample makes two steps, up to what clocks are fitted to
 ROUNDING = 1e-6  # of a step, that clocks may be off by rounding
+OVERSAMPLED = 1.5  # samples of the forces in a motion's interval, from which they are averaged
+HELD_CHANGES = 50  # changes of the struts, from which on a rhythm is looked for
+HELD = 0.98  # of the changes, that must follow the rhythm
 
 
-def at_the_motion(recording: Recording, motion: Stream, interval: float, step: float, case: Case) -> Recording:
+def on_one_clock(recording: Recording, case: Case) -> Recording:
+    """The run with forces and struts at the same instants; those that a gap of either would hide are marked missing.
+
+    Args:
+        recording: any; without a clock or a machine, or with one rate, it is returned as it is.
+        case: case with the machine whose struts were recorded, and the range of the sensors.
+
+    Raises:
+        RecordingError: struts are held, and a gap breaks their rhythm; forces and struts hardly overlap.
+    """
+    if (case.hexapod is None and case.chain is None) or recording.t is None:
+        return recording
+    motion = _motion(recording, case)
+    if motion is None or motion.t is None or motion.drives is None or len(motion.t) < 2 or len(recording.t) < 2:
+        return recording
+    interval, step = (float(np.median(np.diff(t))) for t in (motion.t, recording.t))
+    if interval < OVERSAMPLED * step:
+        return _at_the_forces(recording, motion)
+    return _at_the_motion(recording, motion, interval, step, case)
+
+
+def _motion(recording: Recording, case: Case) -> Stream | None:
+    """The struts with their own clock; None where they have that of the forces."""
+    if recording.drives is not None:
+        return _released(recording)
+    stream = recording.stream_with("drives") or recording.stream_with("poses")
+    if stream is None or stream.poses is None or stream.drives is not None:
+        return stream
+    return replace(stream, drives=Hexapod.of(case).strut_lengths(stream.poses))
+
+
+def _released(recording: Recording) -> Stream | None:
+    """The samples of struts that a file holds until the next one comes; None where every row has its own."""
+    assert recording.drives is not None
+    assert recording.t is not None
+    rhythm = _rhythm_of(recording.drives)
+    if rhythm is None:
+        cuts = 1 + np.flatnonzero(recording.lost)
+        between = _rhythm_of(max(np.split(recording.drives, cuts), key=len)) if len(cuts) else None
+        if between is not None:
+            raise RecordingError(
+                place=f"{recording.source}, {recording.lines.place(int(cuts[0]))}",
+                problem=phrase(
+                    "drives_held",
+                    "positions of drives are held for {rows} rows each, and a gap breaks their rhythm",
+                    rows=between[0],
+                ),
+                remedy=phrase("cut_or_apart", "cut the run there, or export drives and forces as files of their own"),
+                code=Code.CLOCK,
+            )
+        return None
+    ratio, phase = rhythm
+    rows = slice(phase, None, ratio)
+    trigger = None if recording.trigger is None else recording.trigger[rows]
+    missing = None if recording.missing is None else recording.missing[rows]
+    return Stream(
+        recording.source, recording.t[rows], recording.drives[rows], None, None, trigger,
+        lines=recording.lines.later(phase, ratio), missing=missing, missing_in=recording.missing_in,
+    )  # fmt: skip
+
+
+def _rhythm_of(struts: Array) -> tuple[int, int] | None:
+    """Rows for each sample of held struts, shape (n, 6), and the first of these; None where every row has its own."""
+    changes = np.flatnonzero(np.any(np.diff(struts, axis=0) != 0.0, axis=1)) + 1
+    if len(changes) < HELD_CHANGES:
+        return None
+    ratio = int(np.median(np.diff(changes)))
+    phase = int(np.bincount(changes % ratio).argmax())
+    if ratio < 2 or np.mean(changes % ratio == phase) < HELD or np.mean(np.diff(changes) == ratio) < HELD / 2:
+        return None
+    return ratio, phase
+
+
+def _at_the_motion(recording: Recording, motion: Stream, interval: float, step: float, case: Case) -> Recording:
     """The run at the samples of the motion, which are an interval apart [s], the forces averaged over it."""
     assert motion.t is not None
     assert motion.drives is not None
@@ -104,7 +181,7 @@ def _at_full_range(means: Array, t: Array, forces: Array, centres: Array, half: 
     return means
 
 
-def at_the_forces(recording: Recording, motion: Stream) -> Recording:
+def _at_the_forces(recording: Recording, motion: Stream) -> Recording:
     """Struts as fast as the forces or faster, on a clock of their own."""
     from scipy.interpolate import CubicSpline
 

@@ -86,7 +86,7 @@ def main() -> None:
         start = time.process_time()
         found = estimate_parameters(run, case)
         seconds = time.process_time() - start
-        with patch("identification.identify.told_by", return_value=None):
+        with patch("identification.fitting.told_by", return_value=None):
             plain = estimate_parameters(run, case)  # tolerances are counted, sizes not estimated
         right = estimate_parameters(run, of.case)
         names = [key for key in found.physical if key in of.truth]

@@ -15,9 +15,9 @@ from scipy.spatial.transform import Rotation
 from cases.base.convex import capsule_around
 from cases.collision_bodies import mesh_file
 from cases.machine import Tool
-from cases.scaffold import new_arm
 from cases.schema import load_case
 from cases.urdf import read_urdf
+from hexcite._new_arm import new_arm
 from identification.limits.chain import body_clearances, chain_frames
 from identification.motion.motion import Motion
 from tests.helpers import examples

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 from cases.base.errors import MOST_PROBLEMS, CaseError, FileProblem
 from cases.readiness import readiness
-from cases.scaffold import new_arm
 from cases.schema import load_case
 from cases.sensors import RigidBody
 from cases.urdf import Arm, read_urdf
+from hexcite._new_arm import new_arm
 from identification.machines.casadi_batch import over_samples
 from identification.machines.serial_chain import SerialChain
 from identification.model.model import identification_model

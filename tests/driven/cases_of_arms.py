@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cases.scaffold import new_arm
+from hexcite._new_arm import new_arm
 from tests.driven.arms import Arm, Load
 
 OUTPUT = 3  # standard digital output of the trigger

@@ -6,7 +6,7 @@ import pytest
 import hexcite as hx
 from cases.base.errors import IdentificationError
 from cases.schema import load_case
-from identification.identify import fitted_run
+from identification.fitting import fitted_run
 from identification.machines.hexapod import Hexapod
 from identification.model.model import identification_model
 from identification.model.parameters import linear_parameters

@@ -23,7 +23,6 @@ from cases.recording_format import (
     COLUMNS,
     DRIVES,
     OVERRIDE,
-    SHIFTED,
     STRUTS,
     TRIGGER,
 )
@@ -33,7 +32,8 @@ from identification.recording.formats import dates
 from identification.recording.formats.clocks import Unsteady
 from identification.recording.formats.names.misnamed import require_own_values
 from identification.recording.formats.sampling import on_equal_steps, spread
-from identification.recording.formats.table import MOST_MISSING, ColumnTable, Stream, listed, shown
+from identification.recording.formats.table import LARGEST, MOST_MISSING, ColumnTable, Stream, listed, shown
+from identification.recording.formats.table_clock import start_of
 from identification.recording.formats.text import without
 from identification.recording.formats.triggers import trigger_of
 
@@ -53,7 +53,7 @@ def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
     poses, rotations = _pose(table, case)
     if override is not None:
         ratio = "state recording.units.override = '1' if it is a ratio"
-        _require(table, OVERRIDE, (override >= 0.0) & (override <= MOST_OVERRIDE), "is not a feed override", ratio)
+        table.require(OVERRIDE, (override >= 0.0) & (override <= MOST_OVERRIDE), "is not a feed override", ratio)
     readings = None if (mounted := table.form.accelerometer) is None else _group(table, ACCELEROMETER)
     struts, orientations = _struts(table, case)
     stream = Stream(
@@ -105,44 +105,6 @@ def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
             code=Code.CLOCK,
         )
     return sampled
-
-
-def _require(table: ColumnTable, ours: str, good: Flags, problem: str, remedy: str) -> None:
-    """Raises RecordingError at the first row of a column, shape (n,), whose value is not good."""
-    if not good.all():
-        row = int(np.argmin(good))
-        value = table.values[ours][row] if ours in table.values else table.stamps[row]  # type: ignore[index]
-        raise RecordingError(
-            place=table.place(row, ours), problem=f"{value.item()} {problem}", remedy=remedy, code=Code.WRONG_KIND
-        )
-
-
-def by_clock(table: ColumnTable) -> list[ColumnTable]:
-    """A table in parts whose stamps `clock.offset_s` shifts by different times; what it does not name stays first."""
-    if table.stamps is None:
-        return [table]
-    parts: dict[float, dict[str, Array]] = {}
-    for name, columns in SHIFTED.items():
-        if columns_of_clock := {ours: values for ours, values in table.values.items() if ours in columns}:
-            parts.setdefault(table.form.clock.offset_s.get(name, 0.0), {}).update(columns_of_clock)
-    if len(parts) < 2:
-        return [table]
-    named = {ours for columns_of_clock in parts.values() for ours in columns_of_clock}
-    shifts = sorted(parts, key=abs)
-    parts[shifts[0]] |= {ours: values for ours, values in table.values.items() if ours not in named}
-    return [
-        replace(table, values=parts[shift], findings=table.findings if shift == shifts[0] else ()) for shift in shifts
-    ]
-
-
-def start_of(table: ColumnTable) -> Fraction:
-    """Time of the first sample [s], exact: a double has too few digits for epochs in ns."""
-    assert table.stamps is not None
-    offsets = table.form.clock.offset_s
-    shift = next((offsets.get(name, 0.0) for name, columns in SHIFTED.items() if {*columns} & {*table.values}), 0.0)
-    # the tick is a decimal fraction of a second, which limit_denominator finds behind its binary rounding
-    tick = Fraction(table.tick).limit_denominator(10**12)
-    return Fraction(table.stamps[0].item()) * tick + Fraction(shift)
 
 
 def _group(table: ColumnTable, channels: tuple[str, ...]) -> Array | None:
@@ -256,17 +218,17 @@ def _turns(table: ColumnTable, convention: Convention) -> Array:
     if convention.form == "quaternion":
         good = np.abs(np.linalg.norm(values, axis=1) - 1.0) <= _UNIT_NORM
         order = "check the names of the columns qw, qx, qy, qz"
-        _require(table, first, good, "begins a quaternion whose norm is not 1", order)
+        table.require(first, good, "begins a quaternion whose norm is not 1", order)
     elif convention.form == "rotation vector":
         good = np.linalg.norm(values, axis=1) <= _MOST_TURN
         unit = "state recording.units.angles, 'deg' or 'rad'"
-        _require(table, first, good, "begins a rotation vector of more than a turn", unit)
+        table.require(first, good, "begins a rotation vector of more than a turn", unit)
     turns = convention.matrices(values)
     if convention.form == "matrix":
         error = np.abs(turns @ turns.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
         error = np.maximum(error, np.abs(np.linalg.det(turns) - 1.0))
         order = "check order and sign of the columns r11..r33"
-        _require(table, first, error <= ORTHOGONALITY, "begins a matrix that is not a rotation", order)
+        table.require(first, error <= ORTHOGONALITY, "begins a matrix that is not a rotation", order)
     return turns
 
 
@@ -315,16 +277,8 @@ _UNIT_NORM = 0.01  # by which the norm of a quaternion of a few digits may diffe
 _MOST_TURN = 2.0 * np.pi * 1.001  # [rad] of a rotation vector; controllers turn its sense where it exceeds half a turn
 # A motion changes the usual specific force of a run by less; a wrong unit (g for m/s^2) by a factor of ten.
 _OTHER_UNIT = 3.0
-# Nothing that is measured is so large in any unit, not even ticks of 100 ns since 1601.
-_MOST = 1e20
 MOST_OVERRIDE = 3.0  # controls offer 120 to 200 %
 _FIRST = 10_000  # rows that show a wrong unit as well as all of them
-
-
-def require_clock(table: ColumnTable) -> None:
-    """Raises RecordingError at the first time stamp that cannot be of a clock."""
-    if table.stamps is not None:
-        _require(table, CLOCK, np.abs(table.stamps) < _MOST, "is not a time stamp", "remove the row")
 
 
 def _require_reach(stream: Stream, case: Case, factor: float) -> None:
@@ -385,14 +339,12 @@ def _marked(table: ColumnTable) -> tuple[ColumnTable, Flags | None, tuple[str, .
     missing = np.zeros(table.rows, dtype=bool)
     columns: tuple[str, ...] = ()
     for ours, column in table.values.items():
-        if column.size and column.min() > -_MOST and column.max() < _MOST:  # both are false where one is NaN
+        if column.size and column.min() > -LARGEST and column.max() < LARGEST:  # both are false where one is NaN
             continue
-        good = np.asarray(np.abs(column) < _MOST)
+        good = np.asarray(np.abs(column) < LARGEST)
         if good.mean() < 1.0 - MOST_MISSING:
             problem = f"is not a measured value, like more than {100 * MOST_MISSING:g} % of this column's rows"
-            _require(
-                table, ours, good, problem, "record again, or give a file of its own to what is sampled less often"
-            )
+            table.require(ours, good, problem, "record again, or give a file of its own to what is sampled less often")
         values[ours] = spread(column[good], np.flatnonzero(good), np.arange(len(good)), ours in _KEPT)
         missing |= ~good
         columns = (*columns, shown(table.form.file_name(ours)))

@@ -19,13 +19,12 @@ from cases.machine import POSE
 from cases.orientation import ROTATION
 from cases.recording_format import CLOCK, FileFormat, FileOfRun, RecordingFormat
 from cases.schema import Case
-from identification.recording.formats.assembly import by_clock, require_clock, start_of, stream_of
+from identification.recording.formats.assembly import stream_of
 from identification.recording.formats.joining import on_one_axis
 from identification.recording.formats.parquet import parquet_tables
 from identification.recording.formats.quantities import with_units
 from identification.recording.formats.recorders import known
 from identification.recording.formats.ros.bags import bag_format, bag_tables
-from identification.recording.formats.sampling import clocked
 from identification.recording.formats.table import (
     ColumnTable,
     Stream,
@@ -35,6 +34,7 @@ from identification.recording.formats.table import (
     shown,
     unreadable,
 )
+from identification.recording.formats.table_clock import by_clock, clocked, require_clock, start_of
 from identification.recording.formats.text import without
 
 _PARQUET = b"PAR1"

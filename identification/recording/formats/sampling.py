@@ -1,4 +1,4 @@
-"""Samples at equal steps: repeated rows go, lost samples get rows, what was done is a finding.
+"""Samples at equal steps: lost samples get rows, what was done is a finding.
 
 Where stamps stray from equal steps, either the samples are at equal steps and the stamps are late, or they were taken
 when the stamps say. The motion decides: with the wrong instants it is rougher.
@@ -13,8 +13,8 @@ import numpy as np
 from cases.base.phrases import NOTHING, phrase
 from cases.base.units import Array, Flags, Indices
 from identification.finding import Finding, Kind, note, warning
-from identification.recording.formats.clocks import GAP, Even, Unsteady, agrees, evened
-from identification.recording.formats.table import Channel, ColumnTable, Stream
+from identification.recording.formats.clocks import GAP, Even, Unsteady, evened
+from identification.recording.formats.table import Channel, Stream
 
 MOST_PUT_BACK = 3  # samples in a row
 _CUBIC = 4  # samples that a cubic goes through
@@ -25,62 +25,6 @@ _LEAST_MOVING = 100  # samples that show it
 _LEAST_APART = 0.2  # steps between stamps of which it can be seen
 _OTHER_CLOCK = 1e-3  # share by which a stated period may differ from the stamps before one of them is called wrong
 _UNSURE = 1e-3  # share of the step, from which on its deviation is a warning
-
-
-def clocked(table: ColumnTable) -> ColumnTable:
-    """The table without repeated rows, and with the clock that the case states where its stamps are of another kind."""
-    table = _without_repeats(table)
-    period = table.form.clock.period
-    if period is None or table.stamps is None or not table.stamped:
-        return table
-    t = (table.stamps - table.stamps[0]) * table.tick
-    if table.rows < 2 or agrees(t, period):
-        return table
-    if table.form.format == "twincat-scope":  # its clocks are at different rates
-        finding = note(
-            Kind.CLOCK,
-            phrase(
-                "period_not_used",
-                "{file}: recording.clock.period_ms is not used, its clocks have their stamps",
-                file=_name(table),
-            ),
-        )
-        return replace(table, stamped=False, findings=(*table.findings, finding))
-    sentence = phrase(
-        "period_counts_apart",
-        "{file}: recording.clock.period_ms = {period} counts, not its time stamps, which are {apart} ms apart on "
-        "average",
-        file=_name(table),
-        period=f"{period * 1e3:.6g}",
-        apart=f"{float(t[-1]) / (table.rows - 1) * 1e3:.4g}",
-    )
-    finding = note(Kind.CLOCK, sentence)
-    return replace(table, stamps=np.arange(table.rows), tick=period, stamped=False, findings=(*table.findings, finding))
-
-
-def _without_repeats(table: ColumnTable) -> ColumnTable:
-    """Without rows that repeat the one above, stamp and values alike, unless others repeat their stamp alone."""
-    if table.stamps is None or table.rows < 2 or not table.values:
-        return table
-    again = np.r_[False, table.stamps[1:] == table.stamps[:-1]]
-    at = np.flatnonzero(again)
-    if not len(at) or any(not np.array_equal(c[at], c[at - 1], equal_nan=True) for c in table.values.values()):
-        return table
-    values = {ours: column[~again] for ours, column in table.values.items()}
-    places = {"file": _name(table), "first": table.lines.place(int(at[0]))}
-    finding = note(
-        Kind.CLOCK,
-        phrase(
-            "rows_repeat",
-            "{file}: {count} rows repeat the one above them, {first} first; left out",
-            count=len(at),
-            **places,
-        )
-        if len(at) > 1
-        else phrase("row_repeats", "{file}: 1 row repeats the one above it, {first} first; left out", **places),
-    )
-    remaining = {"stamps": table.stamps[~again], "lines": table.lines.without(at.tolist())}
-    return replace(table, values=values, findings=(*table.findings, finding), **remaining)
 
 
 def on_equal_steps(stream: Stream, period: float | None = None) -> Stream | Unsteady:
@@ -107,8 +51,8 @@ def on_equal_steps(stream: Stream, period: float | None = None) -> Stream | Unst
     return _with_lost_rows(replace(stream, t=t, findings=findings), t, even.numbers)
 
 
-def _name(source: ColumnTable | Stream) -> str:
-    return Path(source.source).name
+def _name(stream: Stream) -> str:
+    return Path(stream.source).name
 
 
 def _about(stream: Stream, even: Even, taken: bool) -> list[Finding]:

@@ -63,6 +63,9 @@ class Lines:
         return f"{self.word} {self.number(row)}"
 
 
+LARGEST = 1e20  # nothing that is measured is so large in any unit, not even ticks of 100 ns since 1601
+
+
 @dataclass(frozen=True, slots=True)
 class ColumnTable:
     """Columns of a file that share their rows, in the file's units."""
@@ -91,6 +94,15 @@ class ColumnTable:
     def place(self, row: int, ours: str) -> str:
         """File, line and column of a value, as a message names them."""
         return f"{self.source}, {self.lines.place(row)}, {shown(self.form.file_name(ours))}"
+
+    def require(self, ours: str, good: Flags, problem: str, remedy: str) -> None:
+        """Raises RecordingError at the first row of a column, shape (n,), whose value is not good."""
+        if not good.all():
+            row = int(np.argmin(good))
+            value = self.values[ours][row] if ours in self.values else self.stamps[row]  # type: ignore[index]
+            raise RecordingError(
+                place=self.place(row, ours), problem=f"{value.item()} {problem}", remedy=remedy, code=Code.WRONG_KIND
+            )
 
 
 @renamed(struts="drives")

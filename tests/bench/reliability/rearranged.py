@@ -24,7 +24,7 @@ from identification.model.model import identification_model
 from identification.model.parameters import linear_parameters, physical_form
 from identification.recording.recording import read
 from identification.results.estimate import Estimate
-from identification.samples.moving_window import on_one_clock
+from identification.samples.clocks import on_one_clock
 from identification.simulate import simulate_recording
 from tests.bench.reliability.recordings import DEVIATIONS, stained
 from tests.bench.reliability.tally import Tally, tallied

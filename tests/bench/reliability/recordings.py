@@ -25,7 +25,7 @@ from identification.machines.hexapod import Hexapod
 from identification.model.model import identification_model
 from identification.model.parameters import linear_parameters, physical_form
 from identification.recording.recording import read
-from identification.samples.moving_window import on_one_clock
+from identification.samples.clocks import on_one_clock
 from identification.simulate import simulate_recording
 from tests.bench.reliability.looked import as_stated
 from tests.bench.reliability.tally import Tally, tallied

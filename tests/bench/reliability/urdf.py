@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from cases.base.units import DEG, MM
-from cases.scaffold import new_arm
 from cases.schema import load_case
 from cases.urdf import Arm, read_urdf
+from hexcite._new_arm import new_arm
 from tests.bench.reliability.recordings import stained
 from tests.bench.reliability.tally import Tally, tallied
 from tests.cases.test_urdf import HOMES, ROBOTS, filled_in

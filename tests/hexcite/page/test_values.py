@@ -9,8 +9,9 @@ import pytest
 from starlette.testclient import TestClient
 
 from cases.readiness import readiness
-from cases.scaffold import new_arm, new_case
+from cases.scaffold import new_case
 from cases.schema import load_case
+from hexcite._new_arm import new_arm
 from hexcite.page import values
 from hexcite.page.joint_table import cut_out, spread
 from hexcite.page.refusals import Refused

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cases.scaffold import new_arm
 from cases.schema import Case, load_case
+from hexcite._new_arm import new_arm
 from hexcite.reports.drawing.plots import case_figure
 from planner.box.reach import standing_ratios
 from tests.driven.arms import ARMS

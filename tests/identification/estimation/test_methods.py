@@ -10,7 +10,8 @@ from cases.schema import load_case
 from identification.estimation.estimators import EACH, Method, huber, huber_of, symmetric_platform
 from identification.estimation.fit import Regression, gauss_markov
 from identification.estimation.priors import Prior
-from identification.identify import fitted_run, identify
+from identification.fitting import fitted_run
+from identification.identify import identify
 from identification.machines.hexapod import Hexapod
 from identification.model.model import identification_model
 from identification.samples.samples import Fitted

@@ -10,7 +10,8 @@ from scipy.signal import lfilter
 from cases.schema import Case, load_case
 from identification.finding import Kind
 from identification.findings.drift import drift_of
-from identification.identify import estimate_parameters, fitted_run
+from identification.fitting import fitted_run
+from identification.identify import estimate_parameters
 from identification.model.model import identification_model
 from identification.recording.recording import Recording
 from identification.results.estimate import entries_of

@@ -10,7 +10,8 @@ from scipy.integrate import solve_ivp
 from identification.findings.left_out import LeftOut
 from identification.findings.remains import free_basis, remainder_of
 from identification.findings.structural_mode import Mode, biased_by, mode_of, sharpened
-from identification.identify import default_model, estimate_parameters, fitted_run
+from identification.fitting import fitted_run
+from identification.identify import default_model, estimate_parameters
 from identification.model.model import identification_model
 from identification.samples.samples import GAUSS_MARKOV, Fitted
 from tests.damaged.runs import SOUND, STATED, Change, Machine, Moves, Noise, machine, recorded

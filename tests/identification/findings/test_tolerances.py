@@ -15,7 +15,8 @@ from identification.estimation.priors import Prior
 from identification.findings.left_out import LeftOut
 from identification.findings.remains import free_basis, remainder_of
 from identification.findings.tolerances import biases_of
-from identification.identify import default_model, estimate_parameters, fitted_run
+from identification.fitting import fitted_run
+from identification.identify import default_model, estimate_parameters
 from identification.model.model import identification_model
 from identification.recording.recording import Recording
 from identification.samples.samples import GAUSS_MARKOV

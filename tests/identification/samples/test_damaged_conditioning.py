@@ -13,7 +13,7 @@ from cases.schema import load_case
 from identification.identify import estimate_parameters
 from identification.machines.hexapod import Hexapod
 from identification.recording.recording import Recording, read, write_recording
-from identification.samples.moving_window import on_one_clock
+from identification.samples.clocks import on_one_clock
 from identification.simulate import simulate_recording
 from tests.bench.reliability.recordings import stained
 from tests.helpers import Harmonic, answer, examples

@@ -15,8 +15,7 @@ from identification.model.model import identification_model
 from identification.model.parameters import linear_parameters, physical_form
 from identification.recording.formats.table import Stream
 from identification.recording.recording import Recording
-from identification.samples.clocks import interval_means
-from identification.samples.moving_window import on_one_clock
+from identification.samples.clocks import interval_means, on_one_clock
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, ideal, one_line, tells
 from tests.simulated_machine import PoseExecution, true_forces

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from cases.always_touching import always_touching
 from cases.chain import Chain, Joint
 from cases.machine import Frame, Tool
 from identification.limits.chain import body_clearances, chain_frames
+from identification.machines.always_touching import always_touching
 from identification.motion.motion import Motion
 
 
@@ -27,22 +27,20 @@ def joint(name: str, *bodies: Tool, kind: str = "continuous") -> Joint:
 )
 def test_balls_on_one_axis_touch_always_or_not(first: float, last: float, touching: bool):
     """The farthest that two balls of 50 mm come apart is the sum of their distances from the axis."""
-    joints = [joint("a", ball("one", first)), joint("b", ball("between", 0.0)), joint("c", ball("other", last))]
-    bodies = [each.bodies for each in joints]
-    assert always_touching(joints, Frame(), (), bodies, ()) == ((("one", "other"),) if touching else ())
+    joints = (joint("a", ball("one", first)), joint("b", ball("between", 0.0)), joint("c", ball("other", last)))
+    assert always_touching(Chain(joints=joints)) == ((("one", "other"),) if touching else ())
 
 
 def test_what_slides_out_of_another_does_not_touch_it_always():
-    joints = [joint("a", ball("one", 0.0)), joint("b"), joint("c", ball("other", 0.0), kind="prismatic")]
-    assert always_touching(joints, Frame(), (), [each.bodies for each in joints], ()) == ()
+    joints = (joint("a", ball("one", 0.0)), joint("b"), joint("c", ball("other", 0.0), kind="prismatic"))
+    assert always_touching(Chain(joints=joints)) == ()
 
 
 def test_a_tool_and_what_stands_count_too():
-    joints = [joint("a"), joint("b")]
-    pairs = always_touching(
-        joints, Frame(origin_mm=(30.0, 0.0, 0.0)), [ball("foot", 0.0)], [(), ()], [ball("tip", 0.0)]
-    )
-    assert pairs == (("foot", "tip"),)
+    joints = (joint("a"), joint("b"))
+    sensor = Frame(origin_mm=(30.0, 0.0, 0.0))
+    chain = Chain(joints=joints, sensor=sensor, base=(ball("foot", 0.0),), tool=(ball("tip", 0.0),))
+    assert always_touching(chain) == (("foot", "tip"),)
 
 
 def test_pairs_that_may_touch_are_not_kept_apart():
