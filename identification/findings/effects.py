@@ -1,6 +1,7 @@
 """What a kind of run can show that its model leaves out: each effect on the forces, with the words of its cause."""
 
 from collections.abc import Iterator
+from itertools import permutations
 
 import numpy as np
 
@@ -71,6 +72,15 @@ def _of_channels(run: LeftOut) -> Iterator[Alternative]:
         each=_of_itself("the square of its load"),
     )
     yield from _of_bars(run)
+
+
+def couplings_of(run: LeftOut) -> Iterator[Alternative]:
+    """Cross-talk of one channel into another, each pair of them as an effect of one size."""
+    names = run.names.channels
+    for source, target in permutations(range(6), 2):
+        cause = f"cross-talk by which {names[target]} reads {{}} of the load on {names[source]}"
+        columns = run.weighted(in_channel(run.of_load[:, source], target))
+        yield Alternative("coupling", f"the load on {names[source]}", cause, columns)
 
 
 def _each(words: str, names: tuple[str, ...]) -> tuple[tuple[str, int], ...]:

@@ -18,7 +18,7 @@ from identification.estimation.alternatives import Effect, Unseen, effects_of, u
 from identification.finding import Finding, Kind, note, warning
 from identification.findings.clock import OddClock
 from identification.findings.drift import Drift, drift_of
-from identification.findings.effects import alternatives_of
+from identification.findings.effects import alternatives_of, couplings_of
 from identification.findings.left_out import LeftOut
 from identification.findings.noise_level import channel_words
 from identification.findings.remains import excerpt_of, free_basis, remainder_of
@@ -137,7 +137,9 @@ def systematic_of(
     if ringing is not None:
         bias += np.outer(ringing.bias, ringing.bias)
     rms = np.sqrt(np.mean(residuals**2, axis=0))
-    hidden = [of._replace(answer=basis @ of.answer) for of in unseen(alternatives, rest)]
+    coupled = any(effect.effect.alternative.key == "coupling" for effect in effects_seen)
+    single = [] if coupled else couplings_of(left_out)
+    hidden = [of._replace(answer=basis @ of.answer) for of in unseen([*alternatives, *single], rest)]
     return Systematic(
         tuple(effects_seen), suspected, drift, bias, drives, rms, motion, tolerances, ringing, tuple(hidden)
     )

@@ -1,5 +1,6 @@
 """What a run could not have shown is told with the size that it could have, and the bias that it would make."""
 
+import numpy as np
 import pytest
 
 from identification.identify import estimate_parameters
@@ -54,3 +55,24 @@ def test_what_noise_alone_may_be_widens_deviations_with_a_word() -> None:
     assert 2.0 < entry["growth"] < 1.1 * mass.std_robust / mass.std  # the odd clock counts too
     assert tells(told.sentence, "time stamps", "that of m is", f"{entry['growth']:.2g} times")
     assert abs(mass.value - of.truth["m"]) < 3.0 * mass.std_robust
+
+
+@pytest.mark.first(1)
+@pytest.mark.parametrize(
+    ("name", "source", "target", "share"), few(("ur10_wrist", 2, 3, 2e-4), ("hexapod", 0, 4, 1e-3), kept=1)
+)
+def test_cross_talk_that_a_run_hides_is_told_channel_by_channel(
+    name: str, source: int, target: int, share: float
+) -> None:
+    of = machine(name)
+    channels = of.case.sensor_frame.channels
+    offset = of.truth[f"f_q0_{source + 1}"]
+    crossed = Change(forces=lambda now, own, _: own + share * np.outer(own[:, source] - offset, np.eye(6)[target]))
+    sound, damaged = found(of), found(of, crossed)
+    (entries,) = (f.quantity["not_shown"] for f in sound.findings if "not_shown" in f.quantity)
+    couplings = [e for e in entries if e["key"] == "coupling"]
+    (entry,) = (e for e in couplings if tells(e["as_with"], f"{channels[target]} reads", f"load on {channels[source]}"))
+    assert share < entry["size"]
+    k = sound.model.names.index(entry["parameter"])
+    bias = damaged.fit.values[k] - sound.fit.values[k]
+    assert bias == pytest.approx(entry["bias"] * share / entry["size"], rel=0.05)
