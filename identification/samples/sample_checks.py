@@ -117,7 +117,7 @@ def unmeasured(recording: Recording) -> tuple[Finding, ...]:
 
 
 def bridged(values: Array, bad: Flags) -> Array:
-    """Values with bad samples replaced by the straight line between good neighbours, shape (n, k)."""
+    """Values with bad samples bridged between good neighbours (`spread`), shape (n, k)."""
     return spread(values[~bad], np.flatnonzero(~bad), np.arange(len(bad)), False) if bad.any() else values
 
 
