@@ -175,9 +175,11 @@ FINDINGS = {
     "tolerances_too_small": "Die Maschine kann in ihren Toleranzen nicht sein, wie der Fall sagt: Was der Lauf von "
     "{keys} zeigt, ist etwa {times}-mal so groß wie angegeben (von Maschinen, die wie angegeben sind, {rare} so viel), "
     "und von {tried} Maßen ragt keines heraus. Größere angeben, oder die Maschine vermessen",
-    "part_off_tolerance": "Die Maschine kann in ihren Toleranzen nicht sein, wie der Fall sagt: {words}, und "
-    "tolerances.{key} gibt {stated} an ({deviations} Abweichungen von beiden; von Maschinen, die wie angegeben sind, "
-    "mit {tried} solchen Maßen, {rare} so viel). Dieses Teil vermessen, oder angeben, was davon stimmt",
+    "part_off_tolerance": "Die Maschine kann in ihren Toleranzen nicht sein, wie der Fall sagt: {parts}; von "
+    "Maschinen, die wie angegeben sind, mit {tried} solchen Maßen, {rare} so viel. Dieses Teil vermessen, oder "
+    "angeben, was davon stimmt",
+    "part_off": "{words}, und tolerances.{key} gibt {stated} an ({deviations} Abweichungen von beiden{larger})",
+    "others_larger": ", wenn alle anderen {times}-mal so groß wie angegeben sind",
     "shown_by_one": "zeigt eine von {runs}",
     "shown_by_fewer": "zeigt weniger als eine von {runs}",
     "odd_clock": "Zeitstempel liegen {step} ms auseinander, {share} % neben {usual} ms, und Beschleunigungen gehen "

@@ -18,13 +18,20 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 from scipy.spatial.transform import Rotation
 
-from cases.base.phrases import Phrase, enumerated, phrase
+from cases.base.phrases import NOTHING, Phrase, enumerated, phrase
 from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.alternatives import noise_of
 from identification.estimation.score_test import Noise
 from identification.finding import Finding, Kind, note, warning
-from identification.findings.contradiction import UNLIKELY, Part, chance_of_all, times_stated, worst_part
+from identification.findings.contradiction import (
+    UNLIKELY,
+    Part,
+    chance_of_all,
+    chance_of_one,
+    standing_out,
+    times_stated,
+)
 from identification.findings.drift import drift_of
 from identification.findings.left_out import LeftOut
 from identification.findings.off_case import SHOWABLE, Size, remedies_of, remedy_of, sizes_named
@@ -135,20 +142,16 @@ class Told(NamedTuple):
         return np.asarray(self.sizes / np.sqrt(np.maximum(1.0 - np.diag(self.covariance), FAINT)))
 
     @property
-    def worst(self) -> Part:
-        """The size that speaks most against the case."""
-        return worst_part(self.scores, self.through, self.of_scores)
-
-    @property
     def chance(self) -> float:
-        """Probability of all that the scores show, or more, by noise and tolerances as stated."""
-        return chance_of_all(self.scores, self.through, self.of_scores)
+        """Probability of what speaks most against the case, one size or all together, by noise and what is stated."""
+        shown = self.scores, self.through, self.of_scores
+        return min(chance_of_one(*shown), chance_of_all(*shown))
 
     def worth(self, own: int) -> bool:
         """Whether they lower the deviation of one of so many parameters, or one of them is off."""
         plain = np.diag(self.before + self.biases @ self.biases.T)[:own]
         joint = np.diag(self.before + self.biases @ self.covariance @ self.biases.T)[:own]
-        return worth_estimating(plain, joint) or self.chance < UNLIKELY or self.worst.chance < UNLIKELY
+        return worth_estimating(plain, joint) or self.chance < UNLIKELY
 
     @property
     def by_key(self) -> dict[str, Array]:
@@ -325,12 +328,12 @@ def findings_of(told: Told, case: Case, fitted: Fitted) -> list[Finding]:
 
 def _contradictions(told: Told, named: list[Size]) -> list[Finding]:
     """What cannot be right at its tolerance: a part that stands out, or all that is stated together."""
-    part, chance = told.worst, told.chance
-    if min(part.chance, chance) >= UNLIKELY:
+    chance, count = told.chance, len(named)
+    if chance >= UNLIKELY:
         return []
-    size, count = named[part.place], len(named)
     entry: dict[str, Any] = {"chance": chance, "tried": count}
-    if part.chance >= UNLIKELY:
+    parts = standing_out(told.scores, told.through, told.of_scores)
+    if not parts:
         times = times_stated(told.scores, told.through, told.of_scores)
         sentence = phrase(
             "tolerances_too_small",
@@ -343,22 +346,50 @@ def _contradictions(told: Told, named: list[Size]) -> list[Finding]:
             tried=count,
         )
         return [warning(Kind.CASE, sentence, impossible=entry | {"times": times})]
-    unit = told.stated[part.place] / size.unit
     sentence = phrase(
         "part_off_tolerance",
-        "the case cannot be right at its tolerances: {words}, where tolerances.{key} states {stated} ({deviations} "
-        "deviations of both; of machines that are as stated, with {tried} such sizes, {rare} so much). Measure that "
-        "part, or state what is true of it",
+        "the case cannot be right at its tolerances: {parts}; of machines that are as stated, with {tried} such "
+        "sizes, {rare} so much. Measure that part, or state what is true of it",
+        parts=enumerated("or", [_off(part, told, named[part.place]) for part in parts]),
+        tried=count,
+        rare=_rare(parts[0].chance),
+    )
+    first, *others = ({"key": named[part.place].key} | _figures(part, told) for part in parts)
+    return [warning(Kind.CASE, sentence, impossible=entry | first | ({"or": others} if others else {}))]
+
+
+def _off(part: Part, told: Told, size: Size) -> Phrase:
+    """By how much a part is off, and what is stated of it."""
+    unit = told.stated[part.place] / size.unit
+    return phrase(
+        "part_off",
+        "{words}, where tolerances.{key} states {stated} ({deviations} deviations of both{larger})",
         words=size.words.format(f"{with_deviation(part.size * unit, part.std * unit)} {size.symbol}"),
         key=size.key,
         stated=f"{unit:.3g}",
         deviations=f"{part.deviations:.2g}",
-        tried=count,
-        rare=_rare(part.chance),
+        larger=_larger(part.times),
     )
-    value, std = part.size * told.stated[part.place], part.std * told.stated[part.place]
-    entry |= {"key": size.key, "deviations": part.deviations, "chance": part.chance, "value": value, "std": std}
-    return [warning(Kind.CASE, sentence, impossible=entry)]
+
+
+def _larger(times: float) -> Phrase:
+    """That the other sizes were taken for larger than stated, where they were."""
+    shown = f"{times:.2g}"
+    if shown == "1":
+        return NOTHING
+    return phrase("others_larger", ", if all others are {times} times as large as stated", times=shown)
+
+
+def _figures(part: Part, told: Told) -> dict[str, float]:
+    """Entries of a part, sizes in SI."""
+    stated = float(told.stated[part.place])
+    return {
+        "deviations": part.deviations,
+        "chance": part.chance,
+        "value": part.size * stated,
+        "std": part.std * stated,
+        "times": part.times,
+    }
 
 
 def _rare(chance: float) -> Phrase:

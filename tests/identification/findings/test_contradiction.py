@@ -5,7 +5,14 @@ import pytest
 
 from cases.base.units import Array
 from identification.estimation.score_test import Noise
-from identification.findings.contradiction import UNLIKELY, chance_of_all, parts_of, times_stated, worst_part
+from identification.findings.contradiction import (
+    UNLIKELY,
+    chance_of_all,
+    chance_of_one,
+    parts_of,
+    standing_out,
+    times_stated,
+)
 
 SIZES, SCORES = 30, 12
 THROUGH: Array = np.random.default_rng(5).normal(size=(SCORES, SIZES)) * np.geomspace(3.0, 0.05, SCORES)[:, None]
@@ -39,7 +46,7 @@ def test_machines_as_stated_are_seldom_accused(freedom: float) -> None:
     for _ in range(2000):
         noise = known(freedom, float(draw.chisquare(freedom) / freedom) if freedom < 1e6 else 1.0)
         news = scores(draw)
-        alone.append(worst_part(news, THROUGH, noise).chance)
+        alone.append(chance_of_one(news, THROUGH, noise))
         together.append(chance_of_all(news, THROUGH, noise))
     for chances in (np.array(alone), np.array(together)):
         assert np.mean(chances < 0.01) < 0.016
@@ -48,14 +55,53 @@ def test_machines_as_stated_are_seldom_accused(freedom: float) -> None:
 
 
 def test_one_part_that_is_far_off_is_named_with_its_size() -> None:
-    draw, size = np.random.default_rng(3), 12.0
+    draw, size = np.random.default_rng(3), 25.0
     best = int(np.argmax(np.sum(THROUGH**2, axis=0)))
     for _ in range(20):
-        part = worst_part(scores(draw) + size * THROUGH[:, best], THROUGH, known())
+        news = scores(draw) + size * THROUGH[:, best]
+        part = standing_out(news, THROUGH, known())[0]
         assert part.place == best
         assert part.chance < UNLIKELY
+        assert chance_of_one(news, THROUGH, known()) < UNLIKELY
         assert abs(part.size - size) < 3.5 * np.hypot(1.0, part.std)
         assert part.deviations == pytest.approx(abs(part.size) / np.hypot(1.0, part.std))
+
+
+def test_a_part_that_another_equals_is_named_with_it() -> None:
+    """Two sizes whose effects differ by next to nothing: which of them is off no run can tell."""
+    draw = np.random.default_rng(9)
+    best = int(np.argmax(np.sum(THROUGH**2, axis=0)))
+    twin = np.column_stack([THROUGH, THROUGH[:, best] + 0.02 * THROUGH[:, 0]])
+    for _ in range(20):
+        parts = standing_out(scores(draw) + 25.0 * THROUGH[:, best], twin, known())
+        assert {part.place for part in parts} == {best, SIZES}
+
+
+@pytest.mark.parametrize("times", [2.0, 3.0])
+def test_of_machines_whose_tolerances_are_too_small_no_part_is_named_that_is_right(times: float) -> None:
+    """What is said of a part is true within its deviation, also where all others are larger than stated."""
+    draw, doubted, named, wrong = np.random.default_rng(8), 0, 0, 0
+    for _ in range(300):
+        true = draw.normal(0.0, times, SIZES)
+        news = THROUGH @ true + draw.normal(size=SCORES)
+        doubted += min(chance_of_one(news, THROUGH, known()), chance_of_all(news, THROUGH, known())) < UNLIKELY
+        if parts := standing_out(news, THROUGH, known()):
+            named += 1
+            wrong += min(abs(part.size - true[part.place]) / part.std for part in parts) > 3.5
+    assert doubted > 0.4 * 300
+    assert named < 0.2 * doubted
+    assert wrong <= 0.02 * 300
+
+
+def test_a_part_that_stands_out_of_larger_others_is_named_beside_them() -> None:
+    """Three sizes, each with a score of its own: two are off by some deviations, the third by many."""
+    news, through = np.array([0.0, -0.3, 3.0, 5.0, 20.0]), np.vstack([np.zeros((2, 3)), np.eye(3) * 50.0])
+    news[2:] *= 50.0
+    noise = Noise(np.eye(5), (np.eye(5)[None],), (np.array([[2e-9]]),))
+    (part,) = standing_out(news, through, noise)
+    assert (part.place, part.size) == (2, pytest.approx(20.0, abs=0.1))
+    assert part.std < 0.03
+    assert 3.0 < part.times < 6.0
 
 
 def test_tolerances_that_are_three_times_too_small_show_it_together() -> None:
@@ -83,4 +129,4 @@ def test_a_size_that_no_score_shows_is_never_named() -> None:
     news = scores(np.random.default_rng(6), 9.0)
     sizes, stds, _ = parts_of(news, through, UNIT)
     assert (sizes[4], stds[4]) == (0.0, np.inf)
-    assert worst_part(news, through, known()).place != 4
+    assert all(part.place != 4 for part in standing_out(news, through, known()))
