@@ -75,7 +75,12 @@ class Heading(Part):
 
 
 class Case(Heading):
-    """One machine. Parts that a setup lacks (a wrist sensor has no hexapod) are None."""
+    """One machine. Parts that a setup lacks (a wrist sensor has no hexapod) are None.
+
+    >>> case = hx.load_case("hexapod")
+    >>> case.setup, case.limits.motion.x_mm, case.recording.filter_cutoff_Hz
+    ('1b', (-250.0, 250.0), 40.0)
+    """
 
     setup: Literal["1a", "1b", "2x", "R"]
     """Figure 1 of the paper: 1a the sensor frame does not move, 1b it does, 2x sensors in struts, R a force/torque

@@ -123,6 +123,15 @@ def demo(
     A manual motion (where the case has one), a Fourier series and moves go the same way, and are compared as planned,
     as run, and with the truth.
 
+    >>> demo = hx.demo(hx.load_case("five_axis_table"), "demo")
+    >>> demo
+    Plan for five_axis_table: moves, 12.00 s, criterion D, model 6
+    ...
+    mass (m) = 17.39... +- 0.000... kg
+    ...
+    largest error against the simulated machine: ... reported standard deviations
+    ...
+
     Args:
         case: case with a simulated machine.
         folder: folder to make: plan, program, recording and result of the moves are written there, one after the other,

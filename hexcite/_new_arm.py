@@ -18,7 +18,9 @@ def new_arm(
 ) -> Path:
     """Writes `folder/case.toml` with the chain of a URDF file; keys that no URDF has are there as comments.
 
-        hx.new_arm("arm", "robot.urdf", "tool0")
+    >>> file = hx.new_arm("arm", "robot.urdf", "tool0")
+    >>> [joint.name for joint in hx.load_case(file).chain.joints][:2]
+    ['shoulder_pan_joint', 'shoulder_lift_joint']
 
     What is odd about the file stands in the case as comments too.
 

@@ -73,9 +73,10 @@ def identify(
 ) -> Result:
     """Parameters with standard deviations from a recorded run.
 
-    >>> mass = hx.identify(hx.Recording.load("empty"))["m"]
-    >>> 30.0 < mass.value < 33.0, mass.reported < 0.01, mass.unit
-    (True, True, 'kg')
+    >>> result = hx.identify(hx.Recording.load("empty"))
+    >>> mass = result["m"]
+    >>> f"{mass.value:.2f} +- {mass.reported:.2f} {mass.unit}"
+    '31.83 +- 0.01 kg'
 
     Args:
         recording: the run.

@@ -91,6 +91,12 @@ def plan_poses(
 ) -> Plan:
     """The most informative poses to stand at, in a short order, proven.
 
+    >>> plan = hx.plan_poses(hx.load_case("hexapod"), count=8, candidates=64, model=0)
+    >>> plan.poses.shape, plan.limits.kept
+    ((8, 6), True)
+    >>> f"{plan.predicted_std['m']:.4f} kg"
+    '0.0036 kg'
+
     Args:
         at: poses of one's own instead, to see what they are worth beside chosen ones: a CSV file, or coordinates of the
             machine, shape (n, k) [m or rad].

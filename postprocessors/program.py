@@ -54,7 +54,13 @@ def dialect_of_file(file: str) -> Dialect:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Program:
-    """A program and its reading; proof and run use this content and do not read the file again."""
+    """A program and its reading; proof and run use this content and do not read the file again.
+
+    >>> program = hx.read_program("run.mpf", hx.load_case("hexapod"))
+    >>> program
+    Program run.mpf for hexapod: sinumerik, ... blocks, 4.95 s
+    limits: proven; SINUMERIK enforces: acceleration, jerk, strut acceleration
+    """
 
     path: Path  # path of the file, or the name that it was written for
     dialect: Dialect  # its language

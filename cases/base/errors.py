@@ -108,6 +108,12 @@ class Said(NamedTuple):
 class HexciteError(Exception):
     """Root of all errors that a user can cause and mend: `PLACE: PROBLEM; REMEDY` in one line.
 
+    >>> try:
+    ...     hx.load_case("hexapud")
+    ... except hx.HexciteError as error:
+    ...     print(error.code, error.place, error.problem, sep=" | ")
+    unknown | hexapud | no such case
+
     Args:
         place: file with line, key or column, or an option; empty where there is none.
         problem: which value is wrong there, and its limit.

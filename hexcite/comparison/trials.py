@@ -285,6 +285,9 @@ Remark = Callable[[str], None]
 class ValidationSettings(ValidationOptions):
     """How `hx.validate` carries out its methods.
 
+    >>> hx.ValidationSettings(starts=1)
+    ValidationSettings(on='virtual', starts=1, seed=0, workers=None)
+
     Args:
         OPTIONS
     """

@@ -136,6 +136,10 @@ def validate(
 ) -> Validation:
     """Carries out the payload experiment on the case's simulated machine, with the disturbances that the case states.
 
+    >>> validation = hx.validate(hx.load_case("hexapod"), ["ptp"], [0, 1], hx.ValidationSettings(starts=1))
+    >>> [(trial.method, trial.load_words) for trial in validation.trials]
+    [('ptp', '0 kg'), ('ptp', '20 kg')]
+
     Args:
         case: case with payloads and a simulated machine.
         mounted: numbers of weights, from 0 on; by default none, and each up to all.

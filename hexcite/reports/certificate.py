@@ -150,6 +150,13 @@ class Verification(NamedTuple):
 def verify_certificate(file: Path | str, result: Result | None = None) -> Verification:
     """Whether a certificate is as it was issued, and agrees with a result and the recordings that are still there.
 
+    >>> result = hx.Result.load("loaded-result")
+    >>> hx.certificate(result, "loaded.pdf")
+    >>> hx.verify_certificate("loaded.pdf", result)
+    the file is as it was issued on ...
+    result loaded-result/result.json: the one that is certified
+    recording ...recording.csv: the one that is certified
+
     Args:
         file: the certificate.
         result: result that it has to be of.

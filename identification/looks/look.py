@@ -40,7 +40,13 @@ class FileLook:
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """What a file is likely to be."""
+    """What a file is likely to be.
+
+    >>> hx.look("empty/recording.csv", hx.load_case("hexapod"))
+    empty/recording.csv: 5356 rows, 1000 a second, 14 columns
+    [recording]
+    filter_cutoff_Hz = 40.0
+    """
 
     file: Path
     rows: int  # number of rows of numbers; of a bag the messages that hexcite reads

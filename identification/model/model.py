@@ -37,7 +37,12 @@ from identification.model.strut_sensors import StrutLayout, moving_struts, struc
 
 @dataclass(frozen=True)
 class Model:
-    """An identification model of one sensor frame."""
+    """An identification model of one sensor frame.
+
+    >>> model = hx.Result.load("empty-result").model
+    >>> model.number, model.names[:4]
+    (9, ['m', 'mxC', 'myC', 'mzC'])
+    """
 
     number: int  # its number in Table 2
     blocks: tuple[Block, ...]  # its blocks, in the order of (17)

@@ -40,7 +40,14 @@ from identification.texts import efficiency_text, share_text
 @renamed(struts="drives")
 @dataclass(frozen=True, slots=True, repr=False)
 class Recording(Stream):
-    """A run: the samples of the forces, with all channels of their clock, and streams of other clocks."""
+    """A run: the samples of the forces, with all channels of their clock, and streams of other clocks.
+
+    >>> run = hx.Recording.load("empty")
+    >>> run.t.shape, run.drives.shape, run.forces.shape
+    ((5356,), (5356, 6), (5356, 6))
+    >>> f"{run.executed.executed_s:.3f} s"
+    '4.355 s'
+    """
 
     forces: Array  # forces of the sensors, shape (n, 6) [N, or N and N m]
     others: tuple[Stream, ...] = ()  # what was sampled by other clocks, on the same time axis

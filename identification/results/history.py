@@ -81,6 +81,10 @@ class Drift:
 class History:
     """Results of a machine in the order of their times.
 
+    >>> hx.history(["empty-result", "loaded-result"])
+    History of hexapod: 2 results from ... to ...
+    nothing leaps or drifts beyond its deviation
+
     Args:
         case: name of the machine's case.
         entries: the results.

@@ -147,8 +147,8 @@ def payload(before: Result, after: Result) -> Payload:
 
     >>> empty, loaded = hx.Result.load("empty-result"), hx.Result.load("loaded-result")
     >>> mass = hx.payload(empty, loaded).parameters["m"]
-    >>> 19.0 < mass.value < 21.0, mass.unit
-    (True, 'kg')
+    >>> f"{mass.value:.2f} +- {mass.reported:.2f} {mass.unit}"
+    '19.92 +- 0.01 kg'
 
     Raises:
         IdentificationError: both are of the same recording, or the difference in mass is not significant.

@@ -34,8 +34,11 @@ UNLIKELY = 0.01  # chance of a scatter by noise, below which deviations grow by 
 def pool(results: Sequence[Result]) -> Result:
     """One result of several runs of the same machine with the same load: their generalised mean.
 
-        runs = [hx.identify(hx.read(file, case)) for file in files]
-        hx.pool(runs)["m"].reported
+    >>> first = hx.Result.load("empty-result")
+    >>> second = hx.identify(hx.run("run.mpf", hx.load_case("hexapod"), seed=5))
+    >>> both = hx.pool([first, second])
+    >>> [f"{result['m'].value:.3f} +- {result['m'].reported:.3f} kg" for result in (first, second, both)]
+    ['31.826 +- 0.007 kg', '31.834 +- 0.007 kg', '31.830 +- 0.005 kg']
 
     Tolerances of the case, which all runs have in common, are counted once: more runs do not average them out. Where
     runs scatter more than their deviations promise, deviations grow by that; `record.pooled` and the findings say so,

@@ -55,6 +55,12 @@ ALIKE = 1e-9  # of numbers that are computed anew: another computer rounds other
 class Result:
     """Identified parameters; two are equal where they say the same.
 
+    >>> result = hx.Result.load("empty-result")
+    >>> result["m"]
+    Value(value=31.82..., std=0.0069..., std_robust=0.0066..., unit='kg')
+    >>> result["m"].reported == max(result["m"].std, result["m"].std_robust)
+    True
+
     Args:
         record: entries of result.json.
         case: case of the recording.

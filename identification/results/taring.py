@@ -52,6 +52,13 @@ FEW = 10  # samples of a standstill that show how tolerances act at its pose, an
 def tare(recording: Recording, result: Result) -> Result:
     """The result with sensor offsets f_q0 (11) identified anew from a standstill without contact; all else stays.
 
+    >>> result = hx.Result.load("empty-result")
+    >>> tared = hx.tare(hx.read("still.csv", hx.load_case("hexapod")), result)
+    >>> sorted(tared.record.tared["f1_N"])
+    ['after', 'before', 'change_std', 'unit']
+    >>> tared["m"] == result["m"]
+    True
+
     Offsets are off by noise of the standstill, and by what all else is off at its pose: by noise of its run, and by
     tolerances of the case, whose effects on the forces there and on the parameters cancel where the pose is like those
     of that run. `record.tared` holds the offset of each channel before and after; a note says which has drifted.

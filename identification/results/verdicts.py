@@ -48,7 +48,16 @@ class Check(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """Whether a result is accepted."""
+    """Whether a result is accepted.
+
+    >>> hx.accept(hx.Result.load("empty-result"))
+    PASS: 3 limits are kept
+      verdict  of                                      value  limit        unit
+      PASS     warnings that no deviation counts           0  at most 0    -
+      PASS     noise of channel 3 over the stated one   1.12  at most 1.5  -
+      PASS     mass, difference from nominal            3.56  at most 25   %
+    not judged: the run beside its plan: identify with --plan
+    """
 
     checks: tuple[Check, ...]
     unjudged: tuple[str, ...]  # what could not be judged, with the reason

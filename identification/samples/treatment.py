@@ -29,8 +29,8 @@ WIDEST = 0.2  # of the samples a second: the widest low-pass behind which positi
 class Treatment(TreatmentOptions):
     """How a moving run is treated; what is None is as by default.
 
-    >>> hx.Treatment(cutoff=40.0).harmonics
-    7
+    >>> hx.Treatment(cutoff=60.0, accelerated=0.3).words
+    'samples with at least 30 % of the largest acceleration, a low-pass at 60 Hz'
 
     Args:
         OPTIONS

@@ -122,8 +122,8 @@ class FamilySettings:
 class Fourier(FourierOptions, FamilySettings):
     """Periodic Fourier series (34)-(36) from rest to rest.
 
-    >>> hx.Fourier(order=3).period is None
-    True
+    >>> hx.Fourier(order=3, period=4.0)
+    Fourier(order=3, period=4.0, free_order=False, free_period=False, centred=False, equal_start=False)
 
     Args:
         OPTIONS
@@ -256,8 +256,8 @@ def _highest_frequency(case: Case) -> float:
 class PointToPoint(MoveOptions, FamilySettings):
     """Straight moves in the coordinates, each from rest to rest.
 
-    >>> hx.PointToPoint(moves=40, controller="linuxcnc").without is None
-    True
+    >>> hx.PointToPoint(moves=40, without="jerk")
+    PointToPoint(moves=40, controller=None, without='jerk')
 
     Args:
         OPTIONS

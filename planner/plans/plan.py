@@ -56,6 +56,14 @@ MOST_USED = 0.9  # share of a limit from which it is shown
 class Plan:
     """A planned excitation: a motion from rest to rest, or poses to stand at.
 
+    >>> plan = hx.Plan.load("plan")
+    >>> plan
+    Plan for hexapod: manual motion, 4.35 s, criterion D, model 9
+    limits most used: ...
+    D-efficiency 0.188 against the box bound (certified)
+    >>> f"{plan.predicted_std['m']:.4f} kg"
+    '0.0066 kg'
+
     Args:
         case: case that it was planned for.
         request: request that it answers.

@@ -21,12 +21,22 @@ from identification.simulate import simulate_recording
 from planner.families.manual import load_poses
 from tests.helpers import HOME, SHORT_MOVES, tells
 from tests.hexcite.command_line import call, refused
+from tests.robots import ur10
 from tests.simulated_machine import PoseExecution
+
+ONE_CELL = """
+schema_version = 1
+name = "moves"
+[grid]
+family = ["ptp"]
+moves = [8]
+duration_s = [4.0]
+"""
 
 
 @pytest.fixture(scope="module")
 def made(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A program, two runs of it with their results, the second with a weight, and a standstill."""
+    """A program, two runs of it with their results, the second with a weight, a standstill, a robot and a study."""
     folder, case = tmp_path_factory.mktemp("doors"), hx.load_case("hexapod")
     plan = hx.plan(case, hx.Manual(SHORT_MOVES))
     plan.save(folder / "plan")
@@ -37,6 +47,8 @@ def made(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
         hx.identify(hx.Recording.load(folder / name)).save(folder / f"{name}-result")
     still = PoseExecution(Hexapod.of(case), Standstill(np.asarray(HOME), 1.0))
     write_recording(folder / "still.csv", simulate_recording(case, still, np.zeros((0, 2)), 3, "still.csv"), case)
+    (folder / "robot.urdf").write_text(ur10())
+    (folder / "moves.toml").write_text(ONE_CELL)
     return folder
 
 
@@ -167,21 +179,23 @@ def examples(name: str) -> list[doctest.DocTest]:
     return [each for each in found if each.examples]
 
 
-WITH_EXAMPLES = [name for name in hx.PUBLIC if examples(name)]
+FUNCTIONS_AND_TYPES = [name for name in hx.PUBLIC if name != "__version__"]
+LONG = {"demo", "identify_models", "ModelChoice", "study", "validate"}  # examples of several seconds
+OUTPUT = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
 
-@pytest.mark.parametrize("name", WITH_EXAMPLES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in FUNCTIONS_AND_TYPES]
+)
 def test_examples_of_docstrings_are_true(name: str, copied: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each public name has one, with what it shows."""
     monkeypatch.chdir(copied)
+    assert examples(name)
     told: list[str] = []
     for example in examples(name):
-        failed, tried = doctest.DocTestRunner().run(example, out=told.append)
+        failed, tried = doctest.DocTestRunner(optionflags=OUTPUT).run(example, out=told.append)
         assert tried
         assert not failed, "".join(told)
-
-
-def test_what_people_call_first_has_an_example() -> None:
-    assert {"load_case", "plan", "write", "run", "identify", "force", "payload", "export"} <= {*WITH_EXAMPLES}
 
 
 def test_the_version_is_told_by_both() -> None:
