@@ -15,6 +15,7 @@ from cases.base.phrases import enumerated, phrase, said
 from cases.base.units import DEG, Array
 from cases.schema import Case
 from identification.estimation.alternatives import Effect, Unseen, effects_of, unseen
+from identification.estimation.fit import inverse_root
 from identification.finding import Finding, Kind, note, warning
 from identification.findings.clock import OddClock
 from identification.findings.drift import Drift, drift_of
@@ -132,7 +133,8 @@ def systematic_of(
     drives = None
     if attenuated is not None:
         pull = basis.T @ np.r_[attenuated, np.zeros(fitted.regression.nuisance)]
-        drives = -basis @ (half @ (half.T @ pull))
+        fit = inverse_root((rest.root @ fitted.regression.regressors @ basis).reshape(-1, basis.shape[1]))
+        drives = -basis @ (fit @ (fit.T @ pull))  # by F of the fit, to which noise adds: it bounds what noise can pull
         bias += np.outer(drives, drives)
     if ringing is not None:
         bias += np.outer(ringing.bias, ringing.bias)

@@ -149,6 +149,17 @@ def test_noise_of_drives_is_told_with_the_bias_that_it_makes_and_the_remedy() ->
 
 
 @pytest.mark.repeats
+def test_noise_of_drives_never_pulls_a_parameter_by_more_than_all_of_it() -> None:
+    """A small slow machine whose run hardly shows the inertia: noise of 0.03 um is about all there is to see of it."""
+    of = machine("hexapod_32000")
+    estimate = estimate_parameters(recorded(of, Moves(of, 52077, 4.0, 0.8), 52077, STATED), of.case)
+    assert estimate.warnings == ()
+    for name in ("IC11", "IC13", "IC23", "IC33"):
+        inertia = estimate.physical[name]
+        assert abs(inertia.value - of.truth[name]) < 3.0 * inertia.reported
+        assert inertia.reported < 1.5 * inertia.std
+
+
 def test_time_stamps_that_no_clock_makes_are_told_with_what_to_state() -> None:
     of = machine("hexapod")
     estimate = found(of, OF["clock scale"].change(of, 1000.0))
