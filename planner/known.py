@@ -62,6 +62,13 @@ class Known:
             names, one.record.model, one.values, one.covariance, one.covariance_robust, dict(one.biases), warnings
         )
 
+    @property
+    def by_noise(self) -> Array:
+        """Covariance of u by the noise of the results, which further runs lower, shape (u, u)."""
+        from identification.results.pooling import mean_of  # SciPy, which plans that know nothing do without
+
+        return mean_of([self]).random
+
     def require_model(self, number: int) -> None:
         """Raises HexciteError where a plan is for another model."""
         if number != self.model:

@@ -202,6 +202,19 @@ def counted_information(
     return weighted if scattered is None else of_estimate(weighted, scattered)
 
 
+def information_of_known(covariance: Array, scaling: Array, noise: ExpectedNoise, samples: float) -> Array:
+    """Information of earlier results in units of the mean information of a run, shape (u, u).
+
+    Args:
+        covariance: of u by their noise, shape (u, u) [SI].
+        scaling: diagonal of H, shape (u,).
+        noise: of the run.
+        samples: number of its samples.
+    """
+    scaled = covariance / np.outer(scaling, scaling)
+    return np.asarray(noise.sensors**2 / samples * np.linalg.inv((scaled + scaled.T) / 2.0))
+
+
 def information_of(model: Model, scaling: Array, trajectory: Trajectory, errors: PoseErrors | None) -> Array:
     """Mean information, reduced by errors of the pose; all of it where there are none, shape (u, u)."""
     plain = mean_information(model, scaling, trajectory)

@@ -2,7 +2,9 @@
 
 White noise lets deviations fall with the root of the duration, above what tolerances leave, and beside what earlier
 results say. Errors that depend on the pose do not average out where a motion returns, and a short motion has no room
-for long ways: so each duration is planned, and what earlier ones reached only says which is next.
+for long ways: so each duration is planned, and what earlier ones reached only says which is next. After the first,
+which determines the family, durations are searched from one start, a few percent from what more find; the shortest one
+that reaches the targets is searched whole.
 """
 
 import math
@@ -20,6 +22,7 @@ from planner.plans.plan import Plan
 from planner.plans.prediction import NOISE, Prediction
 from planner.request import Request
 
+KNOWN_FIRST = DURATION / 4.0  # [s] the first duration where something is known: less is missing
 CLOSE = 1.04  # ratio of the shortest duration that reaches the targets to the longest below it that does not
 MOST = 14  # durations at most
 LONGER, SHORTER = 4.0, 0.25  # ratio of a duration to the one before, at most and at least
@@ -55,10 +58,13 @@ def shortest(request: Request, case: Case, plan_of: Callable[[Request], Plan]) -
     """
     targets, longest, family = request.target, request.duration, request.family
     trials: list[Trial] = []
-    duration: float | None = _whole(min(max(DURATION, family.least(case)), longest), family.step)
+    first = DURATION if request.known is None else KNOWN_FIRST
+    duration: float | None = _whole(min(max(first, family.least(case)), longest), family.step)
     while duration is not None and len(trials) < MOST:
-        whole_request = replace(request, family=family, duration=duration, target={})
-        trial = _trial(whole_request, targets, plan_of)
+        own = replace(request, family=family, duration=duration, target={})
+        if any(trial.plan is not None for trial in trials):
+            own = _from_one_start(own)
+        trial = _trial(own, targets, plan_of)
         trials.append(trial)
         if trial.plan is not None:
             family = trial.plan.of_motion[0].family
@@ -69,11 +75,23 @@ def shortest(request: Request, case: Case, plan_of: Callable[[Request], Plan]) -
     if not enough:
         raise _missed(trials, request, case)
     best = min(enough, key=lambda trial: trial.duration)
-    assert best.plan is not None
-    motion, worth = best.plan.of_motion
     interrupted = any(trial.plan is not None and trial.plan.interrupted for trial in trials)
+    plan = best.plan
+    assert plan is not None
+    if not interrupted and plan.of_motion[0].starts != request.starts:
+        whole = _trial(replace(plan.of_motion[0], starts=None), targets, plan_of)
+        if whole.plan is not None and whole.excess <= 1.0:
+            best, plan = whole, whole.plan
+            interrupted = plan.interrupted
+    motion, worth = plan.of_motion
     worth = replace(worth, notes=(_note(best, trials, targets, case, motion.model), *worth.notes))
-    return replace(best.plan, request=replace(motion, target=targets), worth=worth, interrupted=interrupted)
+    found = replace(motion, starts=request.starts, target=targets)
+    return replace(plan, request=found, worth=worth, interrupted=interrupted)
+
+
+def _from_one_start(request: Request) -> Request:
+    """A request whose search is short, unless it is asked when it ends."""
+    return request if request.starts is not None or request.seconds is not None else replace(request, starts=1)
 
 
 def require_more(request: Request, case: Case) -> None:

@@ -109,8 +109,9 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
     listener(request)
     made_for = request.family.made_for(case)
     controlled_case, step_time = controlled(case, made_for)
+    known = None if request.known is None else request.known.by_noise
     rounds = _Rounds(
-        request, controlled_case.within_margin(), case, listener, run, until
+        request, controlled_case.within_margin(), case, listener, run, until, known
     )  # the proof asks the limits themselves
     results: list[Start | Failed] = []
     ended_early = late = False
@@ -167,6 +168,7 @@ class _Rounds:
     listener: Listener
     run: Runner
     until: float  # when the search is to end, by `time.monotonic` [s]
+    known: Array | None  # covariance of u by the noise of earlier results, shape (u, u)
 
     def one(self, number: int, before: Sequence[Start | Failed]) -> _Round:
         """A round: explorations, then refinements of the best until now where there is time for them.
@@ -208,6 +210,7 @@ class _Rounds:
             begin,
             self.reference,
             request.solver,
+            self.known,
         )
 
     def _least(self) -> int:

@@ -135,7 +135,7 @@ def search_notes(planned: PlannedMotion, request: Request, parameters: int) -> t
     """
     if planned.out_of_time:
         return (f"ended after {request.seconds:g} s, as asked: the best of {len(planned.starts)} motions until then",)
-    values = [s.record.logdet for s in planned.starts if s.record.refined]
+    values = [s.record.criterion_value for s in planned.starts if s.record.refined]
     if request.criterion != Criterion.D or request.starts is not None or planned.interrupted or len(values) < 2:
         return ()
     loss = -math.expm1((values[1] - values[0]) / parameters)

@@ -83,6 +83,7 @@ class Walk:
         scaling: reference scaling, shape (u,).
         draw: random generator.
         points: waypoints in half widths to begin with, shape (moves + 1, n), moved into the limits of poses.
+        known: information of earlier results, in units of the mean information, shape (u, u).
     """
 
     def __init__(
@@ -93,7 +94,9 @@ class Walk:
         family: PointToPointFamily,
         draw: np.random.Generator,
         points: Array,
+        known: Array | None = None,
     ) -> None:
+        self.beside = RIDGE * np.eye(len(scaling)) + (0.0 if known is None else known)  # information of no move
         self.size, self.count, self.draw = len(scaling), family.moves, draw
         # three times of each move [s]; largest way of each coordinate in them, in half widths of the box, shape (n,)
         self.times, self.steps = family.longest_steps()
@@ -125,7 +128,7 @@ class Walk:
         """Computes the information and its factors from the present moves."""
         size = self.size
         flat = self.rows.reshape(-1, size)
-        self.total = flat.T @ flat / self.count + RIDGE * np.eye(size)
+        self.total = flat.T @ flat / self.count + self.beside
         factor = np.linalg.cholesky(self.total)
         self.logdet = 2.0 * float(np.log(np.diag(factor)).sum())
         self.root = np.linalg.inv(factor).T  # rows @ root: their squares add up to trace(F^-1 R^T R)
@@ -166,7 +169,7 @@ class Walk:
             all_rows = np.empty_like(self.rows)
             all_rows[present[k]], all_rows[place[own]] = self.rows[origin[k][present[k]]], rows[own]
             flat = all_rows.reshape(-1, size)
-            sign, logdet = np.linalg.slogdet(flat.T @ flat / self.count + RIDGE * np.eye(size))
+            sign, logdet = np.linalg.slogdet(flat.T @ flat / self.count + self.beside)
             value = logdet - EXCESS * (remainder[k] + excess[:, 0].sum())
             if sign > 0 and value >= chances[k]:
                 violations = np.empty(self.count)
@@ -245,14 +248,16 @@ def annealed_start(
     family: PointToPointFamily,
     draw: np.random.Generator,
     watch: Callable[[float], bool],
+    known: Array | None = None,
 ) -> Array:
     """Unknowns of an annealed walk; limits of rates and accelerations may still be exceeded a little.
 
     Args:
         watch: called with -log det F / u now and then; a true answer ends the annealing.
+        known: as of `Walk`.
     """
     points = family.split(family.start(draw, lambda unknowns: 0.0))[0]
-    walk = Walk(case, model, scaling, family, draw, points)
+    walk = Walk(case, model, scaling, family, draw, points, known)
     proposals = round(PROPOSALS * family.moves**3)
     for temperature in np.geomspace(HOT, COLD, TEMPERATURES):
         walk.anneal(float(temperature), proposals // TEMPERATURES)

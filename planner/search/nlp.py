@@ -52,6 +52,7 @@ class NonlinearProgram:
     convex: bool = False
     # errors of the pose, which the information then counts; second derivatives are convex with them
     errors: FieldByStates | None = None
+    known: Array | None = None  # information that earlier results add to that of the motion, shape (u, u)
     limits: tuple[Kernel, ...] = ()  # state -> shares of each non-linear limit that can bind
 
     @property
@@ -125,12 +126,15 @@ class NonlinearProgram:
         return np.concatenate(rows), np.concatenate(columns)
 
     def information(self, unknowns: Array) -> Array:
-        """Mean of H A^T A H over the motion, less what errors of the pose cost, shape (u, u)."""
+        """Mean of H A^T A H over the motion, less what errors of the pose cost, and what is known, shape (u, u)."""
         states = np.concatenate(self.states.at(unknowns))
         regressors = self.regressor.values(states)
         if self.errors is not None:
-            return self.errors.information(states, regressors)
-        return weighted_square(states, regressors, self.size)
+            return self._with_known(self.errors.information(states, regressors))
+        return self._with_known(weighted_square(states, regressors, self.size))
+
+    def _with_known(self, information: Array) -> Array:
+        return information if self.known is None else information + self.known
 
     def value(self, unknowns: Array) -> float:
         """Value of the criterion."""
@@ -166,8 +170,10 @@ class NonlinearProgram:
         states = np.concatenate(self.states.at(unknowns))
         regressors, slopes = self.regressor.slopes(states)
         if self.errors is None:
-            return InformationOfStates.white(states, regressors, slopes, self.size)
-        return self.errors.with_slopes(states, regressors, slopes)
+            point = InformationOfStates.white(states, regressors, slopes, self.size)
+        else:
+            point = self.errors.with_slopes(states, regressors, slopes)
+        return point._replace(information=self._with_known(point.information))
 
     def _pull(self, point: InformationOfStates, local: Local) -> tuple[Array, Array]:
         """Derivatives of the criterion by the states, for a share of one and times it, shapes (K, d)."""
@@ -203,7 +209,7 @@ class NonlinearProgram:
             total += factor * curvature_through_information(self.states, unknowns, local, point, size)
             if self.errors is not None:  # where field and motion change together this part is flat, and steps too long
                 white = InformationOfStates.white(point.states, point.regressors, point.changes, self.size)
-                local = criterion_at(Criterion.D, white.information)
+                local = criterion_at(Criterion.D, self._with_known(white.information))
                 total += factor * curvature_through_information(self.states, unknowns, local, white, size)
             elif not self.convex:
                 blocks.append((self.states.index, factor * self._curvature_at_states(unknowns, local, point)))

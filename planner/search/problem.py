@@ -50,7 +50,13 @@ def largest_shares(program: NonlinearProgram, motion: Trajectory, case: Case) ->
 
 
 def build_program(
-    case: Case, model: Model, family: Family, scaling: Array, margin: float, errors: PoseErrors | None = None
+    case: Case,
+    model: Model,
+    family: Family,
+    scaling: Array,
+    margin: float,
+    errors: PoseErrors | None = None,
+    known: Array | None = None,
 ) -> NonlinearProgram:
     """The program of criterion D with every limit of a family that can bind.
 
@@ -58,6 +64,7 @@ def build_program(
         scaling: reference scaling, shape (u,).
         margin: share of each limit that stays unused.
         errors: errors of the pose, which the information counts.
+        known: information of earlier results, in units of the mean information, shape (u, u).
     """
     layout, limits, states = family.layout(case, margin), near_limits(case), _extreme_states(case)
     first, rows = [], []
@@ -75,6 +82,7 @@ def build_program(
         layout.lower,
         layout.upper,
         errors=None if errors is None else FieldByStates(errors, family.duration),
+        known=known,
         limits=tuple(kernel for _, _, kernel in limits),
     )
 

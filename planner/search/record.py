@@ -49,7 +49,7 @@ class StartRecord:
     seed: int  # seed of the random start
     refined: bool  # whether all limits were constrained wherever they come close; else it was explored only
     logdet: float  # log det F of the motion within the limits, W as in the identification
-    criterion_value: float  # value of the requested criterion for the same motion, to be maximised
+    criterion_value: float  # value of the requested criterion with what is known, to be maximised
     solver: SolverStatus  # the solver's last
     converged: bool  # whether its last stage converged
     iterations: int  # iterations of the solver, all stages

@@ -21,7 +21,14 @@ from identification.model.model import Model, identification_model
 from planner.families.family import Family
 from planner.families.ptp import PointToPointFamily
 from planner.families.states import Kernel
-from planner.noise import PoseErrors, expected_noise, information_of, seen_through
+from planner.noise import (
+    ExpectedNoise,
+    PoseErrors,
+    expected_noise,
+    information_of,
+    information_of_known,
+    seen_through,
+)
 from planner.request import Solver
 from planner.search.annealing import TEMPERATURES, annealed_start
 from planner.search.feasibility import keep_limits, require_rest
@@ -67,6 +74,7 @@ class Task:
     begin: Array | None = None  # result of an exploration, which is refined; None for a random start
     reference: Case | None = None  # case of the reference scaling, where `case` has margins; None for the same
     solver: Solver | None = None  # None for the one that suits each stage
+    known: Array | None = None  # covariance of u by the noise of earlier results, shape (u, u); None without any
 
     @property
     def refine(self) -> bool:
@@ -146,10 +154,11 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
             code=Code.INFEASIBLE,
         )
     promise = run.rate(unknowns) if exploring else after
+    alone = task.criterion == Criterion.D and task.known is None
     record = StartRecord(
         seed=task.seed,
         refined=not exploring,
-        logdet=after if task.criterion == Criterion.D else run.rate(inside, Criterion.D),
+        logdet=after if alone else run.rate(inside, Criterion.D, alone=True),
         criterion_value=after,
         solver=run.status,
         converged=run.converged,
@@ -162,8 +171,8 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
 @lru_cache(maxsize=2)
 def _information_of(
     case: Case, reference: Case, number: int, payload: int
-) -> tuple[Model, Array, PoseErrors | None, Kernel]:
-    """Model behind the weights, reference scaling, errors of the pose, and the regressor of one state.
+) -> tuple[Model, Array, ExpectedNoise, PoseErrors | None, Kernel]:
+    """Model behind the weights, reference scaling, noise, errors of the pose, and the regressor of one state.
 
     They are the same for all starts of a search, and take as long to build as some iterations.
 
@@ -175,7 +184,7 @@ def _information_of(
     scaling = reference_scaling(reference, model)
     noise = expected_noise(case, model, payload)
     seen = seen_through(model, noise.whitening)
-    return seen, scaling, PoseErrors.of(case, noise), regressor_kernel(seen, scaling)
+    return seen, scaling, noise, PoseErrors.of(case, noise), regressor_kernel(seen, scaling)
 
 
 class _Run:
@@ -184,10 +193,15 @@ class _Run:
     def __init__(self, task: Task, watch: Watch) -> None:
         require_rest(task.case)
         self.task, self.family, self.watch = task, task.family, watch
-        self.model, self.scaling, self.errors, regressor = _information_of(
+        self.model, self.scaling, noise, self.errors, regressor = _information_of(
             task.case, task.reference or task.case, task.model, task.payload
         )
-        program = build_program(task.case, self.model, self.family, self.scaling, UNUSED_SHARE + SLIPPED, self.errors)
+        self.known = None
+        if task.known is not None:
+            samples = task.case.recording.rate_Hz * self.family.duration
+            self.known = information_of_known(task.known, self.scaling, noise, samples)
+        margin = UNUSED_SHARE + SLIPPED
+        program = build_program(task.case, self.model, self.family, self.scaling, margin, self.errors, self.known)
         self.program = replace(program, regressor=regressor)
         self.iterations, self.status = 0, SolverStatus.NOT_RUN
         self.converged, self.stopped = False, False
@@ -198,12 +212,14 @@ class _Run:
         self.stopped = self.watch(objective) or self.stopped
         return self.stopped
 
-    def rate(self, unknowns: Array, letter: Criterion | None = None) -> float:
+    def rate(self, unknowns: Array, letter: Criterion | None = None, alone: bool = False) -> float:
         """The requested criterion of a motion, or another: in reference scaling, from its samples at 1 kHz.
 
-        Minus infinity where the motion does not determine all parameters.
+        With what is known, unless `alone`. Minus infinity where the motion does not determine all parameters.
         """
         information = information_of(self.model, self.scaling, self.family.motion(unknowns), self.errors)
+        if self.known is not None and not alone:
+            information = information + self.known
         try:
             mu = singular_values(information, self.model.names)
         except IdentificationError:
@@ -217,7 +233,7 @@ class _Run:
             self.program = self.program.with_rows_near(task.begin, FAR, NEAR)
             return task.begin
         if isinstance(family, PointToPointFamily):
-            return annealed_start(task.case, self.model, self.scaling, family, draw, self.stops)
+            return annealed_start(task.case, self.model, self.scaling, family, draw, self.stops, self.known)
         return family.start(draw, self.program.worst)
 
     def solve_for(self, letter: Criterion, halvings: int, unknowns: Array, iterations: int) -> Array:

@@ -63,9 +63,10 @@ def test_a_search_that_had_not_converged(interrupted: bool, found: PlannedMotion
 
 
 def test_a_search_that_ends_by_itself_says_how_close_its_starts_are(found: PlannedMotion, start: Start) -> None:
-    """Two parameters, log det 0.02 apart: 1 % of an efficiency."""
+    """Two parameters, log det with what is known 0.02 apart: 1 % of an efficiency."""
     best = start.record
-    other = replace(start, record=replace(best, seed=best.seed + 1, logdet=best.logdet - 0.02))
+    behind = best.criterion_value - 0.02
+    other = replace(start, record=replace(best, seed=best.seed + 1, criterion_value=behind))
     explored = [replace(start, record=replace(best, seed=best.seed + k, refined=False)) for k in range(3)]
     two = found._replace(starts=(start, other, *explored))
     (note,) = search_notes(two, Request(), 2)

@@ -106,6 +106,24 @@ def test_its_information_is_the_time_average_over_the_motion(small: Small, hexap
     assert problem.value(at) == pytest.approx(-logdet / len(fine), abs=5e-3)
 
 
+def test_what_is_known_adds_to_the_information_and_to_its_slopes(small: Small):
+    _, problem, at = small
+    root = np.random.default_rng(6).normal(size=(problem.size,) * 2)
+    known, along = root @ root.T, direction(7, at)
+    program = replace(problem, known=known)
+    assert program.information(at) == pytest.approx(problem.information(at) + known)
+    logdet = np.linalg.slogdet(problem.information(at) + known)[1]
+    assert program.value(at) == pytest.approx(-logdet / problem.size)
+    slope, none = np.array([program.gradient(at) @ along]), np.zeros(len(program.row_bounds[0]))
+    assert taylor_slope(lambda h: np.array([program.value(at + h * along)]), 0.0, slope, STEP) == pytest.approx(
+        2.0, abs=0.15
+    )
+    curved = square(program, at, 1.0, none) @ along
+    assert taylor_slope(lambda h: program.gradient(at + h * along), 0.0, curved, STEP / 4) == pytest.approx(
+        2.0, abs=0.15
+    )
+
+
 def test_with_weights_it_is_that_of_the_weighted_model(small: Small, model: Model):
     """The whitening of the noise enters through the model alone."""
     _, problem, at = small
