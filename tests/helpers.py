@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
@@ -13,7 +14,7 @@ from hypothesis import settings
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from cases.base.errors import HexciteError
+from cases.base.errors import HexciteError, RecordingError
 from cases.base.units import DEG, MM
 from cases.schema import Case
 from cases.sensors import Disturbances
@@ -87,6 +88,14 @@ def one_line(error: BaseException) -> str:
         assert text.startswith(error.place), error.place
         assert text.endswith(error.remedy), error.remedy
     return text
+
+
+@contextmanager
+def refused_at(place: object, match: str, kind: type[HexciteError] = RecordingError) -> Iterator[None]:
+    """An error of ours inside, in one line that begins with its place."""
+    with pytest.raises(kind, match=match) as caught:
+        yield
+    assert one_line(caught.value).startswith(str(place))
 
 
 def answer(call: Callable[[], Answer], place: str) -> Answer | None:

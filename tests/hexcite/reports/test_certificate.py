@@ -19,7 +19,7 @@ from identification.finding import Kind, warning
 from identification.results.result import Result
 from identification.texts import value_text
 from tests.damaged.runs import SOUND, STATED, Moves, machine, recorded
-from tests.helpers import one_line
+from tests.helpers import refused_at
 
 ABOUT = CertificateOf(operator="A. Müller", serial_numbers={"machine": "HX-7"}, conditions="$22.5 °C$, warm")
 
@@ -95,9 +95,8 @@ def test_a_forged_file_with_a_right_fingerprint_is_refused(stated: str, tmp_path
     own = hashlib.sha256(embedded + b" sha256:" + b"0" * 64).hexdigest().encode()
     forged = tmp_path / "c.pdf"
     forged.write_bytes(embedded + b" sha256:" + own)
-    with pytest.raises(FileProblem, match="does not hold what a certificate") as caught:
+    with refused_at(forged, "does not hold what a certificate", FileProblem):
         hx.verify_certificate(forged)
-    assert one_line(caught.value).startswith(str(forged))
 
 
 def test_a_pipe_is_not_a_certificate(tmp_path: Path) -> None:

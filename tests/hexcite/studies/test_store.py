@@ -14,7 +14,7 @@ from cases.schema import Case
 from hexcite.studies import conduct
 from hexcite.studies.cell_rows import file_of, keep, read_rows, schema
 from hexcite.studies.spec import Spec
-from tests.helpers import one_line
+from tests.helpers import refused_at
 
 
 def row(cell: str, seed: int = -1, score: float | None = 1.0) -> dict[str, Any]:
@@ -65,9 +65,8 @@ def test_a_killed_study_keeps_every_finished_cell_and_goes_on(tmp_path: Path) ->
 @pytest.mark.parametrize("other", [{"name": "other", "case": "hexapod"}, {"name": "mine", "case": "mill"}])
 def test_studies_do_not_mix(other: dict[str, str], tmp_path: Path, hexapod_case: Case) -> None:
     (tmp_path / "study.json").write_text(json.dumps(other))
-    with pytest.raises(FileProblem, match=r"holds study .*, not mine of hexapod") as caught:
+    with refused_at(tmp_path, r"holds study .*, not mine of hexapod", FileProblem):
         conduct.study(hexapod_case, Spec(schema_version=1, name="mine"), tmp_path)
-    assert one_line(caught.value).startswith(str(tmp_path))
     assert [p.name for p in tmp_path.iterdir()] == ["study.json"]
 
 
@@ -82,6 +81,5 @@ def test_a_damaged_file_is_named(tmp_path: Path) -> None:
     file = file_of(tmp_path, "a")
     keep(file, [row("a")])
     file.write_bytes(file.read_bytes()[:100])
-    with pytest.raises(FileProblem, match="is damaged") as caught:
+    with refused_at(file, "is damaged", FileProblem):
         read_rows([file])
-    assert one_line(caught.value).startswith(str(file))

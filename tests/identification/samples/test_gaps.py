@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cases.base.errors import RecordingError
 from cases.schema import load_case
 from identification.identify import estimate_parameters
 from identification.machines.hexapod import Hexapod
@@ -18,7 +17,7 @@ from identification.results.result import Result
 from identification.samples.moving_window import moving_run
 from identification.samples.sample_checks import scan
 from identification.simulate import simulate_recording
-from tests.helpers import Harmonic, few, one_line, tells
+from tests.helpers import Harmonic, few, refused_at, tells
 from tests.simulated_machine import PoseExecution
 
 CASE = load_case("hexapod")
@@ -157,9 +156,8 @@ def test_places_of_samples_count_what_is_missing(end: int, lines: list[str], tmp
 @pytest.mark.parametrize("edit", [without(600, 3500), emptied(1200, 2700), emptied(30, 1300, 5)])
 def test_a_run_that_is_mostly_damage_is_refused_with_the_limit(edit: Edit, lines: list[str], tmp_path: Path) -> None:
     file = damaged(lines, tmp_path, edit)
-    with pytest.raises(RecordingError, match=r"(at most|more than) (30|50) %") as caught:
+    with refused_at(file, r"(at most|more than) (30|50) %"):
         identified(file)
-    assert one_line(caught.value).startswith(str(file))
 
 
 @pytest.mark.repeats

@@ -98,14 +98,19 @@ def test_identified_parameters_lie_within_their_error_bars(folder: Path, recorde
     assert answer["s0"] == pytest.approx(1.0 / np.sqrt(200), rel=0.5)
 
 
-@pytest.mark.repeats
-def test_without_a_trigger_standstills_are_found_from_the_motion(folder: Path, recorded: Path, quick: Path) -> None:
+def without_trigger(recorded: Path, plain: Path) -> Path:
+    """Another file of the recording, which does not say where standstills are."""
     with (recorded / "recording.csv").open(encoding="utf-8") as file:
         rows = list(csv.reader(file))
     trigger = rows[0].index("trigger")
-    plain = folder / "plain.csv"
     with plain.open("w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows([row[:trigger] + row[trigger + 1 :] for row in rows])
+    return plain
+
+
+@pytest.mark.repeats
+def test_without_a_trigger_standstills_are_found_from_the_motion(folder: Path, recorded: Path, quick: Path) -> None:
+    plain = without_trigger(recorded, folder / "plain.csv")
     plan = folder / "plan"
     answer = call("identify", plain, "--case", quick, "--poses", plan, "-o", folder / "r", "--json").json()
     assert answer["standstills"]["found_by"] == "motion"
@@ -183,12 +188,7 @@ def test_30_poses_take_at_most_81_s(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_standstills_are_averaged_wherever_they_are_if_asked_for(folder: Path, recorded: Path, quick: Path) -> None:
     """Without trigger and without plan; home counts too where the machine rests there long enough."""
-    with (recorded / "recording.csv").open(encoding="utf-8") as file:
-        rows = list(csv.reader(file))
-    trigger = rows[0].index("trigger")
-    plain = folder / "unnamed.csv"
-    with plain.open("w", newline="", encoding="utf-8") as file:
-        csv.writer(file).writerows([row[:trigger] + row[trigger + 1 :] for row in rows])
+    plain = without_trigger(recorded, folder / "unnamed.csv")
     words = ("identify", plain, "--case", quick, "--standstills", "-o", folder / "wherever", "--overwrite")
     answer = call(*words, "--json").json()
     assert answer["standstills"]["count"] in (8, 9, 10)

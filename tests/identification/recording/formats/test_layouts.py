@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from cases.base.errors import RecordingError
 from identification.recording.recording import read
-from tests.helpers import examples, one_line
+from tests.helpers import examples, refused_at
 from tests.identification.recording.formats.runs import NAMES, Truth, case_with, csv, rows, written
 
 RUN = Truth()
@@ -118,9 +118,8 @@ WRONG = {
 def test_what_the_case_states_wrongly_is_named_with_the_setting(what: str, tmp_path: Path) -> None:
     content, says, message = WRONG[what]
     file = written(tmp_path, content)
-    with pytest.raises(RecordingError, match=message) as caught:
+    with refused_at(file, message):
         read(file, case_with(**says))
-    assert one_line(caught.value).startswith(str(file))
 
 
 def test_a_pipe_is_no_recording(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from cases.base.errors import RecordingError
 from cases.recording_format import BAR_FORCES, STRUTS
 from identification.looks.looking import look
 from identification.recording.recording import read
-from tests.helpers import one_line
+from tests.helpers import refused_at
 from tests.identification.recording.formats.runs import HEXAPOD, Truth, case_with, csv, rows, written
 
 RUN = Truth(step=2e-3)
@@ -131,6 +131,5 @@ WRONG = {
 def test_a_damaged_session_is_named_with_its_place(what: str, tmp_path: Path) -> None:
     text, message = WRONG[what]
     file = written(tmp_path, text, "run.xml")
-    with pytest.raises(RecordingError, match=message) as caught:
+    with refused_at(file, message):
         read(file, case_with(columns=COLUMNS))
-    assert one_line(caught.value).startswith(str(file))
