@@ -159,7 +159,7 @@ def identify_models(
 
     Findings are not looked for: `identify` the model that is preferred.
 
-        >>> choice = hx.identify_models(hx.Recording.load("empty"))
+    >>> choice = hx.identify_models(hx.Recording.load("empty"))
     >>> choice.best
     9
     >>> {row.model: round(row.s0, 1) for row in choice.rows}

@@ -1,7 +1,7 @@
 """A study from its file to its answer: cells that are missing in its folder are computed, and the best are named."""
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict, dataclass
 from functools import partial
@@ -172,7 +172,7 @@ def study(
 ) -> Study:
     """Plans, runs and identifies every cell of a grid of settings; a study that was stopped goes on.
 
-        >>> study = hx.study(hx.load_case("hexapod"), "moves.toml", "study", one_process=True)
+    >>> study = hx.study(hx.load_case("hexapod"), "moves.toml", "study", one_process=True)
     >>> study
     Study study: 1 of 1 cells done, 0 failed
     D: -5.4... with {'family': 'ptp', 'criterion': 'D', 'model': 9, 'duration_s': 4.0, 'moves': 8, 'payload': 0}
@@ -192,6 +192,34 @@ def study(
     case.need_motion("a study")
     if specification.execute is not None:
         case.need_simulation("a study that executes its plans")
+    _require_one_place_to_compute(workers, scheduler, one_process)
+    place = Path(f"{case.name}-{specification.name}-study") if folder is None else Path(folder)
+    cells = cells_of(specification, case)
+    _require_own(place, specification, case)
+    missing = [cell for cell in cells if not file_of(place, cell).exists()]
+    computed = 0
+    if missing:
+        context: AbstractContextManager[Client | None]
+        if one_process:
+            context = nullcontext()
+        elif scheduler is None:
+            context = local_client(workers, specification.cells.memory_GB)
+        else:
+            context = remote_client(scheduler, None if certificates is None else Path(certificates), insecure)
+        try:
+            with context as client:
+                _write_about(place, specification, case, len(cells))
+                progress(f"{len(missing)} of {len(cells)} cells to do, in {place}")
+                for _ in _computed(client, {cell: cells[cell] for cell in missing}, place, specification, case):
+                    computed += 1
+                    progress(f"{computed} of {len(missing)} cells")
+        except Interrupted:
+            raise Interrupted(f"what is done is kept in {place}, the same command goes on") from None
+    return Study(place, case, specification, len(cells), computed, read_rows(file_of(place, cell) for cell in cells))
+
+
+def _require_one_place_to_compute(workers: int | None, scheduler: str | None, one_process: bool) -> None:
+    """Refuses what names two places to compute at, or one that is not there."""
     if one_process and (scheduler is not None or workers is not None):
         raise HexciteError(
             problem=f"{option('one_process')} starts no other, {option('workers')} and {option('scheduler')} do",
@@ -208,42 +236,30 @@ def study(
     require_workers(workers)
     if not one_process:
         require_dask()
-    place = Path(f"{case.name}-{specification.name}-study") if folder is None else Path(folder)
-    cells = cells_of(specification, case)
-    _require_own(place, specification, case)
-    missing = [cell for cell in cells if not file_of(place, cell).exists()]
-    computed = 0
-    if missing:
-        context: AbstractContextManager[Client | None]
-        if one_process:
-            context = nullcontext()
-        elif scheduler is None:
-            context = local_client(workers, specification.cells.memory_GB)
-        else:
-            context = remote_client(scheduler, None if certificates is None else Path(certificates), insecure)
-        try:
-            with context as client:
-                shared = {"case_hash": case.hash, "version": version("hexcite")}
-                about = {"schema_version": 1, "name": specification.name, "case": case.name, "case_file": case.origin}
-                about |= {**shared, "cells": len(cells), "spec": specification.model_dump(mode="json")}
-                write_text(place / ABOUT, json_text(about))
-                progress(f"{len(missing)} of {len(cells)} cells to do, in {place}")
-                tasks = (
-                    (cell, partial(work, case, request_of(cells[cell]), specification.execute)) for cell in missing
-                )
-                answers = (
-                    run_one_by_one(tasks)
-                    if client is None
-                    else run_tasks(client, tasks, specification.cells.time_limit_s)
-                )
-                for cell, answer in answers:
-                    rows = [failure(answer)] if isinstance(answer, HexciteError) else answer
-                    keep(file_of(place, cell), [{**cells[cell], "cell": cell, **shared, **row} for row in rows])
-                    computed += 1
-                    progress(f"{computed} of {len(missing)} cells")
-        except Interrupted:
-            raise Interrupted(f"what is done is kept in {place}, the same command goes on") from None
-    return Study(place, case, specification, len(cells), computed, read_rows(file_of(place, cell) for cell in cells))
+
+
+def _computed(
+    client: "Client | None", cells: Mapping[str, CellSettings], folder: Path, spec: Spec, case: Case
+) -> Iterator[str]:
+    """Cells as they are done, each with its rows in a file; computed here where there is no client."""
+    tasks = ((cell, partial(work, case, request_of(settings), spec.execute)) for cell, settings in cells.items())
+    answers = run_one_by_one(tasks) if client is None else run_tasks(client, tasks, spec.cells.time_limit_s)
+    for cell, answer in answers:
+        rows = [failure(answer)] if isinstance(answer, HexciteError) else answer
+        keep(file_of(folder, cell), [{**cells[cell], "cell": cell, **_shared(case), **row} for row in rows])
+        yield cell
+
+
+def _shared(case: Case) -> dict[str, str]:
+    """What all rows of a study say."""
+    return {"case_hash": case.hash, "version": version("hexcite")}
+
+
+def _write_about(folder: Path, spec: Spec, case: Case, cells: int) -> None:
+    """Writes what the study is, and how many cells it has."""
+    about = {"schema_version": 1, "name": spec.name, "case": case.name, "case_file": case.origin}
+    about |= {**_shared(case), "cells": cells, "spec": spec.model_dump(mode="json")}
+    write_text(folder / ABOUT, json_text(about))
 
 
 def _require_own(folder: Path, spec: Spec, case: Case) -> None:

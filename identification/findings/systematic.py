@@ -6,6 +6,7 @@ of all that is seen, each in the share by which it is likely: from what is merel
 silently below a threshold.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -14,7 +15,7 @@ import numpy as np
 from cases.base.phrases import enumerated, phrase, said
 from cases.base.units import DEG, Array
 from cases.schema import Case
-from identification.estimation.alternatives import Effect, Unseen, effects_of, unseen
+from identification.estimation.alternatives import Alternative, Effect, Remainder, Unseen, effects_of, unseen
 from identification.estimation.fit import inverse_root
 from identification.finding import Finding, Kind, note, warning
 from identification.findings.clock import OddClock
@@ -86,14 +87,13 @@ def systematic_of(
     basis, residuals = free_basis(fitted), fitted.fit.residuals
     left_out = LeftOut.of(fitted, motion, case)
     rest = remainder_of(fitted, left_out.regressors(fitted.regression.names))
-    half, inverse = rest.half, np.linalg.inv(rest.root).T
+    half = rest.half
     tolerances = shares_of(left_out, rest, basis, case.tolerances)
     if told is not None:
         estimated = {share.key: share for share in told.remaining}
         tolerances = tuple(estimated.get(share.key, share) for share in tolerances)
     rest = without_tolerances(rest, tolerances)
-    drift, bias, effects_seen = drift_of(whole), np.zeros((basis.shape[1],) * 2), list[Seen]()
-    suspected: Suspected | None = None
+    drift, bias = drift_of(whole), np.zeros((basis.shape[1],) * 2)
     if drift is not None:
         rest = rest.beside((drift.shape[part] * samples.scale)[:, None, None] * np.eye(6))
         bias += np.outer(drift.bias, drift.bias)
@@ -108,24 +108,8 @@ def systematic_of(
         for clock in (alternative for alternative in alternatives if alternative.key == "clock"):
             wrong = half @ rest.without_fit(rest.root @ clock.columns)[1][: len(half), 0] * odd.share
             bias += np.outer(wrong, wrong)
-    for _ in range(ROUNDS):
-        effects = effects_of(alternatives, rest, SUSPICIOUS)
-        if not effects:
-            break
-        likely = np.exp(np.array([effect.evidence - effects[0].evidence for effect in effects]))
-        odds = PRIOR * sum(_odds(effect.chance) for effect in effects)
-        shares = odds / (1.0 + odds) * likely / likely.sum()
-        more = np.sum([share * effect.bias for effect, share in zip(effects, shares, strict=True)], axis=0)
-        bias += more
-        if effects[0].chance > CERTAIN:
-            suspected = Suspected(effects[0], len(alternatives), basis @ more @ basis.T)
-            break
-        explained = np.sqrt(np.mean((effects[0].explained @ inverse) ** 2, axis=0))
-        effects_seen.append(Seen(effects[0], tuple(effects[1:]), explained))
-        explanation = effects[0].alternative
-        rest = rest.beside(explanation.columns @ effects[0].supported)
-        alternatives = [alternative for alternative in alternatives if alternative is not explanation]  # counted whole
-    bias = basis @ bias @ basis.T
+    shown = _shown(alternatives, rest, basis)
+    bias = basis @ (bias + shown.bias) @ basis.T
     if drift is not None:  # an offset is that of the whole run, and what it is before and after differs by the drift
         for k, place in enumerate(offset_columns(samples.model)):
             bias[place, place] += drift.drifts[k] * drift.change[k] ** 2
@@ -139,12 +123,44 @@ def systematic_of(
     if ringing is not None:
         bias += np.outer(ringing.bias, ringing.bias)
     rms = np.sqrt(np.mean(residuals**2, axis=0))
-    coupled = any(effect.effect.alternative.key == "coupling" for effect in effects_seen)
+    coupled = any(seen.effect.alternative.key == "coupling" for seen in shown.seen)
     single = [] if coupled else couplings_of(left_out)
-    hidden = [of._replace(answer=basis @ of.answer) for of in unseen([*alternatives, *single], rest)]
-    return Systematic(
-        tuple(effects_seen), suspected, drift, bias, drives, rms, motion, tolerances, ringing, tuple(hidden)
-    )
+    hidden = [of._replace(answer=basis @ of.answer) for of in unseen([*shown.alternatives, *single], shown.rest)]
+    return Systematic(shown.seen, shown.suspected, drift, bias, drives, rms, motion, tolerances, ringing, tuple(hidden))
+
+
+class _Shown(NamedTuple):
+    """What residuals follow, one effect beside the other."""
+
+    seen: tuple[Seen, ...]
+    suspected: Suspected | None
+    bias: Array  # covariance of the free values of the fit by these and their rivals, in their shares, shape (f, f)
+    rest: Remainder  # what they leave
+    alternatives: tuple[Alternative, ...]  # those that are not among them
+
+
+def _shown(alternatives: Sequence[Alternative], rest: Remainder, basis: Array) -> _Shown:
+    """Effects that the rest shows for certain, each explained before the next, then one that it shows by likelihood."""
+    candidates, bias, seen = list(alternatives), np.zeros((basis.shape[1],) * 2), list[Seen]()
+    inverse = np.linalg.inv(rest.root).T
+    for _ in range(ROUNDS):
+        effects = effects_of(candidates, rest, SUSPICIOUS)
+        if not effects:
+            break
+        likely = np.exp(np.array([effect.evidence - effects[0].evidence for effect in effects]))
+        odds = PRIOR * sum(_odds(effect.chance) for effect in effects)
+        shares = odds / (1.0 + odds) * likely / likely.sum()
+        more = np.sum([share * effect.bias for effect, share in zip(effects, shares, strict=True)], axis=0)
+        bias += more
+        if effects[0].chance > CERTAIN:
+            suspected = Suspected(effects[0], len(candidates), basis @ more @ basis.T)
+            return _Shown(tuple(seen), suspected, bias, rest, tuple(candidates))
+        explained = np.sqrt(np.mean((effects[0].explained @ inverse) ** 2, axis=0))
+        seen.append(Seen(effects[0], tuple(effects[1:]), explained))
+        explanation = effects[0].alternative
+        rest = rest.beside(explanation.columns @ effects[0].supported)
+        candidates = [alternative for alternative in candidates if alternative is not explanation]  # counted whole
+    return _Shown(tuple(seen), None, bias, rest, tuple(candidates))
 
 
 def _odds(chance: float) -> float:

@@ -24,7 +24,7 @@ from identification.finding import Finding, Kind, note, warning
 from identification.model.model import Model
 from identification.model.parameters import physical_form
 from identification.results.budgets import budget_rows
-from identification.results.estimate import entries_of_parameters, physical_values, rows_of
+from identification.results.estimate import ResultEntries, entries_of_parameters, physical_values, rows_of
 from identification.results.result import Result
 from identification.texts import parameter_words
 
@@ -69,7 +69,6 @@ def pool(results: Sequence[Result]) -> Result:
     others = runs.without_each() if len(results) > 2 else ()
     findings = [*_agreement_findings(names, all_agree, others, scatter), *_of_runs(results)]
     findings += _budget(first, model, u, white, random, mean.biases)
-    weights = np.array([result.record.samples for result in results], dtype=float)
     pooled = {
         "results": [
             {"result": r.source, "recording": r.record.recording, "chi2_share": share}
@@ -80,38 +79,44 @@ def pool(results: Sequence[Result]) -> Result:
         "parameters": scatter,
         "without": [a.to_json() for a in others],
     }
+    entries = first.record.replaced(
+        **_entries_of_runs([result.record for result in results]),
+        **entries_of_parameters(physical, u, white, robust),
+        **({"tolerance_biases": rows_of(mean.biases)} if mean.biases else {}),
+        findings=tuple(findings),
+        pooled=pooled,
+    )
+    of_one_run = {"run", "standstills", "models", "treatment", "tared", "tared_with", "plan_hash", "physical"}
+    of_one_run |= set() if all(result.record.channel_noise for result in results) else {"channel_noise"}
+    of_mean = {name: getattr(entries, name) for name in entries.model_fields_set - of_one_run}
+    remarks = tuple(dict.fromkeys(x for r in results for x in r.remarks))
+    return Result(first.case, type(entries)(**of_mean), remarks=remarks).beside_physical()
+
+
+def _entries_of_runs(records: Sequence[ResultEntries]) -> dict[str, Any]:
+    """Entries of all runs together: sums of what is counted, means of noise and residuals by numbers of samples."""
+    weights = np.array([record.samples for record in records], dtype=float)
 
     def together(values: Sequence[float]) -> float:
         return float(np.sqrt(np.average(np.square(values), weights=weights)))
 
-    records = [result.record for result in results]
-    entries = first.record.replaced(
-        recording=", ".join(record.recording for record in records),
-        inputs=tuple(entry for record in records for entry in record.inputs),
-        versions=provenance(())["versions"],
-        measuring_s=sum(record.measuring_s or 0.0 for record in records),
-        **entries_of_parameters(physical, u, white, robust),
-        **({"tolerance_biases": rows_of(mean.biases)} if mean.biases else {}),
-        delay_s=_mean_delay(records),
-        s0=together([record.s0 for record in records]),
-        white_noise=together([record.white_noise for record in records]),
-        s0_N=together([record.s0_N for record in records]),
-        residual_rms=tuple(
+    return {
+        "recording": ", ".join(record.recording for record in records),
+        "inputs": tuple(entry for record in records for entry in record.inputs),
+        "versions": provenance(())["versions"],
+        "measuring_s": sum(record.measuring_s or 0.0 for record in records),
+        "delay_s": _mean_delay(records),
+        "s0": together([record.s0 for record in records]),
+        "white_noise": together([record.white_noise for record in records]),
+        "s0_N": together([record.s0_N for record in records]),
+        "residual_rms": tuple(
             together(column) for column in zip(*(record.residual_rms for record in records), strict=True)
         ),
         **_noise_of_channels(records, weights),
-        samples=sum(record.samples for record in records),
-        degrees_of_freedom=sum(record.degrees_of_freedom for record in records),
-        condition=max(record.condition for record in records),
-        findings=tuple(findings),
-        pooled=pooled,
-    )
-    # entries of a single run
-    of_one_run = {"run", "standstills", "models", "treatment", "tared", "tared_with", "plan_hash", "physical"}
-    of_one_run |= set() if all(record.channel_noise for record in records) else {"channel_noise"}
-    entries_kept = {name: getattr(entries, name) for name in entries.model_fields_set - of_one_run}
-    remarks = tuple(dict.fromkeys(x for r in results for x in r.remarks))
-    return Result(first.case, type(entries)(**entries_kept), remarks=remarks).beside_physical()
+        "samples": sum(record.samples for record in records),
+        "degrees_of_freedom": sum(record.degrees_of_freedom for record in records),
+        "condition": max(record.condition for record in records),
+    }
 
 
 def require_alike(results: Sequence[Result]) -> None:

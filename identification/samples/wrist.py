@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from cases.base.errors import Code, IdentificationError, RecordingError
 from cases.base.phrases import phrase
-from cases.base.units import Array, Flags
+from cases.base.units import Array, Flags, Indices
 from cases.schema import Case
 from identification.estimation.fit import Robust
 from identification.estimation.force_noise import turned
@@ -137,19 +137,7 @@ def wrist_run(
         RecordingError: a stream or the filter is missing, or too slow or too short for it.
         IdentificationError: the sensor does not turn, or the model needs the position.
     """
-    turning, accelerometer = recording.stream_with("rotations"), recording.stream_with("specific_forces")
-    if turning is None or accelerometer is None or turning.rotations is None or accelerometer.specific_forces is None:
-        raise RecordingError(
-            place=recording.source,
-            problem=phrase(
-                "accelerometer_needed",
-                "a moving run without positions of drives needs rotation matrices and an accelerometer",
-            ),
-            remedy=phrase(
-                "add_file", "add the file that has them, or remove t_s if each row is an averaged standstill"
-            ),
-            code=Code.MISSING,
-        )
+    (turning, rotations), (accelerometer, readings) = _streams(recording)
     if model.needs_position or MASS not in model.blocks:
         raise IdentificationError(
             problem=f"model {model.number} needs the platform's position",
@@ -163,8 +151,6 @@ def wrist_run(
             remedy=phrase("state_cutoff", "set recording.filter_cutoff_Hz in the case"),
             code=Code.MISSING,
         )
-    quaternions = Rotation.from_matrix(turning.rotations).as_quat()
-    flips = np.cumprod(np.r_[1.0, np.sign(np.sum(quaternions[1:] * quaternions[:-1], axis=1))])
     # Without inertia, orientations only say where the sensor turns: their own band is enough for that.
     band = (turning_cutoff or cutoff) if model.needs_motion else min(cutoff, widest_band(turning))
     t, low_pass = _filter(recording, cutoff)
@@ -172,22 +158,12 @@ def wrist_run(
     lost, t = lost_samples(recording.t), t[inner]
     recorded = bridged(recording.forces, recording.bad)
     smooth = low_pass.apply(recorded)
-    quaternion, without_turn = _smooth(turning, quaternions * flips[:, None], band, t)
-    specific, unmoved = _smooth(accelerometer, accelerometer.specific_forces, cutoff, t)
+    quaternion, without_turn = _smooth(turning, _quaternions(rotations), band, t)
+    specific, unmoved = _smooth(accelerometer, readings, cutoff, t)
     invalid = spoilt_by(recording.bad, lost, low_pass) | without_turn | unmoved
     speed = 2.0 * np.linalg.norm(quaternion(np.clip(t, quaternion.x[0], quaternion.x[-1]), 1), axis=1)
     speed[invalid] = 0.0
-    moving = np.flatnonzero(speed > TURNING)
-    if not len(moving):
-        raise IdentificationError(
-            problem=phrase("does_not_turn", "the sensor does not turn"),
-            remedy=phrase("record_motion", "record a motion, or remove t_s from averaged standstills"),
-            code=Code.NO_EXCITATION,
-        )
-    first, last = max(quaternion.x[0], specific.x[0]), min(quaternion.x[-1], specific.x[-1])
-    inside = (t >= first + MOST_DELAY) & (t <= last - MOST_DELAY)
-    inside[: moving[0]] = inside[moving[-1] + 1 :] = False
-    window = np.flatnonzero(inside)
+    window = _window(t, speed, quaternion, specific)
     missing = lost[low_pass.margin + window[:-1]].sum() if len(window) else 0
     share = float(np.sum(invalid[window])) + float(missing)
     rows = window[~invalid[window]]
@@ -205,6 +181,55 @@ def wrist_run(
         recorded=recorded[inner][samples], quaternion=quaternion, specific_force=specific, recorded_count=len(rows),
         window=warnings,
     )  # fmt: skip
+
+
+def _streams(recording: Recording) -> tuple[tuple[Stream, Array], tuple[Stream, Array]]:
+    """The streams that have rotation matrices, and readings of an accelerometer, with these.
+
+    Raises RecordingError where one is missing.
+    """
+    turning, accelerometer = recording.stream_with("rotations"), recording.stream_with("specific_forces")
+    if turning is None or accelerometer is None or turning.rotations is None or accelerometer.specific_forces is None:
+        raise RecordingError(
+            place=recording.source,
+            problem=phrase(
+                "accelerometer_needed",
+                "a moving run without positions of drives needs rotation matrices and an accelerometer",
+            ),
+            remedy=phrase(
+                "add_file", "add the file that has them, or remove t_s if each row is an averaged standstill"
+            ),
+            code=Code.MISSING,
+        )
+    return (turning, turning.rotations), (accelerometer, accelerometer.specific_forces)
+
+
+def _quaternions(rotations: Array) -> Array:
+    """Quaternions of rotation matrices, shape (n, 4), without changes of sign between neighbours."""
+    quaternions = Rotation.from_matrix(rotations).as_quat()
+    flips = np.cumprod(np.r_[1.0, np.sign(np.sum(quaternions[1:] * quaternions[:-1], axis=1))])
+    return np.asarray(quaternions * flips[:, None])
+
+
+def _window(t: Array, speed: Array, *signals: CubicSpline) -> Indices:
+    """Samples from the first turn out of rest to rest again, at which all signals are known at any delay.
+
+    Args:
+        t: instants of the samples, shape (n,) [s].
+        speed: angular speed there [rad/s].
+    """
+    moving = np.flatnonzero(speed > TURNING)
+    if not len(moving):
+        raise IdentificationError(
+            problem=phrase("does_not_turn", "the sensor does not turn"),
+            remedy=phrase("record_motion", "record a motion, or remove t_s from averaged standstills"),
+            code=Code.NO_EXCITATION,
+        )
+    first, last = max(signal.x[0] for signal in signals), min(signal.x[-1] for signal in signals)
+    inside = (t >= first + MOST_DELAY) & (t <= last - MOST_DELAY)
+    inside[: moving[0]] = False
+    inside[moving[-1] + 1 :] = False
+    return np.flatnonzero(inside)
 
 
 def narrow_run(recording: Recording, case: Case, model: Model) -> WristRun | None:
