@@ -24,6 +24,7 @@ from cases.base.units import DEG, MINUTE, MM, Array, as_html
 from cases.bounds import Bounds
 from cases.certificate import CertificateOf
 from cases.chain import Box, Chain, JointMotionLimits, Limits, SerialMachine, joint_problems
+from cases.contradictions import Doubt
 from cases.controller import Controller, ControllerName, Settings, Sinumerik, TwinCat
 from cases.earlier import LEFT, earlier_keys, without_earlier_keys
 from cases.machine import Frame, HexapodMachine, MotionLimits, Workspace, box_problems, turned
@@ -122,7 +123,7 @@ class Case(Heading):
     """Known weights, for a validation."""
 
     _origin: str = PrivateAttr("")
-    _earlier: tuple[doubts.Doubt, ...] = PrivateAttr(())
+    _earlier: tuple[Doubt, ...] = PrivateAttr(())
 
     @property
     def origin(self) -> str:
@@ -168,7 +169,7 @@ class Case(Heading):
         if not isinstance(data, Mapping) or not (stated := earlier_keys(data)):
             return read(data)
         case = read(without_earlier_keys(data))
-        case._earlier = tuple(doubts.Doubt(f"{key}, which {LEFT[key]}; delete the line", [key]) for key in stated)
+        case._earlier = tuple(Doubt(f"{key}, which {LEFT[key]}; delete the line", [key]) for key in stated)
         return case
 
     @model_validator(mode="after")
@@ -280,7 +281,7 @@ class Case(Heading):
                 yield f"tolerances.{key} is of something that this machine does not have; it has {tolerable}"
 
     @cached_property
-    def doubts(self) -> tuple[doubts.Doubt, ...]:
+    def doubts(self) -> tuple[Doubt, ...]:
         """Sentences on values that contradict others of the case, or that no machine has; see `cases.doubts`.
 
         Keys of earlier versions, which do nothing, are named first.

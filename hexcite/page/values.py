@@ -13,7 +13,7 @@ from typing import Any
 from cases.base.atomic import atomic_file
 from cases.base.errors import HexciteError, Write
 from cases.base.text_formats import toml_value
-from cases.doubts import Doubt
+from cases.contradictions import Doubt
 from cases.editing import Place, at, case_of_text, with_values, write_keys
 from cases.schema import Case
 from cases.tables import CASE_FILE, Part, is_needed

@@ -34,7 +34,7 @@ from identification.recording.formats.names.misnamed import require_own_values
 from identification.recording.formats.sampling import on_equal_steps, spread
 from identification.recording.formats.table import LARGEST, MOST_MISSING, ColumnTable, Stream, listed, shown
 from identification.recording.formats.table_clock import start_of
-from identification.recording.formats.text import without
+from identification.recording.formats.text_layout import without
 from identification.recording.formats.triggers import trigger_of
 
 

@@ -21,7 +21,7 @@ from identification.recording.formats.recorders.known import TextFormat, describ
 from identification.recording.formats.recorders.plain import SAMPLE
 from identification.recording.formats.ros.echoed import echoed_names
 from identification.recording.formats.table import MOST_MISSING
-from identification.recording.formats.text import Layout, cells
+from identification.recording.formats.text_layout import Layout, cells
 from identification.recording.formats.words import EMPTY, is_missing, is_number, is_switch, is_value, split
 
 _SEPARATORS = (";", "\t", "|", ",", " ")

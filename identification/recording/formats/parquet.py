@@ -10,7 +10,7 @@ from cases.base.phrases import phrase
 from cases.base.units import Array
 from cases.recording_format import CLOCK, TICKS, FileFormat
 from identification.recording.formats.table import ColumnTable, Lines, Stamps, require_room, shown, unreadable
-from identification.recording.formats.text import Field, select, without
+from identification.recording.formats.text_layout import Field, select, without
 
 if TYPE_CHECKING:
     import pyarrow as pa

@@ -35,7 +35,7 @@ from identification.recording.formats.table import (
     unreadable,
 )
 from identification.recording.formats.table_clock import by_clock, clocked, require_clock, start_of
-from identification.recording.formats.text import without
+from identification.recording.formats.text_layout import without
 
 _PARQUET = b"PAR1"
 

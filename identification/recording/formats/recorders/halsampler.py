@@ -15,7 +15,7 @@ from identification.recording.formats import text
 from identification.recording.formats.content import Content, blocks_of, section_of
 from identification.recording.formats.recorders.plain import SAMPLE
 from identification.recording.formats.table import ColumnTable
-from identification.recording.formats.text import Field, Layout
+from identification.recording.formats.text_layout import Field, Layout
 from identification.recording.formats.words import is_number
 
 _OVERRUN = b"overrun"

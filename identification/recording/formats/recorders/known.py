@@ -18,7 +18,8 @@ from identification.recording.formats.content import Content, content_of
 from identification.recording.formats.recorders import halsampler, lvm, plain, scope, sinumerik
 from identification.recording.formats.ros.frames import FRAME, require_frame
 from identification.recording.formats.table import MOST_MISSING, ColumnTable
-from identification.recording.formats.text import Layout, select, without
+from identification.recording.formats.text_layout import Layout, select, without
+from identification.recording.formats.text_numbers import first_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +72,7 @@ def read(file: Path, form: FileFormat) -> Iterator[ColumnTable]:
     if chosen.keys() & set(WRENCH):
         for k, field in enumerate(layout.fields):
             if field.name.endswith(FRAME):
-                require_frame(file, text.first_of(content, layout, k), form)
+                require_frame(file, first_of(content, layout, k), form)
     for table in known.tables(content, layout, chosen, (TRIGGER,)):
         _require_values(table)
         yield table

@@ -14,7 +14,7 @@ from cases.base.errors import Code, RecordingError
 from cases.base.phrases import phrase
 from cases.recording_format import FileFormat
 from identification.recording.formats.content import Content, Section
-from identification.recording.formats.text import Field, Layout
+from identification.recording.formats.text_layout import Field, Layout
 from identification.recording.formats.words import number_of, split
 
 _MARK, _END, _X = b"LabVIEW Measurement", b"***End_of_Header***", "X_Value"

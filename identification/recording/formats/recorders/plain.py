@@ -9,7 +9,7 @@ from cases.base.errors import Code, RecordingError
 from cases.recording_format import FileFormat
 from identification.recording.formats.content import Content, section_of
 from identification.recording.formats.names.labels import units_row
-from identification.recording.formats.text import Field, Layout, cells, decoded
+from identification.recording.formats.text_layout import Field, Layout, cells, decoded
 from identification.recording.formats.words import is_number
 
 SAMPLE = 200  # rows from which the number of their fields is known

@@ -15,7 +15,7 @@ from cases.base.phrases import phrase
 from cases.recording_format import TICKS, FileFormat
 from identification.recording.formats.content import Content, section_of
 from identification.recording.formats.recorders.plain import SAMPLE
-from identification.recording.formats.text import Field, Layout, cells
+from identification.recording.formats.text_layout import Field, Layout, cells
 from identification.recording.formats.words import is_missing, is_number, is_switch, number_of, split
 
 _NAME, _UNIT, _END = "Name", "Unit", b"EOF"

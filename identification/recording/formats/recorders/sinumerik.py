@@ -19,7 +19,7 @@ from cases.recording_format import CLOCK, FileFormat
 from identification.recording.formats.content import PART, Content
 from identification.recording.formats.recorders import plain
 from identification.recording.formats.table import ColumnTable, Lines, require_room, shown
-from identification.recording.formats.text import Field, Layout
+from identification.recording.formats.text_layout import Field, Layout
 
 _SESSION = b"<traceSession"
 _SIGNALS = (b"/Nck/!", b"/Channel/!")

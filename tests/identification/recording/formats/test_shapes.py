@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from cases.base.errors import RecordingError
 from identification.looks.looking import look
 from identification.recording.formats.content import Content, blocks_of, lines_of, section_of
-from identification.recording.formats.text import squeezed
+from identification.recording.formats.text_numbers import squeezed
 from identification.recording.recording import Recording, read
 from tests.helpers import examples, refused_at
 from tests.identification.recording.formats.runs import HEXAPOD, NAMES, Truth, case_with, csv, rows, written

@@ -1,0 +1,237 @@
+"""Values that contradict each other: which, beside which others, and the unit in which they would fit.
+
+A figure of some values (a time, a length, a share) that no machine has is a contradiction. A value is accused where it
+fits its neighbours in another unit: each unit that people mistake is tried on each value, and on all values of one unit
+together.
+"""
+
+import math
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from cases.base.units import DEG, Array
+from cases.tables import own_units
+
+_MISTAKEN = (  # end of a key, and the units that are written there by mistake, with their value in the right one
+    (r"_mm(_s)?$", (("m", 1e3), ("um", 1e-3))),
+    (r"_m_s\d?$", (("mm", 1e-3),)),
+    (r"_deg(_s)?$", (("rad", 1.0 / DEG), ("degrees that were taken for radians and converted", DEG))),
+    (r"_rad_s\d$", (("deg", DEG),)),
+    (r"_deg_s\d$", (("rad", 1.0 / DEG),)),
+    (r"_kg$", (("g", 1e-3), ("t", 1e3))),
+    (r"_kg_m2$", (("kg mm^2", 1e-6), ("kg cm^2", 1e-4), ("g m^2", 1e-3))),
+    (r"_N$", (("kN", 1e3), ("mN", 1e-3))),
+    (r"_Nm$", (("N mm", 1e-3), ("kN m", 1e3))),
+    (r"_ms$", (("s", 1e3), ("us", 1e-3))),
+    (r"(?<!m)_s$", (("ms", 1e-3),)),
+)
+COST = 9.0  # what a mistaken unit must explain, in squares of the scatter of relations, to be named
+ANOTHER = 3.0  # what it must explain more where it is one of other keys too
+DOUBTFUL = 4.0  # times its scatter that a figure is out where no mistaken unit explains it
+_LEAST = 1e-300  # above 0
+_WORDS = {"m": "metres", "mm": "millimetres", "um": "micrometres", "rad": "radians", "deg": "degrees", "s": "seconds"}
+SHOWN = 4  # values of a sentence
+
+
+class Stated(NamedTuple):
+    """A value as the file states it."""
+
+    key: str  # dotted; several keys of one unit with commas
+    value: Array  # in the key's unit
+    summary: str = ""  # what it is of the keys, where it is not what the file says
+
+    @property
+    def si(self) -> Array:
+        """The value in SI."""
+        return np.asarray(self.value * own_units([self.key])[0], dtype=float)
+
+    @property
+    def words(self) -> str:
+        """The value as the file says it."""
+        return f"{self.key} {self.summary or '='} {_shown(self.value)}"
+
+    def corrected(self, factor: float) -> str:
+        """What to write instead, where the value is `factor` times as large."""
+        if self.summary:
+            return f"{factor:.4g} times that"
+        sizes = np.abs(self.value)
+        apart = self.key.startswith("limits.") and sizes.max() > sizes.min() / min(factor, 1.0 / factor) / 3.0
+        wrong = sizes * (1 if factor < 1.0 else -1) > np.sqrt(sizes.max() * sizes.min()) * (1 if factor < 1.0 else -1)
+        value = np.where(wrong, self.value * factor, self.value) if apart else self.value * factor
+        return f"{self.key.rpartition('.')[2]} = {_shown(value)}"
+
+
+class Doubt(str):
+    """A sentence on values that are doubtful, with their keys."""
+
+    keys: tuple[str, ...]
+
+    def __new__(cls, sentence: str, keys: Iterable[str]) -> "Doubt":
+        """Of dotted keys; those of one sum stand in one, with commas."""
+        doubt = super().__new__(cls, sentence)
+        doubt.keys = tuple(keys)
+        return doubt
+
+
+class Relation(NamedTuple):
+    """A figure of some values, where machines have it, and what it says."""
+
+    keys: tuple[str, ...]  # of the values that it follows from, the suspect first
+    figure: float
+    low: float  # ends between which it is as usual; 0 or infinite where it has none
+    high: float
+    scatter: float  # factor beyond them that sound machines scatter by
+    words: str
+
+    @property
+    def distance(self) -> float:
+        """How far it is from usual, in the logarithm of its scatter; 0 between the ends."""
+        figure = math.log(max(self.figure, _LEAST))
+        out = max(math.log(max(self.low, _LEAST)) - figure, figure - math.log(self.high), 0.0)
+        return out / math.log(self.scatter)
+
+
+Values = Mapping[str, Array]
+
+
+Relations = Callable[[Values], Iterable[Relation]]
+
+
+class _Hypothesis(NamedTuple):
+    """Some values are in another unit than their keys say."""
+
+    unit: str
+    factors: Mapping[str, float]  # of the values of some keys
+
+    @property
+    def cost(self) -> float:
+        """What it must explain: one mistake, or the same one again and again."""
+        names = {key.rpartition(".")[2] for key in self.factors}
+        return COST + ANOTHER * (len(names) - 1) + math.log(len(self.factors))
+
+    def concerns(self, relation: Relation) -> bool:
+        """Whether a figure follows from values that it is about."""
+        return not self.factors.keys().isdisjoint(relation.keys)
+
+    def applied(self, values: Values) -> Values:
+        """The values as they are if it is true."""
+        return {key: value * self.factors.get(key, 1.0) for key, value in values.items()}
+
+
+def contradictions(stated: Sequence[Stated], relations: Relations) -> Iterator[Doubt]:
+    """Sentences on the values behind figures that no machine has, each with the unit in which it would fit.
+
+    A mistaken unit is named where it explains more than it costs to assume one, and more than any other.
+    """
+    of_key = {value.key: value for value in stated}
+    values: Values = {value.key: value.si for value in stated}
+    now = list(relations(values))
+    hypotheses = list(_hypotheses(of_key)) if _unusual(now) > COST else []
+    while (unusual := _unusual(now)) > COST:  # no hypothesis costs less
+        fits = [(_left(hypothesis, values, relations) + hypothesis.cost, hypothesis) for hypothesis in hypotheses]
+        score, best = min(fits, key=lambda fit: fit[0], default=(math.inf, None))
+        if best is None or score >= unusual:
+            break
+        concerned = [relation for relation in now if best.concerns(relation)]
+        words = _accusation(best, of_key, max(concerned, key=lambda relation: relation.distance))
+        yield Doubt(words, best.factors)
+        values = best.applied(values)
+        now = list(relations(values))
+        hypotheses = [other for other in hypotheses if not set(other.factors) & set(best.factors)]
+    for relation in _first_of_each(relation for relation in now if relation.distance > DOUBTFUL):
+        others = ", ".join(of_key[key].words for key in relation.keys[1:])
+        cure = f"beside {others}: {relation.words}; one of them is wrong" if others else f"{relation.words}; correct it"
+        yield Doubt(f"{of_key[relation.keys[0]].words}{' ' if others else ': '}{cure}", relation.keys)
+
+
+def _left(hypothesis: _Hypothesis, values: Values, relations: Relations) -> float:
+    """How unusual all figures are if a hypothesis is true; without limit where it makes one of its own doubtful."""
+    after = list(relations(hypothesis.applied(values)))
+    if any(relation.distance > DOUBTFUL and hypothesis.concerns(relation) for relation in after):
+        return math.inf
+    return _unusual(after)
+
+
+def _unusual(now: Iterable[Relation]) -> float:
+    """How far figures are from usual together, in squares of their scatter."""
+    return sum(relation.distance**2 for relation in now)
+
+
+def _hypotheses(stated: Mapping[str, Stated]) -> Iterator[_Hypothesis]:
+    """Each value in each unit that is mistaken for its own; then those of a table that end alike, or may be in it."""
+    together: dict[tuple[str, str, str], dict[str, float]] = {}
+    for key in stated:
+        *tables, name = re.sub(r"\[\d+\]", "", key).split(".")
+        for unit, factor in _units(key):
+            yield _Hypothesis(unit, {key: factor})
+            for depth in range(len(tables), 0, -1):
+                for alike in (name, ""):
+                    together.setdefault((".".join(tables[:depth]), alike, unit), {})[key] = factor
+            for other in stated:  # of the same table, such as accelerations and jerks
+                if (
+                    other != key
+                    and other.rpartition(".")[0] == key.rpartition(".")[0]
+                    and (unit, factor) in _units(other)
+                ):
+                    together[(min(key, other), max(key, other), unit)] = {key: factor, other: factor}
+    pairs = set[tuple[frozenset[str], str]]()
+    for (_, _, unit), factors in together.items():
+        if len(factors) > 1 and (frozenset(factors), unit) not in pairs:
+            pairs.add((frozenset(factors), unit))
+            yield _Hypothesis(unit, factors)
+
+
+def _units(key: str) -> list[tuple[str, float]]:
+    """Units that are mistaken for that of a key, with their values in it."""
+    return [unit for pattern, units in _MISTAKEN if re.search(pattern, key) for unit in units]
+
+
+def _first_of_each(broken: Iterable[Relation]) -> Iterator[Relation]:
+    """The worst of the relations about each value."""
+    named = set[str]()
+    for relation in sorted(broken, key=lambda relation: -relation.distance):
+        if named.isdisjoint(relation.keys):
+            yield relation
+        named |= set(relation.keys)
+
+
+def _accusation(hypothesis: _Hypothesis, stated: Mapping[str, Stated], relation: Relation) -> str:
+    accused = [stated[key] for key in hypothesis.factors]
+    others = ", ".join(stated[key].words for key in relation.keys if key not in hypothesis.factors)
+    context = f" beside {others}" if others else ""
+    texts = {re.sub(r"\[\d+\]", "", value.corrected(hypothesis.factors[value.key])) for value in accused}
+    written = "; ".join(sorted(texts)[:SHOWN]) + (" and so on" if len(texts) > SHOWN else "")
+    unit = hypothesis.unit
+    units = dict.fromkeys(
+        f"{unit}{ending}" if (ending := _per_time(v.key)) else _WORDS.get(unit, unit) for v in accused
+    )
+    looks = "looks like" if len(accused) == 1 else "look like"
+    return f"{_listed(accused)}{context}: {relation.words}; {looks} {' and '.join(units)}: write {written}"
+
+
+def _listed(values: Sequence[Stated]) -> str:
+    """Values with their keys; those of several entries of a list together."""
+    together: dict[tuple[str, str], list[str]] = {}
+    for value in values:
+        start, _, rest = value.words.partition("s[")  # an entry of a list of joints or weights
+        number, _, end = rest.partition("]") if "." in start and rest[:1].isdigit() else ("", "", "")
+        together.setdefault((f"{start}s", end) if number else (value.words, ""), []).append(number)
+    texts = [
+        f"{start}[{', '.join(numbers)}]{end}" if numbers[0] else start for (start, end), numbers in together.items()
+    ]
+    return "; ".join(texts[:SHOWN]) + (f" and {len(texts) - SHOWN} more" if len(texts) > SHOWN else "")
+
+
+def _per_time(key: str) -> str:
+    """What follows a length or an angle in the unit of a key."""
+    match = re.search(r"_(?:mm|m|deg|rad)_s(\d?)$", key)
+    return "" if match is None else f"/s^{match[1]}" if match[1] else "/s"
+
+
+def _shown(value: Array) -> str:
+    """Numbers as a file may hold them, with four digits."""
+    texts = [f"{number:.4g}" for number in np.ravel(value)]
+    return texts[0] if np.ndim(value) == 0 or len(texts) == 1 else f"[{', '.join(texts)}]"
