@@ -24,7 +24,8 @@ from identification.findings.noise_level import noise_of_channels, stated_noise
 from identification.model_choice import figures_of, table_3
 from identification.options import FrameName
 from identification.recording.record import RunOrigin
-from identification.results.result import Result, physical_rows, pooled_rows, scatter_rows, treatment_rows
+from identification.results.result import Result
+from identification.results.result_rows import physical_rows, pooled_rows, scatter_rows, treatment_rows
 from identification.results.verdicts import accept
 from identification.signals import Residuals
 from identification.texts import budget_cells, carries_rods, legible, value_cells, value_text, with_deviation
@@ -54,7 +55,7 @@ def identify_page(result: Result) -> str:
         (columns, *rows), words = treatment_rows(record.treatment), record.treatment["words"]
         text = f"Evaluated: {words}. Differences are shares of the default's deviations."
         sections.append(section("Treatment of the data beside the default", note(text), table(columns, rows)))
-    if columns_and_rows := physical_rows(result):
+    if columns_and_rows := physical_rows(result.parameters, record.physical):
         columns, *rows = columns_and_rows
         words = "Estimates are made without asking whether a body can have them; this one can, and keeps [bounds]."
         sections.append(section("Nearest body that can exist", note(words), table(columns, rows)))

@@ -29,21 +29,17 @@ from identification.findings.fit_checks import impossible, is_impossible
 from identification.findings.off_case import edited
 from identification.findings.told import LeftOpen
 from identification.model.model import Model, identification_model
-from identification.model.parameters import INERTIA_INDEX
 from identification.options import FrameName
 from identification.results.estimate import SCHEMA_VERSION, Estimate, ResultEntries, of_version_0_2, physical_values
 from identification.results.frames import Body, Mounting, body_alone, mounting_of, place_of, turning_at_home
+from identification.results.result_rows import physical_rows, pooled_rows, scatter_rows, tared_rows, treatment_rows
 from identification.signals import Residuals
 from identification.texts import (
     aligned,
     budget_cells,
     carries_rods,
-    legible,
     parameter_lines,
-    parameter_words,
-    std_text,
     value_cells,
-    value_text,
 )
 
 PROMINENT = ("m", "xC", "yC", "zC")  # shown first
@@ -368,7 +364,7 @@ class Result:
             *aligned(*budget_cells({n: p.unit for n, p in self.parameters.items()}, self.budget)),
             *lines,
             *self._pooled(),
-            *aligned(*physical_rows(self)),
+            *aligned(*physical_rows(self.parameters, self.record.physical)),
             *self._treated(),
             *self._tared(),
             *self.notes,
@@ -386,77 +382,12 @@ class Result:
 
     def _tared(self) -> list[str]:
         """A table of the offsets before and after a tare."""
-        if not self.record.tared:
-            return []
-        rows = [
-            (
-                name, value_text(entry["before"], entry["change_std"]), value_text(entry["after"], entry["change_std"]),
-                value_text(entry["after"] - entry["before"], entry["change_std"]), std_text(entry["change_std"]),
-                entry["unit"],
-            )
-            for name, entry in self.record.tared.items()
-        ]  # fmt: skip
-        return aligned(("offset", "before", "after", "change", "+-", "unit"), *rows)
+        return [] if not self.record.tared else aligned(*tared_rows(self.record.tared))
 
     _repr_html_ = as_html
 
 
 UNLIKELY = 1e-3  # chance of a distance from bounds, below which they or the run are doubted
-
-
-def physical_rows(result: Result) -> list[tuple[str, ...]]:
-    """Rows of a table, the head first: the nearest body that can exist beside the estimate; none where they are one."""
-    nearest = result.record.physical
-    if nearest is None:
-        return []
-    rows: list[tuple[str, ...]] = [("nearest body that can exist", "estimate", "nearest", "by deviations", "unit")]
-    for name, estimated in result.parameters.items():
-        if name not in _OF_BODY or not estimated.reported > 0.0:
-            continue
-        scale, unit = legible(estimated.unit)
-        value = nearest.parameters[name]
-        texts = (value_text(v * scale, estimated.reported * scale) for v in (estimated.value, value))
-        rows.append((parameter_words(name), *texts, f"{(value - estimated.value) / estimated.reported:+.2g}", unit))
-    return rows
-
-
-_OF_BODY = frozenset(("m", "xC", "yC", "zC", *(f"IC{i + 1}{j + 1}" for i, j in INERTIA_INDEX)))
-
-
-def treatment_rows(treatment: Mapping[str, Any]) -> list[tuple[str, ...]]:
-    """Rows of a table, the head first: what a treatment of the data changes beside the default."""
-    rows: list[tuple[str, ...]] = [("beside the default", "default", "+-", "treated", "+-", "by deviations")]
-    for name, of in treatment["parameters"].items():
-        usual, treated = (Value(**of[key]) for key in ("default", "treated"))
-        scale, unit = legible(usual.unit)
-        cells = (
-            text
-            for value in (usual, treated)
-            for text in (value_text(value.value * scale, value.reported * scale), std_text(value.reported * scale))
-        )
-        rows.append((f"{parameter_words(name)} [{unit}]", *cells, f"{of['deviations']:+.2g}"))
-    for key, words in (("s0", "s0 (27)"), ("white_noise", "white noise"), ("samples", "samples")):
-        rows.append((words, f"{treatment[key]['default']:.4g}", "", f"{treatment[key]['treated']:.4g}", "", ""))
-    return rows
-
-
-def pooled_rows(pooled: Mapping[str, Any]) -> list[tuple[str, ...]]:
-    """Rows of a table, the head first: runs that a result is the mean of, and how the others agree without each."""
-    rows: list[tuple[str, ...]] = [("run", "share of chi-square", "without it: scatter / promised", "p")]
-    others = pooled["without"] or [None] * len(pooled["results"])
-    for of, other in zip(pooled["results"], others, strict=True):
-        cells = ("-", "-") if other is None else (f"{other['scatter']:.2f}", f"{other['p']:.2g}")
-        rows.append((of["result"], f"{100.0 * of['chi2_share']:.0f} %", *cells))
-    return rows
-
-
-def scatter_rows(pooled: Mapping[str, Any]) -> list[tuple[str, ...]]:
-    """Rows of a table, the head first: of each parameter, how far the runs scatter."""
-    head = ("scatter of the runs", "scatter / promised", "p")
-    return [
-        head,
-        *((parameter_words(n), f"{of['scatter']:.2f}", f"{of['p']:.2g}") for n, of in pooled["parameters"].items()),
-    ]
 
 
 def case_of_result(path: Path) -> Case:

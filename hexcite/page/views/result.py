@@ -19,7 +19,8 @@ from hexcite.page.words import Words
 from identification.finding import ABOUT_THE_RUN
 from identification.results.agreement import Difference, differences
 from identification.results.pooling import UNLIKELY
-from identification.results.result import Result, pooled_rows, scatter_rows
+from identification.results.result import Result
+from identification.results.result_rows import pooled_rows, scatter_rows
 from identification.results.verdicts import Check, Verdict, accept
 from identification.texts import legible, std_text
 
