@@ -77,14 +77,12 @@ class Run(Moving):
         noise, used, quiet = white_noise(struts[first : last + 1][:BLOCK]), self.filter, False
         for factor in BANDS:
             narrow = self.filter._replace(cutoff=self.filter.cutoff / factor)
-            if len(struts) - 2 * narrow.margin < MOST_OF_IT * (len(struts) - 2 * self.filter.margin):
+            if len(struts) <= 2 * narrow.margin or np.mean(self._reached(narrow)[1]) < MOST_OF_IT:
                 break
             used, quiet = narrow, calm(narrow, struts[:BLOCK], noise, self.machine.turns)
             if quiet:
                 break
-        rows = self.rows - (used.margin - self.filter.margin)
-        inside, lost = np.clip(rows, 0, len(struts) - 2 * used.margin - 1), np.r_[0, np.cumsum(self.recording.lost > 0)]
-        known = (rows == inside) & (lost[inside] == lost[inside + 2 * used.margin])
+        inside, known = self._reached(used)
         at, inverse = np.unique(inside, return_inverse=True)
         drives = decimated(used, struts, at, [(order, delay) for order in range(3)])
         place, speed, acceleration = (values[inverse] for values in drives)
@@ -93,6 +91,13 @@ class Run(Moving):
         return MotionOfSamples(
             known, load, (place, speed, acceleration), self.machine, noise, acceleration_noise, quiet
         )
+
+    def _reached(self, other: Filter) -> tuple[Indices, Flags]:
+        """Places of the samples behind another filter, and which no end and no gap reaches through it, shapes (n,)."""
+        rows = self.rows - (other.margin - self.filter.margin)
+        last, lost = len(self.recording.forces) - 2 * other.margin - 1, np.r_[0, np.cumsum(self.recording.lost > 0)]
+        inside = np.clip(rows, 0, last)
+        return inside, (rows == inside) & (lost[inside] == lost[inside + 2 * other.margin])
 
     def linearised(self, delay: float, values: Array) -> Array:
         """A and the columns of the nuisances at values u, shape (n, 6, u + nuisances).
