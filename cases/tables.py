@@ -356,8 +356,8 @@ def _tag(part: int | str) -> str:
 _SHAPES = {
     "float_type": "a number, without quotes and with a point",
     "tuple_type": "a list",
-    "model_type": "a table, { key = value }",
 }
+MOST_SHOWN = 4  # keys of a table that a remedy writes out
 
 
 def _words(model: type[BaseModel], problem: ErrorDetails) -> str:
@@ -369,6 +369,8 @@ def _words(model: type[BaseModel], problem: ErrorDetails) -> str:
         return _MISSING
     if kind == "value_error":
         return str(problem["ctx"]["error"])
+    if kind == "model_type":
+        return f"{_shown(value)}: is not a table; write {_table_shown(model, problem['loc'])}"
     if kind in _SHAPES:
         return f"{_shown(value)}: is not {_SHAPES[kind]}; write one"
     if kind in ("too_short", "too_long"):
@@ -378,6 +380,13 @@ def _words(model: type[BaseModel], problem: ErrorDetails) -> str:
             f"has {of['actual_length']} entries, {expected} are wanted; correct it (a decimal comma makes two entries)"
         )
     return f"{_shown(value)}: {problem['msg'][0].lower()}{problem['msg'][1:]}; correct the value"
+
+
+def _table_shown(model: type[BaseModel], location: tuple[int | str, ...]) -> str:
+    """The table that is expected at a location, with its first keys."""
+    keys = list(_siblings(model, (*location, "")))
+    entries = [f"{key} = .." for key in keys[:MOST_SHOWN]] + ([".."] if len(keys) > MOST_SHOWN else [])
+    return f"{{ {', '.join(entries)} }}"
 
 
 def _shown(value: Any) -> str:

@@ -25,6 +25,7 @@ BINDS = 1e-5  # of the same, and of the extent of a bound, up to which one count
 INERTIA_HOLDS = "inertia"
 MASS_HOLDS = "mass"
 IMPOSSIBLE = 3e-5  # chance of a distance, below which noise does not make it: of one constraint 4 deviations
+RAREST = 1e-6  # chance below which its figure says nothing more to a reader
 STATIC = 4  # parameters of a body whose inertia is not determined
 
 
@@ -65,7 +66,8 @@ class NearestBody(BaseModel, strict=True, frozen=True, allow_inf_nan=False):
         what = {INERTIA_HOLDS: "no body has the estimated inertia", MASS_HOLDS: "no body has the estimated mass"}
         broken = " and ".join(what.get(name, f"the estimate does not keep {name}") for name in self.broken)
         nearest = f"the nearest body that can exist is {self.distance:.2g} deviations off"
-        return f"{broken}; {nearest} (p at most {self.p_at_most:.2g})"
+        rare = f"p at most {self.p_at_most:.2g}" if self.p_at_most >= RAREST else f"p below {RAREST:.0e}"
+        return f"{broken}; {nearest} ({rare})"
 
 
 class _Constraint(NamedTuple):

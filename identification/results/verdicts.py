@@ -98,11 +98,15 @@ class Verdict(NamedTuple):
     def __repr__(self) -> str:
         """The verdict, a line for each limit, and what could not be judged."""
         failed = [check.name for check in self.checks if not check.passed]
-        words = f": {', '.join(failed)}" if failed else f": {len(self.checks)} limits are kept"
+        words = f": {', '.join(failed)}" if failed else f": {_kept(len(self.checks))}"
         return "\n".join([f"{self.word}{words}", *aligned(*self.rows()), *(f"not judged: {u}" for u in self.unjudged)])
 
     def _repr_html_(self) -> str:
         return as_html(self)
+
+
+def _kept(count: int) -> str:
+    return "its limit is kept" if count == 1 else f"{count} limits are kept"
 
 
 def accept(result: Result, case: Case | None = None) -> Verdict:

@@ -35,7 +35,7 @@ MISTAKES: dict[str, tuple[str, str, str, str]] = {
     "another unit": ("radius_mm = 700.0", "radius_cm = 70.0", f"{RING}.radius_cm", "unit.*write radius_mm"),
     "another unit of rates": ("velocity_mm_s =", "velocity_m_s =", "limits.motion.velocity_m_s", "velocity_mm_s"),
     "missing key": ("mass_kg = 33.0\n", "", "nominal.mass_kg", "is missing; add it"),
-    "no table": ("home = {", "home = 900.0 #", "machine.home", "900.0: is not a table, { key = value }; write one"),
+    "no table": ("home = {", "home = 900.0 #", "machine.home", "900.0: is not a table; write .* x_mm = .., y_mm"),
     "missing component": (GRAVITY, "gravity_m_s2 = [0.0, -9.81]", "gravity_m_s2[3]", "is missing; add it"),
     "one component too many": (GRAVITY, "gravity_m_s2 = [0.0, 0.0, -9.81, 0.0]", "gravity_m_s2", "4 .* at most 3"),
     "number for a vector": (GRAVITY, "gravity_m_s2 = -9.81", "gravity_m_s2", "-9.81: is not a list; write "),
