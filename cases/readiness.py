@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import get_args
 
+from cases.base.errors import CaseError, Code
 from cases.controller import Controller, ControllerName
 from cases.schema import Case
 from cases.tables import Part
@@ -99,6 +100,23 @@ def other_machine(case: Case, name: str) -> str | None:
     if name == "urscript" and [joint.kind for joint in case.chain.joints] != ["revolute"] * 6:
         return "six joints that turn between ends"
     return None
+
+
+def languages_of(case: Case) -> tuple[ControllerName, ...]:
+    """Controllers that the machine of a case can have, whatever settings it states."""
+    return tuple(name for name in ControllerName if other_machine(case, name) is None)
+
+
+def require_machine(case: Case, controller: str, remedy: str) -> None:
+    """Raises CaseError with a remedy where a controller runs programs of other machines than that of the case."""
+    if machine := other_machine(case, controller):
+        raise CaseError(
+            file=f"case {case.name}",
+            key="machine",
+            problem=f"{controller} runs programs of {machine}",
+            remedy=remedy,
+            code=Code.NOT_SUPPORTED,
+        )
 
 
 def _has(case: Case, key: str) -> bool:

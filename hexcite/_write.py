@@ -13,7 +13,7 @@ from cases.base.options import default_of, documented
 from cases.base.phrases import phrase
 from cases.basis import motion_hash
 from cases.controller import ControllerName
-from cases.readiness import readiness
+from cases.readiness import languages_of, readiness
 from cases.schema import Case
 from hexcite.options import Accept, Ini, Language, LanguageOfFile, Speed
 from identification.limits.limit import LimitKind
@@ -24,7 +24,15 @@ from planner.plans.folder import DIGITS
 from planner.plans.plan import Plan
 from planner.request import Request
 from postprocessors.dialects.dialect import Dialect
-from postprocessors.program import DIALECTS, MOST_PROGRAM, Program, dialect_of_file, leaving_out, read_program
+from postprocessors.program import (
+    DIALECTS,
+    MOST_PROGRAM,
+    Program,
+    dialect_of_file,
+    leaving_out,
+    read_program,
+    require_language,
+)
 from postprocessors.program import dialect as dialect_named
 from postprocessors.reading import Reading, Timed
 from postprocessors.writing import proven_program
@@ -60,6 +68,7 @@ def write(
         HexciteError: the dialect is unknown, or the speed is out of range.
     """
     language = language_of(plan, dialect, file)
+    require_language(plan.case, language, f"choose another {option('dialect')}:")
     path = Path(f"{plan.name}{language.suffix}" if file is None else file)
     if not SLOWEST <= speed <= 1.0:
         raise HexciteError(
@@ -129,7 +138,8 @@ def usual_dialect(case: Case, path: bool = False, steps: bool = False) -> str:
     names = [name for name, language in DIALECTS.items() if language.same is not None or not own_axes]  # tables have it
     able = [name for name in names if f"post --dialect {name}" in ready]
     fitting = (name for name in able if (steps_of(case, name) > 0.0) is steps)
-    return next(fitting, able[0] if able else ControllerName.LINUXCNC)
+    possible = [name for name in languages_of(case) if name in names]  # whatever the case still lacks for it
+    return next(fitting, [*able, *possible, ControllerName.LINUXCNC][0])
 
 
 _IN_PROGRAM = re.compile(rb"plan hash ([0-9a-f]{%d})" % DIGITS)

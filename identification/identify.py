@@ -390,7 +390,7 @@ def _estimated(
     odd = odd_clock(recording, case) if fitted.samples.nuisances else None
     systematic = systematic_of(fitted, used, odd, sizes)
     drift = drift_of(fitted) if systematic is None else systematic.drift
-    findings = louder_than_stated(recording, case, fitted)
+    findings = louder_than_stated(recording, case, fitted, None if systematic is None else systematic.motion)
     findings += systematic_findings(case, fitted, systematic)
     findings += noisy_drives(case, fitted, systematic)
     findings += mode_findings(fitted, None if systematic is None else systematic.ringing, case)

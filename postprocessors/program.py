@@ -14,6 +14,7 @@ from cases.base.file_reading import read_whole
 from cases.base.output_places import check_file
 from cases.base.units import as_html
 from cases.controller import ControllerName
+from cases.readiness import languages_of, require_machine
 from cases.schema import Case
 from identification.limits.limit import PLANNABLE_WITHOUT, LimitKind
 from identification.texts import limit_lines
@@ -132,6 +133,18 @@ def left_out(content: bytes) -> frozenset[LimitKind]:
     return frozenset(kind for kind in PLANNABLE_WITHOUT if kind in names)
 
 
+def require_language(case: Case, language: Dialect, choose: str = "name a program of") -> None:
+    """Raises CaseError where programs of a language are for other machines than that of the case.
+
+    Args:
+        case: case with the machine.
+        language: the language.
+        choose: what to do, before the names of languages for that machine.
+    """
+    others = " or ".join(name for name in languages_of(case) if name in DIALECTS)
+    require_machine(case, language.name, f"{choose} {others}")
+
+
 MOST_PROGRAM = 1 << 29  # bytes of a program that is read; those of the longest motions stay far below
 
 
@@ -150,6 +163,7 @@ def read_program(file: Path | str, case: Case, name: str | None = None) -> Progr
     """
     path = Path(file)
     spoken = dialect_of_file(str(path)) if name is None else dialect(name)
+    require_language(case, spoken)
     try:
         content = read_whole(path, MOST_PROGRAM)
     except FileProblem as error:

@@ -159,6 +159,8 @@ FINDINGS = {
     "noise_excess": "Die Residuen von {channels} sind {times}-mal das weiße Rauschen, das die Maschine nennt: "
     "{noise} {unit}, wo {key} {stated} {unit} ergibt",
     "noise_may_remember": "{sentence}; nicht mehr, als solches Rauschen mit Gedächtnis macht, das ± enthält",
+    "noise_of_drives": "{sentence}; das Rauschen der aufgezeichneten {drives} macht davon über ihre Beschleunigungen "
+    "{shaken} {unit}, was ± enthält",
     "noise_far_above": "{sentence}. Das Ergebnis nicht nutzen, bevor die Ursache bekannt ist (ein Maß, das nicht das "
     "der Maschine ist, ein langer Kontakt, kompensierte Kräfte, eine Eigenschwingung des Gestells ..): Residuen und "
     "Spektrum im Bericht ansehen",

@@ -11,9 +11,9 @@ from cases.schema import Case
 from identification.estimation.fit import Fit
 from identification.estimation.force_noise import products
 from identification.finding import Finding, Kind, note, warning
-from identification.model.model import noise_covariance
+from identification.model.model import expected_forces, noise_covariance
 from identification.recording.recording import Recording
-from identification.samples.samples import Fitted, Samples
+from identification.samples.samples import Fitted, MotionOfSamples, Samples
 from identification.signals import white_noise
 
 LOUD = 1.5  # times the stated noise: more than what a statement is usually wrong by, a fifth
@@ -106,8 +106,46 @@ def doubtful(samples: Samples, fit: Fit, case: Case, findings: Iterable[Finding]
     return leaves_much(fit, samples.forces, case)
 
 
-def louder_than_stated(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
-    """Channels whose residuals are clearly noisier than the case states, the worst with its figures."""
+INSTANTS = 200  # of a run, at which noise of the drives is turned into forces
+
+
+def noise_by_drives(fitted: Fitted, motion: MotionOfSamples | None) -> Array:
+    """What noise of the recorded drives makes of the residuals of each channel, as white noise of the recorded forces.
+
+    Through their accelerations alone, with the noise that the recording shows, shape (6,) [N, or N and N m]; zero where
+    that is not known.
+
+    Args:
+        fitted: the fit.
+        motion: how the load moves at its samples, or at a part of them; None where that is not known.
+    """
+    if motion is None or motion.drives is None or motion.acceleration_noise is None or not motion.known.any():
+        return np.zeros(6)
+    fit, model = fitted.fit, fitted.samples.model
+    known = np.flatnonzero(motion.known)
+    at = motion.at(known[:: -(-len(known) // INSTANTS)])
+    assert at.drives is not None
+    place, speed, acceleration = at.drives
+    values = fit.values[: len(model.names)]
+    still, power = expected_forces(model, at.moved(place, speed, acceleration), values), np.zeros(6)
+    for axis, noise in zip(np.eye(acceleration.shape[1]), motion.acceleration_noise, strict=True):
+        change = expected_forces(model, at.moved(place, speed, acceleration + axis), values) - still  # affine in it
+        power += np.mean((noise * change) ** 2, axis=0)
+    # residuals of that size are the noise of channels, as `noise_of_channels` has it
+    return np.asarray(np.sqrt(6.0 * len(fit.residuals) * power * fitted.samples.filtered.stride / fit.freedom))
+
+
+def louder_than_stated(
+    recording: Recording, case: Case, fitted: Fitted, motion: MotionOfSamples | None = None
+) -> list[Finding]:
+    """Channels whose residuals are clearly noisier than the case states, the worst with its figures.
+
+    Args:
+        recording: the run.
+        case: the case with which it was evaluated.
+        fitted: the fit.
+        motion: as of `noise_by_drives`.
+    """
     fit, stated = fitted.fit, stated_noise(fitted.samples, fitted.fit, case)
     if stated is None:
         return []
@@ -122,6 +160,9 @@ def louder_than_stated(recording: Recording, case: Case, fitted: Fitted) -> list
     others = [channel_words(case, k)[0] for k in np.argsort(-excess).tolist() if k != worst and excess[k] > limit]
     channels = phrase("and_also", "{channel} (also {others})", channel=channel, others=", ".join(others))
     ratio = float(excess[worst])
+    shaken = noise_by_drives(fitted, motion)
+    by_drives = bool(np.all(noise <= limit * np.hypot(stated, shaken)))
+    far = float(np.max(np.sqrt(np.maximum(noise**2 - shaken**2, 0.0)) / stated)) > FAR_ABOVE
     sentence = phrase(
         "noise_excess",
         "residuals of {channels} are {times} times the white noise that the case states: {noise} {unit} where {key} "
@@ -147,7 +188,23 @@ def louder_than_stated(recording: Recording, case: Case, fitted: Fitted) -> list
                 noise_excess=entry,
             )
         ]
-    if ratio > FAR_ABOVE:
+    if by_drives:
+        return [
+            note(
+                Kind.NOISE,
+                phrase(
+                    "noise_of_drives",
+                    "{sentence}; noise of the recorded {drives} makes {shaken} {unit} of it by their accelerations, "
+                    "which +- counts",
+                    sentence=sentence,
+                    drives=phrase(case.drive_words[0], case.drive_words[0]),
+                    shaken=f"{shaken[worst]:.2g}",
+                    unit=unit,
+                ),
+                noise_excess=entry | {"by_drives": shaken.tolist()},
+            )
+        ]
+    if far:
         sentence = phrase(
             "noise_far_above",
             "{sentence}. Do not use the result before the cause is known (a dimension that is not the machine's, a "
@@ -160,4 +217,4 @@ def louder_than_stated(recording: Recording, case: Case, fitted: Fitted) -> list
             "{sentence}. Correct the stated noise, or look for the cause in the residuals in the report",
             sentence=sentence,
         )
-    return [warning(Kind.NOISE, sentence, counted=ratio <= FAR_ABOVE, noise_excess=entry)]
+    return [warning(Kind.NOISE, sentence, counted=not far, noise_excess=entry)]

@@ -8,11 +8,11 @@ from typing import Any, ClassVar
 import numpy as np
 
 from cases.base.doors import checks_arguments
-from cases.base.errors import CaseError, Code, HexciteError, choice, option
+from cases.base.errors import Code, HexciteError, choice, option
 from cases.base.options import documented
 from cases.base.phrases import phrase
 from cases.controller import ControllerName
-from cases.readiness import other_machine
+from cases.readiness import require_machine
 from cases.schema import Case
 from identification.estimation.criteria import Criterion, box_middle
 from identification.limits.limit import PLANNABLE_WITHOUT
@@ -328,14 +328,9 @@ class PointToPoint(MoveOptions, FamilySettings):
     def _require_choice(self, case: Case) -> None:
         """Raises HexciteError where the controller cannot keep a limit that is not left out, or keeps one that is."""
         controller = self.made_for(case)
-        if controller is not None and (machine := other_machine(case, controller)):
-            raise CaseError(
-                file=f"case {case.name}",
-                key="machine",
-                problem=f"{controller} runs programs of {machine}",
-                remedy=f"choose another controller: {option('controller', 'for')}, or controller.plan_for of the case",
-                code=Code.NOT_SUPPORTED,
-            )
+        if controller is not None:
+            another = f"choose another controller: {option('controller', 'for')}, or controller.plan_for of the case"
+            require_machine(case, controller, another)
         steps = steps_of(case, controller) > 0.0
         if steps and self.without is None:
             named = "" if self.controller else f' (controller.plan_for = "{controller}")'

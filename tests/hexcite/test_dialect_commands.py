@@ -5,11 +5,14 @@ from typing import Any
 
 import pytest
 
+from cases.base.errors import CaseError
+from cases.schema import load_case
 from hexcite._run import exceeded
 from identification.limits.limit import LimitKind
 from planner.plans.plan import Plan
 from postprocessors.dialects.setpoints.write import write_setpoints
 from postprocessors.dialects.twincat.promises import twincat_guarantees
+from postprocessors.program import DIALECTS, require_language
 from postprocessors.reading import Reading
 from tests.helpers import tells
 from tests.hexcite.command_line import call, refused
@@ -69,6 +72,32 @@ def test_a_case_without_settings_names_the_missing_table(tmp_path: Path):
     line = refused("check", written(TWINCAT, tmp_path, "nc"), "--case", case)
     assert tells(line, "controller.twincat: ", "missing", "add the table")
     assert tells(line, "--dialect linuxcnc or sinumerik or setpoints")  # what the case has
+
+
+@pytest.mark.parametrize(
+    ("case", "dialect", "machine"),
+    [
+        ("ur10_wrist", "sinumerik", "X, Y, Z, A, B, C"),
+        ("ur10_wrist", "twincat", "X, Y, Z, A, B, C"),
+        ("ur10_wrist", "linuxcnc", "X, Y, Z, A, B, C"),
+        ("hexapod", "ros2", "a chain of joints"),
+        ("five_axis_table", "urscript", "six joints"),
+    ],
+)
+@pytest.mark.parametrize("command", ["check", pytest.param("run", marks=pytest.mark.repeats)])
+def test_a_language_of_other_machines_is_named_as_that(
+    command: str, case: str, dialect: str, machine: str, tmp_path: Path
+):
+    """No table of the case would mend it."""
+    file = tmp_path / f"program{DIALECTS[dialect].suffix}"
+    file.write_text("G90\nM30\n")
+    line = refused(command, file, "--case", case)
+    assert tells(line, f"case {case}: machine: {dialect} runs programs of", machine)
+    assert "controller." not in line
+    with pytest.raises(CaseError, match="runs programs of"):
+        require_language(load_case(case), DIALECTS[dialect])
+    for other in line.split("name a program of ")[1].split(" or "):
+        require_language(load_case(case), DIALECTS[other])
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from cases.base.errors import CaseError, ProgramError
 from cases.base.units import DEG, MM
 from cases.schema import load_case
+from identification.motion.curves import PolynomialMotion
 from identification.motion.motion import Joined, Standstill
 from identification.motion.moves import StraightMove
 from postprocessors.blocks import Blocks, ToHome, Trigger
@@ -69,6 +70,21 @@ def test_a_move_that_no_control_could_tell_apart_stays_where_points_are_followed
     places = (HOME, far, far + np.r_[3e-5 * MM, np.zeros(5)], HOME)
     motion = Joined(tuple(StraightMove.fastest(a, b, *limits) for a, b in pairwise(places)))
     assert proven_program(motion, CASE, LANGUAGE, "t.csv", ()).proof.ok
+
+
+def test_a_path_that_stands_within_is_read_back_row_by_row():
+    """A curve that rests between its pieces: the reader has two paths with a standstill between them."""
+    ease = (np.array([0.0, 0.0, 0.0, 10.0, -15.0, 6.0]) / 0.4 ** np.arange(6.0))[:, None]
+    way = np.r_[np.array([4.0, -3.0, 2.0]) * MM, np.zeros(3)]
+    there, stay = ease * way, np.zeros((6, 6))
+    there[0], stay[0] = HOME, HOME + way
+    motion = PolynomialMotion.of_pieces([(there, 0.4), (stay, 0.3), (stay - ease * way, 0.4)])
+    program = proven_program(motion, CASE, LANGUAGE, "t.csv", ())
+    excitation = [part for part in program.reading.stretches if part.trigger]
+    assert [type(part) for part in excitation].count(Timed) == 2
+    table = cells(program.content)
+    on = table[table[:, -1] == 1.0]
+    np.testing.assert_allclose(on[[0, 400, 699], 1] - 1e3 * HOME[0], [0.0, 4.0, 4.0], atol=1e-8)
 
 
 @pytest.mark.parametrize("case", [CASE, COARSE], ids=["1 ms", "4 ms"])

@@ -169,7 +169,7 @@ def _settled(entry: Tried) -> Tried:
 
 def _unclean(explanation: Tried) -> bool:
     """Whether a single hypothesis leaves more than what noise makes, so that there may be a second mistake."""
-    return bool(explanation.residuals > CLEAN * np.hypot(1.0, explanation.left().shaking))
+    return bool(explanation.residuals > CLEAN * _noise_of(explanation))
 
 
 def _worth_pairs(found: Sequence[Tried], recorded: Tried | None) -> bool:
@@ -183,11 +183,11 @@ def explanations(found: Sequence[Tried], recorded: Tried | None) -> tuple[Tried,
     """Those of some trials that explain the run, alike, one of each family, the best first."""
     before = np.inf if recorded is None else recorded.residuals
     better = [entry for entry in found if entry.trial and entry.residuals < before / 2.0]
-    better = [entry for entry in better if entry.residuals <= _most_left(before)]
     if not better:
         return ()
     best = min(better, key=lambda entry: entry.residuals)
-    most = NEAR if best.residuals <= NEAR else NEAR * float(np.hypot(1.0, best.left().shaking))
+    noise = 1.0 if best.residuals <= _most_left(before) and best.residuals <= NEAR else _noise_of(best)
+    most = min(NEAR * noise, _most_left(before, noise))
     explaining = [entry for entry in better if entry.residuals <= most]
     if not explaining:
         return ()
@@ -205,9 +205,19 @@ def explanations(found: Sequence[Tried], recorded: Tried | None) -> tuple[Tried,
     return tuple(sorted(plain, key=lambda entry: (mistakes(entry.trial), FAMILIES.index(entry.trial[0].family))))
 
 
-def _most_left(before: float) -> float:
-    """Residuals over the noise that an explanation leaves at most, of those that the run has as it was recorded."""
-    return float(np.sqrt(1.0 + REMOVED * max(before**2 - 1.0, 0.0)))
+def _most_left(before: float, noise: float = 1.0) -> float:
+    """Residuals over the noise that an explanation leaves at most, of those that the run has as it was recorded.
+
+    Args:
+        before: those residuals.
+        noise: what noise of forces and drives makes, over that of the forces.
+    """
+    return float(np.sqrt(noise**2 + REMOVED * max(before**2 - noise**2, 0.0)))
+
+
+def _noise_of(entry: Tried) -> float:
+    """What noise of the forces and of the recorded drives makes of a trial, over that of the forces."""
+    return float(np.hypot(1.0, entry.left().shaking))
 
 
 def _equal(one: Tried, other: Tried) -> bool:
@@ -224,7 +234,7 @@ def _near(entry: Tried) -> bool:
     """Whether residuals are what the noise of forces and of drives makes."""
     if entry.residuals <= NEAR:
         return True
-    return bool(np.isfinite(entry.residuals) and entry.residuals <= NEAR * np.hypot(1.0, entry.left().shaking))
+    return bool(np.isfinite(entry.residuals) and entry.residuals <= NEAR * _noise_of(entry))
 
 
 def _instants(recording: Recording, case: Case, model: Model) -> Instants | None:

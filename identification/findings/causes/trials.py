@@ -28,7 +28,7 @@ from identification.findings.causes.hypothesis import (
     drives_of,
     pace_of,
 )
-from identification.findings.causes.instants import Instants
+from identification.findings.causes.instants import Instants, Memory
 from identification.machines.casadi_batch import over_samples
 from identification.machines.hexapod import kinematics_of_hexapods
 from identification.machines.serial_chain import SerialChain
@@ -458,7 +458,7 @@ class Left(NamedTuple):
     """What a trial leaves at the delay at which it leaves least."""
 
     newtons: float  # rms of the residuals of forces [N]
-    noise: float  # what the noise makes of it [N]
+    noise: float  # what noise of the forces and of the recorded drives makes of it [N]
     shaking: float  # what noise of the recorded drives makes of the forces, over their noise
 
 
@@ -486,9 +486,10 @@ def left_by(instants: Instants, trial: Trial, delay: float) -> Left:
     shaking = 0.0
     if instants.shaking is not None and instants.drives is not None:
         drives = [own_drive + noise_of for own_drive, noise_of in zip(instants.drives, instants.shaking, strict=True)]
-        shaken = replace(instants, drives=(drives[0], drives[1], drives[2]))
+        shaken = replace(instants, drives=(drives[0], drives[1], drives[2]), memory=Memory())
         other_regressors, other_motion = regressors_of(shaken, [trial])
         if other_motion.closed[0]:
             change = (other_regressors[0] - regressors[0]) @ values
             shaking = float(np.sqrt(np.mean((change / noise) ** 2)))
+            of_noise = float(np.hypot(of_noise, np.sqrt(np.mean(change[:, newtons] ** 2))))
     return Left(float(np.sqrt(np.mean(residuals[:, newtons] ** 2))), of_noise, shaking)
