@@ -296,8 +296,8 @@ ERRORS = {
     "nobody_enforces": "{controller} erzwingt {limits} in dieser Bewegung nicht, und nichts sonst tut es; {predicted}",
     "write_with": "mit {accept} schreiben, wenn die Maschine es verträgt",
     "plan_without_jerk": (
-        "Bewegungen oder Posen mit {without} jerk dafür planen, oder dieses mit {accept} schreiben, wenn die "
-        "Maschine es verträgt"
+        "Bewegungen dafür mit {family} {made_for}{without} jerk planen (Posen mit {without} jerk), oder dieses mit "
+        "{accept} schreiben, wenn die Maschine es verträgt"
     ),
     "noise_not_judged": "Rauschen: {why}",
     "no_mass_in_model": "Masse: Das Modell hat keine",

@@ -1,6 +1,7 @@
 """Families of motions as a user asks for them: values with their own defaults, limits and messages."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import Field, dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
@@ -8,11 +9,11 @@ from typing import Any, ClassVar
 import numpy as np
 
 from cases.base.doors import checks_arguments
-from cases.base.errors import Code, HexciteError, choice, option
+from cases.base.errors import CaseError, Code, HexciteError, choice, option
 from cases.base.options import documented
 from cases.base.phrases import phrase
 from cases.controller import ControllerName
-from cases.readiness import require_machine
+from cases.readiness import languages_of, require_machine
 from cases.schema import Case
 from identification.estimation.criteria import Criterion, box_middle
 from identification.limits.limit import PLANNABLE_WITHOUT
@@ -359,10 +360,13 @@ class PointToPoint(MoveOptions, FamilySettings):
                     remedy="leave it out",
                     code=Code.CONTRADICTION,
                 )
+            named = (
+                " or ".join(name for name in languages_of(case) if _steps(case, name)) or "one that this machine has"
+            )
             raise HexciteError(
                 problem=f"{option('without')} {self.without} leaves it out for a controller that does not "
                 "limit it, and none is named",
-                remedy=f"name it ({option('controller', 'for')} linuxcnc), or leave {option('without')} out",
+                remedy=f"name it ({option('controller', 'for')} {named}), or leave {option('without')} out",
                 code=Code.CONTRADICTION,
             )
 
@@ -373,6 +377,13 @@ class PointToPoint(MoveOptions, FamilySettings):
     def idle(self, criterion: Criterion) -> int:
         """One for any criterion: for K and N six starts gave nothing better than two, in three times the time."""
         return 1
+
+
+def _steps(case: Case, controller: str) -> bool:
+    """Whether a controller that a case is set up for makes accelerations step."""
+    with suppress(CaseError):
+        return steps_of(case, controller) > 0.0
+    return False
 
 
 @checks_arguments

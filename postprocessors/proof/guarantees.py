@@ -9,6 +9,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from cases.chain import Box
+from cases.controller import ControllerName
 from cases.schema import Case
 from identification.limits.limit import TOLERANCE, Limit, LimitCheck, LimitKind, OwnMove, Status
 from identification.limits.proof import limited_machine
@@ -74,6 +75,8 @@ class Guarantees:
     arc_across: float = ACROSS  # share of its acceleration limit that it uses across an arc at most
     # share of it along the arc; None: what is left, root of sum of squares, at the largest speed across
     arc_along: float | None = ALONG
+    # name by which moves are planned for it; None where it follows any path
+    plan_for: ControllerName | None = None
     # how an operator's feed override is kept at 100 % at most, for people; empty where it goes no further
     override_remedy: str = ""
     # how it goes from where it stands to a first point of a table, from rest to rest

@@ -11,6 +11,7 @@ from cases.base.errors import Code, NotProven, ProgramError, Violation, choice, 
 from cases.base.phrases import Phrase, enumerated, phrase
 from cases.base.units import DEG, MM
 from cases.chain import Box
+from cases.controller import ControllerName
 from identification.limits.limit import KINETIC, NAMED, LimitCheck, LimitKind, LimitReport, Status, worst_of
 from identification.motion.motion import Array
 from postprocessors.proof.guarantees import Guarantees, WayToFirst
@@ -34,6 +35,7 @@ class ProgramProof:
     # the worst limit of lines: of every move whose time the controller decides, and of a path that the program times,
     # those lines in which one of its limits comes closest
     of_lines: tuple[LimitCheck, ...] = ()
+    plan_for: ControllerName | None = None  # name by which moves are planned for that controller
 
     @property
     def ok(self) -> bool:
@@ -120,10 +122,13 @@ class ProgramProof:
         """The remedy that needs no `--accept`: a plan that leaves the jerk out, or none where that is not enough."""
         if LimitKind.JERK not in families:
             return phrase("write_with", "write it with {accept} if the machine can bear it", accept=accept)
+        made_for = "" if self.plan_for is None else f"{option('controller', 'for')} {self.plan_for} "
         return phrase(
             "plan_without_jerk",
-            "plan moves or poses with {without} jerk for it, or write this one with {accept} if the machine can bear "
-            "it",
+            "plan moves for it with {family} {made_for}{without} jerk (poses with {without} jerk), or write this one "
+            "with {accept} if the machine can bear it",
+            family=option("family PointToPoint", "family ptp"),
+            made_for=made_for,
             without=option("without"),
             accept=accept,
         )
@@ -194,6 +199,7 @@ def prove_program(reading: Reading, guarantees: Guarantees) -> ProgramProof:
         worst_first,
         tuple(remarks(reading, guarantees)),
         tuple(of_lines[line] for line in sorted(of_lines)),
+        guarantees.plan_for,
     )
 
 

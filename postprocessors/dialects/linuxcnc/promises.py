@@ -7,7 +7,7 @@ from functools import partial
 from cases.base.errors import Code, HexciteError, ProgramError
 from cases.base.phrases import phrase
 from cases.base.units import DEG, MM
-from cases.controller import LinuxCnc
+from cases.controller import ControllerName, LinuxCnc
 from cases.schema import Case
 from identification.limits.limit import LimitKind
 from postprocessors.proof.guarantees import LONGEST_POINTS, SEVEN_SEGMENTS, Guarantees, trapezoid
@@ -81,6 +81,7 @@ def guarantees_of_linuxcnc(case: Case, timed: bool) -> Guarantees:
     trapezoids = Guarantees(
         case,
         controller="LinuxCNC",
+        plan_for=ControllerName.LINUXCNC,
         shortest_block=SERVO_PERIOD,
         longest_block=LONGEST_POINTS,
         enforced=frozenset(enforced),

@@ -2,7 +2,7 @@
 
 from cases.base.phrases import phrase
 from cases.base.units import MS
-from cases.controller import TwinCatAxes
+from cases.controller import ControllerName, TwinCatAxes
 from cases.schema import Case
 from identification.limits.limit import LimitKind
 from postprocessors.proof.guarantees import LONGEST_POINTS, SEVEN_SEGMENTS, Guarantees, trapezoid
@@ -18,6 +18,7 @@ def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
     return Guarantees(
         case,
         controller="TwinCAT",
+        plan_for=ControllerName.TWINCAT,
         shortest_block=settings.shortest_block_ms * MS,
         longest_block=LONGEST_POINTS,
         enforced=frozenset(map(LimitKind, settings.controller_keeps)),
