@@ -80,16 +80,22 @@ def _hull(element: Element, folder: Path) -> tuple[Array, float]:
         return np.array([[(-1) ** (k >> i & 1) for i in range(3)] for k in range(8)]) * half_sizes, 0.0
     if shape.tag == "mesh":
         scale = _numbers(shape, "scale", 3) if shape.get("scale") else np.ones(3)
-        corners, more = corners_around(points := _points(shape.get("filename", ""), folder) * scale)
+        points = _points(shape.get("filename", ""), folder, scale)
+        corners, more = corners_around(points)
         return (corners, more) if len(corners) >= FEWEST_CORNERS else capsule_around(points)
     raise Uncovered(f"a collision of {shape.tag[:40]}")
 
 
-def _points(uri: str, folder: Path) -> Array:
-    """Corners of a mesh, shape (n, 3); raises Uncovered where it is not there or cannot be read."""
+def _points(uri: str, folder: Path, scale: Array) -> Array:
+    """Corners of a mesh, its numbers times a scale, shape (n, 3) [m].
+
+    Raises Uncovered where it is not there or cannot be read. Those of COLLADA (.dae) are not read: of the readers in
+    use some follow its unit and its axis that points up, and others do not, so that nobody knows what a file means.
+    """
     file = mesh_file(uri, folder)
     if file is None:
-        raise Uncovered(f"its collision mesh in {uri.rpartition('/')[0][:200] or '.'} is not there")
+        place = uri.rpartition("/")[0][:200] or "."
+        raise Uncovered(f"its collision mesh in {place} is not there; put that folder beside the file or around it")
     try:
         content = read_whole(file, MOST_MESH)
     except FileProblem as error:
@@ -105,9 +111,10 @@ def _points(uri: str, folder: Path) -> Array:
         except ValueError:
             raise Uncovered(f"mesh {file}: a corner that is not three numbers") from None
     if suffix not in (".stl", ".obj"):
-        raise Uncovered(f"mesh {file.name} is {suffix or 'of no kind'}; convert it to STL")
+        raise Uncovered(f"mesh {file.name} is {suffix or 'of no kind'}; convert it to STL, and name that in the URDF")
+    points = points * scale
     if not len(points) or not np.all(np.abs(points) < _MOST):
-        raise Uncovered(f"mesh {file}: no corners that are numbers below {_MOST:g}")
+        raise Uncovered(f"mesh {file}: no corners that are numbers below {_MOST:g} m")
     return np.unique(points, axis=0)
 
 

@@ -173,6 +173,28 @@ def of_chain(chain: Chain, limits: JointMotionLimits) -> Iterator[Doubt]:
     yield from contradictions(list(stated.values()), relations)
 
 
+def of_links(chain: Chain) -> Iterator[Doubt]:
+    """A doubt about links whose mass lies far from all of the link: its centre is counted from another frame."""
+    ends = [np.array(frame.origin_mm) * MM for frame in (*chain.joints[1:], chain.sensor)]
+    far = list[tuple[int, float, float]]()
+    for k, (joint, end) in enumerate(zip(chain.joints, ends, strict=True), 1):
+        if joint.link is not None:
+            length, away = float(np.linalg.norm(end)), float(np.linalg.norm(np.array(joint.link.centre_of_gravity)))
+            if away > MOST_OF_LINK * (length + LINK_AROUND):
+                far.append((k, away, length))
+    if far:
+        number, away, length = max(far, key=lambda link: link[1] - link[2])
+        keys = [f"machine.chain.joints[{k}].link.centre_of_gravity_mm" for k, _, _ in far]
+        joints = ", ".join(chain.joints[k - 1].name for k, _, _ in far)
+        yield Doubt(
+            f"link.centre_of_gravity_mm of {joints}: that of {chain.joints[number - 1].name} lies {_mm(away)} from its "
+            f"joint, the next frame {_mm(length)}, as if it were counted from another frame; correct it, or take link "
+            "away, and torque_Nm limits nothing",
+            keys,
+        )
+
+
+MOST_OF_LINK, LINK_AROUND = 2.0, 0.2  # times the length of a link, and what is around it [m]
 ORIGINS = "machine.chain.joints.origin_mm"
 LEAST_REACH, REACH = 0.02, 60.0  # [m] sum of the distances of joints
 LEAST_SIZE, SIZE = 0.002, 10.0  # [m] radius of gyration of a body, where nothing tells the machine's size

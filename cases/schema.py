@@ -292,6 +292,8 @@ class Case(Heading):
             doubtful += doubts.of_motion(motion, self.hexapod)
         elif motion is not None and chain is not None:
             doubtful += doubts.of_chain(chain, motion)
+        if chain is not None:
+            doubtful += doubts.of_links(chain)
         carried = doubts.Carried(dict(self._bodies()), self._size, frame, self.gravity, self._turns())
         doubtful += doubts.of_loads(carried, self.sensors)
         return (*self._earlier, *doubtful, *doubts.of_times({key: self._stated(key) for key in doubts.TIMES}))

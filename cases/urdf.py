@@ -163,12 +163,12 @@ def _arm(root: Element, flange: str | None, sensor: str | None, folder: Path) ->
 def _bodies(
     cluster: Iterator[tuple[str, Array]], links: Mapping[str, Element], folder: Path, findings: Findings
 ) -> tuple[Tool, ...]:
-    """Round bodies that cover a link and those fixed to it, in the link's frame."""
+    """Bodies that cover a link and those fixed to it, in the link's frame."""
     bodies = []
     for name, place in cluster:
         for body in covering(links[name], place, folder, name):
             if isinstance(body, str):
-                findings.note("link", name, f"{body}: no round body covers it")
+                findings.note("link", name, f"{body}: no body covers it")
             else:
                 bodies.append(body)
     return tuple(bodies)

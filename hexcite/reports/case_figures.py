@@ -16,7 +16,7 @@ from identification.limits.limit import LimitKind
 from identification.limits.proof import prove
 from identification.motion.motion import StandingPoses
 from planner.box.reach import Reach
-from planner.search.feasibility import remedy
+from planner.search.feasibility import remedy, remedy_at_rest
 
 
 def case_figures(case: Case, file: str) -> dict[str, Any]:
@@ -32,6 +32,8 @@ def case_figures(case: Case, file: str) -> dict[str, Any]:
                 way = f"move home or {remedy(broken, case)}"
             elif broken.kind is LimitKind.DISTANCE_BETWEEN_LINKS:
                 way = "choose another home, or make one of the two bodies smaller, or leave it out"
+            elif broken.kind in (LimitKind.JOINT_TORQUE, LimitKind.JOINT_FORCE):
+                way = f"{remedy_at_rest(broken, case)} or choose another home"
             else:
                 way = "choose another home"
             raise CaseError(

@@ -255,6 +255,7 @@ ERRORS = {
     "narrow_joints": (
         "position_deg in {joints} enger angeben, die Körper in machine.chain berichtigen oder in may_touch nennen"
     ),
+    "correct_weights": "{effort} oder link in machine.chain.joints, oder nominal berichtigen,",
     "lower_accelerations": "die Beschleunigungen in {joints} senken, {effort} oder nominal berichtigen",
     "less_weight": "Gewichte aus [payloads] nehmen, sensors.range_N oder range_Nm berichtigen",
     "narrow_poses": "die Posen in {box} enger angeben",

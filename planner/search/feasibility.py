@@ -120,6 +120,17 @@ def remedy(check: LimitCheck, case: Case) -> Phrase:
             return phrase("widen", "widen {key}", key=_key(kind, machine_of(case).of_pose))
 
 
+def remedy_at_rest(check: LimitCheck, case: Case) -> Phrase:
+    """The remedy where a machine cannot even stand, which no slower motion is."""
+    if check.kind not in (LimitKind.JOINT_TORQUE, LimitKind.JOINT_FORCE):
+        return remedy(check, case)
+    return phrase(
+        "correct_weights",
+        "correct {effort} or link of machine.chain.joints, or nominal,",
+        effort="torque_Nm" if check.kind is LimitKind.JOINT_TORQUE else "force_N",
+    )
+
+
 def require_rest(case: Case) -> None:
     """Raises where the machine cannot stand still in the middle of the box, to which every family can shrink.
 
@@ -131,7 +142,7 @@ def require_rest(case: Case) -> None:
         worst = report.violations[0]
         raise InfeasiblePlan(
             problem=phrase("no_motion", "no feasible motion: {limit}", limit=worst.sentence(timed=False)),
-            remedy=phrase("or_home", "{remedy} or move home", remedy=remedy(worst, case)),
+            remedy=phrase("or_home", "{remedy} or move home", remedy=remedy_at_rest(worst, case)),
             code=Code.INFEASIBLE,
         )
 

@@ -63,11 +63,11 @@ WRITTEN = (("a.stl", stl, "meshes/a.stl"), ("b.STL", stl_text, "package://arm/me
 
 
 def robot(folder: Path, more: str = "") -> Path:
-    """A package with an arm of three links whose meshes are there, one of them in millimetres."""
+    """A package with an arm of three links whose meshes are there, one in tenths of millimetres."""
     (folder / "arm" / "meshes").mkdir(parents=True)
     links, joints = ['<link name="base"/>'], []
     for k, (name, form, uri) in enumerate(WRITTEN):
-        scale = 1000.0 if k == 1 else 1.0
+        scale = 1e4 if k == 1 else 1.0
         (folder / "arm" / "meshes" / name).write_bytes(form(scale * bent(k)))
         uri = uri if uri.startswith(("package", "..")) else f"../{uri}"
         size = f' scale="{1 / scale} {1 / scale} {1 / scale}"' if scale != 1.0 else ""
@@ -199,7 +199,7 @@ def test_what_stands_and_several_shapes_are_covered(tmp_path: Path) -> None:
     ("mesh", "words"),
     [
         ("package://other/a.stl", "its collision mesh in package://other is not there"),
-        ("../meshes/d.dae", "d.dae is .dae; convert it to STL"),
+        ("../meshes/d.dae", "d.dae is .dae; convert it to STL, and name that in the URDF"),
         ("../meshes/e.stl", "no corners"),
         ("\x01" * 3, "not there"),
     ],

@@ -168,6 +168,24 @@ def test_a_positioning_stage_is_not_told_that_its_angles_are_radians() -> None:
     assert with_change("hexapod", change).doubts == ()
 
 
+def test_links_whose_mass_is_counted_from_the_base_are_named_and_others_are_not() -> None:
+    """As files of makers have it: each centre of gravity at the height where it is with all joints at 0."""
+
+    def links(*centres: float) -> Any:
+        def change(data: Data) -> None:
+            for joint, z in zip(data["machine"]["chain"]["joints"], centres, strict=True):
+                joint["link"] = {
+                    "mass_kg": 2.0, "centre_of_gravity_mm": [0.0, 40.0, z], "inertia_kg_m2": [0.02, 0, 0, 0.02, 0, 0.02]
+                }  # fmt: skip
+
+        return change
+
+    (doubt,) = with_change("ur10_wrist", links(20.0, 60.0, 80.0, 1100.0, 1200.0, 1400.0)).doubts
+    assert re.search(r"of wrist_1, wrist_2, wrist_3: that of wrist_3 lies 1401 mm", doubt.replace("_joint", ""))
+    assert doubt.keys == tuple(f"machine.chain.joints[{k}].link.centre_of_gravity_mm" for k in (4, 5, 6))
+    assert with_change("ur10_wrist", links(20.0, 300.0, -250.0, 60.0, 60.0, 30.0)).doubts == ()
+
+
 SCATTER = 2.0  # factor by which each limit of a sound machine may differ from that of a built-in one
 
 
