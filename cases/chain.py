@@ -150,10 +150,10 @@ class Chain(Part):
     @model_validator(mode="after")
     def _bodies_named(self) -> "Chain":
         bodies = [*self.base, *self.tool, *(body for joint in self.joints for body in joint.bodies)]
-        known = {body.name for body in bodies}
-        if unknown := sorted({name for pair in self.may_touch for name in pair} - known):
-            there = ", ".join(sorted(known)) or "there are none"
-            raise ValueError(f"may_touch names {', '.join(unknown)}, but no body has that name; name bodies: {there}")
+        names = {body.name for body in bodies}
+        if unknown := sorted({name for pair in self.may_touch for name in pair} - names):
+            choices = ", ".join(sorted(names)) or "there are none"
+            raise ValueError(f"may_touch names {', '.join(unknown)}, but no body has that name; name bodies: {choices}")
         return self
 
     def keeps_apart(self, link: int, body: str, other_link: int, other: str) -> bool:

@@ -33,9 +33,9 @@ def _largest(values: Values, key: str) -> float:
 
 def _reached(values: Values, v: str, a: str, j: str, unit: str) -> Relation:
     """The acceleration is one that velocity and jerk allow: it is built up before the velocity is reached."""
-    allowed = math.sqrt(_largest(values, v) * _largest(values, j))
-    words = f"velocity and jerk allow an acceleration of {allowed:.3g} {unit}"
-    return Relation((a, v, j), _largest(values, a) / allowed, 0.0, 1.0, SOMEWHAT, words)
+    acceleration = math.sqrt(_largest(values, v) * _largest(values, j))
+    words = f"velocity and jerk allow an acceleration of {acceleration:.3g} {unit}"
+    return Relation((a, v, j), _largest(values, a) / acceleration, 0.0, 1.0, SOMEWHAT, words)
 
 
 def _run_up(values: Values, s: str, v: str, a: str) -> Relation:

@@ -107,7 +107,7 @@ def case_of_text(text: str, file: Path) -> "Case":
 def _set(file: Path, values: Any, place: tuple[str | int, ...], value: Any) -> None:
     """Sets a value of nested tables; None takes it away."""
     for k, part in enumerate(place):
-        there = values.get(part) if isinstance(values, dict) else None
+        table = values.get(part) if isinstance(values, dict) else None
         if isinstance(part, int):
             if not isinstance(values, list) or not 0 <= part < len(values):
                 raise CaseError(
@@ -117,7 +117,7 @@ def _set(file: Path, values: Any, place: tuple[str | int, ...], value: Any) -> N
                     remedy="write it by hand",
                     code=Code.UNKNOWN,
                 )
-            there = values[part]
+            table = values[part]
         elif not isinstance(values, dict):
             raise CaseError(
                 file=file,
@@ -127,11 +127,11 @@ def _set(file: Path, values: Any, place: tuple[str | int, ...], value: Any) -> N
                 code=Code.WRONG_KIND,
             )
         if k < len(place) - 1:
-            if there is None:
+            if table is None:
                 if value is None:
                     return
-                there = values[part] = {}
-            values = there
+                table = values[part] = {}
+            values = table
         elif value is None:
             values.pop(part, None)
         else:

@@ -369,7 +369,7 @@ class Case(Heading):
     def tolerable(self) -> tuple[str, ...]:
         """Keys of `[tolerances]` that this machine has something for."""
         turns = [] if self.chain is None else [joint.turns for joint in self.chain.joints]
-        own = {
+        keys = {
             "joints_mm": self.hexapod is not None,
             "bars_mm": self.sensor_frame.bars is not None,
             "sensor_mm": self.sensor_frame.transducer is not None,
@@ -380,7 +380,7 @@ class Case(Heading):
             "encoder_scale_ppm": self.machine is not None,
             "clock_ppm": self.setup != "1a",
         }
-        return tuple(key for key in KINDS if own.get(key, True))
+        return tuple(key for key in KINDS if keys.get(key, True))
 
     @property
     def not_counted(self) -> list[str]:
@@ -522,16 +522,16 @@ class Case(Heading):
         margin, motion = self.limits.margin, self.limits.motion
         parts: dict[str, Part] = {}
         if isinstance(motion, MotionLimits):
-            own: Box = margin.narrowed(motion)
+            box: Box = margin.narrowed(motion)
         else:
-            own = motion.model_copy(update={"joints": tuple(map(margin.narrowed, motion.joints))})
+            box = motion.model_copy(update={"joints": tuple(map(margin.narrowed, motion.joints))})
         if isinstance(self.machine, SerialMachine):
             joints = tuple(map(margin.narrowed, self.machine.chain.joints))
             chain = self.machine.chain.model_copy(update={"joints": joints})
             parts["machine"] = self.machine.model_copy(update={"chain": chain})
         if self.workspace is not None:
             parts["workspace"] = margin.narrowed(self.workspace)
-        return self.model_copy(update={**parts, "limits": self.limits.model_copy(update={"motion": own})})
+        return self.model_copy(update={**parts, "limits": self.limits.model_copy(update={"motion": box})})
 
     def need_machine(self, purpose: str) -> tuple[HexapodMachine, Workspace, MotionLimits]:
         """Hexapod, workspace and limits of motion; raises CaseError where the case lacks one, or has a chain."""

@@ -172,8 +172,8 @@ def carriers_of(root: Element, links: Mapping[str, Element], findings: Findings)
         more = children.get(waiting.pop(), ())
         reachable.update(more)
         waiting.extend(more)
-    if apart := [link for link in links if link not in reachable]:
-        findings.problems.append(f"links {listed(apart)} are not joined to one root; a URDF is a tree, join them")
+    if unreachable := [link for link in links if link not in reachable]:
+        findings.problems.append(f"links {listed(unreachable)} are not joined to one root; a URDF is a tree, join them")
     return carriers
 
 

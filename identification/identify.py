@@ -383,12 +383,12 @@ def _estimated(
     recording: Recording, case: Case, model: Model, method: Method, treatment: Treatment | None = None
 ) -> Estimate:
     """The estimate with all that its residuals say; errors as of `identify`."""
-    (clean, fitted, contacts), used, sizes, told_of = fitted_with_sizes(
+    (clean, fitted, contacts), case_of_fit, sizes, told_of = fitted_with_sizes(
         recording, case, method, model.number, treatment
     )
     recording = clean.recording
     odd = odd_clock(recording, case) if fitted.samples.nuisances else None
-    systematic = systematic_of(fitted, used, odd, sizes)
+    systematic = systematic_of(fitted, case_of_fit, odd, sizes)
     drift = drift_of(fitted) if systematic is None else systematic.drift
     findings = louder_than_stated(recording, case, fitted, None if systematic is None else systematic.motion)
     findings += systematic_findings(case, fitted, systematic)
@@ -399,22 +399,22 @@ def _estimated(
     findings += [*clean.findings, *fitted.samples.findings(fitted.fit)]
     findings += contact_findings(recording, contacts)
     findings += fit_findings(recording, case, fitted)
-    allowed, shares = allowed_for(fitted, systematic), None if systematic is None else systematic.tolerances
-    findings += not_shown(allowed, systematic)
+    cautious, shares = allowed_for(fitted, systematic), None if systematic is None else systematic.tolerances
+    findings += not_shown(cautious, systematic)
     if method.priors or _mounted(recording) > 0.0:  # of a payload's body, and beside priors of an own choice
-        known = None
+        bounds = None
     else:
-        fit = allowed.fit
-        known = bounded(fitted.samples.model, fit.values, fit.covariance, fit.covariance_robust, case.bounds)
-    if known is not None:
-        fitted, allowed = with_bounds(fitted, known, False), with_bounds(allowed, known, True)
-        shares = shares_with_bounds(shares, known)
-        told_of = left_open_with_bounds(told_of, known)
-        findings += [bounds_finding(known)]
+        fit = cautious.fit
+        bounds = bounded(fitted.samples.model, fit.values, fit.covariance, fit.covariance_robust, case.bounds)
+    if bounds is not None:
+        fitted, cautious = with_bounds(fitted, bounds, False), with_bounds(cautious, bounds, True)
+        shares = shares_with_bounds(shares, bounds)
+        told_of = left_open_with_bounds(told_of, bounds)
+        findings += [bounds_finding(bounds)]
     findings += told_of
-    findings += budget_findings(fitted, allowed, shares, case)
+    findings += budget_findings(fitted, cautious, shares, case)
     biases = {share.key: share.biases for share in shares or ()}
-    return estimate_of(allowed, recording.source, case, tuple(findings), biases)
+    return estimate_of(cautious, recording.source, case, tuple(findings), biases)
 
 
 def _mounted(recording: Recording) -> float:

@@ -185,9 +185,9 @@ class Request:
     def of_json(cls, data: Mapping[str, Any]) -> "Request":
         """From `plan.json`; raises KeyError, TypeError, ValueError or HexciteError where an entry is damaged."""
         asked, fewest, kind = data["asked"], data["payload_from"], family_class(str(data["family"]))
-        known = {setting.name for setting in fields(kind)}  # other versions may have more
+        settings = {setting.name for setting in fields(kind)}  # other versions may have more
         return cls(
-            kind(**{name: value for name, value in asked["family"].items() if name in known}),
+            kind(**{name: value for name, value in asked["family"].items() if name in settings}),
             float(asked["duration_s"]),
             Criterion(data["criterion"]),
             int(data["model"]),

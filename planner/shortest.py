@@ -61,10 +61,10 @@ def shortest(request: Request, case: Case, plan_of: Callable[[Request], Plan]) -
     first = DURATION if request.known is None else KNOWN_FIRST
     duration: float | None = _whole(min(max(first, family.least(case)), longest), family.step)
     while duration is not None and len(trials) < MOST:
-        own = replace(request, family=family, duration=duration, target={})
+        trial_request = replace(request, family=family, duration=duration, target={})
         if any(trial.plan is not None for trial in trials):
-            own = _from_one_start(own)
-        trial = _trial(own, targets, plan_of)
+            trial_request = _from_one_start(trial_request)
+        trial = _trial(trial_request, targets, plan_of)
         trials.append(trial)
         if trial.plan is not None:
             family = trial.plan.of_motion[0].family
@@ -85,8 +85,8 @@ def shortest(request: Request, case: Case, plan_of: Callable[[Request], Plan]) -
             interrupted = plan.interrupted
     motion, worth = plan.of_motion
     worth = replace(worth, notes=(_note(best, trials, targets, case, motion.model), *worth.notes))
-    found = replace(motion, starts=request.starts, target=targets)
-    return replace(plan, request=found, worth=worth, interrupted=interrupted)
+    request_of_motion = replace(motion, starts=request.starts, target=targets)
+    return replace(plan, request=request_of_motion, worth=worth, interrupted=interrupted)
 
 
 def _from_one_start(request: Request) -> Request:
@@ -100,8 +100,8 @@ def require_more(request: Request, case: Case) -> None:
         return
     from identification.results.pooling import mean_of
 
-    known = mean_of([request.known])
-    std = Prediction(identification_model(case, request.model), request.known.values, known.random, known.biases).std
+    mean = mean_of([request.known])
+    std = Prediction(identification_model(case, request.model), request.known.values, mean.random, mean.biases).std
     if all(std[name] <= at for name, at in request.target.items()):
         raise HexciteError(
             place=f"target {deviations_in_words(request.target, request.target, case, request.model)}",
@@ -131,10 +131,10 @@ def _share(plan: Plan, name: str, at: float) -> float:
     promise = plan.promise if plan.gain is None else plan.gain.after
     after = promise.budget[name][NOISE] if promise.budget else promise.std[name]
     stays = promise.std[name] ** 2 - after**2
-    known = 0.0 if plan.gain is None else 1.0 / max(plan.gain.before[name] ** 2 - stays, after**2)
+    information = 0.0 if plan.gain is None else 1.0 / max(plan.gain.before[name] ** 2 - stays, after**2)
     if at**2 <= stays:
         return math.inf
-    missing, added = 1.0 / (at**2 - stays) - known, 1.0 / after**2 - known
+    missing, added = 1.0 / (at**2 - stays) - information, 1.0 / after**2 - information
     if missing <= 0.0:
         return NEXT_TO_NOTHING
     return max(missing / added, NEXT_TO_NOTHING) if added > 0.0 else math.inf
@@ -176,8 +176,8 @@ def following(trials: list[Trial], least: float, longest: float, step: float) ->
         duration = max(duration, _whole(lower.duration + step, step))
     if upper is not None:
         duration = min(duration, _whole(upper.duration - step, step))
-    known = {trial.duration for trial in trials}
-    return duration if duration not in known and least - step / 2 < duration <= longest else None
+    durations = {trial.duration for trial in trials}
+    return duration if duration not in durations and least - step / 2 < duration <= longest else None
 
 
 def _whole(duration: float, step: float) -> float:

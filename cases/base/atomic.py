@@ -94,13 +94,13 @@ def atomic_folder(path: Path, kind: FolderKind, overwrite: bool = False) -> Iter
                 part.chmod(0o777 & ~umask())
                 for file in part.rglob("*"):
                     _flush(file)
-                placed = _put(part, path, overwrite)
-            WRITTEN.info("%s", placed)
-            if placed != path:
+                place = _put(part, path, overwrite)
+            WRITTEN.info("%s", place)
+            if place != path:
                 raise FileProblem(
                     place=path,
                     problem=f"{kind.name} stands there by now and stays",
-                    remedy=f"the new one is in {placed}",
+                    remedy=f"the new one is in {place}",
                     code=Code.EXISTS,
                 )
         finally:

@@ -37,15 +37,15 @@ def _separated(one: Array, other: Array) -> tuple[Array, Array]:
     """`separation`, and the direction of which it is the gap of shadows, 0 where they overlap, shape (n, 3)."""
     count = len(one)
     best, along = np.full(count, -np.inf), np.zeros((count, 3))
-    simplex, used = np.zeros((count, 4, 3)), np.zeros((count, 4), dtype=bool)
+    simplex, corners = np.zeros((count, 4, 3)), np.zeros((count, 4), dtype=bool)
     nearest = one[:, 0] - other[:, 0]
-    simplex[:, 0], used[:, 0] = nearest, True
+    simplex[:, 0], corners[:, 0] = nearest, True
     todo = np.arange(count)
     for _ in range(ROUNDS):
         v = nearest[todo]
         size = np.linalg.norm(v, axis=1)
-        apart = size > TOUCHING
-        todo, v, size = todo[apart], v[apart], size[apart]
+        separated = size > TOUCHING
+        todo, v, size = todo[separated], v[separated], size[separated]
         if not len(todo):
             break
         extreme = _extreme(one[todo], -v) - _extreme(other[todo], v)
@@ -57,7 +57,7 @@ def _separated(one: Array, other: Array) -> tuple[Array, Array]:
         if not len(todo):
             break
         before = np.linalg.norm(nearest[todo], axis=1)
-        nearest[todo], simplex[todo], used[todo] = _closest(simplex[todo], used[todo], extreme)
+        nearest[todo], simplex[todo], corners[todo] = _closest(simplex[todo], corners[todo], extreme)
         todo = todo[np.linalg.norm(nearest[todo], axis=1) < before]
     touching = ~(best > 0.0)
     if touching.any():
@@ -80,10 +80,10 @@ def least_separation(one: Array, other: Array, bound: Array) -> Array:
     gaps = np.einsum("npi,ni->np", one, neighbours).min(axis=1) - np.einsum("npi,ni->np", other, neighbours).max(axis=1)
     result = np.maximum(bound, np.where(neighbours.any(axis=1), gaps, -np.inf))
     result[some] = np.maximum(bound[some], exact)
-    left = result < result[some].min()
-    left[some] = False
-    if left.any():
-        result[left] = np.maximum(result[left], separation(one[left], other[left]))
+    smaller = result < result[some].min()
+    smaller[some] = False
+    if smaller.any():
+        result[smaller] = np.maximum(result[smaller], separation(one[smaller], other[smaller]))
     return result
 
 
@@ -101,14 +101,14 @@ def _closest(simplex: Array, used: Array, added: Array) -> tuple[Array, Array, A
     """
     count = len(added)
     best, size = added.copy(), np.einsum("ni,ni->n", added, added)
-    kept = np.zeros((count, 4), dtype=bool)
+    support = np.zeros((count, 4), dtype=bool)
     for number in (1, 2, 3):
         for chosen in combinations(range(4), number):
-            own = list(chosen)
-            rows = np.flatnonzero(used[:, own].all(axis=1))
+            vertices = list(chosen)
+            rows = np.flatnonzero(used[:, vertices].all(axis=1))
             if not len(rows):
                 continue
-            edges = simplex[rows][:, own] - added[rows, None]
+            edges = simplex[rows][:, vertices] - added[rows, None]
             gram = edges @ edges.transpose(0, 2, 1)
             scale = np.trace(gram, axis1=1, axis2=2)
             gram = gram + (1e-14 * scale + 1e-300)[:, None, None] * np.eye(number)
@@ -118,12 +118,12 @@ def _closest(simplex: Array, used: Array, added: Array) -> tuple[Array, Array, A
             square = np.einsum("ni,ni->n", point, point)
             inside = (weights >= 0.0).all(axis=1) & (weights.sum(axis=1) <= 1.0) & (square < size[rows])
             rows, point, square = rows[inside], point[inside], square[inside]
-            best[rows], size[rows], kept[rows] = point, square, False
-            kept[rows[:, None], own] = True
-    corners = np.where(kept[..., None], simplex, 0.0)
-    free = np.argmin(kept, axis=1)  # there is one: three are kept at most
-    corners[np.arange(count), free], kept[np.arange(count), free] = added, True
-    return best, corners, kept
+            best[rows], size[rows], support[rows] = point, square, False
+            support[rows[:, None], vertices] = True
+    corners = np.where(support[..., None], simplex, 0.0)
+    free = np.argmin(support, axis=1)  # there is one: three are kept at most
+    corners[np.arange(count), free], support[np.arange(count), free] = added, True
+    return best, corners, support
 
 
 _DIRECTIONS = (

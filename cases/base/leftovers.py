@@ -82,13 +82,13 @@ def tidy(folder: Path) -> list[Path]:
     """
     back = []
     for part in sorted(folder.iterdir()):
-        known = _LEFTOVER.fullmatch(part.name)
-        if known is None:
+        match = _LEFTOVER.fullmatch(part.name)
+        if match is None:
             continue
-        if known["kind"] != OLD:
+        if match["kind"] != OLD:
             _clear(part)
             continue
-        place = folder / known["place"]
+        place = folder / match["place"]
         with suppress(OSError):
             if part.is_symlink() or not part.is_dir() or time.time() - part.lstat().st_mtime < ABANDONED:
                 continue

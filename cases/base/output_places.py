@@ -50,13 +50,13 @@ def check_file(path: Path, suffixes: Iterable[str], inputs: Iterable[Path] = (),
         inputs: what the work reads, which is never overwritten.
         overwrite: whether a file that stands there may be replaced.
     """
-    allowed = tuple(suffixes)
-    if path.suffix.lower() not in allowed:
+    endings = tuple(suffixes)
+    if path.suffix.lower() not in endings:
         ending = repr(path.suffix) if path.suffix else "no suffix"
         raise FileProblem(
             place=path,
             problem=f"ends in {ending}",
-            remedy=f"name a file that ends in {' or '.join(allowed)}",
+            remedy=f"name a file that ends in {' or '.join(endings)}",
             code=Code.WRONG_KIND,
         )
     require_place(path)

@@ -346,8 +346,8 @@ def _end_of_look(report: "hx.Look", write: str | None, changes: Sequence[Change]
         nothing = "nothing was written: " if write is not None else ""
         return [f"{nothing}the file is not read with this table yet; complete it as said above, then look again"]
     if write is not None and changes:
-        done = [f"{key}: {toml_shown(before)} -> {toml_shown(after)}" for key, before, after in changes]
-        return [f"written into {write}:", *(f"  {line}" for line in done)]
+        lines = [f"{key}: {toml_shown(before)} -> {toml_shown(after)}" for key, before, after in changes]
+        return [f"written into {write}:", *(f"  {line}" for line in lines)]
     if report.unchanged:
         return ["the [recording] of the case reads this file; nothing is to be changed"]
     return ["paste the table into case.toml in place of its [recording], or run this again with --write CASE"]

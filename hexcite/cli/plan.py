@@ -73,18 +73,18 @@ def plan(
     if family is not None:
         refuse_foreign(typed_options, family)
     of_families = {name: options.pop(name) for name in OWNERS}
-    own = kind(**{name: value for name, value in of_families.items() if OWNERS[name] == family})
+    family_settings = kind(**{name: value for name, value in of_families.items() if OWNERS[name] == family})
     options["payload"], options["payload_from"] = read_payloads(options["payload"])
     loaded = hx.load_case(case)
     options["known"] = load_known(options["known"] or (), loaded)
     if options["model"] is None:
         options["model"] = options["known"][0].record.model if options["known"] else full_model(loaded)
     options["target"] = targets_of(options["target"] or (), loaded, options["model"])
-    request = request_of(loaded, own, duration, **options)
+    request = request_of(loaded, family_settings, duration, **options)
     folder = output_place(output, Path(f"{loaded.name}-{family or 'plan'}"), overwrite)
     check_folder(folder, PLAN, overwrite=overwrite)
     require_plannable(request, loaded)  # before anything is said
-    optimised = own.optimised
+    optimised = family_settings.optimised
     if not json:
         words = FAMILY_WORDS.get(family or "", "any family")
         motion = f"{'up to ' if request.target else ''}{request.duration:g} s, criterion {request.criterion}, "

@@ -52,8 +52,8 @@ def cut_out(sections: Sequence[Section]) -> tuple[JointTable | None, tuple[Secti
     for section in sections:
         for field, entries in (("v", section.entries), ("w", section.more)):
             for entry in entries:
-                if found := _column(entry.name):
-                    rows.setdefault(found[0], {})[found[1]] = Cell(field, entry)
+                if column := _column(entry.name):
+                    rows.setdefault(column[0], {})[column[1]] = Cell(field, entry)
                 elif chain := re.fullmatch(r"machine\.chain\.joints\[(\d+)\]\.name", entry.name):
                     names[int(chain[1])] = entry.text
     if not rows or not names:
@@ -71,8 +71,8 @@ def cut_out(sections: Sequence[Section]) -> tuple[JointTable | None, tuple[Secti
         for k, cells in sorted(rows.items())
     ]
     missing = sum(cell.field == "w" for row in table for cell in row.cells.values())
-    kept = tuple(each for each, before in zip(others, sections, strict=True) if each == before or _any(each))
-    return JointTable(tuple(table), _units(table), missing), kept
+    rest = tuple(each for each, before in zip(others, sections, strict=True) if each == before or _any(each))
+    return JointTable(tuple(table), _units(table), missing), rest
 
 
 def _any(section: Section) -> bool:

@@ -89,7 +89,7 @@ def sections(content: str, case: Case | None) -> tuple[Section, ...]:
     example = example_of(data)
     begun = dict(leaves((), example)) if data.get("template") else {}
     doubts = () if case is None else case.doubts
-    there: dict[str, list[Entry]] = {}
+    entries: dict[str, list[Entry]] = {}
     more: dict[str, list[Entry]] = {}
     for place, value in leaves((), data):
         if place[0] not in FIXED:
@@ -99,11 +99,11 @@ def sections(content: str, case: Case | None) -> tuple[Section, ...]:
                 mark = "example"
             elif part is not None and place[-1] in part.model_fields and not data.get("template"):
                 mark = "typical" if _usual(data, example, place, part) == value else "mine"
-            there.setdefault(_table_of(place)[0], []).append(_entry(place, value, part, mark, doubts))
+            entries.setdefault(_table_of(place)[0], []).append(_entry(place, value, part, mark, doubts))
     for place, value in missing(data, case, content).items():
         more.setdefault(_table_of(place)[0], []).append(_entry(place, value, part_of(place[:-1], data), "missing"))
-    tables = dict.fromkeys([*there, *more])
-    return tuple(_section(name, data, there.get(name, ()), more.get(name, ())) for name in tables)
+    tables = dict.fromkeys([*entries, *more])
+    return tuple(_section(name, data, entries.get(name, ()), more.get(name, ())) for name in tables)
 
 
 def _usual(data: Mapping[str, Any], example: Mapping[str, Any], place: Place, part: type[Part]) -> Any:

@@ -63,12 +63,12 @@ def _method(sheet: "_Sheet", method: Mapping[str, Any]) -> None:
     """How parameters were estimated."""
     say = sheet.words
     sheet.heading(say("method"))
-    known = [say("known", name=name, value=value) for name, value in method["known"].items()]
-    known += [say("prior", name=name) for name in method["priors"]]
+    assumptions = [say("known", name=name, value=value) for name, value in method["known"].items()]
+    assumptions += [say("prior", name=name) for name in method["priors"]]
     of = say("of_standstills" if method["standstills"] else "of_samples")
     figures = {key: method[key] for key in ("model", "samples", "rank", "condition", "s0")}
     weights = say(f"weights_{method['weights']}") if method["weights"] in WEIGHTS else method["weights"]
-    sheet.paragraph(say("by", of=of, weights=weights, more="".join(f"; {each}" for each in known), **figures))
+    sheet.paragraph(say("by", of=of, weights=weights, more="".join(f"; {each}" for each in assumptions), **figures))
 
 
 def _parameters(sheet: "_Sheet", stated: Mapping[str, Any]) -> None:

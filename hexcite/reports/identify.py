@@ -292,11 +292,11 @@ def run_inputs(about: RunOrigin) -> tuple[tuple[str, str], ...]:
     """Facts about a run: names and values."""
     simulated = "sensors and encoders are simulated" if about.simulated else "recorded on a machine"
     entries = about.to_json()
-    known = {key: entries[key] for key in SHOWN_OF_RUN if entries.get(key) is not None}
+    facts = {key: entries[key] for key in SHOWN_OF_RUN if entries.get(key) is not None}
     words = {
-        k: ", ".join(f"{n} {v}" for n, v in value.items()) for k, value in known.items() if isinstance(value, Mapping)
+        k: ", ".join(f"{n} {v}" for n, v in value.items()) for k, value in facts.items() if isinstance(value, Mapping)
     }
-    return (("origin", simulated), *((key, words.get(key, str(value))) for key, value in known.items()))
+    return (("origin", simulated), *((key, words.get(key, str(value))) for key, value in facts.items()))
 
 
 def spectrum_chart(residuals: Residuals, channels: Sequence[str], cutoff: float | None) -> Chart:

@@ -338,8 +338,8 @@ def noise_of(basis: Array, rest: Remainder, noise: Array) -> Noise:
         # how much slow noise there is in the band of these scores follows from what is left of it in that band alone
         slow = np.array([np.tensordot(of[1:], part[1:], 1) for of, part in zip(shares, parts, strict=True)])
         bands = np.sum(np.abs(rfft(channels.series(channels.answer[:, :, columns]), axis=0)) ** 2, axis=2).T
-        known = [_left_in_band(band, mixture.free) for band, mixture in zip(bands, each, strict=True)]
-        return Noise(total, (*parts, slow), (*spreads, np.diag(2.0 / np.array(known))))
+        levels = [_left_in_band(band, mixture.free) for band, mixture in zip(bands, each, strict=True)]
+        return Noise(total, (*parts, slow), (*spreads, np.diag(2.0 / np.array(levels))))
     through = channels.answer[:, :, columns].transpose(1, 0, 2)
     # samples that are independent: of each channel there are as many residuals as fit and effect leave
     freedom = np.maximum(len(noise) - np.einsum("nkv,nkv->k", channels.taken, channels.answer), 1.0)

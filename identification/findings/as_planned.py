@@ -95,14 +95,14 @@ def _shifts(comparison: PlanComparison, figures: dict[str, Any]) -> list[_Said]:
     measured = in_coordinates(comparison, comparison.pairs[:, 1])
     if measured is None:
         return []
-    apart = np.median(measured - poses, axis=0)
+    shifts = np.median(measured - poses, axis=0)
     ranges = np.ptp(comparison.plan.motion.at(comparison.planned.t).coordinates, axis=0)
     least = np.maximum(SHIFTED * ranges, np.where(limits.turns, LEAST_SHIFT[1], LEAST_SHIFT[0]))
-    far = np.flatnonzero(np.abs(apart) > least)
+    far = np.flatnonzero(np.abs(shifts) > least)
     if not len(far):
         return []
-    words = ", ".join(_amount(limits.columns[k], apart[k], bool(limits.turns[k]), "+") for k in far)
-    figures["shift"] = {limits.columns[k]: _in_units(apart[k], bool(limits.turns[k])) for k in far}
+    words = ", ".join(_amount(limits.columns[k], shifts[k], bool(limits.turns[k]), "+") for k in far)
+    figures["shift"] = {limits.columns[k]: _in_units(shifts[k], bool(limits.turns[k])) for k in far}
     return [_Said(f"the run is shifted by {words}: home stood elsewhere, or an offset was active")]
 
 
@@ -187,10 +187,10 @@ def _astray(comparison: PlanComparison, i: int, i_next: int, j: int, j_next: int
     if measured is None:
         return ""
     pose = comparison.plan.motion.at(comparison.planned.t[[i + worst]]).coordinates[0]
-    apart = measured[0] - pose
-    size = np.abs(apart) / np.where(limits.turns, DEG, MM)
+    shift = measured[0] - pose
+    size = np.abs(shift) / np.where(limits.turns, DEG, MM)
     k = int(size.argmax())
-    return f", by {_amount(limits.columns[k], abs(apart[k]), bool(limits.turns[k]))}"
+    return f", by {_amount(limits.columns[k], abs(shift[k]), bool(limits.turns[k]))}"
 
 
 def _missed_poses(comparison: PlanComparison) -> list[int]:

@@ -71,20 +71,20 @@ class LeftOut:
     @classmethod
     def in_use(cls, model: Model, motion: MotionOfSamples, values: Array, beyond: Array, case: Case) -> "LeftOut":
         """A model with its parameters in another motion, at whose samples channels read more than it, shape (n, 6)."""
-        times, late = np.arange(float(len(beyond))), np.zeros_like(beyond) if motion.drives is not None else None
+        times, lag = np.arange(float(len(beyond))), np.zeros_like(beyond) if motion.drives is not None else None
         none = np.zeros(0, dtype=np.int64)
-        return cls(model, motion, values, times, late, 1.0, none, Names.of(case), bars=_ends(case), beyond=beyond)
+        return cls(model, motion, values, times, lag, 1.0, none, Names.of(case), bars=_ends(case), beyond=beyond)
 
     @classmethod
     def of(cls, fitted: Fitted, motion: MotionOfSamples, case: Case) -> "LeftOut":
         """What alternatives of a fit are made of."""
         samples = fitted.samples
         even = np.zeros(0, dtype=np.int64)
-        late, step = None, 1.0
+        lag, step = None, 1.0
         if isinstance(samples, Moving):
             close = np.diff(samples.places) == 1
             even, step = 1 + np.flatnonzero(close[1:] & close[:-1]), samples.step
-            late = fitted.regression.regressors[:, :, -1]
+            lag = fitted.regression.regressors[:, :, -1]
         values = fitted.fit.values[: len(samples.model.names)]
         number = full_model(case) if isinstance(samples, Moving) else static_model(case)
         if motion.by_accelerometer:  # larger models need positions
@@ -94,7 +94,7 @@ class LeftOut:
         more = None if set(larger.names) <= set(samples.model.names) else larger
         names = Names.of(case)
         return cls(
-            samples.model, motion, values, samples.t, late, step, even, names, samples.scale, more, columns, _ends(case)
+            samples.model, motion, values, samples.t, lag, step, even, names, samples.scale, more, columns, _ends(case)
         )
 
     @property
@@ -367,9 +367,9 @@ def ring_changes(points: Array) -> Iterator[tuple[str, Array, float, str]]:
 
 def _with(drives: tuple[Array, Array, Array], order: int, k: int) -> list[Array]:
     """Motion of drives with a little more in one derivative of one of them."""
-    changed = list(drives)
-    changed[order] = changed[order] + STEP * np.eye(drives[0].shape[1])[k]
-    return changed
+    moved = list(drives)
+    moved[order] = moved[order] + STEP * np.eye(drives[0].shape[1])[k]
+    return moved
 
 
 def in_channel(series: Array, k: int) -> Array:

@@ -73,14 +73,14 @@ def without_tolerances(rest: Remainder, shares: tuple[Share, ...]) -> Remainder:
     Sizes are those that are likely with the residuals and with what is stated: sum (d_j / deviation_j)^2 + chi^2
     is least. So residuals show nothing again that tolerances have counted, and all that is larger than stated.
     """
-    left = np.concatenate([share.left for share in shares], axis=2) if shares else np.zeros((0, 6, 0))
-    if not left.shape[2]:
+    columns = np.concatenate([share.left for share in shares], axis=2) if shares else np.zeros((0, 6, 0))
+    if not columns.shape[2]:
         return rest
     both = ((0, 1), (0, 1))
     noise = float(np.mean(rest.residuals**2))
-    scores = np.tensordot(left, rest.residuals, both)
-    sizes = np.linalg.solve(np.tensordot(left, left, both) + noise * np.eye(len(scores)), scores)
-    return rest._replace(residuals=rest.residuals - left @ sizes)
+    scores = np.tensordot(columns, rest.residuals, both)
+    sizes = np.linalg.solve(np.tensordot(columns, columns, both) + noise * np.eye(len(scores)), scores)
+    return rest._replace(residuals=rest.residuals - columns @ sizes)
 
 
 def biases_of(left_out: LeftOut, rest: Remainder, basis: Array, key: str) -> Array:
@@ -95,28 +95,28 @@ def biases_of(left_out: LeftOut, rest: Remainder, basis: Array, key: str) -> Arr
 def effects_of(of: LeftOut, key: str) -> Array:
     """How the forces change with each size that a tolerance is one of, shape (n, 6, k) [SI]; k is 0 where none is."""
     none, read = np.zeros((len(of.t), 6, 0)), of.expected + of.beyond
-    found: Array | None = None
+    effects: Array | None = None
     if key == "joints_mm":
-        found = np.concatenate([none, *_of_joints(of)], axis=2)
+        effects = np.concatenate([none, *_of_joints(of)], axis=2)
     elif key == "bars_mm" and of.bars is not None:
-        found = _of_bars(of, *of.bars)
+        effects = _of_bars(of, *of.bars)
     elif key.startswith("joint_zeros") and of.by_drives is not None and not of.motion.of_pose:
-        found = of.by_drives[0][:, :, np.array(of.names.turns) == key.endswith("deg")]
+        effects = of.by_drives[0][:, :, np.array(of.names.turns) == key.endswith("deg")]
     elif key == "links_mm" and of.by_drives is not None and isinstance(of.motion.machine, SerialChain):
-        found = of.by_links(of.motion.machine)
+        effects = of.by_links(of.motion.machine)
     elif key.startswith("sensor") and of.bars is None:
-        found = of.by_place if key.endswith("mm") else of.by_axes
+        effects = of.by_place if key.endswith("mm") else of.by_axes
     elif key == "gain_percent":
-        found = np.concatenate([in_channel(read[:, k], k) for k in range(6)], axis=2)
+        effects = np.concatenate([in_channel(read[:, k], k) for k in range(6)], axis=2)
     elif key == "common_gain_percent":
-        found = read[:, :, None]
+        effects = read[:, :, None]
     elif key.startswith("gravity"):
-        found = of.by_gravity[1][:, :, 1:] if key.endswith("deg") else of.by_gravity[1][:, :, :1]
+        effects = of.by_gravity[1][:, :, 1:] if key.endswith("deg") else of.by_gravity[1][:, :, :1]
     elif key == "encoder_scale_ppm" and of.by_drives is not None:
-        found = of.by_scales
+        effects = of.by_scales
     elif key == "clock_ppm" and of.late is not None:
-        found = of.by_clock[:, :, None]
-    return none if found is None else found
+        effects = of.by_clock[:, :, None]
+    return none if effects is None else effects
 
 
 def turns_of(of: LeftOut, key: str) -> Array:

@@ -116,6 +116,6 @@ def _channels(topic: BagTopic, case: Case | None, settings: Mapping[str, Any]) -
         unit = "rad" if topic.what == "joints" else "N" if name.startswith("force") else "Nm"
         if topic.what == "joints" and ours.get(name, "").endswith("_mm"):
             unit = "m"
-        there = np.isfinite(values)
+        present = np.isfinite(values)
         why, why_unit = (reason, because(Why.MESSAGES)) if name in ours else (NO_REASON, NO_REASON)
-        yield Column(name, ours.get(name), unit, False, values[there], topic.t[there], why, why_unit)
+        yield Column(name, ours.get(name), unit, False, values[present], topic.t[present], why, why_unit)

@@ -160,11 +160,11 @@ def _columns(table: TextColumns, proposal: Proposal) -> Iterator[Column]:
     for k, name in enumerate(proposal.names):
         if name:
             ours, values = ours_of.get(k), table.numbers.get(k, np.zeros(0))
-            own = clock if clock is not None and len(clock) == len(values) else None
+            stamps = clock if clock is not None and len(clock) == len(values) else None
             unit, guessed = proposal.units.get(ours or "", ""), ours in proposal.guessed
             why = proposal.reasons.get(ours or "", NO_REASON)
             why_unit = proposal.unit_reasons.get(ours or "", NO_REASON)
-            yield Column(name, ours, unit, guessed, values, own, why, why_unit)
+            yield Column(name, ours, unit, guessed, values, stamps, why, why_unit)
 
 
 def _table(file: Path, form: FileFormat | None = None) -> TextColumns:

@@ -50,14 +50,14 @@ def trial_of(files: Sequence[Path], settings: Mapping[str, Any], case: Case | No
     try:
         if case is None:
             findings = [f for file in files for table in read_tables(file, form) for f in table.findings]
-            done = findings
+            notes = findings
         else:
             case_with_form = case.model_copy(update={"recording": form})
             read_run = read(files, case_with_form)
             findings = [*read_run.findings]
             whole = on_one_clock(read_run, case_with_form)
             clean = scan(whole, case_with_form)
-            done = [*findings, *clean.findings]
+            notes = [*findings, *clean.findings]
             if clean.recording.t is not None:
                 checked_filter(clean.recording, case_with_form)
             trial.doubts += _refused_by_identify(whole, case_with_form, files[0]) if fitted else []
@@ -65,7 +65,7 @@ def trial_of(files: Sequence[Path], settings: Mapping[str, Any], case: Case | No
         if isinstance(error, CaseError):
             raise
         return Trial(_without_file(error, files[0]), form)
-    findings_of_reading = [_of_whom(finding, case) for finding in done]
+    findings_of_reading = [_of_whom(finding, case) for finding in notes]
     trial.doubts += [
         _without_file(f, files[0]) for f in findings_of_reading[: len(findings)] if f.severity == "warning"
     ]

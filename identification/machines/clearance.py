@@ -68,8 +68,8 @@ def clearance_shares(chain: Chain, q: ca.SX, middle: Array, frames: Sequence[tup
     # Capsules around convex bodies may overlap where these are apart: the search then keeps them from coming closer
     # than the bodies themselves may, as if both distances changed alike.
     closer = np.maximum(exact, 0.0)
-    allowed = clearances - closer + np.minimum(closer / 2, BALL_CLEARANCE)
-    margins = np.where(np.array(around) & (clearances < 2 * BALL_CLEARANCE), np.minimum(allowed, margins), margins)
+    bounds = clearances - closer + np.minimum(closer / 2, BALL_CLEARANCE)
+    margins = np.where(np.array(around) & (clearances < 2 * BALL_CLEARANCE), np.minimum(bounds, margins), margins)
     return [
         (LimitKind.DISTANCE_FROM_BOX, 0, ca.exp((k - distance) / VICINITY))
         for k, distance in zip(margins, distances, strict=True)

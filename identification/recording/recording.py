@@ -61,15 +61,15 @@ class Recording(Stream):
 
     def machine_case(self, case: Case | None = None) -> Case:
         """The case of its machine: another one that is given, else its own; RecordingError where there is none."""
-        known = self.case if case is None else case
-        if known is None:
+        machine = self.case if case is None else case
+        if machine is None:
             raise RecordingError(
                 place=self.source,
                 problem="does not say which machine it is from",
                 remedy="give its case",
                 code=Code.MISSING,
             )
-        return known
+        return machine
 
     def __post_init__(self) -> None:
         """Checks what is given, as of a stream; RecordingError names what is wrong."""

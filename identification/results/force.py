@@ -166,21 +166,24 @@ def force(recording: Recording, result: Result, whole: bool = True, frame: Frame
         RecordingError, IdentificationError: the recording cannot be evaluated.
     """
     place = place_of(result.case_as_told, frame, at_home=False)
-    used = used_samples(recording, result, whole)
-    if used.motion is None and not place.fixed:
+    samples = used_samples(recording, result, whole)
+    if samples.motion is None and not place.fixed:
         problem = "the frame of the sensors stands, and its case does not say how in {B}"
         raise IdentificationError(
             place=recording.source, problem=problem, remedy="choose frame sensor", code=Code.NOT_SUPPORTED
         )
-    residuals = used.residuals
+    residuals = samples.residuals
     variance = np.diag(result.covariance_robust)[offset_columns(result.model)]
-    findings = used.findings
-    findings += (*shifted_all_along(residuals, variance, used.case), *changed_cases(recording.remarks + result.remarks))
-    into = used.into(place)
+    findings = samples.findings
+    findings += (
+        *shifted_all_along(residuals, variance, samples.case),
+        *changed_cases(recording.remarks + result.remarks),
+    )
+    into = samples.into(place)
     wrenches = np.einsum("nij,nj->ni", into, residuals)
     return ExternalForce(
-        used.t, wrenches, residuals, findings, used.origin, used.case.name, recording.source, result.source,
-        place.words, used.variances(place, into, wrenches), result.not_counted,
+        samples.t, wrenches, residuals, findings, samples.origin, samples.case.name, recording.source, result.source,
+        place.words, samples.variances(place, into, wrenches), result.not_counted,
     )  # fmt: skip
 
 

@@ -189,8 +189,8 @@ def payload_on_table(before: Result, after: Result) -> Payload:
     sentence = f"{', '.join(names)} not determined: gravity acts along it, and the frame does not move; weigh the "
     findings.append(warning(Kind.MODEL, f"{sentence}payload in another orientation"))
     physical = physical_values(body, u, of_u, of_u)
-    known = {name: value for name, value in physical.items() if name not in names}
-    return Payload(known, tuple(findings), before, after, None)
+    values = {name: value for name, value in physical.items() if name not in names}
+    return Payload(values, tuple(findings), before, after, None)
 
 
 def common_of(

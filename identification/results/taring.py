@@ -106,8 +106,8 @@ def tare(recording: Recording, result: Result) -> Result:
     )
     nearest = Result(result.case, record.replaced(physical=None)).physical
     # the same body; what is correlated with it moves by other amounts
-    kept = nearest if nearest is not None and nearest.moved else None
-    return Result(result.case, record.replaced(physical=kept))
+    body = nearest if nearest is not None and nearest.moved else None
+    return Result(result.case, record.replaced(physical=body))
 
 
 def _require_still(recording: Recording, case: Case) -> None:

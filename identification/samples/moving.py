@@ -74,17 +74,17 @@ class Run(Moving):
         struts = self.recording.drives
         assert struts is not None
         first, last = self.filter.margin + self.rows[[0, -1]]
-        noise, used, quiet = white_noise(struts[first : last + 1][:BLOCK]), self.filter, False
+        noise, low_pass, quiet = white_noise(struts[first : last + 1][:BLOCK]), self.filter, False
         for factor in BANDS:
             narrow = self.filter._replace(cutoff=self.filter.cutoff / factor)
             if len(struts) <= 2 * narrow.margin or np.mean(self._reached(narrow)[1]) < MOST_OF_IT:
                 break
-            used, quiet = narrow, calm(narrow, struts[:BLOCK], noise, self.machine.turns)
+            low_pass, quiet = narrow, calm(narrow, struts[:BLOCK], noise, self.machine.turns)
             if quiet:
                 break
-        inside, known = self._reached(used)
+        inside, known = self._reached(low_pass)
         at, inverse = np.unique(inside, return_inverse=True)
-        drives = decimated(used, struts, at, [(order, delay) for order in range(3)])
+        drives = decimated(low_pass, struts, at, [(order, delay) for order in range(3)])
         place, speed, acceleration = (values[inverse] for values in drives)
         load = self.machine.kinematics(place, speed, acceleration)
         acceleration_noise = noise * float(np.linalg.norm(self.filter.kernel(2, 0.0)))

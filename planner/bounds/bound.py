@@ -123,10 +123,10 @@ def information_limit(
     name = f"{bound_hash(case)}-model{model.number}-box-equal-{code_hash()}.json"  # equal: W = 1
     file = user_cache_path("hexcite") / "bounds" / name
     with suppress(OSError, ValidationError):
-        known = TypeAdapter(Bound).validate_json(file.read_bytes(), strict=True)
-        fits = known.parameters == len(model.parameters) and np.isfinite([known.logdet, known.design_logdet]).all()
-        if fits and 0.0 < known.dmax < np.inf and (known.certified or not renew):
-            return known
+        bound = TypeAdapter(Bound).validate_json(file.read_bytes(), strict=True)
+        fits = bound.parameters == len(model.parameters) and np.isfinite([bound.logdet, bound.design_logdet]).all()
+        if fits and 0.0 < bound.dmax < np.inf and (bound.certified or not renew):
+            return bound
     result = compute_bound(case, model, time_limit, progress)
     with suppress(FileProblem):  # without a writable cache it is computed anew each time
         write_text(file, json_text(asdict(result)))

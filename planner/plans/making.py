@@ -109,9 +109,9 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
     listener(request)
     made_for = request.family.made_for(case)
     controlled_case, step_time = controlled(case, made_for)
-    known = None if request.known is None else request.known.by_noise
+    noise = None if request.known is None else request.known.by_noise
     rounds = _Rounds(
-        request, controlled_case.within_margin(), case, listener, run, until, known
+        request, controlled_case.within_margin(), case, listener, run, until, noise
     )  # the proof asks the limits themselves
     results: list[Start | Failed] = []
     ended_early = late = False

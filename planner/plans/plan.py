@@ -353,8 +353,8 @@ class Plan:
         """A few lines: the excitation, the limits that it uses most, and its rating."""
         counted = (c for c in self.limits.checks if c.binding)
         most = sorted(counted, key=lambda c: (c.room is not None, -c.ratio))[:3]
-        used = ", ".join(f"{c.name} {use_text(c, unit=c.unit)}" for c in most)
-        return "\n".join([self.headline, f"limits most used: {used}", *self._verdict()])
+        limits = ", ".join(f"{c.name} {use_text(c, unit=c.unit)}" for c in most)
+        return "\n".join([self.headline, f"limits most used: {limits}", *self._verdict()])
 
     def __str__(self) -> str:
         """The same with predicted standard deviations, and a table of the limits that matter."""

@@ -61,8 +61,8 @@ class Prediction:
             return self
         from identification.estimation.bounded import bounded  # plans of cases without bounds do without
 
-        known = bounded(self.model, self.values, self.noise, self.covariance_robust, bounds, judged=False)
-        if known is None:
+        estimate = bounded(self.model, self.values, self.noise, self.covariance_robust, bounds, judged=False)
+        if estimate is None:
             return self
         endless = self.noise / LONG
         stays = np.asarray(sum((bias @ bias.T for bias in self.lasting.values()), endless))
@@ -72,8 +72,8 @@ class Prediction:
             lasting = {key: last.kept @ bias for key, bias in lasting.items()} | {BOUNDS: last.biases}
         return replace(
             self,
-            noise=known.kept @ self.noise @ known.kept.T,
-            biases={key: known.kept @ bias for key, bias in self.biases.items()} | {BOUNDS: known.biases},
+            noise=estimate.kept @ self.noise @ estimate.kept.T,
+            biases={key: estimate.kept @ bias for key, bias in self.biases.items()} | {BOUNDS: estimate.biases},
             lasting=lasting,
         )
 

@@ -50,8 +50,8 @@ def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> tup
                 code=Code.INFEASIBLE,
             )
         outside = share, over
-        wanted = share * over / (1.0 + over) + ASIDE if np.isfinite(over) else 0.0  # most limits are proportional
-        share -= min(max(step, wanted), share / 2)
+        reduction = share * over / (1.0 + over) + ASIDE if np.isfinite(over) else 0.0  # most limits are proportional
+        share -= min(max(step, reduction), share / 2)
         step *= 2
     for number in count():
         failed, over_there = outside
@@ -61,10 +61,10 @@ def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> tup
         if number % 3 < 2 and np.isfinite(over_there):  # where both are proportional the limit lies between two probes
             crossing = share + (failed - share) * over / (over - over_there)
             between = float(np.clip(crossing + (ASIDE, -ASIDE)[number % 3], share + ASIDE, failed - ASIDE))
-        if (found := excess(report_at(between))) > 0.0:
-            outside = between, found
+        if (more := excess(report_at(between))) > 0.0:
+            outside = between, more
         else:
-            share, over = between, found
+            share, over = between, more
     return family.shrunk(unknowns, share), share
 
 

@@ -190,8 +190,8 @@ class NonlinearProgram:
         index = self.states.index
         pull = pull.reshape(len(index), -1)
         slopes = self.states.slopes(unknowns).reshape(len(index), pull.shape[1], -1)
-        own = (pull[:, None, :] @ slopes)[:, 0]
-        return np.asarray(np.bincount(index.ravel(), own.ravel(), self.unknowns), dtype=float)
+        slope = (pull[:, None, :] @ slopes)[:, 0]
+        return np.asarray(np.bincount(index.ravel(), slope.ravel(), self.unknowns), dtype=float)
 
     @cached_property
     def hessian_pattern(self) -> tuple[Indices, Indices]:

@@ -194,8 +194,8 @@ class FieldByStates:
         struts, ways = self.struts.slopes(states)
         matrices, mixed, answer, turn, information = self._parts(states, regressors, struts)
         y, rotated_answer = matrices @ turn, answer @ turn
-        changed = slopes.reshape(*slopes.shape[:2], 6, -1)
-        shifted = changed - (ways @ self._pulled(struts, mixed @ turn)).reshape(changed.shape)
+        slopes_by_sensor = slopes.reshape(*slopes.shape[:2], 6, -1)
+        shifted = slopes_by_sensor - (ways @ self._pulled(struts, mixed @ turn)).reshape(slopes_by_sensor.shape)
         flat = (len(states), -1)
         return InformationOfStates(
             states,
@@ -203,7 +203,7 @@ class FieldByStates:
             slopes,
             information,
             np.concatenate([y, matrices - y - rotated_answer], axis=1).reshape(flat),
-            np.concatenate([shifted, changed @ turn], axis=2).reshape(*slopes.shape[:2], -1),
+            np.concatenate([shifted, slopes_by_sensor @ turn], axis=2).reshape(*slopes.shape[:2], -1),
             np.concatenate([2.0 * (matrices - rotated_answer) - y, np.zeros_like(y)], axis=1).reshape(flat),
         )
 

@@ -181,13 +181,13 @@ def _end_with_parent() -> None:
 
 
 def _work(task: Task) -> Start | Failed:
-    calls, told = 0, time.monotonic()
+    calls, last = 0, time.monotonic()
 
     def watch(objective: float) -> bool:
-        nonlocal calls, told
+        nonlocal calls, last
         calls += 1
-        if time.monotonic() - told >= TELLING:
-            told = time.monotonic()
+        if time.monotonic() - last >= TELLING:
+            last = time.monotonic()
             _shares.put(UnderWay(task.seed, min(calls / task.most_calls, 1.0)))
         return bool(_stop.is_set())
 

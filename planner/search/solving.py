@@ -183,8 +183,8 @@ def _information_of(
     model = identification_model(case, number)
     scaling = reference_scaling(reference, model)
     noise = expected_noise(case, model, payload)
-    seen = seen_through(model, noise.whitening)
-    return seen, scaling, noise, PoseErrors.of(case, noise), regressor_kernel(seen, scaling)
+    whitened = seen_through(model, noise.whitening)
+    return whitened, scaling, noise, PoseErrors.of(case, noise), regressor_kernel(whitened, scaling)
 
 
 class _Run:

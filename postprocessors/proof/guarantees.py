@@ -89,9 +89,9 @@ class Guarantees:
     def arc_law(self, feed: float, velocity: float, acceleration: float, jerk: float, angle: float) -> Profile:
         """Time law in an arc of some angle [rad], else as `law`: turning needs a part of the acceleration."""
         most = self.headroom * acceleration
-        used = min(self.arc_across, velocity**2 * angle / most)  # v^2 / r over the length r angle
-        turning = math.sqrt(used * most / angle)
-        along = math.sqrt(1.0 - used**2) if self.arc_along is None else self.arc_along
+        share = min(self.arc_across, velocity**2 * angle / most)  # v^2 / r over the length r angle
+        turning = math.sqrt(share * most / angle)
+        along = math.sqrt(1.0 - share**2) if self.arc_along is None else self.arc_along
         return self.law(min(feed, turning), along * acceleration, along * jerk)
 
     @property

@@ -61,8 +61,8 @@ def require_timing(part: Timed, by: Guarantees, file: str) -> None:
     """Raises ProgramError for a block that is below a cycle, and would last longer, or too long for a known law."""
     steps, shortest, longest = np.diff(part.points.times), by.shortest_block, by.longest_block
     cycles = steps / shortest if by.even_blocks else np.ones(1)
-    known = (steps >= shortest * (1 - 1e-6)) & (steps <= longest * (1 + 1e-6))
-    if not (right := known & (np.abs(cycles - np.round(cycles)) <= PARTS)).all():
+    timed = (steps >= shortest * (1 - 1e-6)) & (steps <= longest * (1 + 1e-6))
+    if not (right := timed & (np.abs(cycles - np.round(cycles)) <= PARTS)).all():
         k = int(np.argmin(right))
         most = f"to {1e3 * longest:g} ms" if np.isfinite(longest) else "ms and more"
         times = f"{1e3 * shortest:g} {most}" + (" in whole cycles" if by.even_blocks else "")

@@ -75,8 +75,8 @@ def save(context: Context, fields: Fields) -> Saved:
 
 def given_values(fields: Fields) -> dict[str, str]:
     """What a form says of values, by the names of its fields."""
-    given = {name: field(fields, name) for name in fields if name.partition(".")[0] in ("v", "u", "w", "on")}
-    return joint_table.spread(given)
+    values = {name: field(fields, name) for name in fields if name.partition(".")[0] in ("v", "u", "w", "on")}
+    return joint_table.spread(values)
 
 
 ACTIONS: Mapping[str, Action] = {

@@ -56,8 +56,8 @@ def _payload(context: Context, there: Workspace, fields: Fields) -> Job:
 
 
 def _pool(context: Context, there: Workspace, fields: Fields) -> Job:
-    known = [result.name for result in there.results]
-    names = [name for name in known if name in fields.get("results", ())]
+    results = [result.name for result in there.results]
+    names = [name for name in results if name in fields.get("results", ())]
     if len(names) < 2:
         raise Unfit("too_few_results")
     output = context.free(f"{case_name(context)}-pooled")

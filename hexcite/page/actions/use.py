@@ -72,8 +72,8 @@ def _certificate(context: Context, there: Workspace, fields: Fields) -> Job:
 
 def _verify(context: Context, there: Workspace, fields: Fields) -> Job:
     """`certificate --verify`."""
-    known = [file.name for file in context.root.glob("*.pdf") if file.is_file()]
-    file, result = chosen(fields, "certificate", known), result_of(there, fields)
+    certificates = [file.name for file in context.root.glob("*.pdf") if file.is_file()]
+    file, result = chosen(fields, "certificate", certificates), result_of(there, fields)
     query = f"?result={quote(result)}&certificate={quote(file)}"
     of = ["--result", forms.place(result), "--case", context.machine.argument]
     goto = f"{context.address}/use{query}#certificate"

@@ -26,11 +26,11 @@ def machines(root: Path) -> dict[str, Any]:
 
 def stage(context: Context, name: str, query: Mapping[str, str], language: Language) -> dict[str, Any]:
     """What a stage shows of its machine."""
-    there = workspace(context.root, context.machine)
+    folder = workspace(context.root, context.machine)
     view: Callable[..., dict[str, Any]] = import_module(f"{__name__}.{name}").shown  # each when it is first asked for
-    values = view(context, there, query)
-    states = {stage: there.state(stage) for stage in STAGES}
-    return {"machine": context.machine, "address": context.address, "states": states, "there": there, **values}
+    values = view(context, folder, query)
+    states = {stage: folder.state(stage) for stage in STAGES}
+    return {"machine": context.machine, "address": context.address, "states": states, "there": folder, **values}
 
 
 LATE = (

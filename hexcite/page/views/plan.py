@@ -99,8 +99,8 @@ def _predicted(context: Context, plans: Sequence[Made]) -> dict[str, Any]:
 
 def scene(context: Context, name: str) -> str | None:
     """The machine along a plan as JSON, with how far each limit is used; None where there is no such plan."""
-    there = workspace(context.root, context.machine)
-    plan = next((each for each in there.plans if each.name == name), None)
+    folder = workspace(context.root, context.machine)
+    plan = next((each for each in folder.plans if each.name == name), None)
     if plan is None or context.machine.case is None:
         return None
     machine = context.machine

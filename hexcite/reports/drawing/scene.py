@@ -318,14 +318,14 @@ def with_limits(scene: Scene, case: Case, trajectory: Trajectory, without: Colle
     """
     fine = np.unique(np.append(scene.t, np.arange(scene.t[0], scene.t[-1], 1.0 / USED_RATE)))
     first = np.searchsorted(fine, scene.t[:-1], side="right")  # of each stretch that ends at an instant
-    used: dict[str, Array] = {}
+    limits: dict[str, Array] = {}
     for quantity in everything(trajectory.at(fine), case, True):
         if quantity.of.kind.family not in without:
             share = np.minimum(quantity.ratio.max(axis=1), MOST_SHARE)
             stretches = np.maximum.reduceat(share, np.append(0, first))
             name = str(quantity.of)
-            used[name] = np.maximum(used[name], stretches) if name in used else stretches
-    return replace(scene, used=Used(tuple(used), np.column_stack([*used.values()])))
+            limits[name] = np.maximum(limits[name], stretches) if name in limits else stretches
+    return replace(scene, used=Used(tuple(limits), np.column_stack([*limits.values()])))
 
 
 MOST_SHARE = 9.0  # that is shown

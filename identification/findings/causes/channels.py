@@ -248,16 +248,16 @@ def of_turn(
     """
     angle, *axis = (float(value) for value in angle_and_axis(turn))
     main = int(np.argmax(np.abs(axis)))
-    known = (None,) * 4 if stds is None else tuple(stds)
+    deviations = (None,) * 4 if stds is None else tuple(stds)
     if abs(axis[main]) > 0.9999:
-        size = number(np.sign(axis[main]) * angle, known[0], 4)
+        size = number(np.sign(axis[main]) * angle, deviations[0], 4)
         about = phrase("about_axis", "{angle} deg about its {axis} axis", angle=size, axis=AXES[main])
     else:
         along = ", ".join(
             f"{value + 0.0:.2f}" if std is None else with_deviation(value, std)
-            for value, std in zip(axis, known[1:], strict=True)
+            for value, std in zip(axis, deviations[1:], strict=True)
         )
-        about = phrase("about", "{angle} deg about ({along})", angle=number(angle, known[0], 4), along=along)
+        about = phrase("about", "{angle} deg about ({along})", angle=number(angle, deviations[0], 4), along=along)
     matrix = np.kron(np.eye(2), turn.as_matrix())
     edit: Edit | None = None
     remedy = phrase("turn_it", "turn forces and moments in the recorder by {about}", about=about)

@@ -186,7 +186,7 @@ def _moving(recording: Recording, case: Case, model: Model) -> Instants | None:
     if len(rows) * 6 - len(model.names) < FEWEST:
         return None
     drives = decimated(low_pass, struts, rows, [(order, 0.0) for order in range(3)])
-    late = decimated(low_pass, forces, rows, [(0, -delay) for delay in DELAYS])
+    shifted = decimated(low_pass, forces, rows, [(0, -delay) for delay in DELAYS])
     gain = low_pass.noise_gain
     white, shaken = _pooled(white_noise(forces), case), white_noise(struts)
     noise = np.maximum(white, np.zeros(6) if (stated := _stated(case)) is None else stated) * np.sqrt(gain)
@@ -194,10 +194,10 @@ def _moving(recording: Recording, case: Case, model: Model) -> Instants | None:
         noise = np.hypot(noise, case.sensors.pose_field.size)
     draw = np.random.default_rng(0).normal(size=struts.shape) * shaken
     shaking = decimated(low_pass, draw, rows, [(order, 0.0) for order in range(3)])
-    spread = _spread(late[len(DELAYS) // 2], case)
+    spread = _spread(shifted[len(DELAYS) // 2], case)
     return Instants(
         case=case, model=model, machine=machine_of(case), step=low_pass.step, rows=begin + margin + rows,
-        t=recording.t[begin + margin + rows], delays=DELAYS, forces=np.array(late),
+        t=recording.t[begin + margin + rows], delays=DELAYS, forces=np.array(shifted),
         drives=(drives[0], drives[1], drives[2]), posed=recording.poses is not None,
         noise=_floor(noise, spread), least=white * np.sqrt(gain), shaking=(shaking[0], shaking[1], shaking[2]),
         weights=np.ones(len(rows)),

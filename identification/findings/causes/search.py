@@ -344,8 +344,8 @@ def _promise(instants: Instants, prefix: Trial) -> float:
 
 def _sized(instants: Instants, coarse: Instants, prefix: Trial, worth: float) -> list[Trial]:
     """The hypotheses with a size beside others of other families."""
-    taken = {hypothesis.family for hypothesis in prefix}
-    families = [sized for sized in sized_of(coarse, prefix) if sized.family not in taken]
+    families_of_prefix = {hypothesis.family for hypothesis in prefix}
+    families = [sized for sized in sized_of(coarse, prefix) if sized.family not in families_of_prefix]
     return refined(instants, coarse, families, prefix, worth)
 
 

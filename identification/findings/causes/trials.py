@@ -171,8 +171,8 @@ class Fits:
             return np.asarray(matrices.reshape(-1, 36) @ self.shown)
         count, unknowns, _, n = self.whole.shape
         flat = self.whole.reshape(count, unknowns, 6 * n)
-        changed = (self.forces if np.array_equal(m, np.eye(6)) else m @ self.forces for m in matrices)
-        right = (each.transpose(0, 2, 1, 3).reshape(len(each), 6 * n, -1) for each in changed)
+        forces = (self.forces if np.array_equal(m, np.eye(6)) else m @ self.forces for m in matrices)
+        right = (each.transpose(0, 2, 1, 3).reshape(len(each), 6 * n, -1) for each in forces)
         return np.stack([self._whitened(flat @ each) for each in right], axis=2)
 
     def _negative(self, explained: Array, place: Array, least: Array) -> Flags:
@@ -355,13 +355,13 @@ def _paths(instants: Instants, changes: Sequence[Trial], cases: Sequence[Case]) 
         (a.matrix.tobytes(), a.offset.tobytes(), None if c.machine is instants.case.machine else id(c.machine))
         for a, c in zip(affine, cases, strict=True)
     ]
-    known = instants.memory.of_instants
-    new = list({key: k for k, key in enumerate(keys) if key not in known}.values())
+    paths_by_case = instants.memory.of_instants
+    new = list({key: k for k, key in enumerate(keys) if key not in paths_by_case}.values())
     if new:
         paths = _new_paths(instants, [affine[k] for k in new], [cases[k] for k in new])
         # with the machine, so that no other one gets its number
-        known |= {keys[k]: ([values[i] for values in paths], cases[k].machine) for i, k in enumerate(new)}
-    return _Motion(*(np.stack(values) for values in zip(*(known[key][0] for key in keys), strict=True)))
+        paths_by_case |= {keys[k]: ([values[i] for values in paths], cases[k].machine) for i, k in enumerate(new)}
+    return _Motion(*(np.stack(values) for values in zip(*(paths_by_case[key][0] for key in keys), strict=True)))
 
 
 def _new_paths(instants: Instants, affine: Sequence[Affine], cases: Sequence[Case]) -> _Motion:

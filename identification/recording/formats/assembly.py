@@ -289,8 +289,8 @@ def _require_reach(stream: Stream, case: Case, factor: float) -> None:
     middle = float(np.median(np.abs(stream.drives[:_FIRST])))
     if not middle:
         return  # found where the channel never changes
-    apart = {unit: abs(np.log(middle / factor * value / np.sqrt(low * high))) for unit, value in LENGTHS.items()}
-    nearest = min(apart, key=lambda unit: apart[unit])
+    distances = {unit: abs(np.log(middle / factor * value / np.sqrt(low * high))) for unit, value in LENGTHS.items()}
+    nearest = min(distances, key=lambda unit: distances[unit])
     if not low <= middle <= high and low <= middle / factor * LENGTHS[nearest] <= high:
         problem = f"struts of {middle / MM:.4g} mm where the machine has {low / MM:.4g} to {high / MM:.4g} mm"
         remedy = f"they seem to be in {nearest}: set recording.units.struts = '{nearest}'"
@@ -306,9 +306,9 @@ def _require_place(table: ColumnTable, positions: Array, case: Case) -> None:
     home, middle = case.hexapod.home.vector[:3], np.median(positions[:_FIRST], axis=0)
     most = sum(lengths_of_struts(case)) / 4.0  # half a usual strut
     factor = table.factors[POSE[0]]
-    apart = {unit: float(np.linalg.norm(middle / factor * value - home)) for unit, value in LENGTHS.items()}
-    nearest = min(apart, key=lambda unit: apart[unit])
-    if apart[nearest] <= most < float(np.linalg.norm(middle - home)):
+    distances = {unit: float(np.linalg.norm(middle / factor * value - home)) for unit, value in LENGTHS.items()}
+    nearest = min(distances, key=lambda unit: distances[unit])
+    if distances[nearest] <= most < float(np.linalg.norm(middle - home)):
         place = ", ".join(f"{value / MM:.4g}" for value in middle)
         problem = f"positions about {place} mm, where home is at {', '.join(f'{v / MM:.4g}' for v in home)} mm"
         remedy = f"they seem to be in {nearest}: set recording.units.positions = '{nearest}'"

@@ -107,10 +107,10 @@ def evened(t: Array, period: float | None = None) -> Even | Unsteady:
         )
         return Unsteady(row, few, "state recording.clock.period_ms, or remove the repeated part", backwards=True)
     marks = _Marks(anchors, t[anchors], coarse)
-    found = _numbers(marks, period)
-    if isinstance(found, Unsteady):
-        return found
-    numbers, section, clear = found
+    numbering = _numbers(marks, period)
+    if isinstance(numbering, Unsteady):
+        return numbering
+    numbers, section, clear = numbering
     rows = np.arange(len(t))
     every = rows + np.r_[numbers[0] - anchors[0], numbers - anchors][np.searchsorted(anchors, rows, side="right")]
     line = _line(marks, numbers, section, clear)
@@ -149,8 +149,8 @@ class _Marks(NamedTuple):
         """Standard deviation of stamps about equal steps, by how far they are from their neighbours [steps]."""
         if len(self.t) < _SHORT:
             return 0.0
-        late = self.t / step - self.rows
-        return float(1.4826 / np.sqrt(1.5) * np.median(np.abs(late[1:-1] - 0.5 * (late[:-2] + late[2:]))))
+        delays = self.t / step - self.rows
+        return float(1.4826 / np.sqrt(1.5) * np.median(np.abs(delays[1:-1] - 0.5 * (delays[:-2] + delays[2:]))))
 
 
 def agrees(t: Array, period: float) -> bool:
@@ -204,12 +204,12 @@ def _numbers(marks: _Marks, period: float | None) -> tuple[Indices, Indices, boo
     step = step or marks.over(max(_SEEN, len(t) // 10))
     if not clear and period is not None and _SLOWER[0] < step / period - 1.0 < _SLOWER[1]:
         step, clear = period, True
-    late = t / step - rows
+    delays = t / step - rows
     shift = np.zeros(len(t), dtype=np.int64)
     for first, end in zip([0, *pauses], [*pauses, len(t)], strict=True):
-        inside = _losses(late[first:end], width, coarse) if clear else 0
-        before = np.median(late[max(first - width, 0) : max(first, 1)])
-        paused = max(int(np.rint(np.median(late[first:end][:width]) - before)), 1) if first else 0
+        inside = _losses(delays[first:end], width, coarse) if clear else 0
+        before = np.median(delays[max(first - width, 0) : max(first, 1)])
+        paused = max(int(np.rint(np.median(delays[first:end][:width]) - before)), 1) if first else 0
         shift[first:end] = (shift[first - 1] if first else 0) + paused + inside
     return rows + shift, section, clear
 
@@ -228,9 +228,9 @@ def _lattice(marks: _Marks, section: Indices, usual: float, scatter: float) -> f
     t = (places[0] - usual * (places[1] - places[1][:, size // 2 : size // 2 + 1])).mean(axis=1)
     place = places[2][:, size // 2]
     rate, reach = 1.0 / usual, min(0.02, 0.4 / size) / usual
-    used, share = min(count, _FIRST), 0.25
+    samples, share = min(count, _FIRST), 0.25
     while True:
-        chosen = np.unique(np.linspace(0, used - 1, min(used, _ENOUGH)).astype(np.int64))
+        chosen = np.unique(np.linspace(0, samples - 1, min(samples, _ENOUGH)).astype(np.int64))
         fine = share / (t[chosen[-1]] - t[0])
         if reach / fine > _MOST_RATES:  # stamps that are years apart, or a pause of many times what was recorded
             return None
@@ -239,9 +239,9 @@ def _lattice(marks: _Marks, section: Indices, usual: float, scatter: float) -> f
         turns = (np.add.reduceat(np.exp(2j * np.pi * (candidates * t[chosen] % 1.0)), starts) for candidates in rates)
         agreement = np.array([np.abs(turn).sum() for turn in turns]) / len(chosen)
         rate = float(rates[np.argmax(agreement)])
-        if used == count and fine < _FINEST / (t[-1] - t[0]):
+        if samples == count and fine < _FINEST / (t[-1] - t[0]):
             return 1.0 / rate if agreement.max() > _AGREE else None
-        used, reach, share = min(2 * used, count), 4.0 * fine, share if used < count else _FINEST / 2.0
+        samples, reach, share = min(2 * samples, count), 4.0 * fine, share if samples < count else _FINEST / 2.0
 
 
 def _least_behind(late: Array) -> Array:
@@ -333,9 +333,9 @@ def _line(marks: _Marks, numbers: Indices, section: Indices, clear: bool) -> _Li
         count = np.maximum(np.bincount(section, weights=counted), 1.0)
         middle = np.bincount(section, weights=numbers * counted) / count
         mean = np.bincount(section, weights=t * counted) / count
-        away, late = (numbers - middle[section]) * counted, (t - mean[section]) * counted
+        away, delays = (numbers - middle[section]) * counted, (t - mean[section]) * counted
         spread = max(float(away @ away), np.finfo(float).tiny)
-        step = float(away @ late) / spread
+        step = float(away @ delays) / spread
         offsets = mean - step * middle
         strays = t - offsets[section] - step * numbers
         scatter = 1.4826 * float(np.median(np.abs(strays - np.median(strays))))
@@ -356,11 +356,11 @@ def _line(marks: _Marks, numbers: Indices, section: Indices, clear: bool) -> _Li
 def _unsteady(marks: _Marks, numbers: Indices, line: _Line) -> Unsteady | None:
     """Why samples are not at equal steps although they were numbered; None: they are."""
     usual, cut = marks.usual, "export the run at one rate, or cut it there"
-    changed = _slowed(np.diff(numbers) - np.diff(marks.rows), line)
-    if changed is not None:
-        step = (marks.t[changed + 1] - marks.t[changed]) / (marks.rows[changed + 1] - marks.rows[changed])
+    row = _slowed(np.diff(numbers) - np.diff(marks.rows), line)
+    if row is not None:
+        step = (marks.t[row + 1] - marks.t[row]) / (marks.rows[row + 1] - marks.rows[row])
         problem = f"step of {step * 1e3:.4g} ms that is not a gap, where the run has {usual * 1e3:.4g} ms"
-        return Unsteady(int(marks.rows[changed + 1]), problem, cut)
+        return Unsteady(int(marks.rows[row + 1]), problem, cut)
     if line.most <= UNIFORMITY * line.step:
         return None
     lasting = line.strays if line.most <= MOST_STRAY * line.step else _smooth(line.strays, len(numbers) // _PARTS | 1)

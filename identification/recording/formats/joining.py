@@ -125,14 +125,14 @@ def _fit(reference: _Edges, other: _Edges, shift: int) -> _ClockMap | None:
     own, theirs = slice(first, last), slice(first + shift, last + shift)
     if np.any(reference.rising[own] != other.rising[theirs]):
         return None
-    late, half = reference.t[own] - other.t[theirs], reference.half[own] + other.half[theirs]
+    delays, half = reference.t[own] - other.t[theirs], reference.half[own] + other.half[theirs]
     weights = 3.0 / (reference.half[own] ** 2 + other.half[theirs] ** 2)  # an edge is anywhere between its samples
-    middle, mean = (float(weights @ v / weights.sum()) for v in (other.t[theirs], late))
+    middle, mean = (float(weights @ v / weights.sum()) for v in (other.t[theirs], delays))
     away = other.t[theirs] - middle
     spread = float(weights @ away**2)
-    rate = float(weights @ (away * (late - mean))) / spread if last - first > 1 else 0.0
+    rate = float(weights @ (away * (delays - mean))) / spread if last - first > 1 else 0.0
     fit = _ClockMap(mean, rate, spread**-0.5 if last - first > 1 else np.inf, middle, last - first)
-    if np.any(np.abs(late - mean) > half + _MOST_RATE * np.abs(away)):
+    if np.any(np.abs(delays - mean) > half + _MOST_RATE * np.abs(away)):
         return None
     own_samples, other_samples = reference.inside(other, mean), other.inside(reference, -mean)
     own_samples[own], other_samples[theirs] = False, False

@@ -52,30 +52,32 @@ def look_at_text(file: Path, stated: FileFormat | None = None) -> TextColumns:
     settings: dict[str, Any] = {}
     if stated is None:
         head = content.head()
-        known = format_of(head, FileFormat())
-        settings = _guessed(content, head) if known.guessed else {}
-        form = FileFormat.model_validate(settings).model_copy(update={"format": known.name})
-        layout = known.layout(content, head, form)
+        text_format = format_of(head, FileFormat())
+        settings = _guessed(content, head) if text_format.guessed else {}
+        form = FileFormat.model_validate(settings).model_copy(update={"format": text_format.name})
+        layout = text_format.layout(content, head, form)
     else:
-        known, layout = described(content, stated)
+        text_format, layout = described(content, stated)
     rows = _sample(content, layout)
     numeric = [k for k, column in enumerate(zip(*rows, strict=True)) if _is_numeric(column, layout.form)]
     if not layout.sections:
         numeric = list(range(len(layout.fields)))
     clocks = sorted({field.clock for field in layout.fields if field.clock is not None})
-    numeric_fields = {str(k): k for k in numeric if k not in clocks and (layout.fields[k].name or known.guessed)}
+    numeric_fields = {str(k): k for k in numeric if k not in clocks and (layout.fields[k].name or text_format.guessed)}
     apart = (
-        known.guessed and stated is None and _stand_apart([[row[k] for row in rows] for k in numeric_fields.values()])
+        text_format.guessed
+        and stated is None
+        and _stand_apart([[row[k] for row in rows] for k in numeric_fields.values()])
     )
     sparse = not apart and any(_is_sparse([row[k] for row in rows]) for k in numeric_fields.values())
-    if apart or (sparse and known.guessed and stated is None):
+    if apart or (sparse and text_format.guessed and stated is None):
         settings["empty"] = "apart" if apart else "hold"
     filled = replace(layout, hold=layout.hold or sparse, apart=layout.apart or apart)
     numbers: dict[int, Array] = {}
     clock: tuple[int, str] | None = None
     names, units = _names(layout, stated), [field.unit for field in layout.fields]
     names = ["" if k in clocks[1:] else name for k, name in enumerate(names)]
-    for table in known.tables(content, filled, numeric_fields, [*numeric_fields]):
+    for table in text_format.tables(content, filled, numeric_fields, [*numeric_fields]):
         numbers |= {numeric_fields[ours]: column for ours, column in table.values.items() if np.isfinite(column).any()}
         if table.stamps is None or clock is not None:
             continue
@@ -83,11 +85,11 @@ def look_at_text(file: Path, stated: FileFormat | None = None) -> TextColumns:
         if own is None:  # rows at equal steps
             names, units, own = [*names, "time between rows"], [*units, "s"], len(names)
             clock, numbers[own] = (own, "s"), np.asarray(table.stamps * table.tick, dtype=float)
-        elif known.name != "halsampler":  # which does not say how long a step takes
+        elif text_format.name != "halsampler":  # which does not say how long a step takes
             clock = own, next(unit for unit, tick in TICKS.items() if tick == table.tick)
             numbers[own] = np.asarray(table.stamps, dtype=float)
-    settings |= _stated(known, layout, clock) if stated is None else {}
-    dated = {} if clock is not None else _dates(known, content, layout, rows, numeric_fields)
+    settings |= _stated(text_format, layout, clock) if stated is None else {}
+    dated = {} if clock is not None else _dates(text_format, content, layout, rows, numeric_fields)
     lines = tuple(line.decode(layout.form.encoding, "replace") for line in content.head()[: layout.form.header_rows])
     return TextColumns(names, units, numbers | dated, settings, clock, frozenset(dated), lines)
 

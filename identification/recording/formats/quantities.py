@@ -211,8 +211,8 @@ def _tick(table: ColumnTable) -> tuple[float, list[Finding]]:
             return _multiple(table, stated)
         if stated.symbol in (None, form.clock.unit):
             return table.tick, []
-        key, used = "recording.clock.unit", form.clock.unit
-        return table.tick, [contradiction(key, shown(label), stated.text, used, table.source)]
+        key, unit = "recording.clock.unit", form.clock.unit
+        return table.tick, [contradiction(key, shown(label), stated.text, unit, table.source)]
     if stated.symbol is None or stated.several:
         known = "is not a unit of time that is known" if not stated.several else "are units that differ"
         raise RecordingError(

@@ -43,9 +43,9 @@ def on_equal_steps(stream: Stream, period: float | None = None) -> Stream | Unst
     even = evened(stream.t, period)
     if isinstance(even, Unsteady):
         return even if even.backwards else stream
-    taken = even.strays and period is None and _taken_when_stamped(stream, stream.t, even)
-    findings = (*stream.findings, *_about(stream, even, taken))
-    if taken:
+    at_stamps = even.strays and period is None and _taken_when_stamped(stream, stream.t, even)
+    findings = (*stream.findings, *_about(stream, even, at_stamps))
+    if at_stamps:
         return replace(_at(stream, even), findings=findings)
     t = even.t if even.strays or even.written is not None else stream.t  # rounding of what is printed stays
     return _with_lost_rows(replace(stream, t=t, findings=findings), t, even.numbers)
@@ -83,9 +83,9 @@ def _about(stream: Stream, even: Even, taken: bool) -> list[Finding]:
         return [warning(Kind.CLOCK, sentence)]
     if not even.strays:
         return []
-    done = phrase("taken_at_steps", "the samples are taken to be at these")
+    treatment = phrase("taken_at_steps", "the samples are taken to be at these")
     if taken:
-        done = phrase(
+        treatment = phrase(
             "taken_at_stamps", "the motion is smoother at the stamps, so that samples are interpolated between them"
         )
     sentence = phrase(
@@ -95,7 +95,7 @@ def _about(stream: Stream, even: Even, taken: bool) -> list[Finding]:
         step=f"{even.step * ms:.6g}",
         rms=f"{even.stray * ms:.3g}",
         most=f"{even.most * ms:.3g}",
-        done=done,
+        done=treatment,
     )
     stated = {"step_ms": even.step * ms, "rms_ms": even.stray * ms, "most_ms": even.most * ms}
     findings = [note(Kind.CLOCK, sentence, time_stamps=stated | {"step_deviation": even.deviation})]

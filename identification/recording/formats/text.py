@@ -240,8 +240,8 @@ def _alike(one: _Clock, other: _Clock) -> bool:
     if stamps is None or others is None or stamps is others:
         return stamps is others
     common = min(len(stamps), len(others))
-    late = max(len(stamps), len(others)) - common
-    return tick == other_tick and late <= _LATE and np.array_equal(stamps[:common], others[:common])
+    difference = max(len(stamps), len(others)) - common
+    return tick == other_tick and difference <= _LATE and np.array_equal(stamps[:common], others[:common])
 
 
 def _lines(content: Content, layout: Layout, counts: Sequence[int]) -> Lines:

@@ -60,10 +60,10 @@ def supply_problem(log: ControllerLog) -> str | None:
     """The problem where the motion waited for a block that follows on the line before; None where it never did."""
     moving = np.flatnonzero(log.lines)
     executed, waits = log.lines[moving], np.diff(moving) - 1
-    late = np.flatnonzero((waits > 0) & (np.diff(executed) <= 1))  # a dwell or a switch has a line of its own
-    if not len(late):
+    steps = np.flatnonzero((waits > 0) & (np.diff(executed) <= 1))  # a dwell or a switch has a line of its own
+    if not len(steps):
         return None
-    first = late[0]
+    first = steps[0]
     return (
         f"line {executed[first + 1]}: the motion waited {waits[first] * log.period:.3f} s for this block; the computer "
         "is too busy, run again"

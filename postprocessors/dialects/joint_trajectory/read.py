@@ -124,7 +124,7 @@ def _of_yaml(content: bytes, file: str, case: Case) -> list[_Point]:
     of_a_point.append(("  time_from_start: {sec: .., nanosec: ..}, whole numbers without leading zeros", _TIME))
     texts = (text.split("#", 1)[0].rstrip() for text in program_lines(content, file, LONGEST_LINE))
     lines = [(number, code) for number, code in enumerate(texts, 1) if code]
-    found: list[tuple[int, tuple[str, ...]]] = []
+    positions: list[tuple[int, tuple[str, ...]]] = []
     for (line, code), (form, pattern) in zip(lines, itertools.chain(forms, itertools.cycle(of_a_point)), strict=False):
         if (match := pattern.fullmatch(code)) is None:
             raise ProgramError(
@@ -134,8 +134,8 @@ def _of_yaml(content: bytes, file: str, case: Case) -> list[_Point]:
                 remedy="write it so",
                 code=Code.SYNTAX,
             )
-        found.append((line, match.groups()))
-    rows = found[len(forms) :]
+        positions.append((line, match.groups()))
+    rows = positions[len(forms) :]
     if not rows or len(rows) % len(of_a_point):
         raise ProgramError(
             file=file,

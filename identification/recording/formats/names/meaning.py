@@ -61,20 +61,20 @@ def meaning_of(names: Sequence[str], case: Case | None = None, units: Sequence[s
     ours = {name: k for k, name in reversed([*enumerate(names)]) if name in COLUMNS}
     places = {name: ours[name] for group in groups_of(case) if all(n in ours for n in group) for name in group}
     words = {k: words_of(name) for k, name in enumerate(names) if name and name not in COLUMNS}
-    found = [*families(words, None if case is None or case.chain is None else case.chain.names)]
+    groups = [*families(words, None if case is None or case.chain is None else case.chain.names)]
     doubts: list[str] = []
     quantities = {k: _quantities(names[k], units[k] if k < len(units) else "") for k in words}
-    for columns, readings in _readings(found, quantities, case):
+    for columns, readings in _readings(groups, quantities, case):
         if not any(column in places for column in columns):
-            used = {*places.values()}
-            free = [r for r in readings if not used & {*r.members} and _fits(columns, r, quantities)]
+            positions = {*places.values()}
+            free = [r for r in readings if not positions & {*r.members} and _fits(columns, r, quantities)]
             places |= _best(columns, free, names, doubts)
-    doubts += _other_count(found, places, names, case)
+    doubts += _other_count(groups, places, names, case)
     if case is None:
-        doubts += _without_a_machine(found, places, names)
+        doubts += _without_a_machine(groups, places, names)
     orientations: tuple[str, ...] = ()
     if not {*places} & {*STRUTS, *DRIVES, *POSE, *QUATERNION, *ROTATION, *_joints(case)}:
-        pose, orientations = _pose(found, words, quantities, case)
+        pose, orientations = _pose(groups, words, quantities, case)
         places |= pose
     clocks = sorted((k for k, of in words.items() if _is_clock(of)), key=lambda k: _clock_rank(words[k]))
     clocks = [*([places[CLOCK]] if CLOCK in places else []), *clocks]
@@ -84,8 +84,8 @@ def meaning_of(names: Sequence[str], case: Case | None = None, units: Sequence[s
         for column, says in single.items()
         if column not in places
     }
-    used = {*places.values()}
-    doubts += [s for family in found if not used & {*family.members.values()} for s in _computed(family, names)]
+    positions = {*places.values()}
+    doubts += [s for family in groups if not positions & {*family.members.values()} for s in _computed(family, names)]
     return Meaning(places, tuple(clocks), orientations, candidates, tuple(dict.fromkeys(doubts)))
 
 

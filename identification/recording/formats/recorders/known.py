@@ -57,10 +57,10 @@ def format_of(head: Sequence[bytes], form: FileFormat) -> TextFormat:
 def read(file: Path, form: FileFormat) -> Iterator[ColumnTable]:
     """The tables of a text file, one for each clock; raises RecordingError with the place and the remedy."""
     content = content_of(file)
-    known, layout = described(content, form)
+    text_format, layout = described(content, form)
     chosen = select(file, layout.fields, layout.form)
     if not chosen.keys() - {CLOCK}:
-        if form.column_names is None and known.name == "csv" and plain.is_headless(layout.names):
+        if form.column_names is None and text_format.name == "csv" and plain.is_headless(layout.names):
             place = f"{file}, line {layout.names_row}"
             raise RecordingError(
                 place=place,
@@ -73,7 +73,7 @@ def read(file: Path, form: FileFormat) -> Iterator[ColumnTable]:
         for k, field in enumerate(layout.fields):
             if field.name.endswith(FRAME):
                 require_frame(file, first_of(content, layout, k), form)
-    for table in known.tables(content, layout, chosen, (TRIGGER,)):
+    for table in text_format.tables(content, layout, chosen, (TRIGGER,)):
         _require_values(table)
         yield table
 
