@@ -161,6 +161,42 @@ def verify_certificate(file: Path | str, result: Result | None = None) -> Verifi
         FileProblem: no certificate, changed since it was issued, or of another result or recording.
     """
     place = Path(file)
+    stated, certified, recordings = _stated_in(place)
+    lines = list[tuple[str, str]]()
+    if result is not None:
+        if content_of(result.record.to_json()) != certified:
+            raise FileProblem(
+                place=place,
+                problem=f"is of another result than {result.source}",
+                remedy="name the result that it is of",
+                code=Code.OTHER_SOURCE,
+            )
+        lines.append((f"result {result.source}", "the one that is certified"))
+    for recording, fingerprint in recordings:
+        if not recording.is_file():
+            lines.append((f"recording {recording}", "is not here, not compared"))
+        elif sha256_of(recording) != fingerprint:
+            raise FileProblem(
+                place=recording,
+                problem=f"is not the recording of {place}",
+                remedy="restore the recording",
+                code=Code.OTHER_SOURCE,
+            )
+        else:
+            lines.append((f"recording {recording}", "the one that is certified"))
+    return Verification(stated, tuple(lines))
+
+
+class _Stated(NamedTuple):
+    """What a certificate states, with the fingerprints in it."""
+
+    entries: Mapping[str, Any]
+    result: str
+    recordings: tuple[tuple[Path, str], ...]  # files and fingerprints
+
+
+def _stated_in(place: Path) -> _Stated:
+    """What a certificate states; raises FileProblem where it is none, or was changed since it was issued."""
     try:
         content = read_whole(place, MOST_JSON)
     except FileProblem as error:
@@ -185,8 +221,9 @@ def verify_certificate(file: Path | str, result: Result | None = None) -> Verifi
         )
     try:
         stated = json.loads(base64.b64decode(match[1]))
-        certified = str(stated["fingerprints"]["result"])
-        recordings = [(Path(entry["file"]), str(entry["sha256"])) for entry in stated["fingerprints"]["recording"]]
+        prints = stated["fingerprints"]
+        recordings = tuple((Path(entry["file"]), str(entry["sha256"])) for entry in prints["recording"])
+        certified = _Stated(stated, str(prints["result"]), recordings)
         json_text(stated)  # no NaN, which is not JSON
         str(Verification(stated, ()))
     except (*DAMAGED, RecursionError) as error:  # anybody can make a file with a fingerprint that is right
@@ -196,29 +233,7 @@ def verify_certificate(file: Path | str, result: Result | None = None) -> Verifi
             remedy="ask for the original, or issue it again",
             code=Code.DAMAGED,
         ) from error
-    lines = list[tuple[str, str]]()
-    if result is not None:
-        if content_of(result.record.to_json()) != certified:
-            raise FileProblem(
-                place=place,
-                problem=f"is of another result than {result.source}",
-                remedy="name the result that it is of",
-                code=Code.OTHER_SOURCE,
-            )
-        lines.append((f"result {result.source}", "the one that is certified"))
-    for recording, fingerprint in recordings:
-        if not recording.is_file():
-            lines.append((f"recording {recording}", "is not here, not compared"))
-        elif sha256_of(recording) != fingerprint:
-            raise FileProblem(
-                place=recording,
-                problem=f"is not the recording of {place}",
-                remedy="restore the recording",
-                code=Code.OTHER_SOURCE,
-            )
-        else:
-            lines.append((f"recording {recording}", "the one that is certified"))
-    return Verification(stated, tuple(lines))
+    return certified
 
 
 def _pdf(stated: Mapping[str, Any]) -> bytes:

@@ -126,7 +126,6 @@ def require_alike(results: Sequence[Result]) -> None:
         FileProblem: two differ in machine, model, what was known or load, or are of the same recording.
     """
     first, *rest = results
-    again = "identify both with the same case and options"
     for result in results:
         if result.record.priors:
             raise FileProblem(
@@ -148,61 +147,67 @@ def require_alike(results: Sequence[Result]) -> None:
                 code=Code.OTHER_SOURCE,
             )
     for result in rest:
-        record, base = result.record, first.record
-        if record.case != base.case:
+        _require_like(result, first)
+
+
+def _require_like(result: Result, first: Result) -> None:
+    """Raises FileProblem where a result differs from the first in machine, options, load or kind of run."""
+    again = "identify both with the same case and options"
+    record, base = result.record, first.record
+    if record.case != base.case:
+        raise FileProblem(
+            place=result.source,
+            problem=f"is of case {record.case}, {first.source} of {base.case}",
+            remedy=again,
+            code=Code.OTHER_SOURCE,
+        )
+    then, now = base.computed_from or {}, record.computed_from or {}
+    for key in dict.fromkeys((*then, *now)):
+        if then.get(key) != now.get(key):
+            there, here = ("not stated" if of.get(key) is None else of[key] for of in (then, now))
             raise FileProblem(
                 place=result.source,
-                problem=f"is of case {record.case}, {first.source} of {base.case}",
+                problem=f"{key} is {here}, that of {first.source} {there}",
                 remedy=again,
                 code=Code.OTHER_SOURCE,
             )
-        then, now = base.computed_from or {}, record.computed_from or {}
-        for key in dict.fromkeys((*then, *now)):
-            if then.get(key) != now.get(key):
-                there, here = ("not stated" if of.get(key) is None else of[key] for of in (then, now))
-                raise FileProblem(
-                    place=result.source,
-                    problem=f"{key} is {here}, that of {first.source} {there}",
-                    remedy=again,
-                    code=Code.OTHER_SOURCE,
-                )
-        for what in ("model", "known", "dropped", "weights"):
-            there, here = getattr(base, what), getattr(record, what)
-            if (there or None) != (here or None):
-                remedy = f"{again}, and with {option('model')}" if what == "model" else again
-                raise FileProblem(
-                    place=result.source,
-                    problem=f"{what} is {here or 'none'}, that of {first.source} {there or 'none'}",
-                    remedy=remedy,
-                    code=Code.OTHER_SOURCE,
-                )
-        if result.mounted != first.mounted:
+    for what in ("model", "known", "dropped", "weights"):
+        there, here = getattr(base, what), getattr(record, what)
+        if (there or None) != (here or None):
+            remedy = f"{again}, and with {option('model')}" if what == "model" else again
             raise FileProblem(
                 place=result.source,
-                problem=phrase(
-                    "other_payload",
-                    "a payload of {mounted} kg was mounted, {first} kg with {source}",
-                    mounted=f"{result.mounted:.4g}",
-                    first=f"{first.mounted:.4g}",
-                    source=first.source,
-                ),
-                remedy=phrase("same_load", "pool runs of the same load; hexcite payload compares two loads"),
+                problem=f"{what} is {here or 'none'}, that of {first.source} {there or 'none'}",
+                remedy=remedy,
                 code=Code.OTHER_SOURCE,
             )
-        if (base.delay_s is None) != (record.delay_s is None):
-            kinds = ["standstills" if of.delay_s is None else "a motion" for of in (record, base)]
-            raise FileProblem(
-                place=result.source,
-                problem=phrase(
-                    "other_kind",
-                    "is of {kind}, {source} of {other}",
-                    kind=kinds[0],
-                    source=first.source,
-                    other=kinds[1],
-                ),
-                remedy=phrase("one_kind", "pool runs of one kind"),
-                code=Code.OTHER_SOURCE,
-            )
+    if result.mounted != first.mounted:
+        raise FileProblem(
+            place=result.source,
+            problem=phrase(
+                "other_payload",
+                "a payload of {mounted} kg was mounted, {first} kg with {source}",
+                mounted=f"{result.mounted:.4g}",
+                first=f"{first.mounted:.4g}",
+                source=first.source,
+            ),
+            remedy=phrase("same_load", "pool runs of the same load; hexcite payload compares two loads"),
+            code=Code.OTHER_SOURCE,
+        )
+    if (base.delay_s is None) != (record.delay_s is None):
+        kinds = ["standstills" if of.delay_s is None else "a motion" for of in (record, base)]
+        raise FileProblem(
+            place=result.source,
+            problem=phrase(
+                "other_kind",
+                "is of {kind}, {source} of {other}",
+                kind=kinds[0],
+                source=first.source,
+                other=kinds[1],
+            ),
+            remedy=phrase("one_kind", "pool runs of one kind"),
+            code=Code.OTHER_SOURCE,
+        )
 
 
 class Estimated(Protocol):

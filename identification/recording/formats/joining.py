@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cases.base.errors import Code, RecordingError
-from cases.base.phrases import NOTHING, phrase
+from cases.base.phrases import NOTHING, Phrase, phrase
 from cases.base.units import Array, Flags
 from identification.finding import Finding, Kind, note, warning
 from identification.recording.formats.table import Channel, Stream
@@ -150,18 +150,7 @@ def _joined_by_trigger(reference: Stream, stream: Stream, stated: bool) -> tuple
             code=Code.TRIGGER,
         )
     ours, theirs = _edges(reference), _edges(stream)
-    shifts = range(-len(ours.t) + 1, len(theirs.t))
-    maps = [fit for shift in shifts if (fit := _fit(ours, theirs, shift)) is not None]
-    most = max((fit.edges for fit in maps), default=0)
-    best = [fit for fit in maps if fit.edges == most]
-    if len(best) != 1:
-        raise RecordingError(
-            place=pair,
-            problem=f"have triggers that {_differ(ours, theirs, len(best))}",
-            remedy=_REMEDY,
-            code=Code.TRIGGER,
-        )
-    (fit,) = best
+    fit, count = _longest_fit(ours, theirs, pair)
     resolution = float(np.max(ours.half) + np.max(theirs.half))
     edges = (
         phrase("edges", "{count} edges of the trigger", count=fit.edges)
@@ -198,18 +187,9 @@ def _joined_by_trigger(reference: Stream, stream: Stream, stated: bool) -> tuple
             within=within,
         )
         return replace(stream, trigger=None), note(Kind.CLOCK, sentence, clock_offset_s=0.0, clock_rate_ppm=0.0)
-    rate = ways = NOTHING
-    if np.isfinite(fit.rate_std):
-        sizes = {"rate": f"{1e6 * fit.rate:+.3g}", "std": f"{1e6 * fit.rate_std:.2g}"}
-        rate = (
-            phrase("clock_rate", ", rate {rate} +- {std} ppm", **sizes)
-            if fit.differs
-            else phrase(
-                "clock_rate_left_out", ", rate {rate} +- {std} ppm, which is not significant and left out", **sizes
-            )
-        )
-    if len(maps) > 1:
-        ways = phrase("ways_to_fit", "; it is the longest of {count} ways in which their edges fit", count=len(maps))
+    ways = NOTHING
+    if count > 1:
+        ways = phrase("ways_to_fit", "; it is the longest of {count} ways in which their edges fit", count=count)
     sentence = phrase(
         "clocks_joined",
         "the clock of {file} is joined with that of {other} by {edges}: {shift} s{rate}{ways}",
@@ -217,12 +197,41 @@ def _joined_by_trigger(reference: Stream, stream: Stream, stated: bool) -> tuple
         other=reference.source,
         edges=edges,
         shift=f"{fit.shift:+.4f}",
-        rate=rate,
+        rate=_rate_words(fit),
         ways=ways,
     )
     moved = replace(stream, t=fit.of(stream.t), trigger=None)
     quantity = {"clock_offset_s": fit.shift, "clock_rate_ppm": 1e6 * fit.rate if fit.differs else 0.0}
     return moved, note(Kind.CLOCK, sentence, **quantity)
+
+
+def _longest_fit(ours: _Edges, theirs: _Edges, pair: str) -> tuple[_ClockMap, int]:
+    """The clock map by which most edges of two triggers fit, and how many fit some.
+
+    Raises RecordingError where there is no such map, or several: `pair` names the files.
+    """
+    shifts = range(-len(ours.t) + 1, len(theirs.t))
+    maps = [fit for shift in shifts if (fit := _fit(ours, theirs, shift)) is not None]
+    most = max((fit.edges for fit in maps), default=0)
+    best = [fit for fit in maps if fit.edges == most]
+    if len(best) != 1:
+        raise RecordingError(
+            place=pair,
+            problem=f"have triggers that {_differ(ours, theirs, len(best))}",
+            remedy=_REMEDY,
+            code=Code.TRIGGER,
+        )
+    return best[0], len(maps)
+
+
+def _rate_words(fit: _ClockMap) -> Phrase:
+    """The rate of a clock against the other, where edges tell it."""
+    if not np.isfinite(fit.rate_std):
+        return NOTHING
+    sizes = {"rate": f"{1e6 * fit.rate:+.3g}", "std": f"{1e6 * fit.rate_std:.2g}"}
+    if fit.differs:
+        return phrase("clock_rate", ", rate {rate} +- {std} ppm", **sizes)
+    return phrase("clock_rate_left_out", ", rate {rate} +- {std} ppm, which is not significant and left out", **sizes)
 
 
 _REMEDY = (
