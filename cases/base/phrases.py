@@ -3,8 +3,16 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal
 
-Sign = Literal["or", "and", "comma", "semicolon"]
-SIGNS: Mapping[Sign, str] = {"or": " or ", "and": ", and ", "comma": ", ", "semicolon": "; "}
+Sign = Literal["or", "and", "both", "comma", "comma_or", "semicolon", "problems"]
+SIGNS: Mapping[Sign, str] = {
+    "or": " or ",
+    "and": ", and ",
+    "both": " and ",
+    "comma": ", ",
+    "comma_or": ", or ",
+    "semicolon": "; ",
+    "problems": "; also: ",
+}
 """What stands between the parts of an enumeration, in English."""
 QUOTED = "quoted"
 """Code of a text that has no code: it is quoted in other languages."""
@@ -18,6 +26,15 @@ class Phrase(str):
 
     code: str = QUOTED
     values: Mapping[str, Any] = {}
+    template: str = "{text}"  # the text with places in braces
+
+    def filled(self, **values: object) -> "Phrase":
+        """The same with other values in some of its places.
+
+        >>> phrase("off", "strut {which} is off by {size}", which=2, size=OPEN).filled(size="1 mm")
+        'strut 2 is off by 1 mm'
+        """
+        return phrase(self.code, self.template, **{**self.values, **values})
 
     def to_json(self, shown: Callable[[str], str] = str) -> dict[str, Any]:
         """Entries for programs: `code`, and `values` by the names of their places.
@@ -28,6 +45,8 @@ class Phrase(str):
         return {"code": self.code, "values": {name: _entry(value, shown) for name, value in self.values.items()}}
 
 
+OPEN = "{}"
+"""Value of a place that `Phrase.filled` fills later."""
 NOTHING = Phrase()
 """The empty text."""
 
@@ -44,7 +63,7 @@ def phrase(code: str, english: str, **values: object) -> Phrase:
         values: by the names of the places.
     """
     result = Phrase(english.format(**values))
-    result.code, result.values = code, values
+    result.code, result.values, result.template = code, values, english
     return result
 
 

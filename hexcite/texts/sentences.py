@@ -1,5 +1,6 @@
 """German for sentences that commands make of codes and values: causes, remedies and findings, by code."""
 
+from hexcite.texts.effects import EFFECTS
 from hexcite.texts.errors import ERRORS, READERS
 
 CAUSES = {
@@ -7,6 +8,10 @@ CAUSES = {
     "small": "klein",
     "times_smaller": "{times}-mal kleiner",
     "write": "zu schreiben: {keys}",
+    "one_key": "{key}{text}",
+    "no_key": "kein {key}",
+    "in_joint": "in Gelenk {name} von machine.chain.joints: {keys}",
+    "in_table": "in [{table}]: {keys}",
     "too_loose": "zu ungenau bekannt, um in die Maschine geschrieben zu werden ({why}): an der Maschine messen und das "
     "schreiben",
     "would_be_off": "{name} läge um {off} {unit} daneben, wo {reported} {unit} angegeben würde",
@@ -169,7 +174,7 @@ FINDINGS = {
     "{name} um etwa {bias} verfälscht ({deviations} Abweichungen; sie enthalten es). recording.filter_cutoff_Hz = "
     "{cutoff} senken",
     "not_shown": "Die Hälfte aller solchen Läufe zeigte nicht, was {parameter} um {amount} verfälscht ({deviations} "
-    "Abweichungen): {cause}",
+    "Abweichungen), so bei {cause}",
     "not_shown_more": "{sentence}; {count} weitere, kleinere stehen unter not_shown in result.json",
     "suspected": "Die Residuen folgen vielleicht {follow}, wie bei {cause} (ein guter Lauf von {runs} sieht so aus, "
     "denn {tried} solche Dinge werden versucht). Die Abweichungen enthalten es: Die von {name} ist {times}-mal die "
@@ -219,8 +224,16 @@ FINDINGS = {
 }
 """Findings about a run and its evaluation."""
 
-SENTENCES = FINDINGS | PROGRAMS | CAUSES | CHANNELS | MOTION | MACHINE | ERRORS | READERS
+SENTENCES = FINDINGS | EFFECTS | PROGRAMS | CAUSES | CHANNELS | MOTION | MACHINE | ERRORS | READERS
 """Code -> German, with the places of the English text."""
 
-SIGNS = {"or": " oder ", "and": ", und ", "comma": ", ", "semicolon": "; "}
+SIGNS = {
+    "or": " oder ",
+    "and": ", und ",
+    "both": " und ",
+    "comma": ", ",
+    "comma_or": ", oder ",
+    "semicolon": "; ",
+    "problems": "; außerdem: ",
+}
 """What stands between the parts of an enumeration."""

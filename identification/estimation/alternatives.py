@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.fft import next_fast_len, rfft
 
+from cases.base.phrases import Phrase
 from cases.base.units import Array, Indices
 from identification.estimation.fit import orthonormal
 from identification.estimation.force_noise import LEAST_SAMPLES, in_turned_channels, toeplitz
@@ -40,13 +41,17 @@ class Alternative(NamedTuple):
     """Something that a model leaves out, by the effect that it has on the forces."""
 
     key: str  # for programs
-    follow: str  # words for what the residuals then follow
-    cause: str  # words for what makes it; {} stands for its size
+    follow: Phrase  # words for what the residuals then follow
+    cause: Phrase  # words for what makes it, with an open place `size` where it has one
     columns: Array  # effect on the forces of a unit of each of its sizes, shape (n, 6, k)
     unit: float = 1.0  # of the size in SI, in which people read it
     # of each column, what it follows and in which channel, counted from 0; none where there is nothing to choose from
-    each: tuple[tuple[str, int], ...] = ()
+    each: tuple[tuple[Phrase, int], ...] = ()
     chosen: int = 1  # number of columns that this is the best one of, by what they explain
+
+    def caused(self, size: str) -> Phrase:
+        """Words for what makes it, with its size where it has one."""
+        return self.cause.filled(size=size) if "size" in self.cause.values else self.cause
 
 
 class Effect(NamedTuple):

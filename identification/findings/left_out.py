@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from cases.base.phrases import Phrase, phrase
 from cases.base.units import DEG, MM, Array, Indices
 from cases.machine import MotionLimits
 from cases.schema import Case
@@ -35,7 +36,7 @@ class Names(NamedTuple):
 
     channels: tuple[str, ...]
     coordinates: tuple[str, ...]
-    drives: tuple[str, ...]
+    drives: tuple[Phrase, ...]
     turns: tuple[bool, ...]  # whether drives are angles
 
     @classmethod
@@ -43,11 +44,16 @@ class Names(NamedTuple):
         """Those of a case; channels as the file calls them."""
         channels = tuple(case.recording.file_name(name) for name in case.sensor_frame.channels)
         if case.chain is not None:
-            joints = case.chain.names
-            return cls(
-                channels, joints, tuple(f"joint {name}" for name in joints), tuple(j.turns for j in case.chain.joints)
-            )
-        return cls(channels, MotionLimits.labels, tuple(f"strut {k}" for k in range(1, 7)), (False,) * 6)
+            turns = tuple(joint.turns for joint in case.chain.joints)
+            return cls(channels, case.chain.names, drives_named(case), turns)
+        return cls(channels, MotionLimits.labels, drives_named(case), (False,) * 6)
+
+
+def drives_named(case: Case) -> tuple[Phrase, ...]:
+    """Joints of a chain by their names, struts by their numbers."""
+    if case.chain is not None:
+        return tuple(phrase("joint_named", "joint {name}", name=name) for name in case.chain.names)
+    return tuple(phrase("strut_numbered", "strut {number}", number=number) for number in range(1, 7))
 
 
 @dataclass(frozen=True)
@@ -347,7 +353,7 @@ def structure_of(lower: Array, upper: Array) -> Array:
     return np.vstack([along.T, np.cross(lower, along).T])
 
 
-def ring_changes(points: Array) -> Iterator[tuple[str, Array, float, str]]:
+def ring_changes(points: Array) -> Iterator[tuple[Phrase, Array, float, str]]:
     """How a ring of three pairs of points can be wrong: what, how they move for 1 m or rad, unit, and its word."""
     centre = points.mean(axis=0)
     arms = (points - centre) * [1.0, 1.0, 0.0]
@@ -360,9 +366,9 @@ def ring_changes(points: Array) -> Iterator[tuple[str, Array, float, str]]:
     gaps = np.diff(np.r_[angles[order], angles[order[0]] + 2.0 * np.pi])
     pairs = np.empty(6)
     pairs[order] = (-1.0, 1.0) * 3 if gaps[0::2].sum() < gaps[1::2].sum() else (1.0, -1.0) * 3
-    yield "radius", arms / radius[:, None], MM, "mm"
-    yield "half-angle", around * pairs[:, None], DEG, "deg"
-    yield "height", np.tile([0.0, 0.0, 1.0], (6, 1)), MM, "mm"
+    yield phrase("radius", "radius"), arms / radius[:, None], MM, "mm"
+    yield phrase("half_angle", "half-angle"), around * pairs[:, None], DEG, "deg"
+    yield phrase("height", "height"), np.tile([0.0, 0.0, 1.0], (6, 1)), MM, "mm"
 
 
 def _with(drives: tuple[Array, Array, Array], order: int, k: int) -> list[Array]:

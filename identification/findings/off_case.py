@@ -9,12 +9,13 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from cases.base.errors import Remedy
+from cases.base.phrases import NOTHING, OPEN, Phrase, phrase
 from cases.base.units import MM, Array
 from cases.machine import Joints, turned
 from cases.schema import Case
 from identification.findings.causes.channels import rpy_of, scaled
 from identification.findings.causes.remedies import keys_to_write, remedy
-from identification.findings.left_out import gravity_axes
+from identification.findings.left_out import drives_named, gravity_axes
 from identification.findings.tolerances import UNITS
 from identification.recording.recording import Recording
 
@@ -33,8 +34,8 @@ class Size(NamedTuple):
     """One of the sizes that a tolerance is of."""
 
     key: str  # of the tolerance
-    words: str  # what is off; {} stands for the value with its deviation and unit
-    remedy: str  # what to do where no key of the case mends it
+    words: Phrase  # what is off, with an open place `size`, for the value with its deviation and unit
+    remedy: Phrase = NOTHING  # what to do where no key of the case mends it
 
     @property
     def unit(self) -> float:
@@ -49,47 +50,63 @@ class Size(NamedTuple):
 
 def sizes_named(case: Case, key: str) -> list[Size]:
     """The sizes that a tolerance of a case is of, in the order of their effects."""
-    drives = case.drive_words[0] if case.chain is None else ""
     channels = [case.recording.file_name(name) for name in case.sensor_frame.channels]
+    places = list(itertools.product(range(1, 7), "xyz"))
     if key == "joints_mm":
-        places = itertools.product(("base", "platform"), range(1, 7), "xyz")
-        return [Size(key, f"joint {k} of the {ring} is off by {{}} along {axis}", "") for ring, k, axis in places]
+        off = phrase("told_joint", "joint {k} of the {ring} is off by {size} along {axis}", **_OPEN, ring=OPEN)
+        rings = (phrase("base", "base"), phrase("platform", "platform"))
+        return [Size(key, off.filled(ring=ring, k=k, axis=axis)) for ring in rings for k, axis in places]
     if key == "bars_mm":
-        places = itertools.product(("lower", "upper"), range(1, 7), "xyz")
-        return [Size(key, f"the {end} end of bar {k} is off by {{}} along {axis}", "") for end, k, axis in places]
+        off = phrase("told_bar", "the {end} end of bar {k} is off by {size} along {axis}", **_OPEN, end=OPEN)
+        ends = (phrase("lower", "lower"), phrase("upper", "upper"))
+        return [Size(key, off.filled(end=end, k=k, axis=axis)) for end in ends for k, axis in places]
     if key == "sensor_mm":
-        return [Size(key, f"the sensor is off by {{}} along its {axis}", "") for axis in "xyz"]
+        off = phrase("told_sensor", "the sensor is off by {size} along its {axis}", size=OPEN, axis=OPEN)
+        return [Size(key, off.filled(axis=axis)) for axis in "xyz"]
     if key == "sensor_deg":
-        return [Size(key, f"the sensor is turned on its flange by {{}} about its {axis}", "") for axis in "xyz"]
+        off = phrase(
+            "told_turned", "the sensor is turned on its flange by {size} about its {axis}", size=OPEN, axis=OPEN
+        )
+        return [Size(key, off.filled(axis=axis)) for axis in "xyz"]
     if key == "gravity_percent":
-        return [Size(key, "gravity is larger by {}", "")]
+        return [Size(key, phrase("told_gravity", "gravity is larger by {size}", size=OPEN))]
     if key == "gravity_deg":
+        off = phrase("told_tilted", "gravity leans by {size} towards ({way}): the base is tilted", size=OPEN, way=OPEN)
         ways = [", ".join(f"{v + 0.0:.2g}" for v in axis) for axis in gravity_axes(case.gravity)[1:]]
-        return [Size(key, f"gravity leans by {{}} towards ({way}): the base is tilted", "") for way in ways]
+        return [Size(key, off.filled(way=way)) for way in ways]
     if key == "gain_percent":
-        return [Size(key, f"{name} reads {{}} too much", "") for name in channels]
+        off = phrase("told_gain", "{name} reads {size} too much", name=OPEN, size=OPEN)
+        return [Size(key, off.filled(name=name)) for name in channels]
     if key == "clock_ppm":
-        return [Size(key, "seconds of the recording are longer than true ones by {}", "state its true rate")]
-    joints = () if case.chain is None else case.chain.names
-    names = [f"joint {name}" for name in joints] or [f"{drives} {k}" for k in range(1, 7)]
+        off = phrase("told_clock", "seconds of the recording are longer than true ones by {size}", size=OPEN)
+        return [Size(key, off, phrase("true_rate", "state its true rate"))]
+    drives = drives_named(case)
     if key == "encoder_scale_ppm":
-        return [
-            Size(key, f"{n} moves {{}} more than its encoder says", "correct the scale in the drive") for n in names
-        ]
+        off = phrase("told_scale", "{name} moves {size} more than its encoder says", name=OPEN, size=OPEN)
+        remedy = phrase("mend_scale", "correct the scale in the drive")
+        return [Size(key, off.filled(name=name), remedy) for name in drives]
     if key == "links_mm":
-        pairs = itertools.pairwise(joints)
-        return [
-            Size(key, f"joint {name} is off by {{}} along {axis} of joint {before}", "")
-            for before, name in pairs
-            for axis in "xyz"
-        ]
+        off = phrase(
+            "told_link",
+            "{name} is off by {size} along {axis} of {before}",
+            name=OPEN,
+            size=OPEN,
+            axis=OPEN,
+            before=OPEN,
+        )
+        pairs = itertools.pairwise(drives)
+        return [Size(key, off.filled(name=n, axis=axis, before=before)) for before, n in pairs for axis in "xyz"]
     turns = [] if case.chain is None else [joint.turns for joint in case.chain.joints]
-    remedy = "correct its zero in the controller"
+    off = phrase("told_zero", "{name} stands {size} farther than it reads", name=OPEN, size=OPEN)
+    remedy = phrase("mend_zero", "correct its zero in the controller")
     return [
-        Size(key, f"{name} stands {{}} farther than it reads", remedy)
-        for name, turn in zip(names, turns, strict=False)
+        Size(key, off.filled(name=name), remedy)
+        for name, turn in zip(drives, turns, strict=False)
         if turn == key.endswith("deg")
     ]
+
+
+_OPEN = dict.fromkeys(("k", "size", "axis"), OPEN)
 
 
 def without(recording: Recording, case: Case, sizes: Sizes) -> tuple[Recording, Case]:
@@ -159,7 +176,7 @@ def mended(case: Case, size: Size, sizes: Sizes) -> Case:
     return edited(case, sizes)
 
 
-def remedy_of(case: Case, size: Size, sizes: Sizes) -> str:
+def remedy_of(case: Case, size: Size, sizes: Sizes) -> Phrase:
     """What to write, or to do, where a machine is off by a size; sizes: those of its key."""
     return keys_to_write(case, mended(case, size, sizes)) or size.remedy
 

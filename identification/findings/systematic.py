@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cases.base.phrases import enumerated, phrase, said
+from cases.base.phrases import Phrase, enumerated, phrase, said
 from cases.base.units import DEG, Array
 from cases.schema import Case
 from identification.estimation.alternatives import Alternative, Effect, Remainder, Unseen, effects_of, unseen
@@ -239,7 +239,7 @@ def not_shown(fitted: Fitted, systematic: Systematic | None) -> list[Finding]:
         ratios = np.where(free, np.abs(bias) / np.sqrt(np.where(free, variance, 1.0)), 0.0)
         worst = int(np.argmax(ratios))
         if ratios[worst] > HARM:
-            cause = of.cause.format(f"{size / of.unit:.2g}") if "{}" in of.cause else of.cause
+            cause = of.caused(f"{size / of.unit:.2g}")
             entry = {"key": of.key, "follows": of.follow, "as_with": cause, "size": size, "parameter": names[worst]}
             entries.append(entry | {"bias": float(bias[worst]), "deviations": float(ratios[worst])})
     if not entries:
@@ -281,11 +281,20 @@ def systematic_findings(case: Case, fitted: Fitted, systematic: Systematic | Non
     sentence = _follows(first, systematic, case)
     if len(systematic.seen) > 1:
         others = dict.fromkeys(effect.effect.alternative.follow for effect in systematic.seen[1:])
-        sentence += f"; what is left follows {' and '.join(others)}"
+        sentence = phrase(
+            "and_follows",
+            "{sentence}; what is left follows {others}",
+            sentence=sentence,
+            others=enumerated("both", list(others)),
+        )
     worst = int(np.argmax(growth))
     if growth[worst] > GROWN:
-        sentence += (
-            f". Deviations allow for it: that of {names[worst]} is {growth[worst]:.2g} times that of noise alone"
+        sentence = phrase(
+            "allowed_for",
+            "{sentence}. Deviations allow for it: that of {name} is {times} times that of noise alone",
+            sentence=sentence,
+            name=names[worst],
+            times=f"{growth[worst]:.2g}",
         )
     quantity = [
         {
@@ -345,7 +354,7 @@ BEARABLE = 3.0  # times a deviation by noise alone, up to which one that allows 
 GROWN = 1.1  # times a deviation, from which on it is said
 
 
-def _follows(seen: Seen, systematic: Systematic, case: Case) -> str:
+def _follows(seen: Seen, systematic: Systematic, case: Case) -> Phrase:
     """What residuals follow, in which channel, how much, and what would make it."""
     effect, alternative = seen.effect, seen.effect.alternative
     if alternative.each:
@@ -355,14 +364,20 @@ def _follows(seen: Seen, systematic: Systematic, case: Case) -> str:
     if channel < 0:
         channel = int(np.argmax(seen.explained / np.maximum(systematic.residuals, np.finfo(float).tiny)))
     name, unit = channel_words(case, channel)
-    size = f"{seen.explained[channel]:.2g} of {systematic.residuals[channel]:.2g} {unit} rms"
     causes = [_cause(effect), *(_cause(rival) for rival in seen.rivals[:1])]
-    return f"residuals of {name} follow {follow} ({size}), as with {', or '.join(dict.fromkeys(causes))}"
+    return phrase(
+        "follows",
+        "residuals of {name} follow {follow} ({part} of {whole} {unit} rms), as with {causes}",
+        name=name,
+        follow=follow,
+        part=f"{seen.explained[channel]:.2g}",
+        whole=f"{systematic.residuals[channel]:.2g}",
+        unit=unit,
+        causes=enumerated("comma_or", list(dict.fromkeys(causes))),
+    )
 
 
-def _cause(effect: Effect) -> str:
+def _cause(effect: Effect) -> Phrase:
     """Words for what makes an effect, with its size where it has one."""
-    if "{}" not in effect.alternative.cause:
-        return effect.alternative.cause
     size, std = effect.sizes[0] / effect.alternative.unit, effect.stds[0] / effect.alternative.unit
-    return effect.alternative.cause.format(with_deviation(float(size), float(std)))
+    return effect.alternative.caused(with_deviation(float(size), float(std)))

@@ -295,13 +295,13 @@ def findings_of(told: Told, case: Case, fitted: Fitted) -> list[Finding]:
     """
     named = [size for share in told.shares for size in sizes_named(case, share.key)]
     stds, values, entries = np.sqrt(np.diag(told.covariance)), told.sizes, list[dict[str, Any]]()
-    by_key, clear = told.by_key, list[tuple[Size, str, Array]]()
+    by_key, clear = told.by_key, list[tuple[Size, Phrase, Array]]()
     for k, size in enumerate(named):
         if stds[k] > TELLING:
             continue
         unit = told.stated[k] / size.unit
         amount = with_deviation(float(values[k] * unit), float(stds[k] * unit))
-        sentence = size.words.format(f"{amount} {size.symbol}")
+        sentence = size.words.filled(size=f"{amount} {size.symbol}")
         entries.append(
             {
                 "key": size.key,
@@ -318,10 +318,15 @@ def findings_of(told: Told, case: Case, fitted: Fitted) -> list[Finding]:
     left_open = told.left_open(fitted).to_json()
     findings = [note(Kind.CASE, "", told=entries, told_sizes=exact), note(Kind.CASE, "", told_left_open=left_open)]
     for key in dict.fromkeys(size.key for size, _, _ in clear):
-        words = "; ".join(sentence for size, sentence, _ in clear if size.key == key)
+        words = enumerated("semicolon", [sentence for size, sentence, _ in clear if size.key == key])
         first = next(size for size, _, _ in clear if size.key == key)
-        sentence = f"the run tells that {words}: estimated and allowed for; "
-        told_of = note(Kind.CASE, sentence + remedy_of(case, first, {key: by_key[key]}))
+        sentence = phrase(
+            "told_sizes",
+            "the run tells that {words}: estimated and allowed for; {remedy}",
+            words=words,
+            remedy=remedy_of(case, first, {key: by_key[key]}),
+        )
+        told_of = note(Kind.CASE, sentence)
         findings.append(replace(told_of, remedies=remedies_of(words, case, first, {key: by_key[key]})))
     return findings + _contradictions(told, named)
 
@@ -364,7 +369,7 @@ def _off(part: Part, told: Told, size: Size) -> Phrase:
     return phrase(
         "part_off",
         "{words}, where tolerances.{key} states {stated} ({deviations} deviations of both{larger})",
-        words=size.words.format(f"{with_deviation(part.size * unit, part.std * unit)} {size.symbol}"),
+        words=size.words.filled(size=f"{with_deviation(part.size * unit, part.std * unit)} {size.symbol}"),
         key=size.key,
         stated=f"{unit:.3g}",
         deviations=f"{part.deviations:.2g}",

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cases.base.errors import Remedy, Write
-from cases.base.phrases import NOTHING, Phrase, phrase
+from cases.base.phrases import NOTHING, Phrase, enumerated, phrase
 from cases.base.units import Array
 from cases.schema import Case
 from identification.texts import std_text
@@ -30,15 +30,15 @@ def keys_to_write(case: Case, edited: Case, deviations: Deviations | None = None
         edited: as it is mended.
         deviations: of values that were estimated.
     """
-    tables: dict[str, list[str]] = {}
+    tables: dict[str, list[tuple[str, str]]] = {}
     written = list(_differences(case.model_dump(mode="json"), edited.model_dump(mode="json")))
     stds = [np.zeros(())] * len(written) if deviations is None else deviations([path for path, _ in written])
     for (path, value), std in zip(written, stds, strict=True):
         table, key = _place(path, case)
-        entry = f"{key} = {_toml(value)}{_plus_minus(std)}" if value is not None else f"no {key}"
-        tables.setdefault(table, []).append(entry)
+        text = "" if value is None else f" = {_toml(value)}{_plus_minus(std)}"
+        tables.setdefault(table, []).append((key, text))
     parts = [_in_table(table, entries) for table, entries in tables.items()]
-    return phrase("write", "write {keys}", keys=", and ".join(parts)) if parts else NOTHING
+    return phrase("write", "write {keys}", keys=enumerated("and", parts)) if parts else NOTHING
 
 
 def _plus_minus(std: Array) -> str:
@@ -99,10 +99,24 @@ def _rounded(before: Any, after: Any) -> Any:
     return after
 
 
-def _in_table(table: str, entries: Sequence[str]) -> str:
-    if table and len(entries) == 1 and " " not in table:
-        return f"{table}.{entries[0]}" if not entries[0].startswith("no ") else f"no {table}.{entries[0][3:]}"
-    return (f"in [{table}]: " if table and " " not in table else f"in {table}: " if table else "") + ", ".join(entries)
+def _in_table(table: str, entries: Sequence[tuple[str, str]]) -> Phrase:
+    """Keys of a table with what stands behind each; a key that goes has nothing there."""
+    of_joint = table.startswith(_JOINT)
+    if table and len(entries) == 1 and not of_joint:
+        key, text = entries[0]
+        return _entry(f"{table}.{key}", text)
+    keys = enumerated("comma", [_entry(key, text) for key, text in entries])
+    if of_joint:
+        name = table.removeprefix(_JOINT).removesuffix(_OF_JOINTS)
+        return phrase("in_joint", "in joint {name} of machine.chain.joints: {keys}", name=name, keys=keys)
+    return phrase("in_table", "in [{table}]: {keys}", table=table, keys=keys) if table else keys
+
+
+def _entry(key: str, text: str) -> Phrase:
+    return phrase("one_key", "{key}{text}", key=key, text=text) if text else phrase("no_key", "no {key}", key=key)
+
+
+_JOINT, _OF_JOINTS = "joint ", " of machine.chain.joints"
 
 
 def _differences(before: Any, after: Any, path: Path = ()) -> Iterator[tuple[Path, Any]]:
@@ -126,7 +140,7 @@ def _place(path: Path, case: Case) -> tuple[str, str]:
     """Table and key of a place, entries of lists counted from 1 or by the name of a joint."""
     words = [str(part) if isinstance(part, str) else f"[{part + 1}]" for part in path]
     if path[:3] == ("machine", "chain", "joints") and case.chain is not None and isinstance(path[3], int):
-        return f"joint {case.chain.joints[path[3]].name} of machine.chain.joints", ".".join(words[4:])
+        return f"{_JOINT}{case.chain.joints[path[3]].name}{_OF_JOINTS}", ".".join(words[4:])
     if isinstance(path[-1], int):
         return ".".join(words[:-2]), words[-2] + words[-1]
     return ".".join(words[:-1]), words[-1]
