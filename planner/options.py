@@ -12,6 +12,7 @@ from typing import Annotated, ClassVar, TypedDict
 
 from cases.base.errors import option
 from cases.base.options import Option
+from cases.base.phrases import Phrase, phrase
 
 DURATION = 12.0  # [s] unless another is asked for
 LONGEST_WANTED = 60.0  # [s] longest motion that is tried for a target unless another is asked for
@@ -226,3 +227,10 @@ OF_FAMILIES: Mapping[str, type[FourierOptions | MoveOptions | SplineOptions | Ma
 """Declarations of the settings that one family alone has, by its name."""
 FAMILY_WORDS = {name: kind.words for name, kind in OF_FAMILIES.items()} | {"poses": "poses"}
 """What families are called in texts for people, by their names in files and on the command line."""
+FAMILY = "family"
+"""Code of a family in words."""
+
+
+def family_phrase(name: str) -> Phrase:
+    """A family in words, whose value is its name."""
+    return phrase(FAMILY, FAMILY_WORDS[name], name=name)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from cases.base.errors import Code, HexciteError, InfeasiblePlan, Interrupted, option
-from cases.base.phrases import phrase
+from cases.base.phrases import Phrase, phrase
 from cases.schema import Case
 from identification.model.model import identification_model
 from identification.model.parameters import physical_form
@@ -205,18 +205,29 @@ def _predicted(trial: Trial, targets: Mapping[str, float], case: Case, model: in
     return deviations_in_words(targets, trial.plan.std_after, case, model)
 
 
-def _note(best: Trial, trials: list[Trial], targets: Mapping[str, float], case: Case, model: int) -> str:
+def _note(best: Trial, trials: list[Trial], targets: Mapping[str, float], case: Case, model: int) -> Phrase:
     """What was asked for, what the motion predicts, and what the longest shorter one does."""
-    words = (
-        f"{best.duration:g} s is the shortest of {len(trials)} durations that reaches "
-        f"{deviations_in_words(targets, targets, case, model)}: it predicts {_predicted(best, targets, case, model)}"
+    words = phrase(
+        "shortest",
+        "{duration} s is the shortest of {count} durations that reaches {targets}: it predicts {predicted}",
+        duration=f"{best.duration:g}",
+        count=len(trials),
+        targets=deviations_in_words(targets, targets, case, model),
+        predicted=_predicted(best, targets, case, model),
     )
     shorter = [trial for trial in trials if trial.duration < best.duration]
     if not shorter:
         return words
     last = max(shorter, key=lambda trial: trial.duration)
-    less = "has no motion" if last.plan is None else f"predicts {_predicted(last, targets, case, model)}"
-    return f"{words}; {last.duration:g} s {less}"
+    if last.plan is None:
+        return phrase("shorter_none", "{words}; {duration} s has no motion", words=words, duration=f"{last.duration:g}")
+    return phrase(
+        "shorter_predicts",
+        "{words}; {duration} s predicts {predicted}",
+        words=words,
+        duration=f"{last.duration:g}",
+        predicted=_predicted(last, targets, case, model),
+    )
 
 
 def _missed(trials: list[Trial], request: Request, case: Case) -> HexciteError | Interrupted:

@@ -81,9 +81,25 @@ def said(text: str) -> Phrase:
     return text if isinstance(text, Phrase) else phrase(QUOTED, "{text}", text=text)
 
 
+def again(text: str, entries: object) -> Phrase:
+    """A text as the phrase that it was, by its entries; one that is quoted where they are none.
+
+    Args:
+        text: in English.
+        entries: as `Phrase.to_json` gives them.
+    """
+    if not isinstance(entries, Mapping) or not isinstance(values := entries.get("values"), Mapping):
+        return said(text)
+    result = Phrase(text)
+    result.code, result.values = str(entries.get("code")), values
+    return result
+
+
 def _entry(value: Any, shown: Callable[[str], str]) -> Any:
     if isinstance(value, Phrase):
         return value.to_json(shown)
+    if isinstance(value, Mapping):  # of a phrase that was read again
+        return dict(value)
     if isinstance(value, list | tuple):
         return [_entry(each, shown) for each in value]
     return shown(str(value))

@@ -6,9 +6,10 @@ from html import unescape
 from markupsafe import Markup, escape
 
 from cases.base.phrases import QUOTED
-from hexcite.texts import answers, sentences
+from hexcite.texts import answers, plan, sentences
 from identification.limits.limit import NAMED, Limit
 from identification.texts import PARAMETER, parameter_words
+from planner.options import FAMILY
 
 
 def parameter(name: str) -> str:
@@ -57,6 +58,8 @@ def sentence(value: object, quoted: Callable[[object], Markup]) -> Markup | None
         return None if None in parts else Markup(sentences.SIGNS[code]).join(each for each in parts if each)
     if code == PARAMETER:
         return escape(parameter(str(values.get("name"))))
+    if code == FAMILY:
+        return escape(plan.TEXTS.get(f"family_{values.get('name')}", ("", str(values.get("name"))))[1])
     if code == NAMED:
         return escape(limit_of(str(values.get("name"))))
     if code == QUOTED:

@@ -2,6 +2,7 @@
 
 from hexcite.texts.effects import EFFECTS
 from hexcite.texts.errors import ERRORS, READERS
+from hexcite.texts.plans import PLANS
 
 CAUSES = {
     "cause": "{words}: Dann sind die Residuen {smaller} ({newtons} N, wo Rauschen {noise} N macht); {remedies}",
@@ -224,7 +225,7 @@ FINDINGS = {
 }
 """Findings about a run and its evaluation."""
 
-SENTENCES = FINDINGS | EFFECTS | PROGRAMS | CAUSES | CHANNELS | MOTION | MACHINE | ERRORS | READERS
+SENTENCES = FINDINGS | EFFECTS | PLANS | PROGRAMS | CAUSES | CHANNELS | MOTION | MACHINE | ERRORS | READERS
 """Code -> German, with the places of the English text."""
 
 SIGNS = {

@@ -3,12 +3,15 @@
 Fields of `Worth` and `PoseWorth` have the names of their entries in `plan.json`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from itertools import zip_longest
 from typing import Any
 
 import numpy as np
+from pydantic import TypeAdapter
 
+from cases.base.phrases import again, said
 from cases.schema import Case
 from identification.estimation.criteria import Criterion, reference_scaling, singular_values, total_information
 from identification.limits.limit import LimitReport
@@ -57,7 +60,25 @@ class Worth:
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json`."""
-        return asdict(self) | {"d_efficiency": self.d_efficiency}
+        phrases = {f"{name}_phrases": [said(words).to_json() for words in getattr(self, name)] for name in _WORDED}
+        return asdict(self) | phrases | {"d_efficiency": self.d_efficiency}
+
+    @classmethod
+    def of_json(cls, entries: Mapping[str, Any]) -> "Worth":
+        """The value of these entries; raises ValidationError for what they cannot be."""
+        worth = TypeAdapter(cls).validate_python(entries)
+        weaknesses, notes = (_sentences(getattr(worth, name), entries.get(f"{name}_phrases")) for name in _WORDED)
+        return replace(worth, weaknesses=weaknesses, notes=notes)
+
+
+def _sentences(sentences: Sequence[str], phrases: object) -> tuple[str, ...]:
+    """Sentences of a file with their codes, where it has them."""
+    codes = phrases if isinstance(phrases, list) else []
+    return tuple(again(words, code) for words, code in zip_longest(sentences, codes[: len(sentences)]))
+
+
+_WORDED = ("weaknesses", "notes")
+"""Fields of sentences."""
 
 
 @dataclass(frozen=True, slots=True)

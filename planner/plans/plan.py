@@ -232,7 +232,7 @@ class Plan:
         remarks = require_unchanged(file, data, now, case_of_plan, stale, phrase("plan_again", "plan again"))
         with refusing(file):
             request = PoseRequest.of_json(data) if of_poses else Request.of_json(data)
-            worth = TypeAdapter[PoseWorth | Worth](PoseWorth if of_poses else Worth).validate_python(data)
+            worth = TypeAdapter(PoseWorth).validate_python(data) if of_poses else Worth.of_json(data)
             limits = LimitReport.of_json(data["limits"])
             names = [p.name for p in physical_form(identification_model(case_of_plan, request.model)).parameters]
             if list(entries.predicted_std) != names or not limits.checks:

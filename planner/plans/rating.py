@@ -6,9 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cases.base.phrases import NOTHING, Phrase, enumerated, phrase
 from cases.schema import Case
 from identification.estimation.criteria import Criterion, box_middle, reference_scaling
-from identification.limits.limit import LimitKind, LimitReport, Status
+from identification.limits.limit import NAMED, LimitKind, LimitReport, Status
 from identification.model.model import Model, identification_model
 from identification.motion.curves import FourierMotion
 from identification.motion.motion import Joined, Trajectory
@@ -19,7 +20,7 @@ from planner.families.plan_settings import FourierSettings, MoveSettings, PlanSe
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import Fourier, PointToPoint
 from planner.noise import mean_information
-from planner.options import FAMILY_WORDS
+from planner.options import family_phrase
 from planner.plans.figures import Worth, figures_of, prediction_of, predictions_of
 from planner.plans.plan import Plan
 from planner.plans.prediction import Gain, Promise
@@ -31,10 +32,11 @@ from planner.search.solving import DRAWN_BACK, Start
 
 _OTHERWISE = {"ptp": "fewer --moves", "fourier": "--free-period", "spline": "--family ptp"}  # by family
 FULL = 0.9  # share of a limit that a good motion uses of at least one
-ORDER_1 = (
+ORDER_1 = phrase(
+    "order_1",
     "order 1 moves on ellipses: accelerations are -w^2 times the way from the middle, all at one frequency; only the "
     "ways in and out, and gravity as it turns, tell inertia from offsets and from errors that depend on the pose; "
-    "plan order 3 too and compare the predicted deviations"
+    "plan order 3 too and compare the predicted deviations",
 )
 SPARE = 0.05  # share of the duration that a free period may leave before it is said
 NEEDLESS = 0.01  # share of the information that harmonics may carry and yet be called needless
@@ -101,47 +103,76 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
     )  # fmt: skip
 
 
-def weaknesses(planned: PlannedMotion, request: Request) -> tuple[str, ...]:
+def weaknesses(planned: PlannedMotion, request: Request) -> tuple[Phrase, ...]:
     """Reasons why another plan would carry more information, each with a remedy; the first thing that a user reads."""
-    words = []
+    words = list[Phrase]()
     refined = [s.record for s in planned.starts if s.record.refined]
     ended_early = planned.interrupted or planned.out_of_time
     unfinished = bool(refined) and not ended_early and not refined[0].converged
     if unfinished and request.starts is not None:  # a search that ends by itself has tried further starts
-        starts_words = "the only start" if request.starts == 1 else f"the best of {request.starts} starts"
+        which = (
+            phrase("only_start", "the only start")
+            if request.starts == 1
+            else phrase("best_start", "the best of {count} starts", count=request.starts)
+        )
         words.append(
-            f"{starts_words} had not converged ({refined[0].solver.words}): without --starts the search goes on until "
-            "further starts gain little"
+            phrase(
+                "not_converged",
+                "{which} had not converged ({why}): without --starts the search goes on until further starts gain "
+                "little",
+                which=which,
+                why=refined[0].solver.words,
+            )
         )
     if planned.starts and (share := planned.starts[0].shrunk) < DRAWN_BACK:
         words.append(
-            f"the motion had to be drawn to {100 * share:.0f} % of its ways to satisfy every limit: plan with "
-            "another --seed, or in a smaller box"
+            phrase(
+                "drawn_back",
+                "the motion had to be drawn to {share} % of its ways to satisfy every limit: plan with another --seed, "
+                "or in a smaller box",
+                share=f"{100 * share:.0f}",
+            )
         )
     checks = [c for c in planned.limits.checks if c.binding and c.kind.kinetic]
     if planned.starts and checks and (most := max(checks, key=lambda c: c.ratio)).ratio < FULL:
         words.append(
-            f"no limit of speed or force is used beyond {100 * most.ratio:.0f} % ({most.name}): the ways are short for "
-            f"these speeds; widen [limits.motion], or try {_OTHERWISE[request.name]}"
+            phrase(
+                "short_ways",
+                "no limit of speed or force is used beyond {share} % ({limit}): the ways are short for these speeds; "
+                "widen [limits.motion], or try {other}",
+                share=f"{100 * most.ratio:.0f}",
+                limit=phrase(NAMED, most.name, name=most.name),
+                other=_OTHERWISE[request.name],
+            )
         )
     return tuple(words)
 
 
-def search_notes(planned: PlannedMotion, request: Request, parameters: int) -> tuple[str, ...]:
+def search_notes(planned: PlannedMotion, request: Request, parameters: int) -> tuple[Phrase, ...]:
     """How close the best starts are where a search for criterion D ended by itself; none of one that was told when.
 
     Args:
         parameters: their number u.
     """
     if planned.out_of_time:
-        return (f"ended after {request.seconds:g} s, as asked: the best of {len(planned.starts)} motions until then",)
+        ended = phrase(
+            "ended_as_asked",
+            "ended after {seconds} s, as asked: the best of {count} motions until then",
+            seconds=f"{request.seconds:g}",
+            count=len(planned.starts),
+        )
+        return (ended,)
     values = [s.record.criterion_value for s in planned.starts if s.record.refined]
     if request.criterion != Criterion.D or request.starts is not None or planned.interrupted or len(values) < 2:
         return ()
     loss = -math.expm1((values[1] - values[0]) / parameters)
-    behind = f"the next one has {100 * loss:.1f} % less information"
-    start_count = len({s.record.seed for s in planned.starts})  # a refinement has the seed of its exploration
-    return (f"the best of {start_count} starts, {behind}: more starts gain little",)
+    best = phrase(
+        "best_of_starts",
+        "the best of {count} starts, the next one has {loss} % less information: more starts gain little",
+        count=len({s.record.seed for s in planned.starts}),  # a refinement has the seed of its exploration
+        loss=f"{100 * loss:.1f}",
+    )
+    return (best,)
 
 
 def tried_families(planned: PlannedMotion, d_efficiency: float, parameters: int) -> dict[str, float]:
@@ -162,34 +193,57 @@ def tried_families(planned: PlannedMotion, d_efficiency: float, parameters: int)
     return {name: d_efficiency * math.exp((logdet - first) / parameters) for name, logdet in best.items()}
 
 
-def choice_notes(tried: Mapping[str, float]) -> tuple[str, ...]:
+def choice_notes(tried: Mapping[str, float]) -> tuple[Phrase, ...]:
     """Which family was chosen, and why."""
     if not tried:
         return ()
     (name, most), *others = tried.items()
-    behind = ", ".join(f"{FAMILY_WORDS[other]} {efficiency:.3f}" for other, efficiency in others)
-    path = "" if name == PointToPoint.name else "; for a controller that times moves itself --family ptp"
-    return (f"{FAMILY_WORDS[name]} by trying: D-efficiency {most:.3f}, first starts of {behind}{path}",)
+    behind = [
+        phrase("family_has", "{family} {efficiency}", family=family_phrase(other), efficiency=f"{efficiency:.3f}")
+        for other, efficiency in others
+    ]
+    path = phrase("timed_moves", "; for a controller that times moves itself --family ptp")
+    chosen = phrase(
+        "by_trying",
+        "{family} by trying: D-efficiency {most}, first starts of {behind}{path}",
+        family=family_phrase(name),
+        most=f"{most:.3f}",
+        behind=enumerated("comma", behind),
+        path=NOTHING if name == PointToPoint.name else path,
+    )
+    return (chosen,)
 
 
-def fourier_notes(case: Case, model: Model, request: Request, motion: Trajectory, logdet: float) -> tuple[str, ...]:
+def fourier_notes(case: Case, model: Model, request: Request, motion: Trajectory, logdet: float) -> tuple[Phrase, ...]:
     """Notes on the order of a Fourier series, and on the time that a free period leaves; none of other motions."""
     if not isinstance(motion, FourierMotion) or not isinstance(request.family, Fourier):
         return ()
-    words = []
+    words = list[Phrase]()
     if motion.order == 1:
         words.append(ORDER_1)
     order, loss = needless_harmonics(case, model, motion, logdet)
     if order < motion.order:
         words.append(
-            f"harmonics above {order} are needless: without them the motion keeps {100 * (1 - loss):.1f} % of its "
-            f"information; --order {order} searches fewer unknowns"
+            phrase(
+                "needless_harmonics",
+                "harmonics above {order} are needless: without them the motion keeps {share} % of its information; "
+                "--order {order} searches fewer unknowns",
+                order=order,
+                share=f"{100 * (1 - loss):.1f}",
+            )
         )
     spare, one_more = request.duration - motion.duration, motion.duration + motion.period
     if request.family.free_period and spare > SPARE * request.duration:
         words.append(
-            f"whole periods of {motion.period:.4g} s take {motion.duration:.4g} s of the {request.duration:g} s; "
-            f"--duration {math.ceil(100 * one_more) / 100:g} has time for one more"
+            phrase(
+                "whole_periods",
+                "whole periods of {period} s take {taken} s of the {duration} s; --duration {more} has time for one "
+                "more",
+                period=f"{motion.period:.4g}",
+                taken=f"{motion.duration:.4g}",
+                duration=f"{request.duration:g}",
+                more=f"{math.ceil(100 * one_more) / 100:g}",
+            )
         )
     return tuple(words)
 
@@ -225,30 +279,49 @@ def with_jerk_limited(motion: Joined, case: Case) -> Joined:
     return Joined(tuple(moves))
 
 
-def notes(planned: PlannedMotion, smooth: tuple[float, float] | None = None) -> tuple[str, ...]:
+def notes(planned: PlannedMotion, smooth: tuple[float, float] | None = None) -> tuple[Phrase, ...]:
     """Notes that a user acts on before the plan is run.
 
     Args:
         smooth: duration [s] and D-efficiency of the same moves with limited jerk, where the plan leaves it out.
     """
-    settings, words = planned.settings, []
+    settings, words = planned.settings, list[Phrase]()
     if steps := [c for c in planned.limits.checks if c.status is Status.LEFT_OUT]:
         limits = ", ".join(f"{abs(c.limit):.4g} {c.unit}" for c in steps)
         words.append(
-            f"made for {settings.made_for}, which does not limit jerk: accelerations step, and the limits of "
-            f"jerk of the case ({limits}) are left out, as asked for"
+            phrase(
+                "jerk_left_out",
+                "made for {controller}, which does not limit jerk: accelerations step, and the limits of jerk of the "
+                "case ({limits}) are left out, as asked for",
+                controller=settings.made_for,
+                limits=limits,
+            )
         )
         if smooth is not None:
             words.append(
-                f"with limited jerk the same moves take {smooth[0]:.3g} s, at a D-efficiency of {smooth[1]:.3f}"
+                phrase(
+                    "with_jerk",
+                    "with limited jerk the same moves take {seconds} s, at a D-efficiency of {efficiency}",
+                    seconds=f"{smooth[0]:.3g}",
+                    efficiency=f"{smooth[1]:.3f}",
+                )
             )
     families = (start.family for start in planned.starts)
     counts = {family.moves for family in families if isinstance(family, PointToPointFamily)}
     if len(counts) > 1 and isinstance(settings, MoveSettings):
-        words.append(f"{settings.moves} moves are the best of {', '.join(map(str, sorted(counts)))}")
+        tried = ", ".join(map(str, sorted(counts)))
+        words.append(phrase("best_moves", "{moves} moves are the best of {tried}", moves=settings.moves, tried=tried))
     first = (start.family.settings for start in planned.starts)
     choices = {(own.order, own.period_s) for own in first if isinstance(own, FourierSettings)}
     if len(choices) > 1 and isinstance(settings, FourierSettings):
-        chosen = f"order {settings.order} with period {settings.period_s:.4g} s"
-        words.append(f"{chosen} is the best of searches that began at {len(choices)} pairs of order and period")
+        words.append(
+            phrase(
+                "best_order",
+                "order {order} with period {period} s is the best of searches that began at {count} pairs of order and "
+                "period",
+                order=settings.order,
+                period=f"{settings.period_s:.4g}",
+                count=len(choices),
+            )
+        )
     return tuple(words)

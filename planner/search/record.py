@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from enum import StrEnum
 
+from cases.base.phrases import Phrase, phrase, said
+
 
 class SolverStatus(StrEnum):
     """How a run of a solver ended: return statuses as CasADi names them, in small letters, and ours."""
@@ -29,16 +31,16 @@ class SolverStatus(StrEnum):
         return self in (SolverStatus.CONVERGED, SolverStatus.ACCEPTABLE, SolverStatus.FEASIBLE, SolverStatus.SETTLED)
 
     @property
-    def words(self) -> str:
+    def words(self) -> Phrase:
         """What people are shown: to stop at the iterations that a stage has is not a failure."""
-        return _SHOWN.get(self, str(self))
+        return _SHOWN.get(self, said(str(self)))
 
 
 _SHOWN = {
-    SolverStatus.ITERATION_LIMIT: "at its iteration limit",
-    SolverStatus.STOPPED: "stopped by the time limit or by Ctrl-C",
-    SolverStatus.CONVERGED: "converged",
-    SolverStatus.SHORT_STEP: "its steps became too short",
+    SolverStatus.ITERATION_LIMIT: phrase("at_iterations", "at its iteration limit"),
+    SolverStatus.STOPPED: phrase("search_stopped", "stopped by the time limit or by Ctrl-C"),
+    SolverStatus.CONVERGED: phrase("converged", "converged"),
+    SolverStatus.SHORT_STEP: phrase("short_steps", "its steps became too short"),
 }
 
 
