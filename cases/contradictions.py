@@ -12,13 +12,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cases.base.phrases import NOTHING, Phrase, enumerated, phrase
 from cases.base.units import DEG, Array
 from cases.tables import own_units
 
+CONVERTED = "degrees that were taken for radians and converted"
 _MISTAKEN = (  # end of a key, and the units that are written there by mistake, with their value in the right one
     (r"_mm(_s)?$", (("m", 1e3), ("um", 1e-3))),
     (r"_m_s\d?$", (("mm", 1e-3),)),
-    (r"_deg(_s)?$", (("rad", 1.0 / DEG), ("degrees that were taken for radians and converted", DEG))),
+    (r"_deg(_s)?$", (("rad", 1.0 / DEG), (CONVERTED, DEG))),
     (r"_rad_s\d$", (("deg", DEG),)),
     (r"_deg_s\d$", (("rad", 1.0 / DEG),)),
     (r"_kg$", (("g", 1e-3), ("t", 1e3))),
@@ -32,7 +34,6 @@ COST = 9.0  # what a mistaken unit must explain, in squares of the scatter of re
 ANOTHER = 3.0  # what it must explain more where it is one of other keys too
 DOUBTFUL = 4.0  # times its scatter that a figure is out where no mistaken unit explains it
 _LEAST = 1e-300  # above 0
-_WORDS = {"m": "metres", "mm": "millimetres", "um": "micrometres", "rad": "radians", "deg": "degrees", "s": "seconds"}
 SHOWN = 4  # values of a sentence
 
 
@@ -41,7 +42,7 @@ class Stated(NamedTuple):
 
     key: str  # dotted; several keys of one unit with commas
     value: Array  # in the key's unit
-    summary: str = ""  # what it is of the keys, where it is not what the file says
+    summary: Phrase = NOTHING  # what it is of the keys, where it is not what the file says
 
     @property
     def si(self) -> Array:
@@ -49,14 +50,18 @@ class Stated(NamedTuple):
         return np.asarray(self.value * own_units([self.key])[0], dtype=float)
 
     @property
-    def words(self) -> str:
+    def words(self) -> Phrase:
         """The value as the file says it."""
-        return f"{self.key} {self.summary or '='} {_shown(self.value)}"
+        return self.of(self.key)
+
+    def of(self, key: str) -> Phrase:
+        """The value as one of this key."""
+        return phrase("stated", "{key} {how} {value}", key=key, how=self.summary or "=", value=_shown(self.value))
 
     def corrected(self, factor: float) -> str:
         """What to write instead, where the value is `factor` times as large."""
         if self.summary:
-            return f"{factor:.4g} times that"
+            return phrase("times_that", "{factor} times that", factor=f"{factor:.4g}")
         sizes = np.abs(self.value)
         apart = self.key.startswith("limits.") and sizes.max() > sizes.min() / min(factor, 1.0 / factor) / 3.0
         wrong = sizes * (1 if factor < 1.0 else -1) > np.sqrt(sizes.max() * sizes.min()) * (1 if factor < 1.0 else -1)
@@ -64,14 +69,16 @@ class Stated(NamedTuple):
         return f"{self.key.rpartition('.')[2]} = {_shown(value)}"
 
 
-class Doubt(str):
+class Doubt(Phrase):
     """A sentence on values that are doubtful, with their keys."""
 
-    keys: tuple[str, ...]
+    keys: tuple[str, ...] = ()
 
-    def __new__(cls, sentence: str, keys: Iterable[str]) -> "Doubt":
+    @classmethod
+    def on(cls, sentence: Phrase, keys: Iterable[str]) -> "Doubt":
         """Of dotted keys; those of one sum stand in one, with commas."""
-        doubt = super().__new__(cls, sentence)
+        doubt = cls(sentence)
+        doubt.code, doubt.values, doubt.template = sentence.code, sentence.values, sentence.template
         doubt.keys = tuple(keys)
         return doubt
 
@@ -84,7 +91,7 @@ class Relation(NamedTuple):
     low: float  # ends between which it is as usual; 0 or infinite where it has none
     high: float
     scatter: float  # factor beyond them that sound machines scatter by
-    words: str
+    words: Phrase
 
     @property
     def distance(self) -> float:
@@ -137,14 +144,23 @@ def contradictions(stated: Sequence[Stated], relations: Relations) -> Iterator[D
             break
         concerned = [relation for relation in now if best.concerns(relation)]
         words = _accusation(best, of_key, max(concerned, key=lambda relation: relation.distance))
-        yield Doubt(words, best.factors)
+        yield Doubt.on(words, best.factors)
         values = best.applied(values)
         now = list(relations(values))
         hypotheses = [other for other in hypotheses if not set(other.factors) & set(best.factors)]
     for relation in _first_of_each(relation for relation in now if relation.distance > DOUBTFUL):
-        others = ", ".join(of_key[key].words for key in relation.keys[1:])
-        cure = f"beside {others}: {relation.words}; one of them is wrong" if others else f"{relation.words}; correct it"
-        yield Doubt(f"{of_key[relation.keys[0]].words}{' ' if others else ': '}{cure}", relation.keys)
+        first, *others = (of_key[key].words for key in relation.keys)
+        if others:
+            sentence = phrase(
+                "one_is_wrong",
+                "{value} beside {others}: {why}; one of them is wrong",
+                value=first,
+                others=enumerated("comma", others),
+                why=relation.words,
+            )
+        else:
+            sentence = phrase("correct_value", "{value}: {why}; correct it", value=first, why=relation.words)
+        yield Doubt.on(sentence, relation.keys)
 
 
 def _left(hypothesis: _Hypothesis, values: Values, relations: Relations) -> float:
@@ -198,31 +214,58 @@ def _first_of_each(broken: Iterable[Relation]) -> Iterator[Relation]:
         named |= set(relation.keys)
 
 
-def _accusation(hypothesis: _Hypothesis, stated: Mapping[str, Stated], relation: Relation) -> str:
+def _accusation(hypothesis: _Hypothesis, stated: Mapping[str, Stated], relation: Relation) -> Phrase:
     accused = [stated[key] for key in hypothesis.factors]
-    others = ", ".join(stated[key].words for key in relation.keys if key not in hypothesis.factors)
-    context = f" beside {others}" if others else ""
-    texts = {re.sub(r"\[\d+\]", "", value.corrected(hypothesis.factors[value.key])) for value in accused}
-    written = "; ".join(sorted(texts)[:SHOWN]) + (" and so on" if len(texts) > SHOWN else "")
-    unit = hypothesis.unit
-    units = dict.fromkeys(
-        f"{unit}{ending}" if (ending := _per_time(v.key)) else _WORDS.get(unit, unit) for v in accused
-    )
-    looks = "looks like" if len(accused) == 1 else "look like"
-    return f"{_listed(accused)}{context}: {relation.words}; {looks} {' and '.join(units)}: write {written}"
-
-
-def _listed(values: Sequence[Stated]) -> str:
-    """Values with their keys; those of several entries of a list together."""
-    together: dict[tuple[str, str], list[str]] = {}
-    for value in values:
-        start, _, rest = value.words.partition("s[")  # an entry of a list of joints or weights
-        number, _, end = rest.partition("]") if "." in start and rest[:1].isdigit() else ("", "", "")
-        together.setdefault((f"{start}s", end) if number else (value.words, ""), []).append(number)
-    texts = [
-        f"{start}[{', '.join(numbers)}]{end}" if numbers[0] else start for (start, end), numbers in together.items()
+    values = _listed(accused)
+    if others := [stated[key].words for key in relation.keys if key not in hypothesis.factors]:
+        values = phrase("beside", "{values} beside {others}", values=values, others=enumerated("comma", others))
+    corrected = (value.corrected(hypothesis.factors[value.key]) for value in accused)
+    written = {str(text): text if isinstance(text, Phrase) else re.sub(r"\[\d+\]", "", text) for text in corrected}
+    keys: Phrase = enumerated("semicolon", [written[text] for text in sorted(written)[:SHOWN]])
+    if len(written) > SHOWN:
+        keys = phrase("and_so_on", "{keys} and so on", keys=keys)
+    units = [
+        _unit_words(hypothesis.unit, ending) for ending in dict.fromkeys(_per_time(value.key) for value in accused)
     ]
-    return "; ".join(texts[:SHOWN]) + (f" and {len(texts) - SHOWN} more" if len(texts) > SHOWN else "")
+    places = {"values": values, "why": relation.words, "units": enumerated("both", units), "keys": keys}
+    if len(accused) == 1:
+        return phrase("looks_like", "{values}: {why}; looks like {units}: write {keys}", **places)
+    return phrase("look_like", "{values}: {why}; look like {units}: write {keys}", **places)
+
+
+def _unit_words(unit: str, ending: str) -> Phrase | str:
+    """The unit that values look like, with the time that it is by."""
+    return f"{unit}{ending}" if ending else _UNITS.get(unit, unit)
+
+
+_UNITS = {
+    "m": phrase("unit_m", "metres"),
+    "mm": phrase("unit_mm", "millimetres"),
+    "um": phrase("unit_um", "micrometres"),
+    "rad": phrase("unit_rad", "radians"),
+    "deg": phrase("unit_deg", "degrees"),
+    "s": phrase("unit_s", "seconds"),
+    CONVERTED: phrase("unit_converted", "degrees that were taken for radians and converted"),
+}
+
+
+def _listed(values: Sequence[Stated]) -> Phrase:
+    """Values with their keys; those of several entries of a list together."""
+    together: dict[tuple[str, ...], list[tuple[str, Stated]]] = {}
+    for value in values:
+        start, _, rest = value.key.partition("s[")  # an entry of a list of joints or weights
+        number, _, end = rest.partition("]") if "." in start and rest[:1].isdigit() else ("", "", "")
+        own = (f"{start}s", end) if number else (value.key,)
+        together.setdefault((*own, value.summary, _shown(value.value)), []).append((number, value))
+    texts = [
+        first.of(f"{names[0]}[{', '.join(n for n, _ in of)}]{names[1]}") if number else first.words
+        for names, of in together.items()
+        for number, first in of[:1]
+    ]
+    shown = enumerated("semicolon", texts[:SHOWN])
+    if len(texts) <= SHOWN:
+        return shown
+    return phrase("and_more_values", "{values} and {count} more", values=shown, count=len(texts) - SHOWN)
 
 
 def _per_time(key: str) -> str:

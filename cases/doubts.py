@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cases.base.phrases import NOTHING, Phrase, phrase
 from cases.base.units import DEG, MM, Array
 from cases.chain import Chain, JointMotionLimits
 from cases.contradictions import Doubt, Relation, Stated, Values, contradictions
@@ -34,20 +35,30 @@ def _largest(values: Values, key: str) -> float:
 def _reached(values: Values, v: str, a: str, j: str, unit: str) -> Relation:
     """The acceleration is one that velocity and jerk allow: it is built up before the velocity is reached."""
     acceleration = math.sqrt(_largest(values, v) * _largest(values, j))
-    words = f"velocity and jerk allow an acceleration of {acceleration:.3g} {unit}"
+    words = phrase(
+        "velocity_jerk_allow",
+        "velocity and jerk allow an acceleration of {size} {unit}",
+        size=f"{acceleration:.3g}",
+        unit=unit,
+    )
     return Relation((a, v, j), _largest(values, a) / acceleration, 0.0, 1.0, SOMEWHAT, words)
 
 
 def _run_up(values: Values, s: str, v: str, a: str) -> Relation:
     """The largest velocity is reached on a share of the range."""
     share = _largest(values, v) ** 2 / _largest(values, a) / _largest(values, s)
-    words = f"at that acceleration the velocity is reached on {100.0 * share:.2g} % of the range"
+    words = phrase(
+        "reached_on",
+        "at that acceleration the velocity is reached on {share} % of the range",
+        share=f"{100.0 * share:.2g}",
+    )
     return Relation((v, a, s), share, USUAL_RUN_UP, USUAL_RUN_UP, LOOSELY, words)
 
 
 def _at_most(values: Values, key: str, most: float, unit: str) -> Relation:
     size = _largest(values, key)
-    return Relation((key,), size / most, 0.0, 1.0, HARDLY, f"{size:.3g} {unit} is more than any such machine has")
+    words = phrase("more_than_any", "{size} {unit} is more than any such machine has", size=f"{size:.3g}", unit=unit)
+    return Relation((key,), size / most, 0.0, 1.0, HARDLY, words)
 
 
 Pair = tuple[str, str]
@@ -56,7 +67,12 @@ Pair = tuple[str, str]
 def _alike(values: Values, one: Pair, other: Pair, often: float) -> Relation:
     """Translation and rotation go together alike, as way, velocity, acceleration and jerk."""
     first, second = (_largest(values, pair[0]) / _largest(values, pair[1]) for pair in (one, other))
-    words = f"{first:.3g} m go with 1 rad in the first two, {second:.3g} m in the others"
+    words = phrase(
+        "go_with",
+        "{first} m go with 1 rad in the first two, {second} m in the others",
+        first=f"{first:.3g}",
+        second=f"{second:.3g}",
+    )
     return Relation((*one, *other), first / second, 1.0, 1.0, often, words)
 
 
@@ -70,7 +86,7 @@ def of_motion(limits: MotionLimits, machine: HexapodMachine | None) -> Iterator[
     def sides(letters: str, unit: str) -> Stated:
         names = [f"{letter}_{unit}" for letter in letters]
         widths = np.array([np.ptp(getattr(limits, name)) for name in names])
-        return Stated(f"limits.motion.{', '.join(names)}", widths, "with widths")
+        return Stated(f"limits.motion.{', '.join(names)}", widths, phrase("with_widths", "with widths"))
 
     values = [
         sides("xyz", "mm"),
@@ -103,7 +119,12 @@ def of_motion(limits: MotionLimits, machine: HexapodMachine | None) -> Iterator[
         if jacobian is not None:
             for strut, pose, unit in ((strut_v, (v, omega), "m/s"), (strut_a, (a, alpha), "m/s^2")):
                 need = float(np.abs(jacobian * np.hstack([now[key] for key in pose])).max())
-                words = f"at home the platform's own limits ask {need:.3g} {unit} of a strut"
+                words = phrase(
+                    "asked_of_strut",
+                    "at home the platform's own limits ask {size} {unit} of a strut",
+                    size=f"{need:.3g}",
+                    unit=unit,
+                )
                 yield Relation((strut, *pose), _largest(now, strut) / need, 1.0, 1.0, WIDELY, words)
 
     yield from contradictions(values, relations)
@@ -123,7 +144,7 @@ def of_chain(chain: Chain, limits: JointMotionLimits) -> Iterator[Doubt]:
     keys = [[f"limits.motion.joints[{k}].{key}" for key in joint.keys] for k, joint in enumerate(limits.joints, 1)]
     for joint, own in zip(limits.joints, keys, strict=True):
         low, high = getattr(joint, joint.keys[0])
-        stated[own[0]] = Stated(own[0], np.array(high - low), "with a width of")
+        stated[own[0]] = Stated(own[0], np.array(high - low), phrase("with_width", "with a width of"))
         for key, name in zip(own[1:], joint.keys[1:], strict=True):
             stated[key] = Stated(key, np.array(getattr(joint, name)))
     ends = dict[str, bool]()
@@ -133,7 +154,7 @@ def of_chain(chain: Chain, limits: JointMotionLimits) -> Iterator[Doubt]:
             stated[key], ends[key] = Stated(key, np.array(position)), end.turns
     origins = [*chain.joints, chain.sensor]
     distances = np.array([np.linalg.norm(np.array(frame.origin_mm)) for frame in origins])
-    stated[ORIGINS] = Stated(ORIGINS, distances, "with distances")
+    stated[ORIGINS] = Stated(ORIGINS, distances, phrase("with_distances", "with distances"))
 
     def relations(now: Values) -> Iterator[Relation]:
         for joint, (s, v, a, j) in zip(limits.joints, keys, strict=True):
@@ -147,28 +168,25 @@ def of_chain(chain: Chain, limits: JointMotionLimits) -> Iterator[Doubt]:
             for order in (1, 2, 3) if len(alike) > 2 else ():
                 usual = float(np.median([_largest(now, own[order]) for own in alike]))
                 for key in (own[order] for own in alike):
-                    words = f"other joints have {usual / _largest(now, key):.3g} times as much"
+                    times = f"{usual / _largest(now, key):.3g}"
+                    words = phrase("other_joints", "other joints have {times} times as much", times=times)
                     yield Relation((key,), _largest(now, key) / usual, 1.0, 1.0, OFTEN, words)
         for key, turns in ends.items():
             size = _largest(now, key)
             if turns:
-                yield Relation(
-                    (key,),
-                    size / MOST_TURN,
-                    0.0,
-                    1.0,
-                    HARDLY,
-                    f"{size / 2 / math.pi:.3g} turns are more than joints make",
-                )
+                turns_made = f"{size / 2 / math.pi:.3g}"
+                words = phrase("many_turns", "{turns} turns are more than joints make", turns=turns_made)
+                yield Relation((key,), size / MOST_TURN, 0.0, 1.0, HARDLY, words)
             else:
                 yield _at_most(now, key, REACH, "m")
         turning = [key for key, turns in ends.items() if turns]
         if len(turning) > 2:  # of one alone a few degrees may be meant
             widest = float(np.median([_largest(now, key) for key in turning])) / DEG
-            words = f"most joints turn by {widest:.3g} deg at most"
+            words = phrase("joints_turn_by", "most joints turn by {angle} deg at most", angle=f"{widest:.3g}")
             yield Relation(tuple(turning), widest, TWO_TURNS, math.inf, NEVER, words)
         reach = float(np.sum(now[ORIGINS]))
-        yield Relation((ORIGINS,), reach, LEAST_REACH, REACH, HARDLY, f"origins of joints add up to {reach:.3g} m")
+        words = phrase("origins_sum", "origins of joints add up to {size} m", size=f"{reach:.3g}")
+        yield Relation((ORIGINS,), reach, LEAST_REACH, REACH, HARDLY, words)
 
     yield from contradictions(list(stated.values()), relations)
 
@@ -186,15 +204,22 @@ def of_links(chain: Chain) -> Iterator[Doubt]:
         number, away, length = max(far, key=lambda link: link[1] - link[2])
         keys = [f"machine.chain.joints[{k}].link.centre_of_gravity_mm" for k, _, _ in far]
         joints = ", ".join(chain.joints[k - 1].name for k, _, _ in far)
-        yield Doubt(
-            f"link.centre_of_gravity_mm of {joints}: that of {chain.joints[number - 1].name} lies {_mm(away)} from its "
-            f"joint, the next frame {_mm(length)}, as if it were counted from another frame; correct it, or take link "
-            "away, and torque_Nm limits nothing",
-            keys,
+        sentence = phrase(
+            "link_far",
+            "link.centre_of_gravity_mm of {joints}: that of {name} lies {away} from its joint, the next frame "
+            "{length}, "
+            "as if it were counted from another frame; correct it, or take link away, and torque_Nm limits nothing",
+            joints=joints,
+            name=chain.joints[number - 1].name,
+            away=_mm(away),
+            length=_mm(length),
         )
+        yield Doubt.on(sentence, keys)
 
 
 MOST_OF_LINK, LINK_AROUND = 2.0, 0.2  # times the length of a link, and what is around it [m]
+
+
 ORIGINS = "machine.chain.joints.origin_mm"
 LEAST_REACH, REACH = 0.02, 60.0  # [m] sum of the distances of joints
 LEAST_SIZE, SIZE = 0.002, 10.0  # [m] radius of gyration of a body, where nothing tells the machine's size
@@ -228,23 +253,22 @@ def of_loads(carried: Carried, sensors: Sensors) -> Iterator[Doubt]:
             one, other = f"nominal.{key}", f"simulation.parameters.body.{key}"
             if one in now and other in now:
                 ratio = _largest(now, one) / _largest(now, other)
-                yield Relation(
-                    (one, other), ratio, 1.0, 1.0, OFTEN, f"one is {max(ratio, 1 / ratio):.3g} times the other"
-                )
+                yield Relation((one, other), ratio, 1.0, 1.0, OFTEN, _times_the_other(ratio))
         for size, scatter in ((RANGE, NOISE), ("sensors.range_Nm", "sensors.moment_noise_Nm")):
             if size in now and scatter in now:
                 part = float(now[scatter] / now[size])
-                yield Relation((scatter, size), part, 0.0, 0.1, HARDLY, f"noise is {100.0 * part:.3g} % of the range")
+                words = phrase("noise_of_range", "noise is {share} % of the range", share=f"{100.0 * part:.3g}")
+                yield Relation((scatter, size), part, 0.0, 0.1, HARDLY, words)
         if "nominal.mass_kg" not in now:
             return
         mass = float(now["nominal.mass_kg"])
         if RANGE in now and carried.frame.struts is None:
             load = mass * _weighed(carried, now[CENTRE])
-            words = f"the body's weight alone loads a sensor with {load:.3g} N"
+            words = phrase("weight_loads", "the body's weight alone loads a sensor with {load} N", load=f"{load:.3g}")
             yield Relation((RANGE, "nominal.mass_kg", CENTRE), load / float(now[RANGE]), 0.0, 1.0, NEVER, words)
         if NOISE in now:
             part = float(now[NOISE]) / float(np.linalg.norm(carried.gravity)) / mass
-            words = f"noise is {100.0 * part:.3g} % of the body's weight"
+            words = phrase("noise_of_weight", "noise is {share} % of the body's weight", share=f"{100.0 * part:.3g}")
             yield Relation((NOISE, "nominal.mass_kg"), part, 0.0, 0.5, HARDLY, words)
 
     yield from contradictions(stated, relations)
@@ -273,17 +297,30 @@ def _of_body(now: Values, table: str, size: float | None) -> Iterator[Relation]:
     moment = float(i[0] + i[3] + i[5]) / 2.0  # integral of the squared distance from the centre
     gyration, away = math.sqrt(moment / m), float(np.linalg.norm(now[centre]))
     ball = 0.6 * m * (0.75 * m / math.pi / DENSEST) ** (2.0 / 3.0)
-    words = f"no matter is dense enough for so small a body ({_mm(gyration)} about its centre of gravity)"
+    words = phrase(
+        "too_dense",
+        "no matter is dense enough for so small a body ({size} about its centre of gravity)",
+        size=_mm(gyration),
+    )
     yield Relation((inertia, mass), moment / ball, 1.0, math.inf, NEVER, words)
     low, high = (LEAST_SIZE, SIZE) if size is None else (size / 100.0, 10.0 * size)
-    of = "" if size is None else f", the machine {_mm(size)}"
-    words = f"mass lies {_mm(gyration)} from its centre of gravity{of}"
+    of = NOTHING if size is None else phrase("machine_size", ", the machine {size}", size=_mm(size))
+    words = phrase("mass_lies", "mass lies {size} from its centre of gravity{machine}", size=_mm(gyration), machine=of)
     yield Relation((inertia, mass), gyration, low, high, HARDLY, words)
-    words = f"it lies {_mm(away)} from the origin of {{P}}{of}"
+    words = phrase("it_lies", "it lies {size} from the origin of {{P}}{machine}", size=_mm(away), machine=of)
     yield Relation((centre,), away, 0.0, 10.0 * (SIZE if size is None else size), HARDLY, words)
     if 0.0 < away < MM and gyration > 20.0 * MM:  # nobody states tenths of a millimetre, but for 0
-        words = f"it lies {_mm(away)} from the origin of {{P}}, its mass {_mm(gyration)} from it"
+        words = phrase(
+            "it_and_mass_lie",
+            "it lies {size} from the origin of {{P}}, its mass {gyration} from it",
+            size=_mm(away),
+            gyration=_mm(gyration),
+        )
         yield Relation((centre, inertia, mass), away / gyration, 0.05, 20.0, HARDLY, words)
+
+
+def _times_the_other(ratio: float) -> Phrase:
+    return phrase("times_the_other", "one is {times} times the other", times=f"{max(ratio, 1.0 / ratio):.3g}")
 
 
 def _mm(length: float) -> str:
@@ -299,7 +336,11 @@ def of_geometry(machine: HexapodMachine | None, frame: SensorFrame, workspace: W
     for table, joints in groups:
         if joints.ring is None:
             farthest = np.linalg.norm(np.array(joints.points_mm), axis=1).max()
-            stated.append(Stated(f"{table}.points_mm", np.array(farthest), "at most from the origin"))
+            stated.append(
+                Stated(
+                    f"{table}.points_mm", np.array(farthest), phrase("at_most_from_origin", "at most from the origin")
+                )
+            )
             continue
         stated.append(Stated(f"{table}.ring.radius_mm", np.array(joints.ring.radius_mm)))
         for key in ("half_angle_deg", "included_angle_deg"):
@@ -308,7 +349,8 @@ def of_geometry(machine: HexapodMachine | None, frame: SensorFrame, workspace: W
                 least[angles[-1].key] = LEAST_OF_PAIR
     if machine is not None:
         distance = np.linalg.norm(np.array([machine.home.x_mm, machine.home.y_mm, machine.home.z_mm]))
-        summary = "" if distance == abs(machine.home.z_mm) else "with x and y, from the origin"
+        straight = distance == abs(machine.home.z_mm)
+        summary = NOTHING if straight else phrase("with_x_y", "with x and y, from the origin")
         stated.append(Stated("machine.home.z_mm", np.array(distance), summary))
     if workspace is not None:
         stated.append(Stated("workspace.strut_length_mm", np.array(workspace.strut_length_mm)))
@@ -319,17 +361,16 @@ def of_geometry(machine: HexapodMachine | None, frame: SensorFrame, workspace: W
     def relations(now: Values) -> Iterator[Relation]:
         lengths = [value.key for value in stated]
         for key in lengths:
-            words = f"{_mm(_largest(now, key))} is too small for a machine that carries sensors of force"
+            size = _mm(_largest(now, key))
+            words = phrase("too_small", "{size} is too small for a machine that carries sensors of force", size=size)
             yield Relation((key,), _largest(now, key), 5.0 * MM, math.inf, HARDLY, words)
         for one, other in pairwise(lengths):
             ratio = _largest(now, one) / _largest(now, other)
-            words = f"one is {max(ratio, 1.0 / ratio):.3g} times the other"
-            yield Relation((one, other), ratio, 1.0, 1.0, WIDELY, words)
+            yield Relation((one, other), ratio, 1.0, 1.0, WIDELY, _times_the_other(ratio))
         for angle in angles:
-            size = _largest(now, angle.key) / DEG
-            yield Relation(
-                (angle.key,), size, least[angle.key], 180.0, HARDLY, f"{size:.3g} deg is not an angle of joints"
-            )
+            degrees = _largest(now, angle.key) / DEG
+            words = phrase("not_an_angle", "{angle} deg is not an angle of joints", angle=f"{degrees:.3g}")
+            yield Relation((angle.key,), degrees, least[angle.key], 180.0, HARDLY, words)
 
     yield from contradictions([*stated, *angles], relations)
 
@@ -343,16 +384,15 @@ def of_times(stated: Mapping[str, float | None]) -> Iterator[Doubt]:
     def relations(now: Values) -> Iterator[Relation]:
         for key, value in now.items():
             low, high = TIMES[key]
-            words = "no such controller or recorder has it"
+            words = phrase("nobody_has", "no such controller or recorder has it")
             yield Relation((key,), float(value), low, high, HARDLY, words)
         if rate in now and cutoff in now:
             share = float(now[cutoff] / now[rate])
-            words = "half the rate is the highest frequency that samples hold"
+            words = phrase("half_the_rate", "half the rate is the highest frequency that samples hold")
             yield Relation((cutoff, rate), share, 0.0, 0.5, NEVER, words)
         if block in now and cycle in now:
-            yield Relation(
-                (block, cycle), float(now[block] / now[cycle]), 0.5, 1e4, HARDLY, "a block lasts a cycle at least"
-            )
+            words = phrase("block_and_cycle", "a block lasts a cycle at least")
+            yield Relation((block, cycle), float(now[block] / now[cycle]), 0.5, 1e4, HARDLY, words)
 
     yield from contradictions(statements, relations)
 

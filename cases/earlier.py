@@ -3,9 +3,13 @@
 from collections.abc import Mapping
 from typing import Any
 
-LEFT: Mapping[str, str] = {
-    "controller.sinumerik.moves": "is of an earlier version: moves are written at a feed",
-    "controller.virtual_look_ahead": "is of an earlier version: the virtual controller follows paths as written",
+from cases.base.phrases import Phrase, phrase
+
+LEFT: Mapping[str, Phrase] = {
+    "controller.sinumerik.moves": phrase("earlier_moves", "is of an earlier version: moves are written at a feed"),
+    "controller.virtual_look_ahead": phrase(
+        "earlier_look_ahead", "is of an earlier version: the virtual controller follows paths as written"
+    ),
 }
 """Keys that were valid in an earlier version, with what holds today."""
 

@@ -169,7 +169,10 @@ class Case(Heading):
         if not isinstance(data, Mapping) or not (stated := earlier_keys(data)):
             return read(data)
         case = read(without_earlier_keys(data))
-        case._earlier = tuple(Doubt(f"{key}, which {LEFT[key]}; delete the line", [key]) for key in stated)
+        case._earlier = tuple(
+            Doubt.on(phrase("earlier_key", "{key}, which {what}; delete the line", key=key, what=LEFT[key]), [key])
+            for key in stated
+        )
         return case
 
     @model_validator(mode="after")

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from cases.base.phrases import Phrase
 from cases.base.units import as_html
 from cases.readiness import readiness
 from cases.schema import Case
@@ -23,7 +24,7 @@ class CaseCheck:
     case: Case
     figures: Mapping[str, Any]  # name, title, setup and hash
     missing: Mapping[str, tuple[str, ...]]  # command -> what it misses in the case; empty where it is ready
-    remarks: tuple[str, ...]  # what a person should look at
+    remarks: tuple[Phrase, ...]  # what a person should look at
     reach: Reach | None  # reachable share of the motion box; None where the case has none
     kept: Kept | None = None  # bodies and boxes that are kept apart; None where no machine is described
     proposal: ProposedBox | None = None  # a box that is within reach, where one was asked for
@@ -31,7 +32,8 @@ class CaseCheck:
     def to_json(self) -> dict[str, Any]:
         """Entries for programs."""
         missing = {command: list(lacks) for command, lacks in self.missing.items()}
-        answer = {"figures": dict(self.figures), "missing": missing, "remarks": list(self.remarks)}
+        phrases = [remark.to_json() for remark in self.remarks]
+        answer = {"figures": dict(self.figures), "missing": missing, "remarks": list(self.remarks), "phrases": phrases}
         parts = {"reach": self.reach, "kept_apart": self.kept, "proposal": self.proposal}
         return answer | {name: part.to_json() for name, part in parts.items() if part is not None}
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import zip_longest
 from typing import Any
 
 from markupsafe import Markup, escape
@@ -12,7 +13,7 @@ from hexcite.page.refusals import Refusal
 from hexcite.page.values import Entry, Section
 from hexcite.texts import Language, text
 from hexcite.texts import answers as german
-from hexcite.texts.by_code import limit, parameter, place_words, sentence
+from hexcite.texts.by_code import begun, limit, parameter, place_words, sentence
 from hexcite.texts.case_keys import KEYS, NOUNS, TABLES
 from identification.recording.formats.reasons import Why
 from identification.texts import parameter_words
@@ -119,12 +120,18 @@ class Words:
         if self._own or not isinstance(entries, Mapping):
             return None
         sentence_text = sentence(entries, self.quoted)
-        return None if sentence_text is None else Markup(sentence_text[:1].upper() + sentence_text[1:])
+        return None if sentence_text is None else Markup(begun(sentence_text))
 
     def clause(self, entries: object, english: str) -> Markup:
         """A clause by its code, else as a quotation."""
         sentence = self.by_code(entries)
         return self.quoted(english) if sentence is None else sentence
+
+    def clauses(self, sentences: object, phrases: object) -> list[Markup]:
+        """Sentences of an answer, or of a file, with their codes beside them, where it has some."""
+        own = [each for each in sentences if isinstance(each, str)] if isinstance(sentences, list) else []
+        codes = [*phrases] if isinstance(phrases, list) else []
+        return [self.clause(code, each) for each, code in zip_longest(own, codes[: len(own)])]
 
     def error(self, error: Mapping[str, Any]) -> Markup | None:
         """A refusal of a command by its codes, with its place; None where its sentence has none."""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from cases.base.errors import CaseError, Code
+from cases.base.phrases import NOTHING, Phrase, enumerated, phrase, said
 from cases.basis import values
 from cases.schema import Case, load_case
 from cases.tables import built_in_cases
@@ -26,21 +27,25 @@ def case_figures(case: Case, file: str) -> dict[str, Any]:
         at_home = prove(StandingPoses(np.array([home, home])), case, 1.0)
         if at_home.violations:
             broken = at_home.violations[0]
-            hint = "".join(f"; look at {words}" for words in case.doubts)
             key = "machine.home" if case.chain is None else "machine.chain.joints"
             if case.chain is None:
-                way = f"move home or {remedy(broken, case)}"
+                way = phrase("move_home_or", "move home or {other}", other=said(remedy(broken, case)))
             elif broken.kind is LimitKind.DISTANCE_BETWEEN_LINKS:
-                way = "choose another home, or make one of the two bodies smaller, or leave it out"
+                way = phrase(
+                    "home_or_bodies", "choose another home, or make one of the two bodies smaller, or leave it out"
+                )
             elif broken.kind in (LimitKind.JOINT_TORQUE, LimitKind.JOINT_FORCE):
-                way = f"{remedy_at_rest(broken, case)} or choose another home"
+                way = phrase(
+                    "or_other_home", "{other} or choose another home", other=said(remedy_at_rest(broken, case))
+                )
             else:
-                way = "choose another home"
+                way = phrase("other_home", "choose another home")
+            hints = [phrase("look_at", "look at {doubt}", doubt=doubt) for doubt in case.doubts]
             raise CaseError(
                 file=file,
                 key=key,
-                problem=f"home cannot be: {broken.sentence(timed=False)}",
-                remedy=f"{way}{hint}",
+                problem=phrase("home_cannot_be", "home cannot be: {why}", why=said(broken.sentence(timed=False))),
+                remedy=enumerated("semicolon", [way, *hints]),
                 code=Code.INFEASIBLE,
             )
     return {"name": case.name, "title": case.title, "setup": case.setup, "hash": case.hash}
@@ -77,14 +82,14 @@ _TABLES = (
 )  # fmt: skip
 
 
-def leftovers(case: Case) -> tuple[str, ...]:
+def leftovers(case: Case) -> tuple[Phrase, ...]:
     """Sentences about values that the user should look at, each with its key."""
     if case.name in built_in_cases() and case == load_case(case.name):
         return ()
     return (*_of_the_template(case), *_of_single_values(case), *case.doubts)
 
 
-def _of_the_template(case: Case) -> Iterator[str]:
+def _of_the_template(case: Case) -> Iterator[Phrase]:
     """Sentences on values that are still those of the built-in case that a case was begun from, key by key."""
     template = case.template or _likely_template(case)
     if template is None:
@@ -97,12 +102,30 @@ def _of_the_template(case: Case) -> Iterator[str]:
             whole.append(table)
         else:
             keys += [key for key in same if not _is_zero(leaves[key.removeprefix(f"{table}.")])]  # as many are
-    done = f'; once all values are yours, delete the line template = "{template}"' if case.template else ""
-    still = f"still the values of the built-in case {template}; replace them by your machine's"
+    done = (
+        phrase(
+            "delete_template", '; once all values are yours, delete the line template = "{template}"', template=template
+        )
+        if case.template
+        else NOTHING
+    )
     if whole:
-        yield f"{', '.join(whole)}: {still}, or delete tables that it does not need{done}"
+        yield phrase(
+            "tables_of_template",
+            "{tables}: still the values of the built-in case {template}; replace them by your machine's, or delete "
+            "tables that it does not need{done}",
+            tables=", ".join(f"[{table}]" for table in whole),
+            template=template,
+            done=done,
+        )
     if keys:
-        yield f"{', '.join(keys)}: {still}{done}"
+        yield phrase(
+            "keys_of_template",
+            "{keys}: still the values of the built-in case {template}; replace them by your machine's{done}",
+            keys=", ".join(keys),
+            template=template,
+            done=done,
+        )
 
 
 def _is_zero(value: Any) -> bool:
@@ -132,17 +155,22 @@ def _by_table(leaves: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     return tables
 
 
-def _of_single_values(case: Case) -> Iterator[str]:
+def _of_single_values(case: Case) -> Iterator[Phrase]:
     """Sentences on limits and gravity that are hardly meant."""
     joints = () if case.chain is None else case.chain.joints
     without = [joint.name for joint in joints if joint.link is None]
     if without and any(joint.torque_Nm or joint.force_N for joint in joints):
-        yield (
-            f"machine.chain.joints: torque_Nm and force_N limit nothing, for the link of {', '.join(without)} is not "
-            "stated; add its mass, centre of gravity and inertia"
+        yield phrase(
+            "torques_limit_nothing",
+            "machine.chain.joints: torque_Nm and force_N limit nothing, for the link of {joints} is not stated; add "
+            "its "
+            "mass, centre of gravity and inertia",
+            joints=", ".join(without),
         )
     if case.gravity[2] > 0.0:
-        yield (
-            f"gravity_m_s2 = {list(case.gravity_m_s2)} points along +z of {{B}}; gravity points down: change its sign, "
-            "unless the machine hangs"
+        yield phrase(
+            "gravity_points_up",
+            "gravity_m_s2 = {value} points along +z of {{B}}; gravity points down: change its sign, unless the machine "
+            "hangs",
+            value=list(case.gravity_m_s2),
         )

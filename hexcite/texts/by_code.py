@@ -1,5 +1,6 @@
 """Sentences in German by their codes and values, and names of parameters, checks and causes."""
 
+import re
 from collections.abc import Callable, Mapping
 from html import unescape
 
@@ -74,5 +75,13 @@ def plain(value: object, english: str) -> str:
     phrase_text = sentence(value, lambda text: escape(f"“{text}”")) if isinstance(value, Mapping) else None
     if phrase_text is None:
         return f"“{english}”"
-    plain_text = unescape(str(phrase_text))
-    return plain_text[:1].upper() + plain_text[1:]
+    return begun(unescape(str(phrase_text)))
+
+
+_KEY = re.compile(r"[\[\w]+([._\]\d]|\[)")
+"""Beginning of a key of a case, of a file or of a channel."""
+
+
+def begun(text: str) -> str:
+    """A text as a sentence begins: with a large letter, unless it begins with a name, which stays as it is written."""
+    return text if _KEY.match(text) else text[:1].upper() + text[1:]

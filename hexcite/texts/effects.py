@@ -79,6 +79,7 @@ FOLLOWED = {
 MADE_BY = {
     "small_model": "einem zu kleinen Modell: {names} stehen nicht darin; Modell {number} wählen",
     "gain_high": "einer Verstärkung von {name}, die {size} % zu hoch ist",
+    "cross_talk": "Übersprechen, durch das {target} {size} der Last auf {source} anzeigt",
     "by_coupling": "Übersprechen der Kanäle, oder einem falschen Maß der Sensorbasis",
     "not_linear": "Sensoren, die nicht linear sind",
     "ring_of_bars": "einem Maß, das {size} {unit} größer ist, als die Maschine nennt: {what} der Stäbe, {ring} Enden",

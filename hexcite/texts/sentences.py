@@ -1,5 +1,6 @@
 """German for sentences that commands make of codes and values: causes, remedies and findings, by code."""
 
+from hexcite.texts.cases import CASES
 from hexcite.texts.effects import EFFECTS
 from hexcite.texts.errors import ERRORS, READERS
 from hexcite.texts.plans import PLANS
@@ -225,7 +226,7 @@ FINDINGS = {
 }
 """Findings about a run and its evaluation."""
 
-SENTENCES = FINDINGS | EFFECTS | PLANS | PROGRAMS | CAUSES | CHANNELS | MOTION | MACHINE | ERRORS | READERS
+SENTENCES = FINDINGS | CASES | EFFECTS | PLANS | PROGRAMS | CAUSES | CHANNELS | MOTION | MACHINE | ERRORS | READERS
 """Code -> German, with the places of the English text."""
 
 SIGNS = {

@@ -1,12 +1,9 @@
 """The stage Plan: what was planned, and what is predicted of it."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
-from itertools import zip_longest
 from typing import Any
-
-from markupsafe import Markup
 
 from cases.base.errors import HexciteError
 from cases.schema import load_case
@@ -36,8 +33,14 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "dialects": context.machine.dialects,
         "chosen": plan,
         "facts": None if plan is None else _facts(plan),
-        "notes": [] if plan is None else _sentences(context.words, plan.record, "notes"),
-        "weaknesses": [] if plan is None else _sentences(context.words, plan.record, "weaknesses"),
+        "notes": []
+        if plan is None
+        else context.words.clauses(plan.record.get("notes"), plan.record.get("notes_phrases"))[:MOST_SENTENCES],
+        "weaknesses": []
+        if plan is None
+        else context.words.clauses(plan.record.get("weaknesses"), plan.record.get("weaknesses_phrases"))[
+            :MOST_SENTENCES
+        ],
         "plans": [(p, _facts(p)) for p in there.plans],
         "predicted": None if plan is None else _predicted(context, [plan, *others]),
         "limits": limits(context.words, plan.record.get("limits", {})) if plan is not None else [],
@@ -54,13 +57,6 @@ def _facts(plan: Made) -> dict[str, Any]:
         "interrupted": bool(record.get("interrupted")),
         "mass": f"{_deviation('kg', record.get('predicted_std', {}).get('m'))} {legible('kg')[1]}",
     }
-
-
-def _sentences(words: Words, record: Mapping[str, Any], name: str) -> list[Markup]:
-    """Sentences of a plan by their codes."""
-    phrases, own = record.get(f"{name}_phrases"), record.get(name)
-    pairs = zip_longest(own if isinstance(own, list) else (), phrases if isinstance(phrases, list) else ())
-    return [words.clause(code, sentence) for sentence, code in pairs if isinstance(sentence, str)][:MOST_SENTENCES]
 
 
 MOST_SENTENCES = 6  # that a reader takes in

@@ -48,7 +48,7 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "answerable": [(kind.replace(" ", "-"), context.words.limit(kind)) for kind in kinds],
         "written": written,
         "verdict": "" if written is None else verdict(context.words, written),
-        "remarks": () if written is None else _remarks(context.words, written),
+        "remarks": () if written is None else context.words.clauses(written.get("remarks"), written.get("phrases")),
         "limits": [] if written is None else limits(context.words, written.get("limits", {})),
     }
 
@@ -93,11 +93,6 @@ def verdict(words: Words, answer: Mapping[str, Any]) -> Markup:
     ]
     sentences = [words.say(key, what=", ".join(kinds), dialect=answer["dialect"]) for key, kinds in parts if kinds]
     return escape(" ".join([words.say("proven"), *sentences]))
-
-
-def _remarks(words: Words, answer: Mapping[str, Any]) -> list[Markup]:
-    phrases = [*answer.get("phrases", ()), *([None] * len(answer["remarks"]))]
-    return [words.clause(phrase, remark) for remark, phrase in zip(answer["remarks"], phrases, strict=False)]
 
 
 def _home(context: Context) -> str:
