@@ -2,6 +2,7 @@
 
 from pydantic import model_validator
 
+from cases.base.phrases import phrase
 from cases.tables import NonNegative, Part, Positive, Vector
 
 
@@ -37,9 +38,20 @@ class Reference(Part):
         pairs = ("mass_kg", "mass_U_kg"), ("centre_of_gravity_mm", "centre_of_gravity_U_mm")
         for value, expanded in pairs:
             if (getattr(self, value) is None) != (getattr(self, expanded) is None):
-                raise ValueError(f"give {value} and {expanded}, or neither: E_n needs the uncertainty of the reference")
+                raise ValueError(
+                    phrase(
+                        "value_and_U",
+                        "give {value} and {expanded}, or neither: E_n needs the uncertainty of the reference",
+                        value=value,
+                        expanded=expanded,
+                    )
+                )
         if self.mass_kg is None and self.centre_of_gravity_mm is None:
-            raise ValueError("give mass_kg and mass_U_kg, or centre_of_gravity_mm and centre_of_gravity_U_mm")
+            raise ValueError(
+                phrase(
+                    "mass_or_centre", "give mass_kg and mass_U_kg, or centre_of_gravity_mm and centre_of_gravity_U_mm"
+                )
+            )
         return self
 
 

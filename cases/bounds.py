@@ -4,6 +4,7 @@ from functools import cached_property
 
 from pydantic import model_validator
 
+from cases.base.phrases import phrase
 from cases.base.units import MM, Array
 from cases.tables import Part, Range, frozen
 
@@ -40,5 +41,7 @@ class Bounds(Part):
     @model_validator(mode="after")
     def _of_a_body(self) -> "Bounds":
         if self.mass_kg is not None and self.mass_kg[0] < 0.0:
-            raise ValueError(f"mass_kg begins at {self.mass_kg[0]:g}; no body has less than 0")
+            raise ValueError(
+                phrase("mass_below_0", "mass_kg begins at {mass}; no body has less than 0", mass=f"{self.mass_kg[0]:g}")
+            )
         return self

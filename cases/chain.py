@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
+from cases.base.phrases import enumerated, phrase, said
 from cases.base.renamed import renamed
 from cases.base.units import DEG, MM, Array
 from cases.machine import Frame, KeepOut, MotionLimits, Tool, Workspace, require_flange
@@ -57,7 +58,9 @@ class Joint(Frame):
     @classmethod
     def _directed(cls, value: tuple[float, float, float]) -> tuple[float, float, float]:
         if math.hypot(*value) < LEAST_AXIS:
-            raise ValueError("has no direction; give the axis of the joint, such as [0.0, 0.0, 1.0]")
+            raise ValueError(
+                phrase("no_direction", "has no direction; give the axis of the joint, such as [0.0, 0.0, 1.0]")
+            )
         return value
 
     @model_validator(mode="after")
@@ -67,10 +70,35 @@ class Joint(Frame):
         foreign = [f"position_{other}", f"home_{other}", "force_N" if self.turns else "torque_Nm"]
         for key in (*foreign, position) if self.kind == "continuous" else foreign:
             if getattr(self, key) is not None:
-                raise ValueError(f"{self.name}: is {self.kind} and has no {key}; remove it or change the kind")
+                raise ValueError(
+                    phrase(
+                        "named",
+                        "{name}: {problem}",
+                        name=self.name,
+                        problem=phrase(
+                            "not_of_kind",
+                            "is {kind} and has no {key}; remove it or change the kind",
+                            kind=self.kind,
+                            key=key,
+                        ),
+                    )
+                )
         low, high = self.position
         if self.home < low or self.home > high:  # neither, where none is stated
-            raise ValueError(f"{self.name}: {home} = {getattr(self, home):g} is outside {position}; choose one within")
+            raise ValueError(
+                phrase(
+                    "named",
+                    "{name}: {problem}",
+                    name=self.name,
+                    problem=phrase(
+                        "home_outside",
+                        "{home} = {value} is outside {position}; choose one within",
+                        home=home,
+                        value=f"{getattr(self, home):g}",
+                        position=position,
+                    ),
+                )
+            )
         return self
 
     @property
@@ -122,7 +150,7 @@ Joints = TypeVar("Joints", bound="tuple[Joint, ...] | tuple[JointLimit, ...]")
 def _distinct(joints: Joints) -> Joints:
     names = [joint.name for joint in joints]
     if twice := [name for k, name in enumerate(names) if name in names[:k]]:
-        raise ValueError(f"has two joints {twice[0]}; each joint has a name of its own")
+        raise ValueError(phrase("two_joints", "has two joints {name}; each joint has a name of its own", name=twice[0]))
     return joints
 
 
@@ -150,10 +178,17 @@ class Chain(Part):
     @model_validator(mode="after")
     def _bodies_named(self) -> "Chain":
         bodies = [*self.base, *self.tool, *(body for joint in self.joints for body in joint.bodies)]
-        names = {body.name for body in bodies}
-        if unknown := sorted({name for pair in self.may_touch for name in pair} - names):
-            choices = ", ".join(sorted(names)) or "there are none"
-            raise ValueError(f"may_touch names {', '.join(unknown)}, but no body has that name; name bodies: {choices}")
+        known = {body.name for body in bodies}
+        if unknown := sorted({name for pair in self.may_touch for name in pair} - known):
+            there = ", ".join(sorted(known)) or phrase("none_there", "there are none")
+            raise ValueError(
+                phrase(
+                    "no_such_body",
+                    "may_touch names {names}, but no body has that name; name bodies: {there}",
+                    names=", ".join(unknown),
+                    there=there,
+                )
+            )
         return self
 
     def keeps_apart(self, link: int, body: str, other_link: int, other: str) -> bool:
@@ -235,19 +270,71 @@ class JointLimit(Part):
             key for kind in (_TURNING, _SLIDING) for keys in kind for key in keys if getattr(self, key) is not None
         }
         turning, sliding = ([key for keys in kind for key in keys if key in stated] for kind in (_TURNING, _SLIDING))
-        both = f"give {_choices(_TURNING)} where it turns, else {_choices(_SLIDING)}"
+        both = phrase(
+            "limits_of_kind",
+            "give {turning} where it turns, else {sliding}",
+            turning=_choices(_TURNING),
+            sliding=_choices(_SLIDING),
+        )
         if not stated:
-            raise ValueError(f"{self.name}: no limits are stated; {both}")
+            raise ValueError(
+                phrase(
+                    "named",
+                    "{name}: {problem}",
+                    name=self.name,
+                    problem=phrase("no_limits", "no limits are stated; {both}", both=both),
+                )
+            )
         if turning and sliding:
-            raise ValueError(f"{self.name}: {', '.join(turning)} stand beside {', '.join(sliding)}; {both}")
+            raise ValueError(
+                phrase(
+                    "named",
+                    "{name}: {problem}",
+                    name=self.name,
+                    problem=phrase(
+                        "both_kinds",
+                        "{turning} stand beside {sliding}; {both}",
+                        turning=", ".join(turning),
+                        sliding=", ".join(sliding),
+                        both=both,
+                    ),
+                )
+            )
         stated_keys = [[key for key in keys if key in stated] for keys in self._kind]
         if missing := [keys for keys, found in zip(self._kind, stated_keys, strict=True) if not found]:
-            raise ValueError(f"{self.name}: {_choices(missing)} not stated; add what is missing")
+            raise ValueError(
+                phrase(
+                    "named",
+                    "{name}: {problem}",
+                    name=self.name,
+                    problem=phrase("limits_missing", "{keys} not stated; add what is missing", keys=_choices(missing)),
+                )
+            )
         if twice := [keys for keys in stated_keys if len(keys) > 1]:
-            raise ValueError(f"{self.name}: {' and '.join(twice[0])} state the same; remove one")
+            raise ValueError(
+                phrase(
+                    "named",
+                    "{name}: {problem}",
+                    name=self.name,
+                    problem=phrase(
+                        "state_the_same", "{keys} state the same; remove one", keys=enumerated("both", twice[0])
+                    ),
+                )
+            )
         low, high = getattr(self, position := self.keys[0])
         if not low <= 0.0 <= high:
-            raise ValueError(f"{self.name}: {position} does not contain 0; it is relative to home, widen it")
+            raise ValueError(
+                phrase(
+                    "named",
+                    "{name}: {problem}",
+                    name=self.name,
+                    problem=phrase(
+                        "without_zero",
+                        "{position} does not contain 0; it is relative to home, widen it",
+                        position=position,
+                    ),
+                )
+            )
         return self
 
     @property
@@ -407,20 +494,41 @@ def joint_problems(chain: Chain, limits: JointMotionLimits) -> Iterator[str]:
     """Limits of motion that do not fit the chain, in words that name the keys."""
     names = tuple(limit.name for limit in limits.joints)
     if names != chain.names:
-        yield f"limits.motion.joints are {', '.join(names)}; list those of machine.chain: {', '.join(chain.names)}"
+        yield phrase(
+            "other_joints_listed",
+            "limits.motion.joints are {names}; list those of machine.chain: {own}",
+            names=", ".join(names),
+            own=", ".join(chain.names),
+        )
         return
     if lacks := _unmoved(chain):
-        yield from (f"machine.chain.joints: {words}; limits of motion go with it, add it" for words in lacks)
+        yield from (
+            phrase("joints_lack", "machine.chain.joints: {what}; limits of motion go with it, add it", what=said(words))
+            for words in lacks
+        )
         return
     for joint, limit, (low, high) in zip(
         chain.joints, limits.joints, limits.coordinates.T + chain.home[:, None], strict=True
     ):
         if joint.turns != limit.turns:
-            yield f"limits.motion.joints: {joint.name} is {joint.kind}; give the keys of such a joint"
+            yield phrase(
+                "keys_of_kind",
+                "limits.motion.joints: {name} is {kind}; give the keys of such a joint",
+                name=joint.name,
+                kind=joint.kind,
+            )
         elif low < joint.position[0] or high > joint.position[1]:
-            ends = " to ".join(f"{end / joint.unit:g}" for end in (low, high))
-            own = " to ".join(f"{end / joint.unit:g}" for end in joint.position)
-            yield f"limits.motion.joints: {joint.name} moves from {ends}, beyond {own}; narrow the limit or move home"
+            ends, own = (
+                phrase("from_to", "{low} to {high}", low=f"{pair[0] / joint.unit:g}", high=f"{pair[1] / joint.unit:g}")
+                for pair in ((low, high), joint.position)
+            )
+            yield phrase(
+                "joint_beyond",
+                "limits.motion.joints: {name} moves from {ends}, beyond {own}; narrow the limit or move home",
+                name=joint.name,
+                ends=ends,
+                own=own,
+            )
 
 
 def _columns(joints: Sequence[Joint | JointLimit]) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from typing import Annotated, ClassVar, Literal, TypeVar
 
 from pydantic import AfterValidator, Field, WithJsonSchema, model_validator
 
+from cases.base.phrases import phrase
 from cases.base.units import DEG, MINUTE, MM
 from cases.tables import Part, Positive, kind_of, si_value, spelled
 
@@ -102,7 +103,13 @@ _NOT_ANGLES = {*"DFGHIJKLMNPRSTXYZ", *_KEYWORDS, *_VECTORS}
 
 def _angle_words(words: tuple[str, str, str]) -> tuple[str, str, str]:
     if len(set(words)) < 3 or _NOT_ANGLES & set(words):
-        raise ValueError(f"{', '.join(words)} do not name three angles; write those of roll, pitch, yaw: A2, B2, C2")
+        raise ValueError(
+            phrase(
+                "not_three_angles",
+                "{words} do not name three angles; write those of roll, pitch, yaw: A2, B2, C2",
+                words=", ".join(words),
+            )
+        )
     return words
 
 
@@ -176,7 +183,11 @@ _TAKEN = {0, 1, 2, 3, 4, 5, 6, 17, 19, 29, 30}
 
 def _free(number: int) -> int:
     if number in _TAKEN:
-        raise ValueError(f"M{number} means something else to the controller; choose a user M function")
+        raise ValueError(
+            phrase(
+                "m_taken", "M{number} means something else to the controller; choose a user M function", number=number
+            )
+        )
     return number
 
 
@@ -199,7 +210,13 @@ class TwinCatAxes(BlockMemory):
     @model_validator(mode="after")
     def _two_functions(self) -> "TwinCatAxes":
         if self.trigger_on_m == self.trigger_off_m:
-            raise ValueError(f"trigger_on_m and trigger_off_m are both {self.trigger_on_m}; give two M functions")
+            raise ValueError(
+                phrase(
+                    "m_twice",
+                    "trigger_on_m and trigger_off_m are both {number}; give two M functions",
+                    number=self.trigger_on_m,
+                )
+            )
         return self
 
 
@@ -245,11 +262,19 @@ class LinuxCnc(Part):
         smooth, stated = self.planner == "s_curve", self.max_linear_jerk_mm_s3 is not None
         if smooth and not stated:
             raise ValueError(
-                "max_linear_jerk_mm_s3 is missing; state [TRAJ]MAX_LINEAR_JERK of the machine's INI file, which "
-                'planner = "s_curve" keeps'
+                phrase(
+                    "needs_linear_jerk",
+                    "max_linear_jerk_mm_s3 is missing; state [TRAJ]MAX_LINEAR_JERK of the machine's INI file, which "
+                    'planner = "s_curve" keeps',
+                )
             )
         if stated and not smooth:
-            raise ValueError('max_linear_jerk_mm_s3 goes with planner = "s_curve"; remove it, or state that planner')
+            raise ValueError(
+                phrase(
+                    "linear_jerk_alone",
+                    'max_linear_jerk_mm_s3 goes with planner = "s_curve"; remove it, or state that planner',
+                )
+            )
         return self
 
 

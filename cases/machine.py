@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from cases.base.convex import MOST_CORNERS, capsule_around
+from cases.base.phrases import enumerated, phrase, said
 from cases.base.renamed import renamed
 from cases.base.units import DEG, MM, Array, Flags
 from cases.tables import (
@@ -61,7 +62,12 @@ class Frame(Part):
 def require_flange(flange: Frame | None, tcp: Frame | None) -> None:
     """Raises ValueError where a robot's tool is stated without the flange that it is counted from."""
     if tcp is not None and flange is None:
-        raise ValueError("tcp lies in the flange, which is not stated; add flange = { origin_mm = [0.0, 0.0, 0.0] }")
+        raise ValueError(
+            phrase(
+                "tcp_without_flange",
+                "tcp lies in the flange, which is not stated; add flange = {{ origin_mm = [0.0, 0.0, 0.0] }}",
+            )
+        )
 
 
 WORST_CONDITION = 1e3  # of six lines, moments divided by the size: beyond it errors are amplified a thousandfold
@@ -78,7 +84,16 @@ def require_spanning(points: Array, directions: Array, problem: str, remedy: str
     size = max(float(np.linalg.norm(points, axis=1).max()), 1e-9)
     condition = float(np.linalg.cond(np.hstack([unit, np.cross(points, unit) / size])))
     if not condition <= WORST_CONDITION:
-        raise ValueError(f"{problem} (condition {condition:.3g}, at most {WORST_CONDITION:.0f}); {remedy}")
+        raise ValueError(
+            phrase(
+                "not_spanning",
+                "{problem} (condition {condition}, at most {most}); {remedy}",
+                problem=said(problem),
+                condition=f"{condition:.3g}",
+                most=f"{WORST_CONDITION:.0f}",
+                remedy=said(remedy),
+            )
+        )
 
 
 POSE = ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg")
@@ -113,8 +128,11 @@ class Ring(Part):
         paired = self.angles_deg is None and self.pair_centres_deg is not None and pairs.count(None) == 1
         if not (alone or paired):
             raise ValueError(
-                "a ring has half_angle_deg or included_angle_deg, one of them, with pair_centres_deg, or angles_deg "
-                "alone; state it so"
+                phrase(
+                    "ring_form",
+                    "a ring has half_angle_deg or included_angle_deg, one of them, with pair_centres_deg, or "
+                    "angles_deg alone; state it so",
+                )
             )
         return self
 
@@ -145,7 +163,9 @@ class Joints(Part):
     @model_validator(mode="after")
     def _one_form(self) -> "Joints":
         if (self.points_mm is None) == (self.ring is None):
-            raise ValueError("give either points_mm (six [x, y, z]) or ring, not both or neither")
+            raise ValueError(
+                phrase("points_or_ring", "give either points_mm (six [x, y, z]) or ring, not both or neither")
+            )
         return self
 
     @cached_property
@@ -206,7 +226,13 @@ class KeepOut(Part):
     @model_validator(mode="after")
     def _stands(self) -> "KeepOut":
         if not self._sides():
-            raise ValueError(f"{self.name} has no x_mm, y_mm or z_mm; state one side at least, or nothing may move")
+            raise ValueError(
+                phrase(
+                    "box_no_side",
+                    "{name} has no x_mm, y_mm or z_mm; state one side at least, or nothing may move",
+                    name=self.name,
+                )
+            )
         return self
 
     def _sides(self) -> list[tuple[float, float]]:
@@ -243,9 +269,23 @@ class Tool(Part):
     @model_validator(mode="after")
     def _one_shape(self) -> "Tool":
         if (self.to_mm is None) == (self.corners_mm is None):
-            raise ValueError(f"{self.name}: state the axis (from_mm, to_mm) or corners_mm, one of them")
+            raise ValueError(
+                phrase(
+                    "named",
+                    "{name}: {problem}",
+                    name=self.name,
+                    problem=phrase("axis_or_corners", "state the axis (from_mm, to_mm) or corners_mm, one of them"),
+                )
+            )
         if self.corners_mm is not None and "from_mm" in self.model_fields_set:
-            raise ValueError(f"{self.name}: from_mm goes with to_mm; remove it beside corners_mm")
+            raise ValueError(
+                phrase(
+                    "named",
+                    "{name}: {problem}",
+                    name=self.name,
+                    problem=phrase("from_with_to", "from_mm goes with to_mm; remove it beside corners_mm"),
+                )
+            )
         return self
 
     @cached_property
@@ -359,7 +399,15 @@ class MotionLimits(StrutLengths):
         for name in POSE:
             low, high = getattr(self, name)
             if not low <= 0.0 <= high:
-                raise ValueError(f"{name} = [{low:g}, {high:g}] does not contain 0; it is relative to home, widen it")
+                raise ValueError(
+                    phrase(
+                        "range_without_zero",
+                        "{name} = [{low}, {high}] does not contain 0; it is relative to home, widen it",
+                        name=name,
+                        low=f"{low:g}",
+                        high=f"{high:g}",
+                    )
+                )
         return self
 
     @model_validator(mode="after")
@@ -367,9 +415,13 @@ class MotionLimits(StrutLengths):
         for keys in (_ANGULAR_ACCELERATION, _ANGULAR_JERK):
             stated = [key for key in keys if getattr(self, key) is not None]
             if not stated:
-                raise ValueError(f"{keys[0]} is missing; add it, or {keys[1]}")
+                raise ValueError(
+                    phrase("missing_or", "{key} is missing; add it, or {other}", key=keys[0], other=keys[1])
+                )
             if len(stated) > 1:
-                raise ValueError(f"{' and '.join(keys)} state the same; remove one")
+                raise ValueError(
+                    phrase("state_the_same", "{keys} state the same; remove one", keys=enumerated("both", keys))
+                )
         return self
 
     @cached_property
@@ -403,7 +455,16 @@ def box_problems(workspace: Workspace, motion: MotionLimits) -> Iterator[str]:
         if outer is None:
             continue
         if inner[0] < outer[0] or inner[1] > outer[1]:
-            yield f"limits.motion.{name} = {inner} reaches beyond workspace.{name} = {outer}; narrow it or widen that"
+            yield phrase(
+                "beyond_workspace",
+                "limits.motion.{name} = {inner} reaches beyond workspace.{name} = {outer}; narrow it or widen that",
+                name=name,
+                inner=inner,
+                outer=outer,
+            )
     inner, outer = motion.strut_length_mm, workspace.strut_length_mm
     if max(inner[0], outer[0]) >= min(inner[1], outer[1]):
-        yield "limits.motion.strut_length_mm and workspace.strut_length_mm have no length in common; correct one"
+        yield phrase(
+            "no_common_length",
+            "limits.motion.strut_length_mm and workspace.strut_length_mm have no length in common; correct one",
+        )

@@ -10,6 +10,7 @@ from typing import Annotated, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from cases.base.phrases import phrase, said
 from cases.base.unit_names import ANGLES, FORCES, LENGTHS, MOMENTS, SHARES, TIMES, Units
 from cases.base.units import MS, Array
 from cases.machine import POSE
@@ -118,9 +119,19 @@ class Drives(Part):
     @model_validator(mode="after")
     def _each_once(self) -> Self:
         if sorted(self.order) != [1, 2, 3, 4, 5, 6]:
-            raise ValueError(f"order = {list(self.order)} does not name each of the drives 1 to 6 once")
+            raise ValueError(
+                phrase(
+                    "order_once", "order = {order} does not name each of the drives 1 to 6 once", order=list(self.order)
+                )
+            )
         if any(abs(s) != 1.0 for s in self.sign):
-            raise ValueError(f"sign = {list(self.sign)} may hold 1 and -1 only; scale with recording.units")
+            raise ValueError(
+                phrase(
+                    "signs_only",
+                    "sign = {sign} may hold 1 and -1 only; scale with recording.units",
+                    sign=list(self.sign),
+                )
+            )
         return self
 
     @property
@@ -144,7 +155,13 @@ class Accelerometer(Part):
         matrix = np.array(self.mounting)
         error = max(np.abs(matrix @ matrix.T - np.eye(3)).max(), abs(np.linalg.det(matrix) - 1.0))
         if not error <= _ORTHOGONALITY:
-            raise ValueError(f"mounting is not a rotation (off by {error:.3g}); rows must be orthonormal, right-handed")
+            raise ValueError(
+                phrase(
+                    "not_a_rotation",
+                    "mounting is not a rotation (off by {error}); rows must be orthonormal, right-handed",
+                    error=f"{error:.3g}",
+                )
+            )
         return self
 
     @cached_property
@@ -222,22 +239,49 @@ class FileFormat(TextFile):
     @model_validator(mode="after")
     def _times(self) -> Self:
         if (time := self.ros.get("time", "header")) not in ("header", "receipt"):
-            raise ValueError(f"ros.time = {time!r} is not known; give 'header' or 'receipt'")
+            raise ValueError(
+                phrase("ros_time", "ros.time = {time} is not known; give 'header' or 'receipt'", time=repr(time))
+            )
         return self
 
     @model_validator(mode="after")
     def _known_names(self) -> Self:
         for ours in self.columns:
             if ours not in COLUMNS:
-                raise ValueError(f"columns: {ours!r} is none of our columns; they are {', '.join(COLUMNS)}")
+                raise ValueError(
+                    phrase(
+                        "no_such_column",
+                        "columns: {ours} is none of our columns; they are {columns}",
+                        ours=repr(ours),
+                        columns=", ".join(COLUMNS),
+                    )
+                )
         if self.trigger is not None and self.trigger.column is not None and TRIGGER in self.columns:
-            raise ValueError("columns.trigger and trigger.column both name the trigger's column; leave one out")
+            raise ValueError(
+                phrase(
+                    "trigger_twice", "columns.trigger and trigger.column both name the trigger's column; leave one out"
+                )
+            )
         for theirs in self.columns.values():
             if list(self.columns.values()).count(theirs) > 1:
-                raise ValueError(f"columns maps {theirs!r} to two of our columns; give each column one meaning")
+                raise ValueError(
+                    phrase(
+                        "column_twice",
+                        "columns maps {theirs} to two of our columns; give each column one meaning",
+                        theirs=repr(theirs),
+                    )
+                )
         for role, unit in self.units.items():
             if ROLE_UNITS[role].symbol(unit) is None:
-                raise ValueError(f"units.{role} = {unit!r} is not known; give {', '.join(ROLE_UNITS[role])}")
+                raise ValueError(
+                    phrase(
+                        "no_such_unit",
+                        "units.{role} = {unit} is not known; give {units}",
+                        role=role,
+                        unit=repr(unit),
+                        units=", ".join(ROLE_UNITS[role]),
+                    )
+                )
         return self
 
     @model_validator(mode="after")
@@ -246,19 +290,47 @@ class FileFormat(TextFile):
             for ours in table:
                 if ours not in COLUMNS or ours in without:
                     numbers = ", ".join(column for column in COLUMNS if column not in without)
-                    raise ValueError(f"{key}: {ours!r} is none of our columns of numbers; they are {numbers}")
+                    raise ValueError(
+                        phrase(
+                            "not_numbers",
+                            "{key}: {ours} is none of our columns of numbers; they are {numbers}",
+                            key=key,
+                            ours=repr(ours),
+                            numbers=numbers,
+                        )
+                    )
         if zero := next((ours for ours, value in self.scale.items() if value == 0.0), None):
-            raise ValueError(f"scale.{zero} is 0, which makes all values equal; give what a 1 in the file is")
+            raise ValueError(
+                phrase(
+                    "scale_zero",
+                    "scale.{column} is 0, which makes all values equal; give what a 1 in the file is",
+                    column=zero,
+                )
+            )
         if self.scale.get(CLOCK, 1.0) < 0.0:
-            raise ValueError(f"scale.{CLOCK} is below 0; time increases")
+            raise ValueError(phrase("scale_backwards", "scale.{column} is below 0; time increases", column=CLOCK))
         if self.orientation is not None and self.orientation not in CONVENTIONS:
-            raise ValueError(f"orientation = {self.orientation!r} is not known; {ways_to_write(self.orientation)}")
+            raise ValueError(
+                phrase(
+                    "no_such_orientation",
+                    "orientation = {name} is not known; {remedy}",
+                    name=repr(self.orientation),
+                    remedy=said(ways_to_write(self.orientation)),
+                )
+            )
         return self
 
     @model_validator(mode="after")
     def _nothing_left_to_guess(self) -> Self:
         if self.names_row is not None and self.names_row > (self.header_rows or 0):
-            raise ValueError(f"names_row = {self.names_row} is not among header_rows = {self.header_rows or 0} lines")
+            raise ValueError(
+                phrase(
+                    "names_row_outside",
+                    "names_row = {row} is not among header_rows = {rows} lines",
+                    row=self.names_row,
+                    rows=self.header_rows or 0,
+                )
+            )
         clock = () if self.column_names and self.file_name(CLOCK) in self.column_names else ("clock.period_ms",)
         needed = {
             "halsampler": ("column_names", *clock),
@@ -266,7 +338,14 @@ class FileFormat(TextFile):
         }  # fmt: skip
         for key in needed.get(self.format, ()):
             if attrgetter(key)(self) is None:
-                raise ValueError(f"{key} is missing; files of {self.format} do not say it, or differ in it: state it")
+                raise ValueError(
+                    phrase(
+                        "format_lacks",
+                        "{key} is missing; files of {format} do not say it, or differ in it: state it",
+                        key=key,
+                        format=self.format,
+                    )
+                )
         return self
 
     def stated_name(self, ours: str) -> str | None:
@@ -314,7 +393,13 @@ class FileOfRun(FileFormat):
     def _of_files_alone(self) -> Self:
         for key in ("drives", "accelerometer"):
             if getattr(self, key) is not None:
-                raise ValueError(f"{key} belongs to the machine, not to a file; state it as recording.{key}")
+                raise ValueError(
+                    phrase(
+                        "of_the_machine",
+                        "{key} belongs to the machine, not to a file; state it as recording.{key}",
+                        key=key,
+                    )
+                )
         return self
 
 

@@ -16,9 +16,9 @@ from pydantic import ModelWrapValidatorHandler, PrivateAttr, field_validator, mo
 from cases import doubts
 from cases.acceptance import Acceptance
 from cases.base.atomic import write_text
-from cases.base.errors import ALSO, CaseError, Code, option, printable
+from cases.base.errors import CaseError, Code, option, printable
 from cases.base.output_places import check_file
-from cases.base.phrases import phrase
+from cases.base.phrases import PURPOSE, Phrase, enumerated, phrase
 from cases.base.text_formats import toml_text
 from cases.base.units import DEG, MINUTE, MM, Array, as_html
 from cases.bounds import Bounds
@@ -183,7 +183,7 @@ class Case(Heading):
             *self._of_its_tolerances(),
             *self._of_its_bounds(),
         ]:
-            raise ValueError(ALSO.join(problems))
+            raise ValueError(enumerated("problems", problems))
         return self
 
     @field_validator("gravity_m_s2")
@@ -192,8 +192,14 @@ class Case(Heading):
         size = math.hypot(*value)
         if not LEAST_GRAVITY <= size <= MOST_GRAVITY:
             raise ValueError(
-                f"is {size:.4g} m/s^2 long; on Earth it has {LEAST_GRAVITY:g} to {MOST_GRAVITY:g}: give the local "
-                "gravitational acceleration in the frame {B}, such as [0.0, 0.0, -9.81]"
+                phrase(
+                    "gravity_size",
+                    "is {size} m/s^2 long; on Earth it has {least} to {most}: give the local gravitational "
+                    "acceleration in the frame {{B}}, such as [0.0, 0.0, -9.81]",
+                    size=f"{size:.4g}",
+                    least=f"{LEAST_GRAVITY:g}",
+                    most=f"{MOST_GRAVITY:g}",
+                )
             )
         return value
 
@@ -201,7 +207,9 @@ class Case(Heading):
     @classmethod
     def _built_in(cls, value: str | None) -> str | None:
         if value is not None and value not in built_in_cases():
-            raise ValueError(f"{value!r} is not a built-in case; delete the line")
+            raise ValueError(
+                phrase("no_built_in", "{value} is not a built-in case; delete the line", value=repr(value))
+            )
         return value
 
     def _of_its_machine(self) -> Iterator[str]:
@@ -213,7 +221,9 @@ class Case(Heading):
             for name, full in ((ControllerName.SINUMERIK, Sinumerik), (ControllerName.TWINCAT, TwinCat))
             if (settings := getattr(self.controller, name, None)) is not None
         }
-        of, like = ("a chain", "hexapod, or add [machine.chain]") if chain is None else ("a hexapod", "five_axis_table")
+        of = phrase("a_chain", "a chain") if chain is None else phrase("a_hexapod", "a hexapod")
+        add_chain = phrase("or_add_chain", "hexapod, or add [machine.chain]")
+        like = add_chain if chain is None else "five_axis_table"
         for key, wrong in {
             "workspace": chain is not None and self.workspace is not None,
             "limits.motion": motion is not None and isinstance(motion, MotionLimits) == (chain is not None),
@@ -221,7 +231,13 @@ class Case(Heading):
             **{f"controller.{name}": wrong for name, wrong in own_axes.items()},
         }.items():
             if wrong:
-                yield f"{key} is that of {of}, or incomplete; write it as in the case {like}"
+                yield phrase(
+                    "of_other_machine",
+                    "{key} is that of {of}, or incomplete; write it as in the case {like}",
+                    key=key,
+                    of=of,
+                    like=like,
+                )
         if chain is not None and isinstance(motion, JointMotionLimits):
             yield from joint_problems(chain, motion)
         if chain is None and isinstance(motion, MotionLimits):
@@ -229,59 +245,84 @@ class Case(Heading):
                 yield from box_problems(self.workspace, motion)
             fastest = float(motion.rate[:3].min()) / MM * MINUTE
             if self.controller is not None and not 0.0 < (self.controller.safe_feed_mm_min or 0.0) <= fastest:
-                yield (
-                    "controller.safe_feed_mm_min is missing or faster than limits.motion.velocity_mm_s; give the feed "
-                    f"of the first move, at most {fastest:g} mm/min"
+                yield phrase(
+                    "safe_feed",
+                    "controller.safe_feed_mm_min is missing or faster than limits.motion.velocity_mm_s; give the "
+                    "feed of the first move, at most {most} mm/min",
+                    most=f"{fastest:g}",
                 )
 
     def _of_its_sensors(self) -> Iterator[str]:
         """Problems of sensors that do not belong to the setup or the machine, or whose noise is half stated."""
         sensors, frame = self.sensors, self.sensor_frame
         if (self.setup == "2x") != (frame.struts is not None) or (frame.struts is not None and self.hexapod is None):
-            yield 'setup "2x" goes with [sensor_frame.struts] and a hexapod: sensors in its struts; change one of them'
+            yield phrase(
+                "setup_2x",
+                'setup "2x" goes with [sensor_frame.struts] and a hexapod: sensors in its struts; change one of them',
+            )
         if (self.setup == "R" and self.chain is None and not frame.has_moments) or (
             self.chain is not None and (self.setup != "R" or not frame.has_moments)
         ):
-            yield (
+            yield phrase(
+                "setup_R",
                 'setup "R", and machine.chain, go with a force/torque sensor: write setup = "R" and '
-                "[sensor_frame.transducer], or the setup of the bars"
+                "[sensor_frame.transducer], or the setup of the bars",
             )
         transducer = frame.transducer
         for key in ("flange", "tcp"):
             if self.chain is not None and transducer is not None and getattr(transducer, key) is not None:
-                yield f"sensor_frame.transducer.{key} is for cases without a chain; state it as machine.chain.{key}"
+                yield phrase(
+                    "without_chain",
+                    "sensor_frame.transducer.{key} is for cases without a chain; state it as machine.chain.{key}",
+                    key=key,
+                )
         if frame.struts is not None and sensors.acceleration_noise is not None:
-            yield "sensors: noise of accelerations is not counted yet where sensors sit in struts; remove it"
+            yield phrase(
+                "no_shaking_in_struts",
+                "sensors: noise of accelerations is not counted yet where sensors sit in struts; remove it",
+            )
         if (sensors.moment_noise_Nm is not None) != (frame.has_moments and sensors.force_noise_N is not None):
-            yield (
+            yield phrase(
+                "moment_noise",
                 "sensors.moment_noise_Nm goes with force_noise_N of a force/torque sensor, and sensors of forces do "
-                "without it; add or remove one"
+                "without it; add or remove one",
             )
         if sensors.force_noise_N is None and (sensors.weights == "stated" or sensors.acceleration_noise is not None):
-            yield (
-                'sensors.force_noise_N is missing; weights = "stated" and noise of accelerations go with it, from the '
-                "sensors' data sheet"
+            yield phrase(
+                "force_noise_missing",
+                'sensors.force_noise_N is missing; weights = "stated" and noise of accelerations go with it, from '
+                "the sensors' data sheet",
             )
         size = sensors.pose_error_N
         if (size is None) != (sensors.pose_error_length_mm is None):
-            yield "sensors: pose_error_N or pose_error_length_mm is missing; give both, as hexcite identify prints them"
+            yield phrase(
+                "pose_error_missing",
+                "sensors: pose_error_N or pose_error_length_mm is missing; give both, as hexcite identify prints them",
+            )
         elif size is not None and (frame.bars is None or self.machine is None or self.setup == "1a"):
-            yield (
-                f"sensors.pose_error_N = {size:g} is for bars that struts move (setup 1b); remove it and "
-                "pose_error_length_mm"
+            yield phrase(
+                "pose_error_of_bars",
+                "sensors.pose_error_N = {size} is for bars that struts move (setup 1b); remove it and "
+                "pose_error_length_mm",
+                size=f"{size:g}",
             )
 
     def _of_its_bounds(self) -> Iterator[str]:
         """Problems of bounds of a body that is not identified."""
         if self.bounds is not None and self.setup == "1a":
-            yield "bounds are of a body that moves; in setup 1a none is identified: remove them"
+            yield phrase("bounds_in_1a", "bounds are of a body that moves; in setup 1a none is identified: remove them")
 
     def _of_its_tolerances(self) -> Iterator[str]:
         """Problems of tolerances of what the machine does not have: they would count for nothing."""
         for key, _ in () if self.tolerances is None else self.tolerances.stated():
             if key not in self.tolerable:
                 tolerable = ", ".join(self.tolerable)
-                yield f"tolerances.{key} is of something that this machine does not have; it has {tolerable}"
+                yield phrase(
+                    "not_tolerable",
+                    "tolerances.{key} is of something that this machine does not have; it has {tolerable}",
+                    key=key,
+                    tolerable=tolerable,
+                )
 
     @cached_property
     def doubts(self) -> tuple[Doubt, ...]:
@@ -363,8 +404,10 @@ class Case(Heading):
         raise CaseError(
             file=f"case {self.name}",
             key=part,
-            problem="is missing",
-            remedy=f"{purpose} needs it: add the table to the case file",
+            problem=phrase("is_missing", "is missing"),
+            remedy=phrase(
+                "purpose_needs", "{purpose} needs it: add the table to the case file", purpose=_purpose(purpose)
+            ),
             code=Code.MISSING,
         )
 
@@ -460,7 +503,9 @@ class Case(Heading):
             raise CaseError(
                 file=f"case {self.name}",
                 key="machine",
-                problem=f"is a hexapod, and {purpose} is for a chain of joints",
+                problem=phrase(
+                    "for_chains", "is a hexapod, and {purpose} is for a chain of joints", purpose=_purpose(purpose)
+                ),
                 remedy=f"choose another {option('dialect')}",
                 code=Code.NOT_SUPPORTED,
             )
@@ -542,8 +587,8 @@ class Case(Heading):
             raise CaseError(
                 file=f"case {self.name}",
                 key="machine.chain",
-                problem=f"{purpose} is for hexapods only",
-                remedy="a chain has none yet",
+                problem=phrase("for_hexapods", "{purpose} is for hexapods only", purpose=_purpose(purpose)),
+                remedy=phrase("none_of_a_chain", "a chain has none yet"),
                 code=Code.NOT_SUPPORTED,
             )
         if self.setup == "1a":
@@ -553,7 +598,7 @@ class Case(Heading):
                 problem=phrase(
                     "setup_1a",
                     "is 1a, a sensor frame that does not move: {purpose} needs one that does",
-                    purpose=purpose,
+                    purpose=_purpose(purpose),
                 ),
                 remedy=phrase(
                     "tare_instead", "use hexcite tare, force, and identify with payload for what is put on it"
@@ -631,6 +676,10 @@ class Case(Heading):
         if self.simulation is None:
             self.missing("simulation", purpose)
         return self.simulation
+
+
+def _purpose(purpose: str) -> Phrase:
+    return phrase(PURPOSE, "{words}", words=purpose)
 
 
 def load_case(name: str) -> Case:

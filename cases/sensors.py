@@ -65,9 +65,15 @@ class Bars(Part):
         direction = self.upper.points - self.lower.points
         length = np.linalg.norm(direction, axis=1)
         if np.any(length == 0.0):
-            raise ValueError(f"bar {int(np.argmin(length)) + 1} has no length; its lower and upper point coincide")
-        problem = "the six bars do not measure all forces and moments"
-        remedy = "bars must not all be parallel, coplanar or meet one line"
+            raise ValueError(
+                phrase(
+                    "bar_no_length",
+                    "bar {number} has no length; its lower and upper point coincide",
+                    number=int(np.argmin(length)) + 1,
+                )
+            )
+        problem = phrase("bars_not_spanning", "the six bars do not measure all forces and moments")
+        remedy = phrase("bars_must", "bars must not all be parallel, coplanar or meet one line")
         require_spanning(self.lower.points, direction, problem, remedy)
         return self
 
@@ -148,7 +154,7 @@ class SensorFrame(Part):
     @model_validator(mode="after")
     def _one_form(self) -> "SensorFrame":
         if sum(form is not None for form in (self.bars, self.transducer, self.struts)) != 1:
-            raise ValueError("give one of bars, transducer and struts, not several or none")
+            raise ValueError(phrase("one_frame", "give one of bars, transducer and struts, not several or none"))
         return self
 
     @property
@@ -265,8 +271,12 @@ class RigidBody(Part):
         principal = np.linalg.eigvalsh([[i11, i12, i13], [i12, i22, i23], [i13, i23, i33]])
         if principal[0] <= 0.0 or principal[0] + principal[1] < principal[2] * (1.0 - 1e-9):
             raise ValueError(
-                f"no rigid body has the principal inertias {', '.join(f'{i:.4g}' for i in principal)} kg m^2; all must "
-                "be positive and none larger than the sum of the others"
+                phrase(
+                    "no_such_inertia",
+                    "no rigid body has the principal inertias {values} kg m^2; all must be positive and none larger "
+                    "than the sum of the others",
+                    values=", ".join(f"{i:.4g}" for i in principal),
+                )
             )
         return self
 

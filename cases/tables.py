@@ -16,8 +16,9 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 from pydantic_core.core_schema import CoreSchema, tagged_union_schema
 
-from cases.base.errors import ALSO, CaseError, Code, FileProblem, first_problems
+from cases.base.errors import CaseError, Code, FileProblem, first_problems
 from cases.base.file_reading import read_whole
+from cases.base.phrases import Phrase, enumerated, parts_of, phrase, said
 from cases.base.units import DEG, MM, MS, UM, Array
 
 
@@ -76,14 +77,29 @@ NonNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=
 def _ordered(value: tuple[float, float]) -> tuple[float, float]:
     low, high = value
     if not low < high:
-        raise ValueError(f"lower limit {low:g} is not below upper limit {high:g}; swap or widen them")
+        raise ValueError(
+            phrase(
+                "limits_swapped",
+                "lower limit {low} is not below upper limit {high}; swap or widen them",
+                low=f"{low:g}",
+                high=f"{high:g}",
+            )
+        )
     return value
 
 
 def _climbing(value: tuple[float, float, float]) -> tuple[float, float, float]:
     first, last, step = value
     if not (first <= last and step > 0.0):
-        raise ValueError(f"[{first:g}, {last:g}, {step:g}] is not [first, last, step]; step up from first to last")
+        raise ValueError(
+            phrase(
+                "not_a_grid",
+                "[{first}, {last}, {step}] is not [first, last, step]; step up from first to last",
+                first=f"{first:g}",
+                last=f"{last:g}",
+                step=f"{step:g}",
+            )
+        )
     return value
 
 
@@ -111,7 +127,9 @@ def spelled(pattern: str, words: str) -> AfterValidator:
 
     def checked(text: str) -> str:
         if re.fullmatch(pattern, text) is None:
-            raise ValueError(f"{text!r}: is not {words}; correct the value")
+            raise ValueError(
+                phrase("not_spelled", "{value}: is not {words}; correct the value", value=repr(text), words=said(words))
+            )
         return text
 
     return AfterValidator(checked)
@@ -121,7 +139,11 @@ def _one_line(text: str) -> str:
     line = " ".join(text.split())
     if not line.isprintable():
         raise ValueError(
-            f"{text!r}: holds control characters, which a terminal or a controller would obey; remove them"
+            phrase(
+                "control_characters",
+                "{value}: holds control characters, which a terminal or a controller would obey; remove them",
+                value=repr(text),
+            )
         )
     return line
 
@@ -299,16 +321,18 @@ def _explained(model: type[BaseModel], path: Path, error: ValidationError) -> Ca
     problems = _together(
         (_rank(problem), _key(problem), words, _name(problem))
         for problem in errors
-        for words in _words(model, problem).split(ALSO)
+        for words in parts_of(_words(model, problem))
     )
     meanings = {
         f"{key.rpartition('.')[0]}.{hint[1] or hint[2]}" for _, key, words in problems if (hint := _HINT.search(words))
     }
-    problems = [p for p in problems if p[2] != _MISSING or (p[1] not in meanings and f".{p[1]}" not in meanings)]
+    problems = [p for p in problems if p[2] != MISSING or (p[1] not in meanings and f".{p[1]}" not in meanings)]
     problems.sort(key=lambda problem: (problem[0], len(problem[1]) + len(problem[2])))
-    lines = first_problems([f"{key}: {words}" if key else words for _, key, words in problems])
+    at = phrase("at_key", "{key}: {words}", key="", words="")
+    lines = first_problems([at.filled(key=key, words=words) if key else words for _, key, words in problems])
     _, key, words = problems[0]
-    return CaseError(file=path, key=key, problem=ALSO.join([words, *lines[1:]]), problems=lines, code=Code.WRONG_KIND)
+    problem = enumerated("problems", [words, *lines[1:]])
+    return CaseError(file=path, key=key, problem=problem, problems=lines, code=Code.WRONG_KIND)
 
 
 def _name(problem: ErrorDetails) -> str:
@@ -318,22 +342,32 @@ def _name(problem: ErrorDetails) -> str:
     return name if of_a_list and isinstance(name, str) else ""
 
 
-def _together(problems: Iterable[tuple[int, str, str, str]]) -> list[tuple[int, str, str]]:
+def _together(problems: Iterable[tuple[int, str, Phrase, str]]) -> list[tuple[int, str, Phrase]]:
     """Rank, key and words of each problem; what is true of several entries of a list is one, with all their names."""
-    alike: dict[tuple[int, str, str], list[tuple[str, str]]] = {}
+    alike: dict[tuple[int, str, Phrase, bool], list[tuple[str, str]]] = {}
     for rank, key, words, name in problems:
-        own = bool(name) and words.startswith(f"{name}:")
+        own = bool(name) and words.code == NAMED and words.values["name"] == name
         table, _, number = key.removesuffix("]").rpartition("[") if own else (key, "", "")
-        alike.setdefault((rank, table, words.removeprefix(name) if own else words), []).append((number, name))
+        problem = words.values["problem"] if own else words
+        alike.setdefault((rank, table, problem, own), []).append((number, name))
     return [
-        (rank, f"{table}[{', '.join(n for n, _ in of)}]", ", ".join(name for _, name in of) + words)
-        if of[0][0]
+        (rank, f"{table}[{', '.join(n for n, _ in of)}]", of_named(", ".join(name for _, name in of), words))
+        if own
         else (rank, table, words)
-        for (rank, table, words), of in alike.items()
+        for (rank, table, words, own), of in alike.items()
     ]
 
 
-_MISSING = "is missing; add it"
+NAMED = "named"
+"""Code of a problem of an entry that has a name."""
+
+
+def of_named(name: str, problem: Phrase) -> Phrase:
+    """A problem of an entry of a list, with its name."""
+    return phrase("named", "{name}: {problem}", name=name, problem=problem)
+
+
+MISSING = phrase("missing", "is missing; add it")
 _HINT = re.compile(r"did you mean (\w+)\?|write (\w+)$")
 
 
@@ -354,32 +388,65 @@ def _tag(part: int | str) -> str:
 
 
 _SHAPES = {
-    "float_type": "a number, without quotes and with a point",
-    "tuple_type": "a list",
+    "float_type": phrase("a_number", "a number, without quotes and with a point"),
+    "int_type": phrase("a_whole_number", "a whole number"),
+    "tuple_type": phrase("a_list", "a list"),
 }
+_BOUNDS = {
+    "greater_than": phrase("above", "greater than {bound}", bound=""),
+    "greater_than_equal": phrase("from", "greater than or equal to {bound}", bound=""),
+    "less_than": phrase("below", "less than {bound}", bound=""),
+    "less_than_equal": phrase("up_to", "less than or equal to {bound}", bound=""),
+}
+_LIMITS = {"greater_than": "gt", "greater_than_equal": "ge", "less_than": "lt", "less_than_equal": "le"}
 MOST_SHOWN = 4  # keys of a table that a remedy writes out
 
 
-def _words(model: type[BaseModel], problem: ErrorDetails) -> str:
+def _words(model: type[BaseModel], problem: ErrorDetails) -> Phrase:
     """One problem as pydantic found it, with value and remedy."""
     kind, value = problem["type"], problem["input"]
     if kind == "extra_forbidden":
         return _unknown_key(str(problem["loc"][-1]), list(_siblings(model, problem["loc"])))
     if kind == "missing":
-        return _MISSING
+        return MISSING
     if kind == "value_error":
-        return str(problem["ctx"]["error"])
+        (words,) = problem["ctx"]["error"].args
+        return said(words)
     if kind == "model_type":
-        return f"{_shown(value)}: is not a table; write {_table_shown(model, problem['loc'])}"
+        return phrase(
+            "not_a_table",
+            "{value}: is not a table; write {table}",
+            value=_shown(value),
+            table=_table_shown(model, problem["loc"]),
+        )
     if kind in _SHAPES:
-        return f"{_shown(value)}: is not {_SHAPES[kind]}; write one"
+        return phrase("not_a", "{value}: is not {what}; write one", value=_shown(value), what=_SHAPES[kind])
+    if kind in _BOUNDS:
+        bound = _BOUNDS[kind].filled(bound=f"{problem['ctx'][_LIMITS[kind]]:.16g}")
+        return phrase(
+            "out_of_bounds", "{value}: input should be {bound}; correct the value", value=_shown(value), bound=bound
+        )
+    if kind in ("literal_error", "enum"):
+        return phrase(
+            "one_of",
+            "{value}: input should be {choices}; correct the value",
+            value=_shown(value),
+            choices=problem["ctx"]["expected"],
+        )
     if kind in ("too_short", "too_long"):
         of = problem["ctx"]
-        expected = f"at least {of['min_length']}" if "min_length" in of else f"at most {of['max_length']}"
-        return (
-            f"has {of['actual_length']} entries, {expected} are wanted; correct it (a decimal comma makes two entries)"
+        if "min_length" in of:
+            expected = phrase("entries_at_least", "at least {count}", count=of["min_length"])
+        else:
+            expected = phrase("entries_at_most", "at most {count}", count=of["max_length"])
+        return phrase(
+            "entries",
+            "has {count} entries, {expected} are wanted; correct it (a decimal comma makes two entries)",
+            count=of["actual_length"],
+            expected=expected,
         )
-    return f"{_shown(value)}: {problem['msg'][0].lower()}{problem['msg'][1:]}; correct the value"
+    message = f"{problem['msg'][0].lower()}{problem['msg'][1:]}"
+    return phrase("wrong_value", "{value}: {why}; correct the value", value=_shown(value), why=said(message))
 
 
 def _table_shown(model: type[BaseModel], location: tuple[int | str, ...]) -> str:
@@ -398,12 +465,22 @@ _BRIEF = reprlib.Repr()
 _BRIEF.maxstring = _BRIEF.maxother = _BRIEF.maxlong = 60
 
 
-def _unknown_key(key: str, keys: list[str]) -> str:
+def _unknown_key(key: str, keys: list[str]) -> Phrase:
     if matches := [name for name in keys if _UNIT.sub("", name) == _UNIT.sub("", key)]:
-        return f"has no unit, or another one than is expected here; write {' or '.join(matches)}"
-    close = difflib.get_close_matches(key, keys, n=1)
-    hint = f"did you mean {close[0]}? " if close else ""
-    return f"is an unknown key; {hint}known keys here are {', '.join(sorted(keys))}"
+        return phrase(
+            "other_unit",
+            "has no unit, or another one than is expected here; write {keys}",
+            keys=enumerated("or", matches),
+        )
+    known = ", ".join(sorted(keys))
+    if close := difflib.get_close_matches(key, keys, n=1):
+        return phrase(
+            "unknown_key_near",
+            "is an unknown key; did you mean {near}? known keys here are {known}",
+            near=close[0],
+            known=known,
+        )
+    return phrase("unknown_key", "is an unknown key; known keys here are {known}", known=known)
 
 
 def _siblings(model: type[BaseModel], location: tuple[int | str, ...]) -> Iterable[str]:

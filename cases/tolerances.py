@@ -6,6 +6,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BeforeValidator, PlainSerializer, model_validator
 
+from cases.base.phrases import phrase
 from cases.tables import NonNegative, Part
 
 KINDS = {
@@ -63,7 +64,11 @@ class Spread(Part):
     @model_validator(mode="after")
     def _one_of_them(self) -> "Spread":
         if (self.std is None) == (self.limit is None):
-            raise ValueError("give a standard deviation, such as 0.03, or { limit = 0.05 }, not both or none")
+            raise ValueError(
+                phrase(
+                    "std_or_limit", "give a standard deviation, such as 0.03, or {{ limit = 0.05 }}, not both or none"
+                )
+            )
         return self
 
     @property

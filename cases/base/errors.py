@@ -9,13 +9,13 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
-from cases.base.phrases import Phrase, phrase, said
+from cases.base.phrases import Phrase, again, enumerated, phrase, said
 
 ALSO = "; also: "  # between problems of one error
 MOST_PROBLEMS = 50  # of one error; a file with more of them is of another kind, or damaged by a program
 
 
-def first_problems(problems: Sequence[str]) -> tuple[str, ...]:
+def first_problems(problems: Sequence[str]) -> tuple[Phrase, ...]:
     """The problems; of very many the first ones, and how many others there are.
 
     >>> first_problems(["a is wrong"] * 60)[-1]
@@ -23,8 +23,9 @@ def first_problems(problems: Sequence[str]) -> tuple[str, ...]:
     """
     others = len(problems) - MOST_PROBLEMS + 1
     if others <= 1:
-        return tuple(problems)
-    return *problems[: MOST_PROBLEMS - 1], f"has {others} more problems; correct these first"
+        return tuple(map(said, problems))
+    more = phrase("more_problems", "has {count} more problems; correct these first", count=others)
+    return *map(said, problems[: MOST_PROBLEMS - 1]), more
 
 
 class Write(NamedTuple):
@@ -169,7 +170,7 @@ class HexciteError(Exception):
         error = copy(self)
         sentences = tuple(doubts)
         error.args = (ALSO.join([self.args[0], *sentences]),)
-        error.said = self.said._replace(remedy=ALSO.join([self.said.remedy, *sentences]))
+        error.said = self.said._replace(remedy=enumerated("problems", [self.said.remedy, *sentences]))
         return error
 
     def in_doubt(self) -> Self:
@@ -203,9 +204,30 @@ class HexciteError(Exception):
         """Its printable lines, one for each thing that is wrong, each with its place."""
         return (self.typed,)
 
+    @property
+    def sentences(self) -> tuple[Phrase, ...]:
+        """The same lines with their codes, for other languages."""
+        return (_typed(_whole(said(self.said.problem), self.said.place, self.said.remedy)),)
+
     def __reduce__(self) -> tuple[Any, ...]:
         """Its class and its parts, for copies and on its way out of a worker process."""
         return type(self).__new__, (type(self),), vars(self) | {"args": self.args}
+
+
+def _whole(problem: Phrase, place: str, remedy: str = "") -> Phrase:
+    """A sentence with its place and its remedy, where it has them."""
+    if remedy:
+        problem = phrase("with_remedy", "{problem}; {remedy}", problem=problem, remedy=said(remedy))
+    return phrase("at_place", "{place}: {problem}", place=place, problem=problem) if place else problem
+
+
+AT_PLACE = "at_place"
+"""Code of a sentence with its place."""
+
+
+def _typed(sentence: Phrase) -> Phrase:
+    """A sentence with options as they are typed on the command line."""
+    return again(_shown(as_typed(sentence)), sentence.to_json(lambda part: printable(as_typed(part))))
 
 
 _SHOWN = 200  # characters at either end of a word that is shown in part
@@ -292,6 +314,13 @@ class CaseError(HexciteError, ValueError):
         """Its printable lines, one for each problem."""
         several = len(self.problems) > 1
         return tuple(_shown(as_typed(f"{self.file}: {p}")) for p in self.problems) if several else (self.typed,)
+
+    @property
+    def sentences(self) -> tuple[Phrase, ...]:
+        """The same lines with their codes."""
+        if len(self.problems) < 2:
+            return super().sentences
+        return tuple(_typed(_whole(said(problem), str(self.file))) for problem in self.problems)
 
     def to_json(self) -> dict[str, Any]:
         """The same, with all problems, each a sentence."""

@@ -45,6 +45,8 @@ class Phrase(str):
         return {"code": self.code, "values": {name: _entry(value, shown) for name, value in self.values.items()}}
 
 
+PURPOSE = "purpose"
+"""Code of what something is needed for, whose words are its value."""
 OPEN = "{}"
 """Value of a place that `Phrase.filled` fills later."""
 NOTHING = Phrase()
@@ -79,6 +81,11 @@ def enumerated(sign: Sign, parts: Sequence[str]) -> Phrase:
 def said(text: str) -> Phrase:
     """A phrase as it is, and any other text as one that is quoted."""
     return text if isinstance(text, Phrase) else phrase(QUOTED, "{text}", text=text)
+
+
+def parts_of(sentence: Phrase) -> list[Phrase]:
+    """The problems of a sentence of several, else the one that it is."""
+    return list(sentence.values["parts"]) if sentence.code == "problems" else [sentence]
 
 
 def again(text: str, entries: object) -> Phrase:

@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from typing import Self
 
+from cases.base.phrases import enumerated
 from hexcite.texts import text
 
 
@@ -22,7 +23,7 @@ class Refusal(ValueError):
     @classmethod
     def of(cls, lines: Iterable[str]) -> Self:
         """What an error of the library says."""
-        return cls("", sentence="; ".join(lines))
+        return cls("", sentence=enumerated("semicolon", list(lines)))
 
 
 class Unfit(Refusal):

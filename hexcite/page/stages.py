@@ -11,6 +11,7 @@ from typing import Any
 
 from cases.base.errors import HexciteError
 from cases.base.file_reading import DAMAGED, MOST_JSON, read_whole
+from cases.base.phrases import enumerated
 from cases.basis import (
     COMPUTED_FROM,
     CONTENT,
@@ -97,7 +98,7 @@ def _machine(key: str, argument: str, file: Path) -> Machine:
     try:
         return Machine(key, argument, file, case_of(str(file), status.st_mtime_ns, status.st_size))
     except HexciteError as error:
-        return Machine(key, argument, file, None, "; ".join(error.lines))
+        return Machine(key, argument, file, None, enumerated("semicolon", error.sentences))
 
 
 def case_key(machine: Machine) -> tuple[str, int, int]:

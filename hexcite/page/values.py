@@ -184,7 +184,7 @@ def edited(content: str, fields: Mapping[str, str], file: Path = Path(CASE_FILE)
     try:
         return Written(with_values(file, content, tables), converted)
     except HexciteError as error:
-        raise Refused.of(error.lines) from error
+        raise Refused.of(error.sentences) from error
 
 
 def changed(content: str, fields: Mapping[str, str]) -> tuple[dict[str, Any], tuple[str, ...]]:
@@ -258,7 +258,7 @@ def write_motion_box(file: Path, box: Mapping[str, Any]) -> None:
     try:
         write_keys(file, writes)
     except HexciteError as error:
-        raise Refused.of(error.lines) from error
+        raise Refused.of(error.sentences) from error
 
 
 _ANY = object()  # a number or a list, where nothing stood before
@@ -321,7 +321,7 @@ def case_of(content: str, file: Path) -> Case:
     try:
         return case_of_text(content, Path(file.parent.name, CASE_FILE))
     except HexciteError as error:
-        raise Refused.of(error.lines) from error
+        raise Refused.of(error.sentences) from error
 
 
 def save(file: Path, content: str) -> None:

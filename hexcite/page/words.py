@@ -13,7 +13,7 @@ from hexcite.page.refusals import Refusal
 from hexcite.page.values import Entry, Section
 from hexcite.texts import Language, text
 from hexcite.texts import answers as german
-from hexcite.texts.by_code import begun, limit, parameter, place_words, sentence
+from hexcite.texts.by_code import at_place, begun, limit, parameter, place_words, sentence
 from hexcite.texts.case_keys import KEYS, NOUNS, TABLES
 from identification.recording.formats.reasons import Why
 from identification.texts import parameter_words
@@ -144,7 +144,11 @@ class Words:
         if parts[0] is None:
             return None
         sentence = Markup("; ").join(each for each in parts if each is not None)
-        return Markup("{}: {}").format(error["place"], sentence) if error.get("place") else sentence
+        return (
+            Markup("<code>{}</code>: {}").format(at_place(str(error["place"])), sentence)
+            if error.get("place")
+            else sentence
+        )
 
     def refusal(self, code: str) -> str:
         """What a refused command lacks; empty in English, whose sentence says it."""

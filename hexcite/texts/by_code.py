@@ -6,8 +6,9 @@ from html import unescape
 
 from markupsafe import Markup, escape
 
-from cases.base.phrases import QUOTED
-from hexcite.texts import answers, plan, sentences
+from cases.base.errors import AT_PLACE
+from cases.base.phrases import PURPOSE, QUOTED
+from hexcite.texts import answers, cases, plan, sentences
 from identification.limits.limit import NAMED, Limit
 from identification.texts import PARAMETER, parameter_words
 from planner.options import FAMILY
@@ -63,11 +64,32 @@ def sentence(value: object, quoted: Callable[[object], Markup]) -> Markup | None
         return escape(plan.TEXTS.get(f"family_{values.get('name')}", ("", str(values.get("name"))))[1])
     if code == NAMED:
         return escape(limit_of(str(values.get("name"))))
+    if code == PURPOSE:
+        purpose = str(values.get("words"))
+        return escape(cases.PURPOSES[purpose]) if purpose in cases.PURPOSES else quoted(purpose)
     if code == QUOTED:
         return quoted(values.get("text", ""))
     words = sentences.SENTENCES.get(code)
     inner = {str(name): sentence(each, quoted) for name, each in values.items()}
+    if code == AT_PLACE:
+        inner["place"] = Markup("<code>{}</code>").format(at_place(str(values.get("place"))))
     return None if words is None or None in inner.values() else Markup(words).format(**inner)
+
+
+def at_place(place: str) -> str:
+    """A place as messages of commands name it: a file or a case, a line, a column, an option."""
+    for pattern, words in _PLACES:
+        place = pattern.sub(words, place)
+    return place
+
+
+_PLACES = (
+    (re.compile(r"^case (?=\w)"), "Maschine "),
+    (re.compile(r"\bline (?=\d)"), "Zeile "),
+    (re.compile(r"\bcolumn (?=\w)"), "Spalte "),
+    (re.compile(r"\bchannel (?=\w)"), "Kanal "),
+)
+"""Words in places, and ours."""
 
 
 def plain(value: object, english: str) -> str:
@@ -75,7 +97,10 @@ def plain(value: object, english: str) -> str:
     phrase_text = sentence(value, lambda text: escape(f"“{text}”")) if isinstance(value, Mapping) else None
     if phrase_text is None:
         return f"“{english}”"
-    return begun(unescape(str(phrase_text)))
+    return begun(unescape(_CODE.sub("", str(phrase_text))))
+
+
+_CODE = re.compile("</?code>")
 
 
 _KEY = re.compile(r"[\[\w]+([._\]\d]|\[)")

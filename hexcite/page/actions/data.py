@@ -84,7 +84,7 @@ def _apply(context: Context, there: Workspace, fields: Fields) -> Job:
     try:
         written = write_keys(context.machine.file, remedy.keys)
     except HexciteError as error:
-        raise Unfit.of(error.lines) from error
+        raise Unfit.of(error.sentences) from error
     arguments = [placed(place) + ("" if value is None else f"={toml_value(value)}") for place, value, _ in remedy.keys]
     job.before = ("case", "set", context.machine.argument, *arguments)
     notes = [f"{key}: {_shown(before)} → {_shown(after)}" for key, before, after in written.changes]

@@ -41,6 +41,6 @@ def state(context: Context, fields: Fields) -> str:
     try:
         write_keys(context.machine.file, writes)
     except HexciteError as error:
-        raise Unfit.of(error.lines) from error
+        raise Unfit.of(error.sentences) from error
     stage = chosen(fields, "stage", ("result", "use"))
     return f"{context.address}/{stage}?result={quote(field(fields, 'result'))}&stated=1"

@@ -10,6 +10,7 @@ from typing import Any
 from markupsafe import Markup
 
 from cases.base.errors import HexciteError
+from cases.base.phrases import enumerated
 from cases.schema import Case
 from cases.tables import tables_of
 from cases.urdf import TOOL0, read_links
@@ -98,7 +99,7 @@ def drawn(case: Case | None, data: Mapping[str, Any], problem: str = "") -> dict
             values["scene"] = Markup(script_json(scene.to_json()))
             values["near"] = near(case, chain)
     except HexciteError as error:
-        values["why"] = "; ".join(error.lines)
+        values["why"] = enumerated("semicolon", error.sentences)
     return values
 
 
@@ -112,7 +113,7 @@ def preview(context: Context, fields: Fields) -> dict[str, Any]:
     try:
         case, problem = tables_of(Case, Path(context.machine.argument), data), ""
     except HexciteError as error:
-        case, problem = None, "; ".join(error.lines)
+        case, problem = None, enumerated("semicolon", error.sentences)
     return {**drawn(case, data, problem), "converted": converted}
 
 
@@ -121,7 +122,7 @@ def urdf(file: Path) -> dict[str, Any]:
     try:
         links = read_links(file)
     except HexciteError as error:
-        return {"name": file.name, "problem": "; ".join(error.lines), "links": ()}
+        return {"name": file.name, "problem": enumerated("semicolon", error.sentences), "links": ()}
     stem = re.sub(r"[^a-z0-9]+", "_", file.stem.lower()).strip("_")
     most = max(link.moved_by for link in links)
     moved = [link for link in links if link.moved_by == most]

@@ -5,6 +5,8 @@ from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
+from markupsafe import Markup
+
 from cases.base.errors import HexciteError
 from cases.schema import load_case
 from hexcite.page.actions.common import Context
@@ -33,14 +35,8 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "dialects": context.machine.dialects,
         "chosen": plan,
         "facts": None if plan is None else _facts(plan),
-        "notes": []
-        if plan is None
-        else context.words.clauses(plan.record.get("notes"), plan.record.get("notes_phrases"))[:MOST_SENTENCES],
-        "weaknesses": []
-        if plan is None
-        else context.words.clauses(plan.record.get("weaknesses"), plan.record.get("weaknesses_phrases"))[
-            :MOST_SENTENCES
-        ],
+        "notes": [] if plan is None else _sentences(context.words, plan, "notes"),
+        "weaknesses": [] if plan is None else _sentences(context.words, plan, "weaknesses"),
         "plans": [(p, _facts(p)) for p in there.plans],
         "predicted": None if plan is None else _predicted(context, [plan, *others]),
         "limits": limits(context.words, plan.record.get("limits", {})) if plan is not None else [],
@@ -60,6 +56,11 @@ def _facts(plan: Made) -> dict[str, Any]:
 
 
 MOST_SENTENCES = 6  # that a reader takes in
+
+
+def _sentences(words: Words, plan: Made, name: str) -> list[Markup]:
+    """Sentences of a plan, by their codes."""
+    return words.clauses(plan.record.get(name), plan.record.get(f"{name}_phrases"))[:MOST_SENTENCES]
 
 
 def _kinds(plans: Sequence[Made], plan: Made | None) -> list[tuple[str, str]]:

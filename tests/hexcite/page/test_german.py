@@ -81,7 +81,7 @@ def english_in(page: str) -> set[str]:
     """English words that a page says, each with the text around it."""
     spoken = Spoken()
     spoken.feed(page)
-    texts = (re.sub(r"`[^`]*`|\S*[._/\[\]]\S+", " ", text) for text in spoken.said)
+    texts = (re.sub(r"`[^`]*`|\S*[._/\[\]]\S+|hexcite \w+|--\w+(?: [a-z]+)?", " ", text) for text in spoken.said)
     return {
         f"{word.lower()}: {text.strip()[:80]}"
         for text in texts
@@ -206,7 +206,7 @@ def test_a_cause_is_said_in_german_and_what_has_no_code_is_quoted_in_it():
     entries = json.loads(json.dumps(error.to_json()))
     assert entries["problem"] == "it <b> is (struts 1 and 2 are exchanged)"
     german = GERMAN.error(entries)
-    assert german == 'run.csv: <q lang="en">it &lt;b&gt; is</q> (Streben: 1 und 2 vertauscht)'
+    assert german == '<code>run.csv</code>: <q lang="en">it &lt;b&gt; is</q> (Streben: 1 und 2 vertauscht)'
     assert ENGLISH.error(entries) is None
     assert GERMAN.error({"problem": "x", "place": ""}) is None
     assert GERMAN.by_code({"code": "none of ours", "values": {}}) is None
