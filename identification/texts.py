@@ -118,6 +118,8 @@ def parameter_words(name: str, rods: bool = False) -> str:
 
 PARAMETER = "parameter"
 """Code of a parameter in words."""
+CAUSE = "cause_of_deviations"
+"""Code of a kind of cause, which is its value."""
 
 
 def parameter_phrase(name: str) -> Phrase:

@@ -207,14 +207,14 @@ class HexciteError(Exception):
     @property
     def sentences(self) -> tuple[Phrase, ...]:
         """The same lines with their codes, for other languages."""
-        return (_typed(_whole(said(self.said.problem), self.said.place, self.said.remedy)),)
+        return (_typed(whole_sentence(said(self.said.problem), self.said.place, self.said.remedy)),)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Its class and its parts, for copies and on its way out of a worker process."""
         return type(self).__new__, (type(self),), vars(self) | {"args": self.args}
 
 
-def _whole(problem: Phrase, place: str, remedy: str = "") -> Phrase:
+def whole_sentence(problem: Phrase, place: str, remedy: str = "") -> Phrase:
     """A sentence with its place and its remedy, where it has them."""
     if remedy:
         problem = phrase("with_remedy", "{problem}; {remedy}", problem=problem, remedy=said(remedy))
@@ -320,7 +320,7 @@ class CaseError(HexciteError, ValueError):
         """The same lines with their codes."""
         if len(self.problems) < 2:
             return super().sentences
-        return tuple(_typed(_whole(said(problem), str(self.file))) for problem in self.problems)
+        return tuple(_typed(whole_sentence(said(problem), str(self.file))) for problem in self.problems)
 
     def to_json(self) -> dict[str, Any]:
         """The same, with all problems, each a sentence."""

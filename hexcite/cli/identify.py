@@ -14,6 +14,7 @@ from cases.base.errors import Code, IdentificationError, RecordingError, printab
 from cases.base.folder_kinds import RESULT
 from cases.base.options import Option, default_of
 from cases.base.output_places import check_file, check_folder, output_place
+from cases.base.phrases import said
 from cases.editing import Change
 from hexcite.cli import console
 from hexcite.cli.cases import toml_shown
@@ -325,9 +326,11 @@ def look(
         "columns": columns,
         "files": files,
         "repairs": list(report.repairs),
+        "repairs_phrases": [said(each).to_json() for each in report.repairs],
         "topics": [topic.to_json() for topic in report.topics],
         "settings": dict(report.settings),
         "odd": list(report.odd),
+        "odd_phrases": [said(each).to_json() for each in report.odd],
         "picture": str(pictures[0]) if pictures else None,
         "pictures": [str(picture) for picture in pictures],
         "changes": [{"key": key, "before": before, "after": after} for key, before, after in changes],

@@ -10,7 +10,7 @@ from cases.base.errors import AT_PLACE
 from cases.base.phrases import PURPOSE, QUOTED
 from hexcite.texts import answers, cases, plan, sentences
 from identification.limits.limit import NAMED, Limit
-from identification.texts import PARAMETER, parameter_words
+from identification.texts import CAUSE, PARAMETER, parameter_words
 from planner.options import FAMILY
 
 
@@ -64,6 +64,8 @@ def sentence(value: object, quoted: Callable[[object], Markup]) -> Markup | None
         return escape(plan.TEXTS.get(f"family_{values.get('name')}", ("", str(values.get("name"))))[1])
     if code == NAMED:
         return escape(limit_of(str(values.get("name"))))
+    if code == CAUSE:
+        return escape(answers.CAUSES.get(str(values.get("name")), str(values.get("name"))))
     if code == PURPOSE:
         purpose = str(values.get("words"))
         return escape(cases.PURPOSES[purpose]) if purpose in cases.PURPOSES else quoted(purpose)

@@ -3,6 +3,7 @@
 from hexcite.texts.cases import CASES
 from hexcite.texts.effects import EFFECTS
 from hexcite.texts.errors import ERRORS, READERS
+from hexcite.texts.looks import LOOKS
 from hexcite.texts.plans import PLANS
 
 CAUSES = {
@@ -226,7 +227,9 @@ FINDINGS = {
 }
 """Findings about a run and its evaluation."""
 
-SENTENCES = FINDINGS | CASES | EFFECTS | PLANS | PROGRAMS | CAUSES | CHANNELS | MOTION | MACHINE | ERRORS | READERS
+SENTENCES = (
+    FINDINGS | CASES | LOOKS | EFFECTS | PLANS | PROGRAMS | CAUSES | CHANNELS | MOTION | MACHINE | ERRORS | READERS
+)
 """Code -> German, with the places of the English text."""
 
 SIGNS = {

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from cases.base.phrases import phrase
+from cases.base.phrases import enumerated, phrase
 from cases.base.units import DEG, MM, Array
 from cases.schema import Case
 from cases.tolerances import KINDS, Tolerances, kind_of
@@ -23,6 +23,7 @@ from identification.machines.hexapod import Hexapod
 from identification.machines.serial_chain import SerialChain
 from identification.model.parameters import physical_form
 from identification.samples.samples import Fitted
+from identification.texts import CAUSE
 
 PPM, PERCENT = 1e-6, 1e-2
 SMALL = 0.1  # of a deviation: a part that adds 0.5 % to it is not said
@@ -227,8 +228,16 @@ def budget_findings(before: Fitted, allowed: Fitted, shares: tuple[Share, ...] |
     first = next(iter(rows))
     largest = sorted(rows[first], key=lambda kind: -rows[first][kind])
     unit = form.parameters[0].unit
-    words = ", ".join(
-        f"{kind} {rows[first][kind]:.2g}" for kind in largest if rows[first][kind] > 0.1 * total[0] ** 0.5
+    named = [
+        phrase("part_of", "{kind} {size}", kind=phrase(CAUSE, "{name}", name=kind), size=f"{rows[first][kind]:.2g}")
+        for kind in largest
+        if rows[first][kind] > 0.1 * total[0] ** 0.5
+    ]
+    sentence = phrase(
+        "deviation_parts",
+        "the deviation of {name} has parts [{unit}]: {parts}",
+        name=first,
+        unit=unit,
+        parts=enumerated("comma", named),
     )
-    sentence = f"the deviation of {first} has parts [{unit}]: {words}"
     return [*findings, note(Kind.NOISE, sentence, budget=rows)]

@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from cases.base.errors import Code, RecordingError
+from cases.base.phrases import Phrase, phrase, said
 from cases.base.units import Array
 from cases.machine import POSE
 from cases.orientation import QUATERNION, ROTATION
@@ -48,15 +49,17 @@ def look_at_tables(files: Sequence[Path], case: Case | None, own: str | None) ->
     problem = trial.problem
     whole = {ours for _, _, proposal in proposals for ours in proposal.places}
     doubts = [
-        f"{file.name}: {doubt}" if len(files) > 1 else doubt
+        _in_file(file, doubt) if len(files) > 1 else doubt
         for file, _, proposal in proposals
         for doubt in (*proposal.doubts, *missing_parts(proposal.places, whole, proposal.settings))
     ]
     if own not in (None, problem) and not any("which the file does not have" in doubt for doubt in doubts):
-        doubts.insert(0, f"the [recording] that the case has does not read it: {own}")
+        doubts.insert(
+            0, phrase("does_not_read", "the [recording] that the case has does not read it: {why}", why=said(own or ""))
+        )
     for file, table, proposal in proposals:
-        prefix = f"{file.name}: " if len(files) > 1 else ""
-        doubts += [f"{prefix}{sentence}" for sentence in _of_unnamed(table, proposal)]
+        unnamed = list(_of_unnamed(table, proposal))
+        doubts += [_in_file(file, sentence) for sentence in unnamed] if len(files) > 1 else unnamed
     doubts += _of_another_file(files, whole, case)
     unchanged = case is not None and trial.form == case.recording
     tables = settings.get("files", ())
@@ -72,6 +75,10 @@ def look_at_tables(files: Sequence[Path], case: Case | None, own: str | None) ->
     repairs = tuple(each for each in trial.repairs if each not in odd)
     others = tuple(files[1:])
     return Look(file, rows, tuple(columns), settings, odd, problem, unchanged, (), rate, others, parts, repairs)
+
+
+def _in_file(file: Path, sentence: Phrase) -> Phrase:
+    return phrase("in_file", "{file}: {sentence}", file=file.name, sentence=sentence)
 
 
 _Proposals = list[tuple[Path, TextColumns, Proposal]]
@@ -108,46 +115,66 @@ def _table_of(file: Path, k: int, tables: Sequence[Mapping[str, Any]], proposal:
     return next(iter(named or free), k if k < len(tables) else None)
 
 
-def _of_unnamed(table: TextColumns, proposal: Proposal) -> Iterator[str]:
+def _of_unnamed(table: TextColumns, proposal: Proposal) -> Iterator[Phrase]:
     """What the columns of a file without names may be by their values; nothing is proposed for them."""
     sentences = [
-        f"{name} has no name: {_by_values(table.numbers[k])}"
+        phrase("no_name", "{name} has no name: {what}", name=name, what=_by_values(table.numbers[k]))
         for k, name in enumerate(proposal.names)
         if name == f"column {k + 1}" and k in table.numbers and k not in proposal.places.values()
     ]
     yield from sentences
     if sentences:
-        yield "list the names of all columns in recording.column_names, in their order; nothing is guessed from values"
+        yield phrase(
+            "name_all",
+            "list the names of all columns in recording.column_names, in their order; nothing is guessed from values",
+        )
 
 
-def _by_values(values: Array) -> str:
+def _by_values(values: Array) -> Phrase:
     """What numbers of a column, shape (n,), look like."""
     finite = values[np.isfinite(values)]
     if len(finite) < 3:
-        return "too few numbers to say what it is"
+        return phrase("few_numbers", "too few numbers to say what it is")
     low, high, steps = float(finite.min()), float(finite.max()), np.diff(finite)
     if low == high:
-        return f"{low:.6g} all along, as a constant or a switch that is never used"
+        text = f"{low:.6g}"
+        return phrase("constant_value", "{value} all along, as a constant or a switch that is never used", value=text)
     if np.isin(finite, (low, high)).all():
-        return f"{low:.6g} or {high:.6g}, as a switch; a trigger, perhaps"
+        ends = {"low": f"{low:.6g}", "high": f"{high:.6g}"}
+        return phrase("two_values", "{low} or {high}, as a switch; a trigger, perhaps", **ends)
     if steps.min() > 0.0 and np.ptp(steps) <= ALIKE * (usual := float(np.median(steps))):
-        kind = "numbers of the rows" if usual == 1.0 and low == np.rint(low) else "a clock"
-        return f"rises by {usual:.6g} from row to row, as {kind}"
+        if usual == 1.0 and low == np.rint(low):
+            return phrase(
+                "rises_as_rows", "rises by {step} from row to row, as numbers of the rows", step=f"{usual:.6g}"
+            )
+        return phrase("rises_as_clock", "rises by {step} from row to row, as a clock", step=f"{usual:.6g}")
     bend = float(np.sqrt(np.mean(np.diff(steps) ** 2) / np.mean(steps**2)))
-    kind = "smooth, as a position, angle or set point" if bend < SMOOTH else "with noise, as a force or moment"
-    return f"{low:.6g} to {high:.6g}, {kind}"
+    ends = {"low": f"{low:.6g}", "high": f"{high:.6g}"}
+    if bend < SMOOTH:
+        return phrase("smooth_values", "{low} to {high}, smooth, as a position, angle or set point", **ends)
+    return phrase("noisy_values", "{low} to {high}, with noise, as a force or moment", **ends)
 
 
-def _of_another_file(files: Sequence[Path], whole: set[str], case: Case | None) -> Iterator[str]:
+def _of_another_file(files: Sequence[Path], whole: set[str], case: Case | None) -> Iterator[Phrase]:
     """What to say of a file that holds one half of a run: the other may be in a file of another recorder."""
     if case is None or case.setup == "1a" or len(files) > 1:
         return
     forces = whole >= {*case.sensor_frame.channels}
     motion = any(whole >= {*group} for group in (case.drive_columns, DRIVES, POSE, ROTATION, QUATERNION))
     if forces != motion:
-        has, lacks = ("forces", "pose") if forces else ("pose", "forces")
         both = f"hexcite look {files[0].name} OTHER"
-        yield f"it has {has} and no {lacks}; if another file of the run has them, name both: {both}"
+        if forces:
+            yield phrase(
+                "has_forces_alone",
+                "it has forces and no pose; if another file of the run has them, name both: {both}",
+                both=both,
+            )
+        else:
+            yield phrase(
+                "has_pose_alone",
+                "it has pose and no forces; if another file of the run has them, name both: {both}",
+                both=both,
+            )
 
 
 def _columns(table: TextColumns, proposal: Proposal) -> Iterator[Column]:

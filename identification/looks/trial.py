@@ -7,7 +7,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from cases.base.errors import CaseError, HexciteError, printable
+from cases.base.errors import CaseError, HexciteError, in_python, printable, whole_sentence
+from cases.base.phrases import Phrase, again, phrase, said
 from cases.recording_format import RecordingFormat
 from cases.schema import Case
 from identification.finding import Finding, Kind
@@ -24,10 +25,13 @@ MOST_FITTED = 200_000
 """Samples of a run that `look` fits; a longer one is read only, for that would take long."""
 
 
-def sentences_of(problem: str | None, doubts: Iterable[str]) -> tuple[str, ...]:
+def sentences_of(problem: str | None, doubts: Iterable[str]) -> tuple[Phrase, ...]:
     """Why a file is not read, then the doubts, each once."""
-    first = [] if problem is None else [f"not read with these settings: {problem}"]
-    return tuple(dict.fromkeys(printable(sentence) for sentence in (*first, *doubts)))
+    first = []
+    if problem is not None:
+        first = [phrase("not_read", "not read with these settings: {why}", why=said(problem))]
+    sentences = map(said, (*first, *doubts))
+    return tuple(dict.fromkeys(again(printable(each), each.to_json(printable)) for each in sentences))
 
 
 @dataclass(slots=True)
@@ -36,8 +40,8 @@ class Trial:
 
     problem: str | None = None  # why it is not read; None: it is
     form: RecordingFormat | None = None  # the settings, where they can be
-    doubts: list[str] = field(default_factory=list)  # warnings of what was read, and why `identify` refuses it
-    repairs: list[str] = field(default_factory=list)  # what the reader made of it
+    doubts: list[Phrase] = field(default_factory=list)  # warnings of what was read, and why `identify` refuses it
+    repairs: list[Phrase] = field(default_factory=list)  # what the reader made of it
 
 
 def trial_of(files: Sequence[Path], settings: Mapping[str, Any], case: Case | None, fitted: bool = True) -> Trial:
@@ -99,18 +103,27 @@ _ABOUT_READING = (Kind.FORMAT, Kind.DAMAGE, Kind.CLOCK, Kind.WINDOW)
 """Kinds of findings that say what the reader made of a file."""
 
 
-def _refused_by_identify(recording: Recording, case: Case, file: Path) -> list[str]:
+def _refused_by_identify(recording: Recording, case: Case, file: Path) -> list[Phrase]:
     """What to say of a run that is read and gets no estimate."""
     if len(recording.forces) > MOST_FITTED:
         return []
     try:
         require_fit(recording, case)
     except HexciteError as error:
-        why = _without_file(error, file)
-        return [f"it is read, but identify refuses it (tare and force may take it, as a standstill): {why}"]
+        refused = phrase(
+            "identify_refuses",
+            "it is read, but identify refuses it (tare and force may take it, as a standstill): {why}",
+            why=_without_file(error, file),
+        )
+        return [refused]
     return []
 
 
-def _without_file(sentence: object, file: Path) -> str:
-    """A sentence that begins with the file, which is named above it."""
-    return str(sentence).removeprefix(f"{file}").lstrip(":, ")
+def _without_file(of: Finding | HexciteError, file: Path) -> Phrase:
+    """The sentence of a finding or an error, which begins with the file that is named above it."""
+    text = str(of).removeprefix(f"{file}").lstrip(":, ")
+    if isinstance(of, Finding):
+        return again(text, of.phrase)
+    place = of.said.place.removeprefix(f"{file}").lstrip(":, ")
+    whole = whole_sentence(said(of.said.problem), place, of.said.remedy)
+    return again(text, whole.to_json(lambda part: printable(in_python(part))))

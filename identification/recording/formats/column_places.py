@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from cases.base.errors import printable
+from cases.base.phrases import Phrase, phrase, said
 from cases.base.units import Array
 from cases.orientation import ANGLES, CONVENTIONS, QUATERNION, ROLL_PITCH_YAW
 from cases.recording_format import BAR_FORCES, CLOCK, DRIVES, STRUTS, TICKS, TRIGGER, WRENCH
@@ -34,7 +35,7 @@ class ColumnPlaces:
     numbers: Mapping[int, Array]  # position in the file -> numbers, shape (n,), of a clock in two columns both together
     places: Mapping[str, int]  # our name -> position in the file
     reasons: Mapping[str, Reason]  # our name -> why the column is taken for it
-    doubts: tuple[str, ...]  # what a person should compare or complete, a sentence each
+    doubts: tuple[Phrase, ...]  # what a person should compare or complete, a sentence each
     orientation: str | None  # convention of the orientation; None for the usual one
     bit: int | None  # bit of the trigger's column
     nanoseconds: str | None  # column that adds nanoseconds to the stamps
@@ -64,7 +65,7 @@ def column_places(
     draft.choose_clock()
     draft.choose_single()
     draft.fit_the_machine()
-    draft.doubts += draft.said.doubts
+    draft.doubts += map(said, draft.said.doubts)
     draft.choose_orientation()
     return ColumnPlaces(
         draft.said, names, draft.numbers, draft.places, draft.reasons, tuple(draft.doubts), draft.orientation,
@@ -85,7 +86,7 @@ class _Draft:
         self.orientation: str | None = None
         self.bit: int | None = None
         self.nanoseconds: str | None = None
-        self.doubts: list[str] = []
+        self.doubts: list[Phrase] = []
         self.reasons: dict[str, Reason] = {}
 
     def name(self, ours: str) -> str:
@@ -121,7 +122,13 @@ class _Draft:
         self.reasons |= {ours: because(Why.CASE_NAMES) for ours in stated_places if ours in self.places}
         if lacking:
             theirs = listed([columns[ours] for ours in columns if ours in lacking])
-            self.doubts.append(f"recording.columns of the case names {theirs}, which the file does not have")
+            self.doubts.append(
+                phrase(
+                    "names_of_case",
+                    "recording.columns of the case names {theirs}, which the file does not have",
+                    theirs=theirs,
+                )
+            )
 
     def choose_clock(self) -> None:
         """The clock: that of the format or of the case, else the first of its candidates that runs on."""
@@ -140,10 +147,21 @@ class _Draft:
         elif running:
             self.places[CLOCK], self.reasons[CLOCK] = running[0], because(Why.RUNS_ON)
             if others := [self.names[k] for k in running[1:]]:
-                self.doubts.append(f"{self.name(CLOCK)} is taken for the clock; {', '.join(others)} runs on too")
+                self.doubts.append(
+                    phrase(
+                        "taken_for_clock",
+                        "{name} is taken for the clock; {others} runs on too",
+                        name=self.name(CLOCK),
+                        others=", ".join(others),
+                    )
+                )
         elif self.said.clocks:
             which = ", ".join(repr(self.names[k]) for k in self.said.clocks)
-            self.doubts.append(f"{which}: by the name a time, but no number that runs on with the rows")
+            self.doubts.append(
+                phrase(
+                    "time_by_name", "{which}: by the name a time, but no number that runs on with the rows", which=which
+                )
+            )
         if CLOCK not in self.places and "period_ms" not in self.stated.get("clock", {}):
             self._clock_without_a_name()
 
@@ -157,11 +175,23 @@ class _Draft:
         for k in rising:
             name = repr(printable(self.names[k]))
             if np.all(np.diff(self.numbers[k]) == 1.0):
-                self.doubts.append(f"{name} counts the rows, which is not a time: state recording.clock.period_ms")
+                self.doubts.append(
+                    phrase(
+                        "counts_rows",
+                        "{name} counts the rows, which is not a time: state recording.clock.period_ms",
+                        name=name,
+                    )
+                )
                 continue
             self.doubts.append(
-                f"{name} rises evenly, as a clock does: if it is one, write t_s = {name} in [recording.columns], and "
-                f"its unit in recording.clock.unit ({', '.join(TICKS)})"
+                phrase(
+                    "rises_evenly",
+                    "{name} rises evenly, as a clock does: if it is one, write t_s = {name} in [recording.columns], "
+                    "and its "
+                    "unit in recording.clock.unit ({units})",
+                    name=name,
+                    units=", ".join(TICKS),
+                )
             )
 
     def _clock_in_two(self) -> tuple[int, int] | None:
@@ -188,7 +218,14 @@ class _Draft:
                     self.choose_bit()
             elif possible:
                 each = ", ".join(self.names[k] for k in possible)
-                self.doubts.append(f"{each}: each may be the {ours}; name one as {ours} in [recording.columns]")
+                self.doubts.append(
+                    phrase(
+                        "each_may_be",
+                        "{names}: each may be the {ours}; name one as {ours} in [recording.columns]",
+                        names=each,
+                        ours=ours,
+                    )
+                )
 
     def choose_bit(self) -> None:
         """The bit of the trigger's column, where that is a field of bits of which one alone changes."""
@@ -198,7 +235,14 @@ class _Draft:
         bits = changing_bits(values)
         if len(bits) == 1:
             self.bit = bits[0]
-            self.doubts.append(f"the trigger is taken for bit {self.bit} of {self.name(TRIGGER)}, which alone changes")
+            self.doubts.append(
+                phrase(
+                    "taken_for_bit",
+                    "the trigger is taken for bit {bit} of {column}, which alone changes",
+                    bit=self.bit,
+                    column=self.name(TRIGGER),
+                )
+            )
 
     def fit_the_machine(self) -> None:
         """What names cannot say: six drives of a hexapod whose values are lengths that its struts have are struts."""
@@ -229,8 +273,17 @@ class _Draft:
         chosen, *others = (CONVENTIONS[name] for name in possible)
         by = f" ({chosen.users})" if chosen.users else ""
         more = "; ".join(f"{other.name!r} ({other.users or other.words})" for other in others)
-        sentence = f"orientation taken as {chosen.name!r}{by}: {chosen.words}"
-        self.doubts.append(f"{sentence}; it may also be {more}: compare" if more else sentence)
+        sentence = phrase(
+            "orientation_taken",
+            "orientation taken as {name}: {words}",
+            name=f"{chosen.name!r}{by}",
+            words=said(chosen.words),
+        )
+        if more:
+            sentence = phrase(
+                "orientation_or", "{sentence}; it may also be {more}: compare", sentence=sentence, more=said(more)
+            )
+        self.doubts.append(sentence)
         self.orientation = None if chosen is ROLL_PITCH_YAW else chosen.name
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from cases.base.phrases import Phrase, enumerated, phrase
 from cases.base.unit_names import is_share
 from cases.base.units import Array
 from cases.recording_format import CLOCK, COLUMNS, ROLE_OF, ROLE_UNITS, STRUTS, TICKS, Role
@@ -30,7 +31,7 @@ class ColumnUnits:
     units: Mapping[str, str]  # our name -> unit that the file is taken to use; empty where there is none
     guessed: Mapping[str, str]  # those of them that follow from values alone
     reasons: Mapping[str, Reason]  # our name -> why it has this unit
-    doubts: tuple[str, ...]  # what a person should compare or complete, a sentence each
+    doubts: tuple[Phrase, ...]  # what a person should compare or complete, a sentence each
     numbers: Mapping[int, Array]  # position in the file -> numbers, shape (n,), those of the clock in its unit
     clock_counts: float  # numbers of the clock for one of its unit, as its label says
     clock_unit_stated: bool  # whether the settings must state the clock's, though it is the usual one
@@ -58,7 +59,7 @@ class _Draft:
         self.guessed: dict[str, str] = {}
         self.counts = 1.0
         self.clock_unit_stated = False
-        self.doubts: list[str] = []
+        self.doubts: list[Phrase] = []
         self.reasons: dict[str, Reason] = {}
 
     @property
@@ -107,8 +108,13 @@ class _Draft:
             ):
                 self.clock_unit_stated = True
                 self.doubts.append(
-                    f"{self.columns.names[k]}: {label.text!r} is not a unit of time; by their steps the stamps are in "
-                    f"{self.units[ours]}"
+                    phrase(
+                        "not_a_time_unit",
+                        "{name}: {text} is not a unit of time; by their steps the stamps are in {unit}",
+                        name=self.columns.names[k],
+                        text=repr(label.text),
+                        unit=self.units[ours],
+                    )
                 )
         self._check_clock_unit(by_values)
         self._check_motion_units(values)
@@ -117,8 +123,16 @@ class _Draft:
             groups: dict[str, list[str]] = {}
             for ours, unit in self.guessed.items():
                 groups.setdefault(unit, []).append(ours)
-            each = ", ".join(f"{span(group)} in {unit}" for unit, group in groups.items())
-            self.doubts.append(f"units guessed from values: {each}; compare them with the recorder's settings")
+            each = [
+                phrase("span_in", "{names} in {unit}", names=span(group), unit=unit) for unit, group in groups.items()
+            ]
+            self.doubts.append(
+                phrase(
+                    "units_guessed",
+                    "units guessed from values: {each}; compare them with the recorder's settings",
+                    each=enumerated("comma", each),
+                )
+            )
 
     def _check_clock_unit(self, by_values: Mapping[str, str]) -> None:
         """A clock whose stated unit makes a recorder slower than any is has the unit that fits its steps."""
@@ -128,9 +142,17 @@ class _Draft:
         if step <= 0.0 or 1.0 / (step * TICKS[wrong]) >= _SLOW:
             return
         self.doubts.append(
-            f"{self.columns.name(CLOCK)}: its steps of {step:.4g} {wrong} would be "
-            f"{1.0 / (step * TICKS[wrong]):.3g} rows a second; they seem to be in {unit}, "
-            f"{1.0 / (step * TICKS[unit]):.4g} rows a second: recording.clock.unit"
+            phrase(
+                "other_clock_unit",
+                "{name}: its steps of {step} {wrong} would be {slow} rows a second; they seem to be in {unit}, {rate} "
+                "rows a second: recording.clock.unit",
+                name=self.columns.name(CLOCK),
+                step=f"{step:.4g}",
+                wrong=wrong,
+                slow=f"{1.0 / (step * TICKS[wrong]):.3g}",
+                unit=unit,
+                rate=f"{1.0 / (step * TICKS[unit]):.4g}",
+            )
         )
         self.units[CLOCK] = self.guessed[CLOCK] = unit
         self.reasons[CLOCK] = self._fits(CLOCK)
@@ -150,8 +172,16 @@ class _Draft:
             if sure and not self.guessed.keys() & {*columns} and {self.units[ours] for ours in columns} != {unit}:
                 role = ROLE_OF[columns[0]]
                 self.doubts.append(
-                    f"{span(columns)}: in {self.units[columns[0]]} the joints are far from home or beyond their ends, "
-                    f"in {unit} they are not; if they are in {unit}, state recording.units.{role} = '{unit}'"
+                    phrase(
+                        "joints_far",
+                        "{names}: in {wrong} the joints are far from home or beyond their ends, in {unit} they are "
+                        "not; if "
+                        "they are in {unit}, state recording.units.{role} = '{unit}'",
+                        names=span(columns),
+                        wrong=self.units[columns[0]],
+                        unit=unit,
+                        role=role,
+                    )
                 )
 
     def _ask_for_scales(self, values: Mapping[str, Array]) -> None:
@@ -171,12 +201,19 @@ class _Draft:
             shares = all(is_share(self.units[ours]) for ours in needed)
             ranges = None if self.case is None else self.case.sensors.range
             stated = scale_of_shares(needed, ranges) if shares else None
-            what = "what a 1 of each is in the unit of our name"
-            if stated is not None:
-                what = f"the range of each over 100{'' if ranges is None else ', by [sensors] of the case'}"
+            what = phrase("what_a_1_is", "what a 1 of each is in the unit of our name")
+            if stated is not None and ranges is None:
+                what = phrase("range_over_100", "the range of each over 100")
+            elif stated is not None:
+                what = phrase("range_of_case", "the range of each over 100, by [sensors] of the case")
             self.doubts.append(
-                f"{span([self.columns.name(ours) for ours in needed])}: state {what}: "
-                f"{stated or f'recording.scale = {{ {keys} }}'}"
+                phrase(
+                    "state_scales",
+                    "{names}: state {what}: {keys}",
+                    names=span([self.columns.name(ours) for ours in needed]),
+                    what=what,
+                    keys=stated or f"recording.scale = {{ {keys} }}",
+                )
             )
 
 

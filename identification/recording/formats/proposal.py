@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from cases.base.errors import printable
+from cases.base.phrases import NOTHING, Phrase, phrase
 from cases.base.units import Array
 from cases.recording_format import (
     BAR_FORCES,
@@ -52,7 +53,7 @@ class Proposal:
     guessed: frozenset[str]  # our names whose unit follows from values alone
     names: tuple[str, ...]  # of the columns, those that the case gives them where the file does not
     settings: Mapping[str, Any]  # `[recording]` by key
-    doubts: tuple[str, ...]  # what a person should compare or complete, a sentence each
+    doubts: tuple[Phrase, ...]  # what a person should compare or complete, a sentence each
     rate: float | None = None  # rows per second; None where there is no clock
     reasons: Mapping[str, Reason] = field(default_factory=dict)  # our name -> why the column is taken for it
     unit_reasons: Mapping[str, Reason] = field(default_factory=dict)  # our name -> why it has this unit
@@ -113,7 +114,7 @@ class _Settings:
     ) -> None:
         self.table, self.stated, self.columns, self.units, self.as_stated = table, stated, columns, units, as_stated
         self.clock_reason = units.reasons.get(CLOCK, NO_REASON)
-        self.doubts: list[str] = []
+        self.doubts: list[Phrase] = []
 
     def of(self, layout: Mapping[str, Any]) -> dict[str, Any]:
         """The table `[recording]`, with what the case states beside names, units and layout."""
@@ -132,7 +133,11 @@ class _Settings:
         clock = dict(self.stated.get("clock", {}))  # some formats are not valid without a unit
         if CLOCK in self.columns.places and not self.as_stated and clock.pop("period_ms", None) is not None:
             self.doubts.append(
-                f"{self.columns.name(CLOCK)} has time stamps: recording.clock.period_ms of the case is left out"
+                phrase(
+                    "period_left_out",
+                    "{name} has time stamps: recording.clock.period_ms of the case is left out",
+                    name=self.columns.name(CLOCK),
+                )
             )
         if CLOCK not in self.columns.places and "period_ms" not in clock:
             clock |= self._step_of_header()
@@ -155,7 +160,13 @@ class _Settings:
         if step is None or self.columns.said.clocks:
             return {}
         period = float(f"{step.period * 1e3:.9g}")
-        self.doubts.append(f"no column is a clock; {printable(step.text)!r} in the header: recording.clock.period_ms")
+        self.doubts.append(
+            phrase(
+                "step_in_header",
+                "no column is a clock; {text} in the header: recording.clock.period_ms",
+                text=repr(printable(" ".join(step.text.split()))),
+            )
+        )
         self.clock_reason = because(Why.HEADER)
         return {"period_ms": period}
 
@@ -165,8 +176,14 @@ class _Settings:
         if step is None or rate is None or abs(rate * step.period - 1.0) < _OTHER_RATE:
             return
         self.doubts.append(
-            f"{self.columns.name(CLOCK)} makes {rate:.4g} rows a second, the header says {printable(step.text)!r}: "
-            "check the unit of the time stamps, recording.clock.unit"
+            phrase(
+                "other_rate_in_header",
+                "{name} makes {rate} rows a second, the header says {text}: check the unit of the time stamps, "
+                "recording.clock.unit",
+                name=self.columns.name(CLOCK),
+                rate=f"{rate:.4g}",
+                text=repr(printable(" ".join(step.text.split()))),
+            )
         )
 
     def why(self, settings: Mapping[str, Any]) -> Iterator[tuple[str, Reason]]:
@@ -212,16 +229,29 @@ class _Settings:
         if rate is not None and cutoff < LEAST_CUTOFF_HZ <= _CUTOFF_SHARE * rate:
             usual = min(CUTOFF_HZ, float(f"{_CUTOFF_SHARE * rate:.2g}"))
             self.doubts.append(
-                f"filter_cutoff_Hz = {cutoff:g} of the case leaves nothing of a motion; {rate:.4g} rows a second carry "
-                f"{usual:g}"
+                phrase(
+                    "cutoff_of_case",
+                    "filter_cutoff_Hz = {cutoff} of the case leaves nothing of a motion; {rate} rows a second carry "
+                    "{usual}",
+                    cutoff=f"{cutoff:g}",
+                    rate=f"{rate:.4g}",
+                    usual=f"{usual:g}",
+                )
             )
             cutoff = usual
         if rate is not None and cutoff > 0.2 * rate:
             carried = float(f"{_CUTOFF_SHARE * rate:.2g}")
-            low = "; that leaves nothing of an excitation: record faster, or correct the clock"
+            low = phrase("slow_rows", "; that leaves nothing of an excitation: record faster, or correct the clock")
             self.doubts.append(
-                f"filter_cutoff_Hz: {rate:.4g} rows a second carry a fifth of that at most, {carried:g} Hz in place of "
-                f"{cutoff:g} Hz{low if carried < LEAST_CUTOFF_HZ else ''}"
+                phrase(
+                    "cutoff_carried",
+                    "filter_cutoff_Hz: {rate} rows a second carry a fifth of that at most, {carried} Hz in place of "
+                    "{cutoff} Hz{low}",
+                    rate=f"{rate:.4g}",
+                    carried=f"{carried:g}",
+                    cutoff=f"{cutoff:g}",
+                    low=low if carried < LEAST_CUTOFF_HZ else NOTHING,
+                )
             )
             cutoff = carried
         settings["filter_cutoff_Hz"] = cutoff

@@ -4,6 +4,7 @@ import re
 from collections.abc import Container, Iterator, Mapping, Sequence
 from typing import Any
 
+from cases.base.phrases import Phrase, phrase
 from cases.recording_format import (
     CLOCK,
     TRIGGER,
@@ -11,7 +12,7 @@ from cases.recording_format import (
 from identification.recording.formats.proposal import LAYOUT, Proposal
 
 
-def missing_parts(places: Container[str], of_run: Container[str], settings: Mapping[str, Any]) -> Iterator[str]:
+def missing_parts(places: Container[str], of_run: Container[str], settings: Mapping[str, Any]) -> Iterator[Phrase]:
     """Sentences on what a person should complete in a file.
 
     Args:
@@ -20,9 +21,12 @@ def missing_parts(places: Container[str], of_run: Container[str], settings: Mapp
         settings: `[recording]` of the run.
     """
     if CLOCK not in places and "period_ms" not in settings.get("clock", {}):
-        yield "no clock: each row is taken for an averaged standstill; of a motion state recording.clock.period_ms"
+        yield phrase(
+            "no_clock_there",
+            "no clock: each row is taken for an averaged standstill; of a motion state recording.clock.period_ms",
+        )
     elif TRIGGER not in of_run and "trigger" not in settings:
-        yield "no trigger: the whole motion is evaluated, the ways from and to home too"
+        yield phrase("no_trigger_there", "no trigger: the whole motion is evaluated, the ways from and to home too")
 
 
 _OF_A_FILE = LAYOUT | {"columns", "units", "clock", "orientation", "scale", "offset", "trigger"}

@@ -101,7 +101,7 @@ def answered(root: Path, calibrated: Path, monkeypatch: pytest.MonkeyPatch) -> I
     shutil.copytree(calibrated, root, dirs_exist_ok=True, ignore=shutil.ignore_patterns(PLACE))
     monkeypatch.chdir(root)
     table = (root / "rec" / "recording.csv").read_text().splitlines()
-    head = table[0].replace("_mm", "").replace("_N", "").replace("f2", "force no 2")
+    head = table[0].replace("_mm", "").replace("_N", "").replace("f2", "Kraft no 2")
     (root / "trace.csv").write_text("\n".join([head, *table[1:4000]]).replace(",", ";"))
     commands = {
         ("machine", "check"): ("case", "check", "mill/case.toml", "--propose"),

@@ -1,0 +1,57 @@
+"""German for what is said of files of unknown layout, by code."""
+
+LOOKS = {
+    "names_of_case": "recording.columns der Maschine nennt {theirs}, das die Datei nicht hat",
+    "taken_for_clock": "{name} gilt als Uhr; auch {others} läuft weiter",
+    "time_by_name": "{which}: dem Namen nach eine Zeit, aber keine Zahl, die mit den Zeilen weiterläuft",
+    "counts_rows": "{name} zählt die Zeilen, das ist keine Zeit: recording.clock.period_ms angeben",
+    "rises_evenly": "{name} steigt gleichmäßig wie eine Uhr: ist es eine, t_s = {name} in [recording.columns] "
+    "schreiben, und ihre Einheit in recording.clock.unit ({units})",
+    "each_may_be": "{names}: jede kann {ours} sein; eine davon in [recording.columns] als {ours} nennen",
+    "taken_for_bit": "als Trigger gilt Bit {bit} von {column}, das sich als einziges ändert",
+    "orientation_taken": "Orientierung gelesen als {name}: {words}",
+    "orientation_or": "{sentence}; es kann auch {more} sein: vergleichen",
+    "not_a_time_unit": "{name}: {text} ist keine Einheit der Zeit; nach ihren Schritten sind die Stempel in {unit}",
+    "span_in": "{names} in {unit}",
+    "units_guessed": "Einheiten nach den Werten vermutet: {each}; mit den Einstellungen des Rekorders vergleichen",
+    "other_clock_unit": "{name}: Schritte von {step} {wrong} wären {slow} Zeilen je Sekunde; sie sind wohl in "
+    "{unit}, das sind {rate} Zeilen je Sekunde: recording.clock.unit",
+    "joints_far": "{names}: in {wrong} sind die Gelenke weit von der Grundstellung oder über ihren Enden, in {unit} "
+    "nicht; sind sie in {unit}, recording.units.{role} = '{unit}' angeben",
+    "what_a_1_is": "was eine 1 von jedem in der Einheit unseres Namens ist",
+    "range_over_100": "den Bereich jedes Sensors durch 100",
+    "range_of_case": "den Bereich jedes Sensors durch 100, nach [sensors] der Maschine",
+    "state_scales": "{names}: {what} angeben: {keys}",
+    "period_left_out": "{name} hat Zeitstempel: recording.clock.period_ms der Maschine bleibt weg",
+    "step_in_header": "keine Spalte ist eine Uhr; {text} im Kopf: recording.clock.period_ms",
+    "other_rate_in_header": "{name} ergibt {rate} Zeilen je Sekunde, der Kopf sagt {text}: die Einheit der "
+    "Zeitstempel prüfen, recording.clock.unit",
+    "cutoff_of_case": "filter_cutoff_Hz = {cutoff} der Maschine lässt nichts von einer Bewegung; {rate} Zeilen je "
+    "Sekunde tragen {usual}",
+    "slow_rows": "; das lässt nichts von einer Anregung: schneller aufzeichnen, oder die Uhr berichtigen",
+    "cutoff_carried": "filter_cutoff_Hz: {rate} Zeilen je Sekunde tragen höchstens ein Fünftel davon, {carried} Hz "
+    "statt {cutoff} Hz{low}",
+    "no_clock_there": "keine Uhr: jede Zeile gilt als gemittelter Stillstand; bei einer Bewegung "
+    "recording.clock.period_ms angeben",
+    "no_trigger_there": "kein Trigger: die ganze Bewegung wird ausgewertet, auch die Wege von und zur Grundstellung",
+    "in_file": "{file}: {sentence}",
+    "does_not_read": "[recording], wie es die Maschine hat, liest sie nicht: {why}",
+    "no_name": "{name} hat keinen Namen: {what}",
+    "name_all": "die Namen aller Spalten in recording.column_names auflisten, in ihrer Reihenfolge; nach Werten wird "
+    "nichts vermutet",
+    "few_numbers": "zu wenige Zahlen, um zu sagen, was es ist",
+    "constant_value": "immer {value}, wie eine Konstante oder ein Schalter, der nie benutzt wird",
+    "two_values": "{low} oder {high}, wie ein Schalter; ein Trigger vielleicht",
+    "rises_as_rows": "steigt um {step} von Zeile zu Zeile, wie Nummern der Zeilen",
+    "rises_as_clock": "steigt um {step} von Zeile zu Zeile, wie eine Uhr",
+    "smooth_values": "{low} bis {high}, glatt wie eine Position, ein Winkel oder Sollwert",
+    "noisy_values": "{low} bis {high}, mit Rauschen wie eine Kraft oder ein Moment",
+    "has_forces_alone": "sie hat Kräfte und keine Pose; hat eine andere Datei des Laufs sie, beide nennen: {both}",
+    "has_pose_alone": "sie hat eine Pose und keine Kräfte; hat eine andere Datei des Laufs sie, beide nennen: {both}",
+    "not_read": "mit diesen Einstellungen nicht lesbar: {why}",
+    "identify_refuses": "sie ist lesbar, aber es lässt sich daraus nichts bestimmen (Tarieren und Kräfte gehen "
+    "vielleicht, als Stillstand): {why}",
+    "deviation_parts": "die Abweichung von {name} hat Teile [{unit}]: {parts}",
+    "part_of": "{kind} {size}",
+}
+"""What to compare or complete."""
