@@ -1,6 +1,19 @@
 """German for what is said of files of unknown layout, by code."""
 
 LOOKS = {
+    "estimated_wrench": "äußere Kräfte, die {who} aus den Momenten der Gelenke schätzt",
+    "sensor_on_flange": "einen Sensor am Flansch aufzeichnen",
+    "wrench_of_tcp": "Kräfte, die die Steuerung von Universal Robots in die Achsen der Basis dreht, ohne die "
+    "gesetzte Nutzlast, und die sie nullt",
+    "record_ft_raw": "ft_raw_wrench aufzeichnen",
+    "force_at_tool": "die Kraft am Werkzeug, die eine Steuerung berechnet",
+    "record_own_channels": "die Kanäle des Sensors selbst aufzeichnen, etwa ft_raw_wrench",
+    "computed_wrench": "dem Namen nach Kräfte, die aus Anzeigen berechnet wurden",
+    "record_raw_channels": "die rohen Kanäle des Sensors selbst aufzeichnen",
+    "may_be_several": "{columns} können {several} sein: in [recording.columns] nennen, welche es sind",
+    "other_joint_count": "{columns} sehen aus wie Positionen von {count} Gelenken, die Maschine hat {own}",
+    "joints_or_drives": "{columns} können Gelenke oder Antriebe sein; die Maschine mit --case nennen",
+    "not_readings": "{columns}: keine Anzeigen des Sensors, sondern {what}; {remedy}",
     "names_of_case": "recording.columns der Maschine nennt {theirs}, das die Datei nicht hat",
     "taken_for_clock": "{name} gilt als Uhr; auch {others} läuft weiter",
     "time_by_name": "{which}: dem Namen nach eine Zeit, aber keine Zahl, die mit den Zeilen weiterläuft",

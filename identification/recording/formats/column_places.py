@@ -65,7 +65,7 @@ def column_places(
     draft.choose_clock()
     draft.choose_single()
     draft.fit_the_machine()
-    draft.doubts += map(said, draft.said.doubts)
+    draft.doubts += draft.said.doubts
     draft.choose_orientation()
     return ColumnPlaces(
         draft.said, names, draft.numbers, draft.places, draft.reasons, tuple(draft.doubts), draft.orientation,

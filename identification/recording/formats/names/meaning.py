@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from cases.base.phrases import Phrase, enumerated, phrase
 from cases.base.unit_names import ANGLES as ANGLE_UNITS
 from cases.base.unit_names import FORCES, LENGTHS, MOMENTS
 from cases.machine import POSE
@@ -47,7 +48,7 @@ class Meaning:
     clocks: tuple[int, ...]  # positions of what may be the clock, the best first
     orientations: tuple[str, ...]  # conventions that the angles, or the quaternion, may have by their names
     candidates: Mapping[str, tuple[int, ...]]  # our name of a single column -> positions of what it may be
-    doubts: tuple[str, ...]  # what the names leave open, a sentence each
+    doubts: tuple[Phrase, ...]  # what the names leave open, a sentence each
 
 
 def meaning_of(names: Sequence[str], case: Case | None = None, units: Sequence[str] = ()) -> Meaning:
@@ -62,7 +63,7 @@ def meaning_of(names: Sequence[str], case: Case | None = None, units: Sequence[s
     places = {name: ours[name] for group in groups_of(case) if all(n in ours for n in group) for name in group}
     words = {k: words_of(name) for k, name in enumerate(names) if name and name not in COLUMNS}
     groups = [*families(words, None if case is None or case.chain is None else case.chain.names)]
-    doubts: list[str] = []
+    doubts: list[Phrase] = []
     quantities = {k: _quantities(names[k], units[k] if k < len(units) else "") for k in words}
     for columns, readings in _readings(groups, quantities, case):
         if not any(column in places for column in columns):
@@ -141,7 +142,7 @@ def _fits(columns: Group, reading: "_Reading", quantities: Mapping[int, frozense
 
 def _other_count(
     found: Sequence[Family], places: Mapping[str, int], names: Sequence[str], case: Case | None
-) -> Iterator[str]:
+) -> Iterator[Phrase]:
     """What to say of the joints of another robot than that of the case."""
     joints, used = _joints(case), {*places.values()}
     if not joints or joints[0] in places:
@@ -150,9 +151,12 @@ def _other_count(
         members = [*family.members.values()]
         if NUMBER in family.words and len(members) >= 3 and len(members) != len(joints) and not used & {*members}:
             for _ in _as_joints(family, False):
-                yield (
-                    f"{span([names[k] for k in members])} look like positions of {len(members)} joints, the machine of "
-                    f"the case has {len(joints)}"
+                yield phrase(
+                    "other_joint_count",
+                    "{columns} look like positions of {count} joints, the machine of the case has {own}",
+                    columns=span([names[k] for k in members]),
+                    count=len(members),
+                    own=len(joints),
                 )
 
 
@@ -182,15 +186,22 @@ def _readings(
     yield ACCELEROMETER, [_reading(f) for f in of_acceleration if not say.NO_READING.among(f.rest)]
 
 
-def _best(columns: Group, readings: Sequence[_Reading], names: Sequence[str], doubts: list[str]) -> dict[str, int]:
+def _best(columns: Group, readings: Sequence[_Reading], names: Sequence[str], doubts: list[Phrase]) -> dict[str, int]:
     """The reading whose words say most; none where there is none, or where two say as much, which is a doubt."""
     ranked = sorted(
         {reading.members: reading for reading in sorted(readings, key=_rank_of, reverse=True)}.values(), key=_rank_of
     )
     best = [reading for reading in ranked if reading.rank == ranked[0].rank]
     if len(best) > 1:
-        several = " or ".join(span([names[k] for k in reading.members]) for reading in best)
-        doubts.append(f"{span(columns)} may be {several}: name those that they are in [recording.columns]")
+        several = enumerated("or", [span([names[k] for k in reading.members]) for reading in best])
+        doubts.append(
+            phrase(
+                "may_be_several",
+                "{columns} may be {several}: name those that they are in [recording.columns]",
+                columns=span(columns),
+                several=several,
+            )
+        )
     return dict(zip(columns, best[0].members, strict=True)) if len(best) == 1 else {}
 
 
@@ -406,16 +417,20 @@ def _element(words: tuple[str, ...], names: Set[str]) -> tuple[int, int] | None:
     return int(digits[0]) - 1, int(digits[1]) - 1
 
 
-def _without_a_machine(found: Sequence[Family], places: Mapping[str, int], names: Sequence[str]) -> Iterator[str]:
+def _without_a_machine(found: Sequence[Family], places: Mapping[str, int], names: Sequence[str]) -> Iterator[Phrase]:
     """What to say of columns that are joints of a robot or drives of a hexapod: only the machine tells."""
     for family in found:
         members = [*family.members.values()]
         if NUMBER in family.words and len(members) >= 3 and not {*members} & {*places.values()}:
             for _ in _as_joints(family, False):
-                yield f"{span([names[k] for k in members])} may be joints or drives; name the machine with --case"
+                yield phrase(
+                    "joints_or_drives",
+                    "{columns} may be joints or drives; name the machine with --case",
+                    columns=span([names[k] for k in members]),
+                )
 
 
-def _computed(family: Family, names: Sequence[str]) -> Iterator[str]:
+def _computed(family: Family, names: Sequence[str]) -> Iterator[Phrase]:
     """What to say of a wrench that is not a reading of a sensor."""
     words = {*family.rest, *_joined(family.rest)}
     force = say.FORCE.among(words) or say.WRENCH.among(words) or _quantity(family) in ("force", "moment")
@@ -424,7 +439,13 @@ def _computed(family: Family, names: Sequence[str]) -> Iterator[str]:
     members = span([names[k] for k in family.members.values()])
     what = None if say.NO_READING.among(words) else say.computed(words)
     if what is not None:
-        yield f"{members}: not readings of the sensor but {what[0]}; {what[1]}"
+        yield phrase(
+            "not_readings",
+            "{columns}: not readings of the sensor but {what}; {remedy}",
+            columns=members,
+            what=what[0],
+            remedy=what[1],
+        )
 
 
 def _is_clock(words: tuple[str, ...]) -> bool:

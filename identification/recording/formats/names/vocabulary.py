@@ -3,6 +3,8 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from cases.base.phrases import OPEN, Phrase, phrase
+
 
 @dataclass(frozen=True, slots=True)
 class Words:
@@ -64,22 +66,35 @@ NOT_OF_A_SENSOR = words(
     "ext est hat comp tcp contact tared zeroed cart", "external extern compens kompens estimat unbias contact"
 )
 """Words that say of a wrench that it is computed from readings, or estimated."""
-_ESTIMATED = "an external wrench that {} estimates from the torques of the joints", "record a sensor on the flange"
-_COMPUTED: tuple[tuple[frozenset[str], str, str], ...] = (
-    (frozenset({"actual", "tcp", "force"}),
-     "a wrench that the controller of Universal Robots turns into the axes of the base, without the payload that is "
-     "set, and zeroes", "record ft_raw_wrench"),
-    (frozenset({"tcpf"}), "the force at the tool, which a controller computes",
-     "record the sensor's own channels, as ft_raw_wrench"),
-    (frozenset({"ext", "hat"}), _ESTIMATED[0].format("libfranka"), _ESTIMATED[1]),
-    (frozenset({"ext", "est"}), _ESTIMATED[0].format("KUKA's FRI"), _ESTIMATED[1]),
-    (frozenset({"cart", "force"}), _ESTIMATED[0].format("KUKA Sunrise"), _ESTIMATED[1]),
-    (frozenset({"cart", "torque"}), _ESTIMATED[0].format("KUKA Sunrise"), _ESTIMATED[1]),
-)  # fmt: skip
+_ESTIMATED = phrase(
+    "estimated_wrench", "an external wrench that {who} estimates from the torques of the joints", who=OPEN
+)
+_ON_THE_FLANGE = phrase("sensor_on_flange", "record a sensor on the flange")
+_COMPUTED: tuple[tuple[frozenset[str], Phrase, Phrase], ...] = (
+    (
+        frozenset({"actual", "tcp", "force"}),
+        phrase(
+            "wrench_of_tcp",
+            "a wrench that the controller of Universal Robots turns into the axes of the base, without the payload "
+            "that "
+            "is set, and zeroes",
+        ),
+        phrase("record_ft_raw", "record ft_raw_wrench"),
+    ),
+    (
+        frozenset({"tcpf"}),
+        phrase("force_at_tool", "the force at the tool, which a controller computes"),
+        phrase("record_own_channels", "record the sensor's own channels, as ft_raw_wrench"),
+    ),
+    (frozenset({"ext", "hat"}), _ESTIMATED.filled(who="libfranka"), _ON_THE_FLANGE),
+    (frozenset({"ext", "est"}), _ESTIMATED.filled(who="KUKA's FRI"), _ON_THE_FLANGE),
+    (frozenset({"cart", "force"}), _ESTIMATED.filled(who="KUKA Sunrise"), _ON_THE_FLANGE),
+    (frozenset({"cart", "torque"}), _ESTIMATED.filled(who="KUKA Sunrise"), _ON_THE_FLANGE),
+)
 """Words of wrenches that are not readings, what they are, and what to record instead."""
 
 
-def computed(said: Iterable[str]) -> tuple[str, str] | None:
+def computed(said: Iterable[str]) -> tuple[Phrase, Phrase] | None:
     """What a wrench is that is not what a sensor reads, by the words of its name, and what to record instead.
 
     None: by its name it may be readings.
@@ -89,7 +104,8 @@ def computed(said: Iterable[str]) -> tuple[str, str] | None:
         if of <= named:
             return what, remedy
     if NOT_OF_A_SENSOR.among(named):
-        return "by its name a wrench that was computed from readings", "record the sensor's own, raw channels"
+        computed_wrench = phrase("computed_wrench", "by its name a wrench that was computed from readings")
+        return computed_wrench, phrase("record_raw_channels", "record the sensor's own, raw channels")
     return None
 
 
