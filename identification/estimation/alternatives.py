@@ -179,10 +179,10 @@ class _Scores(NamedTuple):
     """Scores of an alternative, before it is known what noise makes of them."""
 
     alternative: Alternative
-    left: Array  # what the fit leaves of its scaled columns, shape (n, 6, k)
+    residuals: Array  # what the fit leaves of its scaled columns, shape (n, 6, k)
     inside: Array  # their scores in the basis of the fit, shape (v, k)
     scale: Array  # of its columns, shape (k,)
-    back: Array  # U = left back, shape (k, c)
+    back: Array  # U = residuals back, shape (k, c)
     strength: float  # sum of the squares of what the fit leaves
     scores: Array  # shape (c,)
     alone: Array  # squares of the residuals that each column explains by itself, shape (k,)
@@ -271,7 +271,7 @@ def sizes_of(columns: Array, rest: Remainder, *, roughly: bool = False) -> Sizes
 
 def _effect_of(found: _Scores, rest: Remainder, most: float) -> Effect | None:
     """What residuals show of an alternative, judged by what they leave beside it; None above a chance."""
-    basis = found.left @ found.back
+    basis = found.residuals @ found.back
     explained = basis @ found.scores
     rough = chance_of(found.scores, rough_noise(basis, rest, rest.residuals - explained))[1]
     if rough * found.alternative.chosen > most:

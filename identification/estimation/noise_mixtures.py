@@ -97,8 +97,8 @@ def source_covariance(found: Turned) -> Array | None:
         return None
     kinds, meats, risen = np.array([found.lags(source) for source in found.sources]), [], False
     for channel in shown(found, kinds, lowest(found, PASSED, len(kinds))):
-        white = likeliest(channel.power, channel.left[:1])
-        both = likeliest(channel.power, channel.left)
+        white = likeliest(channel.power, channel.residual[:1])
+        both = likeliest(channel.power, channel.residual)
         chosen = both if both.criterion > white.criterion else white
         risen = risen or chosen is both
         meats.append(np.tensordot(chosen.shares, channel.covariances[: len(chosen.shares)], 1))
@@ -112,7 +112,7 @@ def mixtures(found: Turned) -> list[Mixture]:
         likeliest = _chosen([channel])
         shares = likeliest.shares * likeliest.sizes[0]
         free = free_of(shares, channel)
-        parts = Parts(shares, channel.covariances, _spread(shares, channel.left, free))
+        parts = Parts(shares, channel.covariances, _spread(shares, channel.residual, free))
         answers.append(Mixture(parts, free, shares @ channel.kinds))
     return answers
 
@@ -139,7 +139,7 @@ def _described(channels: Sequence[Shown], single: Sequence[Shown], many: Likelie
         rising: whether noise of accelerations is among both.
     """
     free = np.concatenate([free_of(many.shares, of) for of in channels])
-    spectra = np.concatenate([of.left for of in channels], axis=1)
+    spectra = np.concatenate([of.residual for of in channels], axis=1)
     one = mean_of(single, many.sizes, free, rising)
     power = np.concatenate([of.power / size for of, size in zip(channels, many.sizes, strict=True)])
     total = np.maximum(many.shares @ spectra, NOTHING * float(spectra.max()))
@@ -234,7 +234,7 @@ def _chosen(channels: Sequence[Shown]) -> Likeliest:
 
 def _in_common(channels: Sequence[Shown], last: int | None) -> Likeliest:
     """Shares of the kinds up to one that are the same in some channels, whose noise has sizes of their own."""
-    power, expected = [of.power for of in channels], [of.left[:last] for of in channels]
+    power, expected = [of.power for of in channels], [of.residual[:last] for of in channels]
     counts = [len(of) for of in power]
     sizes, begin = np.ones(len(channels)), None
     for rest in reversed(range(SIZES if len(channels) > 1 else 1)):

@@ -29,7 +29,7 @@ class Shown(NamedTuple):
 
     kinds: Array  # their autocovariances, shape (c, n); the last is the autoregressive one
     power: Array  # of the residuals, shape (f,)
-    left: Array  # that a unit of each kind leaves behind the fit, shape (c, f)
+    residual: Array  # that a unit of each kind leaves behind the fit, shape (c, f)
     whole: Array  # that a unit of each kind has, shape (c, f)
     covariances: Array  # as of `Parts`
     order: int  # of the autoregressive model
@@ -121,8 +121,8 @@ def _seen(
 
 def free_of(shares: Array, channel: Shown) -> Array:
     """Share of the power of a mixture that the fit leaves at each frequency, shape (f,)."""
-    floor = NOTHING * float(channel.left.max())
-    return np.asarray(np.clip((shares @ channel.left) / np.maximum(shares @ channel.whole, floor), 0.0, 1.0))
+    floor = NOTHING * float(channel.residual.max())
+    return np.asarray(np.clip((shares @ channel.residual) / np.maximum(shares @ channel.whole, floor), 0.0, 1.0))
 
 
 def likeliest(

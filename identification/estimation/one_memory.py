@@ -67,7 +67,7 @@ def mean_of(channels: Sequence[Shown], sizes: Array, free: Array, rising: bool) 
             counts by.
         rising: whether noise of accelerations is among their kinds.
     """
-    spectra = np.concatenate([channel.left for channel in channels], axis=1)
+    spectra = np.concatenate([channel.residual for channel in channels], axis=1)
     power = np.concatenate([channel.power / size for channel, size in zip(channels, sizes, strict=True)])
     floor = NOTHING * float(spectra.max())
     spectra, power = np.maximum(spectra, floor), np.maximum(power, floor)

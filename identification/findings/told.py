@@ -117,7 +117,7 @@ class Told(NamedTuple):
     sizes: Array  # estimates, shape (k,)
     step: Array  # by how much these differ from those with which the run was evaluated, shape (k,)
     covariance: Array  # of the sizes with the run, shape (k, k)
-    left: Array  # how much of each size stays in that estimate, I - K G, shape (k, k)
+    reduction: Array  # how much of each size stays in that estimate, I - K G, shape (k, k)
     noise: Array  # what noise makes of the estimates, shape (k, k), and
     white: Array  # what scores make of them, K, shape (k, scores): white noise is the same in each of these
     through: Array  # what the sizes make of the scores, G, shape (scores, k)
@@ -163,10 +163,10 @@ class Told(NamedTuple):
     @property
     def remaining(self) -> tuple[Share, ...]:
         """What each tolerance does to values that are estimated with the sizes: none of it is left in residuals."""
-        both, begin, blocks = self.biases @ self.left, 0, []
+        both, begin, blocks = self.biases @ self.reduction, 0, []
         for share in self.shares:
             end = begin + share.biases.shape[1]
-            blocks.append(share._replace(biases=both[:, begin:end], left=share.left[:, :, :0]))
+            blocks.append(share._replace(biases=both[:, begin:end], residuals=share.residuals[:, :, :0]))
             begin = end
         return tuple(blocks)
 
@@ -240,7 +240,7 @@ def told_by(fitted: Fitted, case: Case, sizes: Array | None = None) -> Told | No
     shares = shown(every, case)
     if not shares:
         return None
-    residual_effects, both = np.concatenate([share.left for share in shares], axis=2), ((0, 1), (0, 1))
+    residual_effects, both = np.concatenate([share.residuals for share in shares], axis=2), ((0, 1), (0, 1))
     values, vectors = np.linalg.eigh(np.tensordot(residual_effects, residual_effects, both))
     significant = values > FAINT * float(np.mean(rest.residuals**2))
     if not significant.any():

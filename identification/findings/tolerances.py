@@ -35,7 +35,7 @@ class Share(NamedTuple):
 
     key: str  # such as joints_mm
     biases: Array  # of the values of the fit by one standard deviation of each of its sizes, shape (v, k)
-    left: Array  # what the fit leaves of the effects of these sizes on the forces, weighted, shape (n, 6, k)
+    residuals: Array  # what the fit leaves of the effects of these sizes on the forces, weighted, shape (n, 6, k)
 
     @property
     def kind(self) -> str:
@@ -74,7 +74,7 @@ def without_tolerances(rest: Remainder, shares: tuple[Share, ...]) -> Remainder:
     Sizes are those that are likely with the residuals and with what is stated: sum (d_j / deviation_j)^2 + chi^2
     is least. So residuals show nothing again that tolerances have counted, and all that is larger than stated.
     """
-    columns = np.concatenate([share.left for share in shares], axis=2) if shares else np.zeros((0, 6, 0))
+    columns = np.concatenate([share.residuals for share in shares], axis=2) if shares else np.zeros((0, 6, 0))
     if not columns.shape[2]:
         return rest
     both = ((0, 1), (0, 1))

@@ -323,7 +323,7 @@ def _tolerated(
     estimated_sizes = shown(shares, case)
     if not estimated_sizes or case.sensors.pose_field is not None:  # errors of the pose look like sizes, and hide them
         return nothing
-    strength = share * _strength(np.concatenate([s.left for s in estimated_sizes], axis=2), channels)
+    strength = share * _strength(np.concatenate([s.residuals for s in estimated_sizes], axis=2), channels)
     both = np.concatenate([s.biases[:own] for s in estimated_sizes], axis=1)
     stays = joint_covariance(strength)
     if not worth_estimating(np.diag(noise + both @ both.T), np.diag(noise + both @ stays @ both.T)):
@@ -337,18 +337,18 @@ def _tolerated(
     return Tolerated(by_noise, with_sizes(stays), with_sizes(joint_covariance(LONG * strength)))
 
 
-def _strength(left: Array, channels: Array) -> Array:
+def _strength(residuals: Array, channels: Array) -> Array:
     """How well residuals show sizes: G^T N^-1 G, N what noise makes of their scores, shape (k, k).
 
     Args:
-        left: what a fit leaves of their effects, weighted, shape (n, 6, k).
+        residuals: what a fit leaves of their effects, weighted, shape (n, 6, k).
         channels: covariance of a weighted sample, shape (6, 6).
     """
     both = ((0, 1), (0, 1))
-    values, vectors = np.linalg.eigh(np.tensordot(left, left, both))
+    values, vectors = np.linalg.eigh(np.tensordot(residuals, residuals, both))
     significant = values > ROUNDING * values[-1]
     through = np.sqrt(values[significant])
-    scored = left @ (vectors[:, significant] / through)
+    scored = residuals @ (vectors[:, significant] / through)
     noise = np.tensordot(scored, channels @ scored, both)
     directions = (vectors[:, significant] * through).T
     return np.asarray(directions.T @ np.linalg.solve(noise, directions))
